@@ -1,0 +1,1 @@
+"""Surfaces of bodies that touch, and where they touch."""

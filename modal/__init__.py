@@ -1,0 +1,1 @@
+"""A finite element model becomes a small set of deformation shapes."""

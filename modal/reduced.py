@@ -1,0 +1,109 @@
+"""The reduced flexible body: all that the simulation needs to know of a finite-element model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from heavylift.modal.invariants import ShapeIntegrals
+
+__all__ = ["ReducedBody"]
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedBody:
+    """A flexible body in modal coordinates: unit modal mass, diagonal modal stiffness.
+
+    Attributes
+    ----------
+    nodes
+        Undeformed nodes in the body frame [m], shape (n, 3).
+    eigenvalues
+        Diagonal of the modal stiffness [rad^2/s^2], shape (nf,), ascending; the modal mass is the identity.
+    mode_shapes
+        Displacements per unit modal coordinate [kg^-1/2], shape (nf, n, 3), C-contiguous.
+    integrals
+        Inertia shape integrals about the origin of the body frame.
+    mean_axis
+        Whether the shapes carry no linear and no angular momentum of the undeformed body:
+        ``modal_translation = 0`` and ``Ibar_kl = Ibar_lk``.
+    labels
+        Where each vector comes from, e.g. ``"eigenmode 3"``; length nf.
+    residuals
+        ``||K phi - w2 M phi|| / (w2 ||M phi||)`` of each vector in the full model, shape (nf,).
+        Small for eigenmodes, of order one for vectors that a static or Krylov basis adds.
+    orthogonality
+        Largest deviation of ``Phi^T M Phi`` from the identity.
+
+    Raises
+    ------
+    InputError
+        If the arrays do not fit together.
+    """
+
+    nodes: NDArray[np.float64]
+    eigenvalues: NDArray[np.float64]
+    mode_shapes: NDArray[np.float64]
+    integrals: ShapeIntegrals
+    mean_axis: bool
+    labels: tuple[str, ...]
+    residuals: NDArray[np.float64]
+    orthogonality: float
+
+    def __post_init__(self) -> None:
+        n, nf = len(self.nodes), len(self.eigenvalues)
+        expected = {
+            "nodes": (n, 3),
+            "eigenvalues": (nf,),
+            "mode_shapes": (nf, n, 3),
+            "residuals": (nf,),
+        }
+        for key, shape in expected.items():
+            array = np.ascontiguousarray(getattr(self, key), dtype=np.float64)
+            object.__setattr__(self, key, array)
+            if array.shape != shape:
+                raise InputError(
+                    f"shape {array.shape}", source="reduced body", key=key, expected=f"shape {shape}"
+                )
+        if len(self.labels) != nf:
+            raise InputError(
+                f"{len(self.labels)} labels", source="reduced body", key="labels", expected=f"{nf}, one a vector"
+            )
+
+    @property
+    def mode_count(self) -> int:
+        """Number of modal coordinates nf."""
+        return len(self.eigenvalues)
+
+    @property
+    def node_count(self) -> int:
+        """Number of nodes n."""
+        return len(self.nodes)
+
+    @property
+    def frequencies(self) -> NDArray[np.float64]:
+        """Natural frequencies of the reduced body with its frame held [Hz], shape (nf,)."""
+        return np.sqrt(np.maximum(self.eigenvalues, 0.0)) / (2.0 * np.pi)
+
+    def displacement(self, modal_coordinates: ArrayLike) -> NDArray[np.float64]:
+        """Displacements of all nodes in the body frame [m], shape (n, 3), for coordinates q [kg^1/2 m]."""
+        q = np.asarray(modal_coordinates, dtype=np.float64)
+        if q.shape != (self.mode_count,):
+            raise InputError(
+                f"modal coordinates of shape {q.shape}", source="reduced body", expected=f"shape ({self.mode_count},)"
+            )
+        return np.tensordot(q, self.mode_shapes, axes=1)
+
+    def nearest_node(self, point: ArrayLike) -> int:
+        """Index of the node closest to a point [m] of the body frame; the lowest index among equals."""
+        r = np.asarray(point, dtype=np.float64)
+        if r.shape != (3,) or not np.all(np.isfinite(r)):
+            raise InputError(f"point {point!r}", source="reduced body", expected="three finite coordinates [m]")
+        return int(np.argmin(np.sum((self.nodes - r) ** 2, axis=1)))

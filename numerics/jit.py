@@ -1,0 +1,123 @@
+"""The one decorator for compiled code, and a cache that notices edits anywhere in the package.
+
+Numba's own disk cache looks only at the file a function is written in: after an
+edit to a kernel, cached callers in *other* files would keep the old physics
+(numba issue 1833). The cache folder here is named by a digest of all sources that
+can contain kernels, so any edit starts a fresh cache and no stale code can load.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import shutil
+from collections.abc import Callable, Iterable, Iterator
+from functools import cache, update_wrapper
+from pathlib import Path
+from typing import Any, TypeVar, overload
+
+import numba
+
+__all__ = ["cache_directory", "cache_root", "kernel", "source_digest"]
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+KERNEL_FOLDERS = ("numerics", "preprocess", "modal", "contours", "solver")
+"""Folders below the package that may hold kernels; their sources name the cache."""
+
+KEPT_CACHES = 4
+"""Cache folders of older sources that are kept beside the current one."""
+
+ROUNDING_FLAGS = frozenset({"contract", "nsz", "arcp"})
+"""Allowed to change the last bits; never ``nnan``/``ninf``, which would remove every ``isnan``."""
+
+
+def source_digest(folders: Iterable[Path]) -> str:
+    """Hexadecimal digest of the names and contents of all Python files below some folders.
+
+    Parameters
+    ----------
+    folders
+        Folders that are searched recursively for ``*.py``.
+    """
+    digest = hashlib.blake2b(digest_size=10)
+    for folder in folders:
+        for path in sorted(folder.rglob("*.py")):
+            digest.update(f"{folder.name}/{path.relative_to(folder)}".encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def cache_root() -> Path:
+    """Folder of all kernel caches: ``HEAVYLIFT_CACHE_DIR``, or one in the user's cache folder."""
+    chosen = os.environ.get("HEAVYLIFT_CACHE_DIR")
+    if chosen:
+        return Path(chosen)
+    base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base else Path.home() / ".cache") / "heavylift"
+
+
+@cache
+def cache_directory() -> Path:
+    """Folder of the compiled kernels that belong to the present sources; removes outdated ones."""
+    package = Path(__file__).resolve().parent.parent
+    root = cache_root()
+    current = root / source_digest([package / name for name in KERNEL_FOLDERS])
+    if not current.is_dir():
+        with contextlib.suppress(OSError):  # a read-only home must not stop a run
+            current.mkdir(parents=True, exist_ok=True)
+            older = sorted(
+                (path for path in root.iterdir() if path.is_dir() and path != current),
+                key=lambda path: path.stat().st_mtime,
+            )
+            for path in older[:-KEPT_CACHES]:
+                shutil.rmtree(path, ignore_errors=True)
+    return current
+
+
+@contextlib.contextmanager
+def _numba_cache_directory(directory: Path) -> Iterator[None]:
+    """Point Numba to a cache folder while a function is decorated, and back afterwards."""
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(directory)
+    try:
+        yield
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+@overload
+def kernel(function: F, /) -> F: ...
+
+
+@overload
+def kernel(*, inline: bool = ..., reassociate: bool = ...) -> Callable[[F], F]: ...
+
+
+def kernel(function: F | None = None, /, *, inline: bool = False, reassociate: bool = False) -> Any:
+    """Compile a function with Numba and cache the machine code on disk.
+
+    Parameters
+    ----------
+    function
+        Typed arrays and scalars in, arrays written in place; no Python objects.
+    inline
+        Let LLVM inline the function into its callers: for small hot kernels, where
+        handing over array structures costs more than the work itself.
+    reassociate
+        Allow sums to be added in another order, so that dot products use vector
+        instructions. Changes rounding only; NaN and infinity stay visible.
+    """
+
+    def decorate(python_function: F) -> F:
+        flags = set(ROUNDING_FLAGS | {"reassoc"}) if reassociate else set(ROUNDING_FLAGS)
+        with _numba_cache_directory(cache_directory()):
+            compiled = numba.njit(cache=True, error_model="numpy", fastmath=flags, forceinline=inline)(
+                python_function
+            )
+        if compiled is not python_function:
+            update_wrapper(compiled, python_function)
+        return compiled  # type: ignore[no-any-return]
+
+    return decorate if function is None else decorate(function)

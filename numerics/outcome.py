@@ -1,0 +1,76 @@
+"""How a run ended, as data, and the one error type for bad input."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+__all__ = ["InputError", "InputErrors", "Outcome"]
+
+
+class Outcome(IntEnum):
+    """How a simulation or a stage ended; stored with the results.
+
+    The value is also the exit code of the command that ran it: 0 success, 1 a
+    check failed, 2 bad input, larger values name a run that stopped by itself.
+    """
+
+    COMPLETED = 0
+    CHECK_FAILED = 1
+    BAD_INPUT = 2
+    NOT_FINITE = 3
+    STEP_TOO_LARGE = 4
+    INTERRUPTED = 5
+    DISK_FULL = 6
+    LOCKED = 7
+    NOT_CONVERGED = 8
+
+    @property
+    def text(self) -> str:
+        """Words for a person, e.g. ``"stopped: a value is not finite"``."""
+        return _TEXTS[self]
+
+
+_TEXTS = {
+    Outcome.COMPLETED: "completed",
+    Outcome.CHECK_FAILED: "a check failed",
+    Outcome.BAD_INPUT: "bad input",
+    Outcome.NOT_FINITE: "stopped: a value is not finite",
+    Outcome.STEP_TOO_LARGE: "stopped: the step is too large for the rotation speed",
+    Outcome.INTERRUPTED: "interrupted",
+    Outcome.DISK_FULL: "stopped: the disk is full",
+    Outcome.LOCKED: "another run works in this folder",
+    Outcome.NOT_CONVERGED: "stopped: an iteration did not converge",
+}
+
+
+class InputError(ValueError):
+    """Bad input: one message that names where, what was found and what was expected.
+
+    Parameters
+    ----------
+    problem
+        What is wrong, with the value, e.g. ``"'steel' is not a number"``.
+    source
+        File (or object) in which it stands.
+    key
+        Key path, row or line within the source.
+    expected
+        What would have been right, and the remedy if there is one.
+    """
+
+    def __init__(self, problem: str, *, source: object = "", key: str = "", expected: str = "") -> None:
+        self.problem = problem
+        self.source = str(source)
+        self.key = key
+        self.expected = expected
+        place = ": ".join(part for part in (self.source, key) if part)
+        message = f"{place}: {problem}" if place else problem
+        super().__init__(f"{message}; expected {expected}" if expected else message)
+
+
+class InputErrors(InputError):
+    """Several errors found in one pass over an input, reported together."""
+
+    def __init__(self, errors: list[InputError]) -> None:
+        self.errors = errors
+        super().__init__("\n".join(str(error) for error in errors))

@@ -1,0 +1,1 @@
+"""Geometry and data become meshes and finite element matrices."""

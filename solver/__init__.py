@@ -1,0 +1,1 @@
+"""Time: kinds of bodies and forces, the step, the integrators."""

@@ -1,0 +1,1 @@
+"""One integrator a file."""
