@@ -1,0 +1,136 @@
+"""The two solid elements: node numbering, faces, shape functions and the rules that integrate their volume.
+
+Both elements are numbered as in VTK and meshio:
+
+* ``hex8``: corners (-1,-1,-1), (1,-1,-1), (1,1,-1), (-1,1,-1), then the same four at zeta = +1;
+* ``tet10``: corners (0,0,0), (1,0,0), (0,1,0), (0,0,1), then the middles of the edges 01, 12, 02, 03, 13, 23.
+
+Faces list their nodes anticlockwise seen from outside: corners first, then the middle nodes.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = [
+    "CORNER_COUNT",
+    "FACES",
+    "FACE_CORNER_COUNT",
+    "FACE_TRIANGLES",
+    "NODE_COUNT",
+    "REFERENCE_NODES",
+    "TET_EDGES",
+    "jacobians",
+    "shape_functions",
+    "shape_gradients",
+    "volume_rule",
+]
+
+NODE_COUNT = {"hex8": 8, "tet10": 10}
+CORNER_COUNT = {"hex8": 8, "tet10": 4}
+FACE_CORNER_COUNT = {"hex8": 4, "tet10": 3}
+
+FACES: dict[str, NDArray[np.int64]] = {
+    "hex8": np.array(
+        [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]], dtype=np.int64
+    ),
+    "tet10": np.array(
+        [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]], dtype=np.int64
+    ),
+}
+# triangles of one face, as positions within a row of FACES
+FACE_TRIANGLES: dict[str, NDArray[np.int64]] = {
+    "hex8": np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int64),
+    "tet10": np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]], dtype=np.int64),
+}
+
+TET_EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
+_TET_CORNERS = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+REFERENCE_NODES: dict[str, NDArray[np.float64]] = {
+    "hex8": np.array(
+        [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
+        dtype=np.float64,
+    ),
+    "tet10": np.vstack([_TET_CORNERS, _TET_CORNERS[TET_EDGES].mean(axis=1)]),
+}
+
+
+def shape_functions(element_type: str, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the shape functions N at reference points.
+
+    Parameters
+    ----------
+    element_type
+        ``"hex8"`` or ``"tet10"``.
+    points
+        Reference coordinates, shape (nq, 3).
+
+    Returns
+    -------
+    NDArray
+        Shape (nq, nodes per element).
+    """
+    if element_type == "hex8":
+        # N_a = (1 + xi_a xi)(1 + eta_a eta)(1 + zeta_a zeta) / 8
+        factors = 1.0 + points[:, None, :] * REFERENCE_NODES["hex8"]
+        return factors.prod(axis=2) / 8.0
+    L = np.column_stack([1.0 - points.sum(axis=1), points])
+    corners = L * (2.0 * L - 1.0)
+    edges = 4.0 * L[:, TET_EDGES[:, 0]] * L[:, TET_EDGES[:, 1]]
+    return np.hstack([corners, edges])
+
+
+def shape_gradients(element_type: str, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return dN/dxi at reference points, shape (nq, nodes per element, 3); arguments as `shape_functions`."""
+    if element_type == "hex8":
+        signs = REFERENCE_NODES["hex8"]
+        factors = 1.0 + points[:, None, :] * signs
+        gradients = np.empty((len(points), 8, 3))
+        for k in range(3):
+            others = [axis for axis in range(3) if axis != k]
+            gradients[:, :, k] = signs[:, k] * factors[:, :, others].prod(axis=2) / 8.0
+        return gradients
+    L = np.column_stack([1.0 - points.sum(axis=1), points])
+    dL = np.vstack([-np.ones(3), np.eye(3)])
+    corners = (4.0 * L - 1.0)[:, :, None] * dL
+    first, second = TET_EDGES[:, 0], TET_EDGES[:, 1]
+    edges = 4.0 * (L[:, first, None] * dL[second] + L[:, second, None] * dL[first])
+    return np.concatenate([corners, edges], axis=1)
+
+
+def volume_rule(element_type: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Points (nq, 3) and weights (nq,) that integrate det J exactly, for curved elements too.
+
+    Bricks: 2 x 2 x 2 Gauss points. Tetrahedra: the five-point rule of degree 3 (Zienkiewicz, *The Finite
+    Element Method*, table of tetrahedral rules); its negative weight is harmless for a volume.
+    """
+    if element_type == "hex8":
+        return REFERENCE_NODES["hex8"] / np.sqrt(3.0), np.ones(8)
+    inner = np.full((4, 3), 1.0 / 6.0)
+    inner[np.arange(3), np.arange(3)] = 0.5
+    points = np.vstack([np.full((1, 3), 0.25), inner])
+    return points, np.array([-4.0 / 5.0, 9.0 / 20.0, 9.0 / 20.0, 9.0 / 20.0, 9.0 / 20.0]) / 6.0
+
+
+def jacobians(corners: NDArray[np.float64], gradients: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return J_ij = dx_i/dxi_j of many elements at many reference points.
+
+    Parameters
+    ----------
+    corners
+        Node positions of the elements [m], shape (ne, nodes per element, 3).
+    gradients
+        dN/dxi from `shape_gradients`, shape (nq, nodes per element, 3).
+
+    Returns
+    -------
+    NDArray
+        Shape (ne, nq, 3, 3) [m].
+    """
+    # (ne, 1, 3, nn) @ (nq, nn, 3): matmul is several times faster here than einsum
+    return np.matmul(corners.transpose(0, 2, 1)[:, None], gradients)
