@@ -1,1 +1,1 @@
-"""What every layer shares: compiled kernels and their cache, rotations, small blocks, outcomes; no mechanics."""
+"""What every layer shares: compiled kernels and their cache, rotations, small blocks, outcomes."""

@@ -1,0 +1,231 @@
+"""The kind of floating-frame bodies: a moving reference frame plus modal coordinates.
+
+"Deformable bodies with complex geometries ... sliding contacts" (2014), chapter 2, with unit
+quaternions and body-axis angular velocity in place of Cardan angles, so that neither the
+singularity of eq. 2.31 nor the incomplete quadratic terms of eq. 2.79 arise.
+
+All matrices of the deformed body come from a few shape integrals (`ShapeIntegrals`). With
+``q`` the modal coordinates, the quadratic ones enter through products of six symmetric and
+three antisymmetric matrices with q and its rate::
+
+    H_11 = S_11 ... H_12 = S_12 + S_21 ...      A_1 = S_23 - S_32, A_2 = S_31 - S_13, A_3 = S_12 - S_21
+
+which are evaluated once a step, stacked as one matrix, and carried with the state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.modal.invariants import ShapeIntegrals
+from heavylift.modal.reduced import ReducedBody
+from heavylift.solver.drive import pack_drive
+from heavylift.solver.markers import BodyMarkers, pack_markers
+from heavylift.solver.scene import Driven, Fixed, FlexibleBody, Free
+
+__all__ = ["FloatingFrameBodies", "pack_floating_frames", "pack_shape"]
+
+# columns of `index`; starts are places in `constants`
+MODES, MODAL, DOF, SHAPE, MOTION, DRIVE, COLUMN, NUMBER = range(8)
+FREE, FIXED, DRIVEN = range(3)
+
+# columns of `frame`: the carried state of the reference frame ...
+POSITION = 0  # frame origin, world [m]
+ORIENTATION = 3  # unit quaternion
+VELOCITY = 7  # world [m/s]
+SPIN = 10  # body axes [rad/s]
+ACCELERATION = 13  # difference quotient of the last step, world [m/s2]
+SPIN_RATE = 16  # likewise, body axes [rad/s2]
+MOMENTUM = 19  # world [kg m/s]
+ANGULAR_MOMENTUM = 22  # about the frame origin, world axes [kg m2/s]
+WORK = 25  # of external forces, of the drive, and dissipated [J]
+# ... and the scratch of a step
+MID_POSITION = 28
+MID_VELOCITY = 31  # predicted, body axes
+MID_SPIN = 34
+TRANSPORTED = 37  # angular momentum about the midpoint origin, world axes
+FORCE = 40  # resultant of the marker forces, world axes
+MOMENT = 43  # of the marker forces about the origin of the stage, body axes
+FIRST_MOMENT = 46  # S_t = I1 + S q
+INERTIA = 49  # I_tt: 11 22 33 12 13 23
+FRAME_RHS = 55  # right-hand side of the six frame rows, body axes
+START_VELOCITY = 61  # v, w at the start of the step
+MID_POSE = 67  # position and quaternion of a driven frame
+PRESCRIBED = 74  # velocity, spin, acceleration, spin rate of a driven frame
+DRIVEN_VELOCITY = 86  # mean of both ends of the step
+MID_ROTATION = 92  # rotation matrix of the stage, row by row
+END_ROTATION = 101  # and of the end of the step
+FACTOR = 110  # Cholesky factor of the frame block, 6 x 6, row by row
+FRAME_WIDTH = 146
+
+# rows of `modal`: coordinates, rates, difference quotient of the rates; constants; scratch
+Q, RATE, RATE2, STIFFNESS, DAMPING, MID_Q, MID_RATE, INVERSE, ROW, LOAD, QUADRATIC, TF1 = range(12)
+MODAL_ROWS = TF1 + 3  # the coupling I_tf has three rows
+
+# rows of `products`: [A_1; A_2; A_3; H_11 H_22 H_33 H_12 H_13 H_23] times a vector
+AT_Q, AT_RATE, AT_RATE2, AT_MIDPOINT, AT_VELOCITY = range(5)  # the last: at the midpoint velocity
+
+# blocks of a packed shape
+SHAPE_MASS = 0
+SHAPE_FIRST_MOMENT = 1
+SHAPE_INERTIA = 4  # I_11 I_22 I_33 I_12 I_13 I_23
+SHAPE_HEAD = 10  # then S (3 n), Ibar antisymmetric (3 n), Ibar symmetric (6 n), stacked products (n x 9 n)
+
+
+class FloatingFrameBodies(NamedTuple):
+    """All floating-frame bodies of a scene; columns and rows are named at the top of this file.
+
+    Few arrays, because each one costs compile time in every function that a kind is handed to.
+
+    Attributes
+    ----------
+    index
+        Mode count, first modal coordinate, first velocity, start of the shape, motion, start of the
+        drive, first record column, number in the scene; shape (nb, 8).
+    constants
+        Packed inertia shapes (bodies of one reduced model share one), drives, and marker data: of a
+        point its body-frame position [m] and mode shapes, 3 + 3 nf, component by component; of a
+        direction the body-frame vector.
+    frame
+        State of the frames and scratch of the step, shape (nb, 146).
+    modal
+        State of the modes, modal stiffness [1/s2] and damping [1/s], and scratch; shape (15, modes of
+        all bodies).
+    products
+        Stacked matrix products, shape (5, 9 x modes of all bodies).
+    markers
+        Points and directions that forces act on: number in the workspace, row of the body, start of the
+        data, 1 for a direction; shape (m, 4).
+    sensors
+        Points that are recorded: first record column, then the same; shape (m, 4).
+    """
+
+    index: NDArray[np.int64]
+    constants: NDArray[np.float64]
+    frame: NDArray[np.float64]
+    modal: NDArray[np.float64]
+    products: NDArray[np.float64]
+    markers: NDArray[np.int64]
+    sensors: NDArray[np.int64]
+
+
+def pack_shape(integrals: ShapeIntegrals) -> NDArray[np.float64]:
+    """Flatten shape integrals into the block the kernels read.
+
+    Notes
+    -----
+    The stacked products are stored by columns, ``T[j, r]`` being the factor of ``q_j`` in product r:
+    a sum of long scaled rows runs at vector speed for any number of modes.
+    """
+    S = integrals.mode_mode
+    Ibar = integrals.position_mode
+    I = integrals.inertia_kl
+    head = np.array([integrals.mass, *integrals.first_moment, *np.diag(I), I[0, 1], I[0, 2], I[1, 2]])
+    antisymmetric = ((1, 2), (2, 0), (0, 1))
+    symmetric = ((0, 1), (0, 2), (1, 2))
+    stacked = [S[k, l] - S[l, k] for k, l in antisymmetric]
+    stacked += [S[k, k] for k in range(3)] + [S[k, l] + S[l, k] for k, l in symmetric]
+    Ibar_rows = [Ibar[k, l] - Ibar[l, k] for k, l in antisymmetric]
+    Ibar_rows += [Ibar[k, k] for k in range(3)] + [Ibar[k, l] + Ibar[l, k] for k, l in symmetric]
+    return np.concatenate(
+        [
+            head,
+            integrals.modal_translation.ravel(),
+            np.concatenate(Ibar_rows),
+            np.ascontiguousarray(np.concatenate(stacked).T).ravel(),
+        ]
+    )
+
+
+def pack_floating_frames(
+    bodies: Sequence[FlexibleBody],
+    first_number: int,
+    first_dof: int,
+    first_column: int,
+    markers: Sequence[BodyMarkers],
+    sensors: Sequence[BodyMarkers],
+) -> FloatingFrameBodies:
+    """Make the kind from what the user said; start velocities of driven frames are set by the integrator.
+
+    Parameters
+    ----------
+    bodies
+        In the order of their rows.
+    first_number, first_dof, first_column
+        Number of the first body in the scene, place of its velocities and of its first record column.
+    markers, sensors
+        Points and directions of each body with their numbers; same order as `bodies`.
+    """
+    counts = [body.reduced.mode_count for body in bodies]
+    modal_starts = np.concatenate([[0], np.cumsum(counts)])
+    total = int(modal_starts[-1])
+    index = np.zeros((len(bodies), 8), dtype=np.int64)
+    frame = np.zeros((len(bodies), FRAME_WIDTH))
+    modal = np.zeros((MODAL_ROWS, total))
+    constants: list[NDArray[np.float64]] = []
+    shape_starts: dict[int, int] = {}
+    dof, column = first_dof, first_column
+    for row, body in enumerate(bodies):
+        reduced = body.reduced
+        if id(reduced) not in shape_starts:
+            shape_starts[id(reduced)] = sum(map(len, constants))
+            constants.append(pack_shape(reduced.integrals))
+        modes = slice(modal_starts[row], modal_starts[row + 1])
+        motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
+        index[row] = (
+            counts[row],
+            modal_starts[row],
+            dof,
+            shape_starts[id(reduced)],
+            motion,
+            sum(map(len, constants)),
+            column,
+            first_number + row,
+        )
+        if isinstance(body.motion, Driven):
+            constants.append(pack_drive(body.motion, body.position, body.orientation))
+        frame[row, POSITION : POSITION + 3] = body.position
+        frame[row, ORIENTATION : ORIENTATION + 4] = body.orientation / np.linalg.norm(body.orientation)
+        if isinstance(body.motion, Free):
+            frame[row, VELOCITY : VELOCITY + 3] = body.velocity
+            frame[row, SPIN : SPIN + 3] = body.angular_velocity
+        if body.modal_position.size:
+            modal[Q, modes] = body.modal_position
+        if body.modal_velocity.size:
+            modal[RATE, modes] = body.modal_velocity
+        modal[STIFFNESS, modes] = reduced.eigenvalues
+        if body.damping_ratio.size:
+            modal[DAMPING, modes] = 2.0 * body.damping_ratio * np.sqrt(np.maximum(reduced.eigenvalues, 0.0))
+        dof += 6 + counts[row]
+        column += record_width(body)
+    shapes_of = [_marker_shapes(body.reduced) for body in bodies]
+    marker_index = pack_markers(markers, shapes_of, constants)
+    sensor_index = pack_markers(sensors, shapes_of, constants)
+    return FloatingFrameBodies(
+        index=index,
+        constants=np.concatenate(constants),
+        frame=frame,
+        modal=modal,
+        products=np.zeros((5, 9 * total)),
+        markers=marker_index,
+        sensors=sensor_index,
+    )
+
+
+def _marker_shapes(reduced: ReducedBody):  # type: ignore[no-untyped-def]
+    """Return a function from a body-frame point to (undeformed position, 3 nf mode shape entries)."""
+
+    def shapes(point: NDArray[np.float64]) -> NDArray[np.float64]:
+        node = reduced.nearest_node(point)
+        return np.concatenate([reduced.nodes[node], reduced.mode_shapes[:, node, :].T.ravel()])
+
+    return shapes
+
+
+def record_width(body: FlexibleBody) -> int:
+    """Columns of a body in a record: pose 7, velocities 6, modal 2 nf, reaction 6 if the frame is not free."""
+    return 13 + 2 * body.reduced.mode_count + (0 if isinstance(body.motion, Free) else 6)

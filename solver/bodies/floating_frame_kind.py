@@ -1,0 +1,6 @@
+"""Everything of the floating-frame kind: importing this module registers all its kernels."""
+
+from heavylift.solver.bodies import floating_frame_record, floating_frame_step, floating_frame_thesis
+from heavylift.solver.bodies.floating_frame import FloatingFrameBodies
+
+__all__ = ["FloatingFrameBodies", "floating_frame_record", "floating_frame_step", "floating_frame_thesis"]

@@ -1,0 +1,481 @@
+"""The second-order step of floating-frame bodies: momentum rows for the frame, velocity rows for the modes.
+
+With ``p`` and ``L`` the linear momentum and the angular momentum about the frame origin, there is no
+quadratic velocity force in the frame rows, and both momenta of a free body are kept to rounding,
+whatever its modes do. Only the modal row has centrifugal and Coriolis forces; they are evaluated at a
+predicted midpoint velocity and once more at the velocity found, with the same factor, without which
+the scheme is second order but unstable. Bars mark the midpoint of the step::
+
+    (F1)  xb, Rb from half a step along an arc,  qb = q + h/2 qd,  Mb = M(Rb, qb)
+    (F2)  Lb = L + (x - xb) x p
+    (F3)  r  = [ p + h/2 F ;  Rb^T (Lb + h/2 T) ;  (Mb U_n)_f + h/2 (h_f - k q + Q_f) ]
+    (F4)  ( Mb + diag(0, h^2/4 k + h/2 d) ) Ub = r
+    (F5)  x, R, q advance with Ub;  qd := 2 qd_b - qd;  p1 = 2 (Mb Ub)_v - p;
+          L1 = 2 Rb (Mb Ub)_w - Lb + (xb - x1) x p1
+    (F6)  frame velocities at the end from p1, L1 and the new q, qd
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
+from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
+from heavylift.numerics.small import cross, rotate, rotate_back
+from heavylift.solver.bodies.floating_frame import (
+    ACCELERATION,
+    ANGULAR_MOMENTUM,
+    AT_MIDPOINT,
+    AT_Q,
+    AT_RATE,
+    AT_RATE2,
+    AT_VELOCITY,
+    DAMPING,
+    DOF,
+    DRIVE,
+    DRIVEN,
+    DRIVEN_VELOCITY,
+    END_ROTATION,
+    FACTOR,
+    FIRST_MOMENT,
+    FIXED,
+    FORCE,
+    FRAME_RHS,
+    FREE,
+    INVERSE,
+    LOAD,
+    MID_POSE,
+    MID_POSITION,
+    MID_Q,
+    MID_RATE,
+    MID_SPIN,
+    MID_VELOCITY,
+    MODAL,
+    MODES,
+    MOMENT,
+    MOMENTUM,
+    MOTION,
+    NUMBER,
+    ORIENTATION,
+    POSITION,
+    PRESCRIBED,
+    QUADRATIC,
+    RATE,
+    RATE2,
+    ROW,
+    SHAPE_HEAD,
+    SHAPE_MASS,
+    SPIN,
+    SPIN_RATE,
+    START_VELOCITY,
+    STIFFNESS,
+    TF1,
+    TRANSPORTED,
+    VELOCITY,
+    WORK,
+    FloatingFrameBodies,
+    Q,
+)
+from heavylift.solver.bodies.floating_frame_inertia import (
+    antisymmetric_products,
+    body_momenta,
+    deformed_inertia,
+    frame_velocity_from_momenta,
+    quadratic_modal_force,
+)
+from heavylift.solver.bodies.floating_frame_stage import (
+    factor_frame,
+    gather_marker_forces,
+    product_columns,
+    shape_of,
+    solve_stage,
+    stage_rotation,
+    update_products,
+)
+from heavylift.solver.drive import drive_pose, drive_velocity
+from heavylift.solver.interface import (
+    FIELD,
+    STATUS_BODY,
+    STATUS_OUTCOME,
+    Workspace,
+    advance,
+    check,
+    correct,
+    factor,
+    finish,
+    predict,
+)
+from heavylift.solver.kinds import implement
+
+__all__ = ["LARGEST_TURN"]
+
+LARGEST_TURN = 0.25
+"""Turn of a frame in one step [rad] above which errors are of order one (thin bodies first)."""
+
+NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE)
+
+
+@implement(predict, FloatingFrameBodies)
+@kernel(internal=True)
+def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float) -> None:
+    """(F1), (F2): midpoint configuration, its inertia, and the angular momentum about the new origin."""
+    h = step
+    for body in range(kind.index.shape[0]):
+        n, first = kind.index[body, MODES], kind.index[body, MODAL]
+        motion = kind.index[body, MOTION]
+        frame = stage = kind.frame[body]
+        for i in range(first, first + n):
+            kind.modal[MID_Q, i] = kind.modal[Q, i] + 0.5 * h * kind.modal[RATE, i]
+            kind.modal[MID_RATE, i] = kind.modal[RATE, i] + 0.5 * h * kind.modal[RATE2, i]
+        R = stage_rotation(kind, body)
+        if motion == DRIVEN:
+            pose = stage[MID_POSE : MID_POSE + 7]
+            drive_pose(kind.constants[kind.index[body, DRIVE] :], time + 0.5 * h, pose)
+            for k in range(3):
+                stage[MID_POSITION + k] = pose[k]
+            write_rotation_matrix((pose[3], pose[4], pose[5], pose[6]), R)
+            drive_velocity(
+                kind.constants[kind.index[body, DRIVE] :], time + h, stage[PRESCRIBED : PRESCRIBED + 12]
+            )
+            for k in range(3):  # the mean of both ends makes the momentum balance of the modes second order
+                stage[DRIVEN_VELOCITY + k] = 0.5 * (frame[VELOCITY + k] + stage[PRESCRIBED + k])
+                stage[DRIVEN_VELOCITY + 3 + k] = 0.5 * (frame[SPIN + k] + stage[PRESCRIBED + 3 + k])
+        else:
+            a = 0.125 * h * h
+            for k in range(3):
+                stage[MID_POSITION + k] = (
+                    frame[POSITION + k] + 0.5 * h * frame[VELOCITY + k] + a * frame[ACCELERATION + k]
+                )
+            quaternion = rotate_by_exponential(
+                (frame[ORIENTATION], frame[ORIENTATION + 1], frame[ORIENTATION + 2], frame[ORIENTATION + 3]),
+                0.5 * h * frame[SPIN] + a * frame[SPIN_RATE],
+                0.5 * h * frame[SPIN + 1] + a * frame[SPIN_RATE + 1],
+                0.5 * h * frame[SPIN + 2] + a * frame[SPIN_RATE + 2],
+            )
+            write_rotation_matrix(quaternion, R)
+        v = rotate_back(
+            R,
+            frame[VELOCITY] + 0.5 * h * frame[ACCELERATION],
+            frame[VELOCITY + 1] + 0.5 * h * frame[ACCELERATION + 1],
+            frame[VELOCITY + 2] + 0.5 * h * frame[ACCELERATION + 2],
+        )
+        for k in range(3):
+            stage[MID_VELOCITY + k] = v[k]
+            stage[MID_SPIN + k] = frame[SPIN + k] + 0.5 * h * frame[SPIN_RATE + k]
+            stage[START_VELOCITY + k] = frame[VELOCITY + k]
+            stage[START_VELOCITY + 3 + k] = frame[SPIN + k]
+        if motion == FIXED:
+            continue
+        products = kind.products[:, 9 * first : 9 * (first + n)]
+        for r in range(9 * n):
+            products[AT_MIDPOINT, r] = products[AT_Q, r] + 0.5 * h * products[AT_RATE, r]
+        deformed_inertia(
+            shape_of(kind, body),
+            kind.modal[MID_Q, first : first + n],
+            products[AT_MIDPOINT],
+            stage,
+            kind.modal[TF1:, first : first + n],
+        )
+        moved = cross(
+            frame[POSITION] - stage[MID_POSITION],
+            frame[POSITION + 1] - stage[MID_POSITION + 1],
+            frame[POSITION + 2] - stage[MID_POSITION + 2],
+            frame[MOMENTUM],
+            frame[MOMENTUM + 1],
+            frame[MOMENTUM + 2],
+        )
+        for k in range(3):
+            stage[TRANSPORTED + k] = frame[ANGULAR_MOMENTUM + k] + moved[k]
+
+
+@implement(factor, FloatingFrameBodies)
+@kernel(internal=True)
+def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
+    """(F3), (F4) with the quadratic forces at the predicted midpoint velocity."""
+    h = step
+    gather_marker_forces(kind, work)
+    for body in range(kind.index.shape[0]):
+        n, first = kind.index[body, MODES], kind.index[body, MODAL]
+        motion = kind.index[body, MOTION]
+        stage = kind.frame[body]
+        modal = kind.modal[:, first : first + n]
+        shape = shape_of(kind, body)
+        R = stage_rotation(kind, body)
+        g1, g2, g3 = rotate_back(R, work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2])
+        for i in range(n):
+            stiffness, damping = kind.modal[STIFFNESS, first + i], kind.modal[DAMPING, first + i]
+            modal[INVERSE, i] = 1.0 / (1.0 + 0.25 * h * h * stiffness + 0.5 * h * damping)
+            gravity = (
+                shape[SHAPE_HEAD + i] * g1
+                + shape[SHAPE_HEAD + n + i] * g2
+                + shape[SHAPE_HEAD + 2 * n + i] * g3
+            )
+            modal[ROW, i] = kind.modal[RATE, first + i] + 0.5 * h * (
+                modal[LOAD, i] + gravity - stiffness * kind.modal[Q, first + i]
+            )
+        if motion != FIXED:
+            v1, v2, v3 = rotate_back(
+                R, stage[START_VELOCITY], stage[START_VELOCITY + 1], stage[START_VELOCITY + 2]
+            )
+            w1, w2, w3 = stage[START_VELOCITY + 3], stage[START_VELOCITY + 4], stage[START_VELOCITY + 5]
+            for i in range(n):
+                modal[ROW, i] += (
+                    shape[SHAPE_HEAD + i] * v1
+                    + shape[SHAPE_HEAD + n + i] * v2
+                    + shape[SHAPE_HEAD + 2 * n + i] * v3
+                    + modal[TF1, i] * w1
+                    + modal[TF1 + 1, i] * w2
+                    + modal[TF1 + 2, i] * w3
+                )
+            products = kind.products[:, 9 * first : 9 * (first + n)]
+            # the matrices times the predicted rates are a combination of carried products
+            rates = products[AT_VELOCITY]
+            for r in range(3 * n):
+                rates[r] = products[AT_RATE, r] + 0.5 * h * products[AT_RATE2, r]
+            quadratic_modal_force(
+                shape,
+                products[AT_MIDPOINT],
+                rates,
+                stage[MID_SPIN],
+                stage[MID_SPIN + 1],
+                stage[MID_SPIN + 2],
+                modal[QUADRATIC],
+            )
+        if motion == FREE:
+            m = shape[SHAPE_MASS]
+            frame = kind.frame[body]
+            p = rotate_back(
+                R,
+                frame[MOMENTUM] + 0.5 * h * (stage[FORCE] + m * work.sums[FIELD]),
+                frame[MOMENTUM + 1] + 0.5 * h * (stage[FORCE + 1] + m * work.sums[FIELD + 1]),
+                frame[MOMENTUM + 2] + 0.5 * h * (stage[FORCE + 2] + m * work.sums[FIELD + 2]),
+            )
+            l = rotate_back(R, stage[TRANSPORTED], stage[TRANSPORTED + 1], stage[TRANSPORTED + 2])
+            t = cross(stage[FIRST_MOMENT], stage[FIRST_MOMENT + 1], stage[FIRST_MOMENT + 2], g1, g2, g3)
+            for k in range(3):
+                stage[FRAME_RHS + k] = p[k]
+                stage[FRAME_RHS + 3 + k] = l[k] + 0.5 * h * (stage[MOMENT + k] + t[k])
+            factor_frame(shape, stage, modal, stage[FACTOR : FACTOR + 36])
+        elif motion == DRIVEN:
+            v1, v2, v3 = rotate_back(
+                R, stage[DRIVEN_VELOCITY], stage[DRIVEN_VELOCITY + 1], stage[DRIVEN_VELOCITY + 2]
+            )
+            stage[FRAME_RHS], stage[FRAME_RHS + 1], stage[FRAME_RHS + 2] = v1, v2, v3
+            for k in range(3):
+                stage[FRAME_RHS + 3 + k] = stage[DRIVEN_VELOCITY + 3 + k]
+        solve_stage(kind, body, 0.5 * h, work)
+
+
+@implement(correct, FloatingFrameBodies)
+@kernel(internal=True)
+def correct_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
+    """Second pass of (F4): quadratic forces at the velocity that the first pass found."""
+    for body in range(kind.index.shape[0]):
+        if kind.index[body, MOTION] == FIXED:
+            continue
+        n, first, dof = kind.index[body, MODES], kind.index[body, MODAL], kind.index[body, DOF]
+        products = kind.products[:, 9 * first : 9 * (first + n)]
+        velocity = work.velocity[dof : dof + 6 + n]
+        antisymmetric_products(product_columns(kind, body), velocity[6:], products[AT_VELOCITY])
+        quadratic_modal_force(
+            shape_of(kind, body),
+            products[AT_MIDPOINT],
+            products[AT_VELOCITY],
+            velocity[3],
+            velocity[4],
+            velocity[5],
+            kind.modal[QUADRATIC, first : first + n],
+        )
+        solve_stage(kind, body, 0.5 * step, work)
+
+
+@implement(check, FloatingFrameBodies)
+@kernel(internal=True)
+def check_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
+    """Refuse what is not finite, and turns of more than `LARGEST_TURN` in a step."""
+    for body in range(kind.index.shape[0]):
+        n, dof = kind.index[body, MODES], kind.index[body, DOF]
+        total = 0.0
+        for i in range(dof, dof + 6 + n):
+            total += abs(work.velocity[i])
+        w1, w2, w3 = work.velocity[dof + 3], work.velocity[dof + 4], work.velocity[dof + 5]
+        turn = step * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
+        if not math.isfinite(total):
+            work.status[STATUS_OUTCOME] = NOT_FINITE
+            work.status[STATUS_BODY] = kind.index[body, NUMBER]
+        elif turn > LARGEST_TURN and kind.index[body, MOTION] == FREE:
+            work.status[STATUS_OUTCOME] = STEP_TOO_LARGE
+            work.status[STATUS_BODY] = kind.index[body, NUMBER]
+
+
+@implement(advance, FloatingFrameBodies)
+@kernel(reassociate=True, internal=True)
+def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float, work: Workspace) -> None:
+    """(F5): configuration and momenta to the end of the step, and the work of forces and dampers."""
+    h = step
+    for body in range(kind.index.shape[0]):
+        n, first, dof = kind.index[body, MODES], kind.index[body, MODAL], kind.index[body, DOF]
+        motion = kind.index[body, MOTION]
+        frame = stage = kind.frame[body]
+        velocity = work.velocity[dof : dof + 6 + n]
+        external = dissipated = 0.0
+        for j in range(6):
+            external += stage[FORCE + j] * velocity[j]
+        for i in range(n):
+            rate = velocity[6 + i]
+            external += kind.modal[LOAD, first + i] * rate
+            dissipated += kind.modal[DAMPING, first + i] * rate * rate
+        frame[WORK] += h * external
+        frame[WORK + 2] += h * dissipated
+        if motion == FREE:
+            R = stage_rotation(kind, body)
+            v = rotate_back(R, velocity[0], velocity[1], velocity[2])
+            w = (velocity[3], velocity[4], velocity[5])
+            p, l = body_momenta(
+                shape_of(kind, body), stage, kind.modal[TF1:, first : first + n], v, w, velocity[6:]
+            )
+            p1, p2, p3 = rotate(R, p[0], p[1], p[2])
+            l1, l2, l3 = rotate(R, l[0], l[1], l[2])
+            for k in range(3):
+                frame[POSITION + k] += h * velocity[k]
+            frame[MOMENTUM] = 2.0 * p1 - frame[MOMENTUM]
+            frame[MOMENTUM + 1] = 2.0 * p2 - frame[MOMENTUM + 1]
+            frame[MOMENTUM + 2] = 2.0 * p3 - frame[MOMENTUM + 2]
+            moved = cross(
+                stage[MID_POSITION] - frame[POSITION],
+                stage[MID_POSITION + 1] - frame[POSITION + 1],
+                stage[MID_POSITION + 2] - frame[POSITION + 2],
+                frame[MOMENTUM],
+                frame[MOMENTUM + 1],
+                frame[MOMENTUM + 2],
+            )
+            frame[ANGULAR_MOMENTUM] = 2.0 * l1 - stage[TRANSPORTED] + moved[0]
+            frame[ANGULAR_MOMENTUM + 1] = 2.0 * l2 - stage[TRANSPORTED + 1] + moved[1]
+            frame[ANGULAR_MOMENTUM + 2] = 2.0 * l3 - stage[TRANSPORTED + 2] + moved[2]
+            quaternion = rotate_by_exponential(
+                (frame[ORIENTATION], frame[ORIENTATION + 1], frame[ORIENTATION + 2], frame[ORIENTATION + 3]),
+                h * w[0],
+                h * w[1],
+                h * w[2],
+            )
+            for k in range(4):
+                frame[ORIENTATION + k] = quaternion[k]
+        elif motion == DRIVEN:
+            drive_pose(kind.constants[kind.index[body, DRIVE] :], time + h, frame[POSITION : POSITION + 7])
+            for k in range(3):
+                frame[VELOCITY + k] = stage[PRESCRIBED + k]
+                frame[SPIN + k] = stage[PRESCRIBED + 3 + k]
+        for i in range(n):
+            rate = 2.0 * velocity[6 + i] - kind.modal[RATE, first + i]
+            kind.modal[Q, first + i] += h * velocity[6 + i]
+            kind.modal[RATE2, first + i] = (rate - kind.modal[RATE, first + i]) / h
+            kind.modal[RATE, first + i] = rate
+
+
+@implement(finish, FloatingFrameBodies)
+@kernel(internal=True)
+def finish_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
+    """(F6): frame velocities from momenta; difference quotients for the next prediction."""
+    h = step
+    for body in range(kind.index.shape[0]):
+        n, first = kind.index[body, MODES], kind.index[body, MODAL]
+        motion = kind.index[body, MOTION]
+        if motion == FIXED:
+            continue
+        frame = stage = kind.frame[body]
+        modes = slice(first, first + n)
+        shape = shape_of(kind, body)
+        products = kind.products[:, 9 * first : 9 * (first + n)]
+        for r in range(3 * n):
+            products[AT_RATE2, r] = products[AT_RATE, r]
+        update_products(kind, body)
+        for r in range(3 * n):
+            products[AT_RATE2, r] = (products[AT_RATE, r] - products[AT_RATE2, r]) / h
+        deformed_at_midpoint = deformed_moment(stage, work.sums, stage_rotation(kind, body))
+        deformed_inertia(shape, kind.modal[Q, modes], products[AT_Q], stage, kind.modal[TF1:, modes])
+        R = kind.frame[body, END_ROTATION : END_ROTATION + 9]
+        write_rotation_matrix(
+            (frame[ORIENTATION], frame[ORIENTATION + 1], frame[ORIENTATION + 2], frame[ORIENTATION + 3]), R
+        )
+        if motion == FREE:
+            p = rotate_back(R, frame[MOMENTUM], frame[MOMENTUM + 1], frame[MOMENTUM + 2])
+            l = rotate_back(
+                R, frame[ANGULAR_MOMENTUM], frame[ANGULAR_MOMENTUM + 1], frame[ANGULAR_MOMENTUM + 2]
+            )
+            v, w = frame_velocity_from_momenta(
+                shape, stage, kind.modal[TF1:, modes], p, l, kind.modal[RATE, modes]
+            )
+            v1, v2, v3 = rotate(R, v[0], v[1], v[2])
+            frame[VELOCITY], frame[VELOCITY + 1], frame[VELOCITY + 2] = v1, v2, v3
+            frame[SPIN], frame[SPIN + 1], frame[SPIN + 2] = w
+        else:
+            v = rotate_back(R, frame[VELOCITY], frame[VELOCITY + 1], frame[VELOCITY + 2])
+            p, l = body_momenta(
+                shape,
+                stage,
+                kind.modal[TF1:, modes],
+                v,
+                (frame[SPIN], frame[SPIN + 1], frame[SPIN + 2]),
+                kind.modal[RATE, modes],
+            )
+            _add_drive_work(
+                kind,
+                body,
+                h,
+                work,
+                rotate(R, p[0], p[1], p[2]),
+                rotate(R, l[0], l[1], l[2]),
+                deformed_at_midpoint,
+            )
+        for k in range(3):
+            frame[ACCELERATION + k] = (frame[VELOCITY + k] - stage[START_VELOCITY + k]) / h
+            frame[SPIN_RATE + k] = (frame[SPIN + k] - stage[START_VELOCITY + 3 + k]) / h
+
+
+@kernel(inline=True)
+def deformed_moment(
+    stage: NDArray[np.float64], field: NDArray[np.float64], R: NDArray[np.float64]
+) -> tuple[float, float, float]:
+    """Moment of gravity about the frame origin at the midpoint, world axes: ``R S_t x g``."""
+    s = rotate(R, stage[FIRST_MOMENT], stage[FIRST_MOMENT + 1], stage[FIRST_MOMENT + 2])
+    return cross(s[0], s[1], s[2], field[0], field[1], field[2])
+
+
+@kernel(internal=True)
+def _add_drive_work(
+    kind: FloatingFrameBodies,
+    body: int,
+    step: float,
+    work: Workspace,
+    p: tuple[float, float, float],
+    l: tuple[float, float, float],
+    gravity_moment: tuple[float, float, float],
+) -> None:
+    """Work of a drive: its impulse is the change of momentum less the impulse of the other forces."""
+    h = step
+    frame = stage = kind.frame[body]
+    dof = kind.index[body, DOF]
+    m = shape_of(kind, body)[SHAPE_MASS]
+    R = stage_rotation(kind, body)
+    moment = rotate(R, stage[MOMENT], stage[MOMENT + 1], stage[MOMENT + 2])
+    spin = rotate(R, work.velocity[dof + 3], work.velocity[dof + 4], work.velocity[dof + 5])
+    moved = cross(
+        frame[POSITION] - stage[MID_POSITION],
+        frame[POSITION + 1] - stage[MID_POSITION + 1],
+        frame[POSITION + 2] - stage[MID_POSITION + 2],
+        p[0],
+        p[1],
+        p[2],
+    )
+    done = 0.0
+    for k in range(3):
+        impulse = p[k] - frame[MOMENTUM + k] - h * (stage[FORCE + k] + m * work.sums[FIELD + k])
+        twist = l[k] + moved[k] - stage[TRANSPORTED + k] - h * (moment[k] + gravity_moment[k])
+        done += impulse * work.velocity[dof + k] + twist * spin[k]
+        frame[MOMENTUM + k] = p[k]
+        frame[ANGULAR_MOMENTUM + k] = l[k]
+    frame[WORK + 1] += done

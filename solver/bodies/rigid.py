@@ -1,0 +1,156 @@
+"""The kind of rigid bodies: centre of mass and principal axes inside, the user's frame outside.
+
+In principal axes through the centre of mass the mass matrix is diagonal and constant. The step
+carries the spatial angular momentum ``L = R I w``, so no gyroscopic torque is ever evaluated::
+
+    xb, Rb  from half a step along an arc
+    vb = v + h/2 F/m,           wb = I^-1 ( Rb^T L + h/2 t )
+    x += h vb,  R := R exp(h wb),  v := 2 vb - v,  L := 2 Rb I wb - L,  w = I^-1 R^T L
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.rotation import quaternion_from_matrix, rotation_matrix
+from heavylift.solver.bodies.floating_frame import DRIVEN, FIXED, FREE
+from heavylift.solver.drive import pack_drive
+from heavylift.solver.markers import BodyMarkers, pack_markers
+from heavylift.solver.scene import Driven, Fixed, Free, RigidBody
+
+__all__ = ["RigidBodies", "pack_rigid_bodies", "rigid_record_width"]
+
+# columns of `index`
+DOF, MOTION, DRIVE, COLUMN, NUMBER = range(5)
+
+# columns of `frame`: the carried state of the principal frame ...
+POSITION, ORIENTATION, VELOCITY, SPIN, ACCELERATION, SPIN_RATE = 0, 3, 7, 10, 13, 16
+ANGULAR_MOMENTUM = 19  # spatial, about the centre of mass [kg m2/s]
+WORK = 22  # of external forces and of the drive [J]
+# ... constants: mass [kg], principal inertias [kg m2], centre of mass [m] and principal axes (quaternion)
+# in the body frame ...
+MASS, PRINCIPAL, CENTRE, AXES = 24, 25, 28, 31
+# ... and the scratch of a step
+MID_POSITION, MID_VELOCITY, MID_SPIN, FORCE, MOMENT, PRESCRIBED, POSE = 35, 38, 41, 44, 47, 50, 62
+MID_ROTATION = 69  # rotation matrix of the stage, row by row
+FRAME_WIDTH = 78
+
+
+class RigidBodies(NamedTuple):
+    """All rigid bodies of a scene; columns are named at the top of this file.
+
+    Attributes
+    ----------
+    index
+        First velocity, motion, start of the drive, first record column, number; shape (nb, 5).
+    constants
+        Drives and marker data: points from the centre of mass and directions, in principal axes.
+    frame
+        State, constants and scratch of the step, shape (nb, 78).
+    markers, sensors
+        As in the kind of floating frames, shapes (m, 4).
+    """
+
+    index: NDArray[np.int64]
+    constants: NDArray[np.float64]
+    frame: NDArray[np.float64]
+    markers: NDArray[np.int64]
+    sensors: NDArray[np.int64]
+
+
+def rigid_record_width(body: RigidBody) -> int:
+    """Columns of a body in a record: pose 7, velocities 6, reaction 6 if it is not free."""
+    return 13 if isinstance(body.motion, Free) else 19
+
+
+def pack_rigid_bodies(
+    bodies: Sequence[RigidBody],
+    first_number: int,
+    first_dof: int,
+    first_column: int,
+    markers: Sequence[BodyMarkers],
+    sensors: Sequence[BodyMarkers],
+) -> RigidBodies:
+    """Make the kind from what the user said.
+
+    Raises
+    ------
+    InputError
+        If a mass is not positive, or an inertia is not that of a body (triangle rule).
+    """
+    index = np.zeros((len(bodies), 5), dtype=np.int64)
+    frame = np.zeros((len(bodies), FRAME_WIDTH))
+    constants: list[NDArray[np.float64]] = []
+    column = first_column
+    for row, body in enumerate(bodies):
+        moments, axes = _principal_axes(body)
+        frame[row, MASS : AXES + 4] = (
+            body.mass,
+            *moments,
+            *body.centre_of_mass,
+            *quaternion_from_matrix(axes),
+        )
+        motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
+        index[row] = first_dof + 6 * row, motion, sum(map(len, constants)), column, first_number + row
+        if isinstance(body.motion, Driven):
+            constants.append(pack_drive(body.motion, body.position, body.orientation))
+        R = rotation_matrix(body.orientation)
+        arm = R @ body.centre_of_mass
+        frame[row, POSITION : POSITION + 3] = body.position + arm
+        frame[row, ORIENTATION : ORIENTATION + 4] = quaternion_from_matrix(R @ axes)
+        if isinstance(body.motion, Free):
+            frame[row, VELOCITY : VELOCITY + 3] = body.velocity + np.cross(R @ body.angular_velocity, arm)
+            frame[row, SPIN : SPIN + 3] = axes.T @ body.angular_velocity
+        column += rigid_record_width(body)
+    to_principal = [
+        _marker_data(rotation_matrix(frame[row, AXES : AXES + 4]), body.centre_of_mass)
+        for row, body in enumerate(bodies)
+    ]
+    turned = [
+        BodyMarkers(
+            entry.numbers,
+            tuple(
+                rotation_matrix(frame[row, AXES : AXES + 4]).T @ vector if direction else vector
+                for vector, direction in zip(entry.vectors, entry.directions, strict=True)
+            ),
+            entry.directions,
+        )
+        for row, entry in enumerate(markers)
+    ]
+    marker_index = pack_markers(turned, to_principal, constants)
+    sensor_index = pack_markers(sensors, to_principal, constants)
+    return RigidBodies(index, np.concatenate([np.zeros(0), *constants]), frame, marker_index, sensor_index)
+
+
+def _principal_axes(body: RigidBody) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Principal inertias [kg m2] and right-handed axes (columns, body frame)."""
+    if not body.mass > 0.0:
+        raise InputError(f"mass {body.mass} kg", source=body.name, key="mass", expected="a positive mass")
+    tensor = np.asarray(body.inertia, dtype=np.float64)
+    if not np.allclose(tensor, tensor.T, rtol=1e-12, atol=0.0):
+        raise InputError("not symmetric", source=body.name, key="inertia", expected="a symmetric tensor")
+    moments, axes = np.linalg.eigh(tensor)
+    if moments[0] <= 0.0 or moments[0] + moments[1] < moments[2] * (1.0 - 1e-12):
+        raise InputError(
+            f"principal inertias {moments} kg m2",
+            source=body.name,
+            key="inertia",
+            expected="positive ones, none larger than the sum of the others",
+        )
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 0] *= -1.0
+    return moments, axes
+
+
+def _marker_data(axes: NDArray[np.float64], centre: NDArray[np.float64]):  # type: ignore[no-untyped-def]
+    """Return a function from a body-frame point to its principal coordinates."""
+
+    def principal(point: NDArray[np.float64]) -> NDArray[np.float64]:
+        return axes.T @ (np.asarray(point) - centre)
+
+    return principal

@@ -1,0 +1,8 @@
+"""Everything of the rigid kind: importing this module registers all its kernels."""
+
+from heavylift.solver.bodies import rigid_record, rigid_stage, rigid_step
+from heavylift.solver.bodies.rigid import (
+    RigidBodies,
+)
+
+__all__ = ["RigidBodies", "rigid_record", "rigid_stage", "rigid_step"]

@@ -1,0 +1,148 @@
+"""State, reactions, sensors, energies and momenta of rigid bodies, in the frame of the user."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.rotation import quaternion_product, rotate_by_quaternion
+from heavylift.numerics.small import cross, rotate
+from heavylift.solver.bodies.rigid import (
+    ACCELERATION,
+    AXES,
+    CENTRE,
+    COLUMN,
+    DRIVEN,
+    FORCE,
+    FREE,
+    MASS,
+    MOMENT,
+    MOTION,
+    POSITION,
+    PRINCIPAL,
+    SPIN,
+    SPIN_RATE,
+    VELOCITY,
+    WORK,
+    RigidBodies,
+)
+from heavylift.solver.bodies.rigid_stage import (
+    gather_marker_forces,
+    orientation_of,
+    stage_at_state,
+    stage_rotation,
+)
+from heavylift.solver.interface import (
+    ANGULAR_MOMENTUM as TOTAL_ANGULAR_MOMENTUM,
+)
+from heavylift.solver.interface import (
+    DRIVE_WORK,
+    EXTERNAL_WORK,
+    FIELD,
+    KINETIC,
+    LINEAR_MOMENTUM,
+    POTENTIAL,
+    Workspace,
+    add_totals,
+    record,
+)
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+
+@implement(record, RigidBodies)
+@kernel(internal=True)
+def record_rigid_bodies(kind: RigidBodies, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
+    """Columns of a body: position, quaternion, velocity, spin of the body frame, reaction of a held body."""
+    gather_marker_forces(kind, work)
+    stage_at_state(kind)
+    for body in range(kind.index.shape[0]):
+        column = kind.index[body, COLUMN]
+        frame = inertia = kind.frame[body]
+        axes = (inertia[AXES], inertia[AXES + 1], inertia[AXES + 2], inertia[AXES + 3])
+        q = quaternion_product(orientation_of(kind, body), (axes[0], -axes[1], -axes[2], -axes[3]))
+        arm = rotate_by_quaternion(q, inertia[CENTRE], inertia[CENTRE + 1], inertia[CENTRE + 2])
+        w = rotate_by_quaternion(axes, frame[SPIN], frame[SPIN + 1], frame[SPIN + 2])
+        spin = rotate_by_quaternion(q, w[0], w[1], w[2])
+        side = cross(spin[0], spin[1], spin[2], arm[0], arm[1], arm[2])
+        for k in range(4):
+            row[column + 3 + k] = q[k]
+        for k in range(3):
+            row[column + k] = frame[POSITION + k] - arm[k]
+            row[column + 7 + k] = frame[VELOCITY + k] - side[k]
+            row[column + 10 + k] = w[k]
+        if kind.index[body, MOTION] != FREE:
+            _write_reaction(kind, body, work, arm, row[column + 13 : column + 19])
+    for sensor in range(kind.sensors.shape[0]):
+        column, body, begin, _ = kind.sensors[sensor]
+        frame, data = kind.frame[body], kind.constants[begin:]
+        R = stage_rotation(kind, body)
+        c = cross(frame[SPIN], frame[SPIN + 1], frame[SPIN + 2], data[0], data[1], data[2])
+        point, rate = rotate(R, data[0], data[1], data[2]), rotate(R, c[0], c[1], c[2])
+        for k in range(3):
+            row[column + k] = frame[POSITION + k] + point[k]
+            row[column + 3 + k] = frame[VELOCITY + k] + rate[k]
+
+
+@kernel(internal=True)
+def _write_reaction(
+    kind: RigidBodies,
+    body: int,
+    work: Workspace,
+    arm: tuple[float, float, float],
+    reaction: NDArray[np.float64],
+) -> None:
+    """Force, and moment about the origin of the body frame, world axes, that keep a body on its course."""
+    frame = stage = inertia = kind.frame[body]
+    driven = 1.0 if kind.index[body, MOTION] == DRIVEN else 0.0
+    w1, w2, w3 = frame[SPIN], frame[SPIN + 1], frame[SPIN + 2]
+    l1, l2, l3 = inertia[PRINCIPAL] * w1, inertia[PRINCIPAL + 1] * w2, inertia[PRINCIPAL + 2] * w3
+    gyroscopic = cross(w1, w2, w3, l1, l2, l3)
+    moment = rotate(
+        stage_rotation(kind, body),
+        driven * (inertia[PRINCIPAL] * frame[SPIN_RATE] + gyroscopic[0]) - stage[MOMENT],
+        driven * (inertia[PRINCIPAL + 1] * frame[SPIN_RATE + 1] + gyroscopic[1]) - stage[MOMENT + 1],
+        driven * (inertia[PRINCIPAL + 2] * frame[SPIN_RATE + 2] + gyroscopic[2]) - stage[MOMENT + 2],
+    )
+    for k in range(3):
+        reaction[k] = (
+            inertia[MASS] * (driven * frame[ACCELERATION + k] - work.sums[FIELD + k]) - stage[FORCE + k]
+        )
+    about_origin = cross(arm[0], arm[1], arm[2], reaction[0], reaction[1], reaction[2])
+    for k in range(3):
+        reaction[3 + k] = moment[k] + about_origin[k]
+
+
+@implement(add_totals, RigidBodies)
+@kernel(internal=True)
+def add_rigid_totals(kind: RigidBodies, work: Workspace) -> None:
+    """Energies and momenta from the carried velocities."""
+    totals = work.sums
+    for body in range(kind.index.shape[0]):
+        frame = inertia = kind.frame[body]
+        m = inertia[MASS]
+        L = rotate_by_quaternion(
+            orientation_of(kind, body),
+            inertia[PRINCIPAL] * frame[SPIN],
+            inertia[PRINCIPAL + 1] * frame[SPIN + 1],
+            inertia[PRINCIPAL + 2] * frame[SPIN + 2],
+        )
+        x = cross(
+            frame[POSITION],
+            frame[POSITION + 1],
+            frame[POSITION + 2],
+            m * frame[VELOCITY],
+            m * frame[VELOCITY + 1],
+            m * frame[VELOCITY + 2],
+        )
+        for k in range(3):
+            totals[KINETIC] += 0.5 * (
+                m * frame[VELOCITY + k] ** 2 + inertia[PRINCIPAL + k] * frame[SPIN + k] ** 2
+            )
+            totals[POTENTIAL] -= m * work.sums[FIELD + k] * frame[POSITION + k]
+            totals[LINEAR_MOMENTUM + k] += m * frame[VELOCITY + k]
+            totals[TOTAL_ANGULAR_MOMENTUM + k] += L[k] + x[k]
+        totals[EXTERNAL_WORK] += frame[WORK]
+        totals[DRIVE_WORK] += frame[WORK + 1]

@@ -1,0 +1,211 @@
+"""The stage of rigid bodies: markers, gathered forces and prescribed motion, shared by the integrators."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.rotation import quaternion_product, rotate_by_quaternion, write_rotation_matrix
+from heavylift.numerics.small import cross, rotate
+from heavylift.solver.bodies.rigid import (
+    ACCELERATION,
+    ANGULAR_MOMENTUM,
+    AXES,
+    CENTRE,
+    DRIVE,
+    DRIVEN,
+    FORCE,
+    MASS,
+    MID_POSITION,
+    MID_ROTATION,
+    MID_SPIN,
+    MID_VELOCITY,
+    MOMENT,
+    MOTION,
+    ORIENTATION,
+    POSE,
+    POSITION,
+    PRESCRIBED,
+    PRINCIPAL,
+    SPIN,
+    SPIN_RATE,
+    VELOCITY,
+    WORK,
+    RigidBodies,
+)
+from heavylift.solver.drive import drive_pose, drive_velocity
+from heavylift.solver.interface import (
+    FIELD,
+    POINT,
+    POINT_FORCE,
+    POINT_VELOCITY,
+    Workspace,
+    fill_markers,
+    start,
+)
+from heavylift.solver.kinds import implement
+
+__all__ = [
+    "gather_marker_forces",
+    "move_driven",
+    "orientation_of",
+    "prescribe",
+    "stage_at_state",
+    "stage_rotation",
+]
+
+
+@kernel(inline=True, internal=True)
+def stage_rotation(kind: RigidBodies, body: int) -> NDArray[np.float64]:
+    """Rotation matrix of the stage, row by row, a view of shape (9,)."""
+    return kind.frame[body, MID_ROTATION : MID_ROTATION + 9]
+
+
+@kernel(inline=True, internal=True)
+def orientation_of(kind: RigidBodies, body: int) -> tuple[float, float, float, float]:
+    """Carried quaternion of the principal frame."""
+    q = kind.frame[body, ORIENTATION : ORIENTATION + 4]
+    return q[0], q[1], q[2], q[3]
+
+
+@kernel(internal=True)
+def prescribe(kind: RigidBodies, body: int, time: float, out: NDArray[np.float64]) -> None:
+    """Write pose (7), velocities (6) and accelerations (6) of the principal frame of a driven body, shape (19,)."""
+    drive = kind.constants[kind.index[body, DRIVE] :]
+    pose, motion = kind.frame[body, POSE : POSE + 7], kind.frame[body, PRESCRIBED : PRESCRIBED + 12]
+    drive_pose(drive, time, pose)
+    drive_velocity(drive, time, motion)
+    inertia = kind.frame[body]
+    q = (pose[3], pose[4], pose[5], pose[6])
+    axes = (inertia[AXES], inertia[AXES + 1], inertia[AXES + 2], inertia[AXES + 3])
+    back = (axes[0], -axes[1], -axes[2], -axes[3])
+    c1, c2, c3 = inertia[CENTRE], inertia[CENTRE + 1], inertia[CENTRE + 2]
+    w1, w2, w3 = motion[3], motion[4], motion[5]
+    b1, b2, b3 = motion[9], motion[10], motion[11]
+    s1, s2, s3 = cross(w1, w2, w3, c1, c2, c3)
+    i1, i2, i3 = cross(w1, w2, w3, s1, s2, s3)
+    t1, t2, t3 = cross(b1, b2, b3, c1, c2, c3)
+    arm = rotate_by_quaternion(q, c1, c2, c3)
+    side = rotate_by_quaternion(q, s1, s2, s3)
+    rate = rotate_by_quaternion(q, t1 + i1, t2 + i2, t3 + i3)
+    spin = rotate_by_quaternion(back, w1, w2, w3)
+    spin_rate = rotate_by_quaternion(back, b1, b2, b3)
+    turned = quaternion_product(q, axes)
+    for k in range(4):
+        out[ORIENTATION + k] = turned[k]
+    for k in range(3):
+        out[POSITION + k] = pose[k] + arm[k]
+        out[VELOCITY + k] = motion[k] + side[k]
+        out[SPIN + k] = spin[k]
+        out[ACCELERATION + k] = motion[6 + k] + rate[k]
+        out[SPIN_RATE + k] = spin_rate[k]
+
+
+@implement(start, RigidBodies)
+@kernel(internal=True)
+def start_rigid_bodies(kind: RigidBodies, time: float) -> None:
+    """Place driven bodies; angular momenta of the start state."""
+    for body in range(kind.index.shape[0]):
+        if kind.index[body, MOTION] == DRIVEN:
+            prescribe(kind, body, time, kind.frame[body, : SPIN_RATE + 3])
+        frame = inertia = kind.frame[body]
+        q = orientation_of(kind, body)
+        L = rotate_by_quaternion(
+            q,
+            inertia[PRINCIPAL] * frame[SPIN],
+            inertia[PRINCIPAL + 1] * frame[SPIN + 1],
+            inertia[PRINCIPAL + 2] * frame[SPIN + 2],
+        )
+        for k in range(3):
+            frame[ANGULAR_MOMENTUM + k] = L[k]
+
+
+@kernel(internal=True)
+def stage_at_state(kind: RigidBodies) -> None:
+    """Set the stages to the carried state."""
+    for body in range(kind.index.shape[0]):
+        frame = stage = kind.frame[body]
+        write_rotation_matrix(orientation_of(kind, body), stage_rotation(kind, body))
+        for k in range(3):
+            stage[MID_POSITION + k] = frame[POSITION + k]
+            stage[MID_VELOCITY + k] = frame[VELOCITY + k]
+            stage[MID_SPIN + k] = frame[SPIN + k]
+
+
+@implement(fill_markers, RigidBodies)
+@kernel(internal=True)
+def fill_rigid_markers(kind: RigidBodies, at_midpoint: bool, work: Workspace) -> None:
+    """Write vectors, rates and Jacobian windows ``[1, -R u~]`` of all markers."""
+    if not at_midpoint:
+        stage_at_state(kind)
+    for marker in range(kind.markers.shape[0]):
+        number, body, begin, direction = kind.markers[marker]
+        u1, u2, u3 = kind.constants[begin], kind.constants[begin + 1], kind.constants[begin + 2]
+        stage, R = kind.frame[body], stage_rotation(kind, body)
+        c = cross(stage[MID_SPIN], stage[MID_SPIN + 1], stage[MID_SPIN + 2], u1, u2, u3)
+        point, rate = rotate(R, u1, u2, u3), rotate(R, c[0], c[1], c[2])
+        jacobian = work.jacobian[number]
+        translation = 1.0 - direction
+        for k in range(3):
+            work.markers[number, POINT + k] = point[k] + translation * stage[MID_POSITION + k]
+            work.markers[number, POINT_VELOCITY + k] = rate[k] + translation * stage[MID_VELOCITY + k]
+            for j in range(3):
+                jacobian[k, j] = translation if j == k else 0.0
+            jacobian[k, 3] = R[3 * k + 2] * u2 - R[3 * k + 1] * u3
+            jacobian[k, 4] = R[3 * k] * u3 - R[3 * k + 2] * u1
+            jacobian[k, 5] = R[3 * k + 1] * u1 - R[3 * k] * u2
+
+
+@kernel(internal=True)
+def gather_marker_forces(kind: RigidBodies, work: Workspace) -> None:
+    """Resultants (world axes) and moments about the centres of mass (body axes) of all marker forces."""
+    for body in range(kind.index.shape[0]):
+        for j in range(6):
+            kind.frame[body, FORCE + j] = 0.0
+    for marker in range(kind.markers.shape[0]):
+        number, body = kind.markers[marker, 0], kind.markers[marker, 1]
+        jacobian = work.jacobian[number]
+        for j in range(6):
+            kind.frame[body, FORCE + j] += (
+                jacobian[0, j] * work.markers[number, POINT_FORCE]
+                + jacobian[1, j] * work.markers[number, POINT_FORCE + 1]
+                + jacobian[2, j] * work.markers[number, POINT_FORCE + 2]
+            )
+
+
+@kernel(internal=True)
+def move_driven(kind: RigidBodies, body: int, time: float, step: float, work: Workspace) -> None:
+    """Move a driven body to its place at a time; the work of its drive is the change of momentum along the way."""
+    frame = stage = inertia = kind.frame[body]
+    R = stage_rotation(kind, body)
+    v1, v2, v3 = frame[VELOCITY], frame[VELOCITY + 1], frame[VELOCITY + 2]
+    l1, l2, l3 = frame[ANGULAR_MOMENTUM], frame[ANGULAR_MOMENTUM + 1], frame[ANGULAR_MOMENTUM + 2]
+    x1, x2, x3 = frame[POSITION], frame[POSITION + 1], frame[POSITION + 2]
+    spin_before = rotate_by_quaternion(
+        orientation_of(kind, body), frame[SPIN], frame[SPIN + 1], frame[SPIN + 2]
+    )
+    prescribe(kind, body, time, kind.frame[body, : SPIN_RATE + 3])
+    q = orientation_of(kind, body)
+    L = rotate_by_quaternion(
+        q,
+        inertia[PRINCIPAL] * frame[SPIN],
+        inertia[PRINCIPAL + 1] * frame[SPIN + 1],
+        inertia[PRINCIPAL + 2] * frame[SPIN + 2],
+    )
+    spin_after = rotate_by_quaternion(q, frame[SPIN], frame[SPIN + 1], frame[SPIN + 2])
+    moment = rotate(R, stage[MOMENT], stage[MOMENT + 1], stage[MOMENT + 2])
+    before, moved = (v1, v2, v3), (frame[POSITION] - x1, frame[POSITION + 1] - x2, frame[POSITION + 2] - x3)
+    twist_before = (l1, l2, l3)
+    done = external = 0.0
+    for k in range(3):
+        m = inertia[MASS]
+        turn = 0.5 * step * (spin_before[k] + spin_after[k])
+        force_work = stage[FORCE + k] * moved[k] + moment[k] * turn
+        change = 0.5 * m * (frame[VELOCITY + k] ** 2 - before[k] ** 2)
+        change += 0.5 * (L[k] - twist_before[k]) * (spin_before[k] + spin_after[k])
+        external += force_work
+        done += change - force_work - m * work.sums[FIELD + k] * moved[k]
+        frame[ANGULAR_MOMENTUM + k] = L[k]
+    frame[WORK] += external
+    frame[WORK + 1] += done

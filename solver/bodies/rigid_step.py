@@ -1,0 +1,244 @@
+"""Steps of rigid bodies: the second-order step in momentum form, and the first-order scheme for comparison."""
+
+from __future__ import annotations
+
+import math
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
+from heavylift.numerics.rotation import rotate_by_exponential, rotate_by_quaternion, write_rotation_matrix
+from heavylift.numerics.small import cross, rotate, rotate_back
+from heavylift.solver.bodies.rigid import (
+    ACCELERATION,
+    ANGULAR_MOMENTUM,
+    DOF,
+    DRIVEN,
+    FIXED,
+    FORCE,
+    FREE,
+    MASS,
+    MID_POSITION,
+    MID_SPIN,
+    MID_VELOCITY,
+    MOMENT,
+    MOTION,
+    NUMBER,
+    ORIENTATION,
+    POSITION,
+    PRINCIPAL,
+    SPIN,
+    SPIN_RATE,
+    VELOCITY,
+    WORK,
+    RigidBodies,
+)
+from heavylift.solver.bodies.rigid_stage import (
+    gather_marker_forces,
+    move_driven,
+    orientation_of,
+    stage_at_state,
+    stage_rotation,
+)
+from heavylift.solver.interface import (
+    FIELD,
+    STATUS_BODY,
+    STATUS_OUTCOME,
+    Workspace,
+    advance,
+    check,
+    correct,
+    factor,
+    finish,
+    predict,
+    thesis_advance,
+    thesis_velocity,
+)
+from heavylift.solver.kinds import implement
+
+__all__ = ["LARGEST_TURN"]
+
+LARGEST_TURN = 0.5
+"""Turn of a body in one step [rad] above which a run stops."""
+
+NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE)
+
+
+@implement(predict, RigidBodies)
+@kernel(internal=True)
+def predict_rigid_bodies(kind: RigidBodies, time: float, step: float) -> None:
+    """Arc midpoint and predicted midpoint velocities."""
+    h = step
+    a = 0.125 * h * h
+    for body in range(kind.index.shape[0]):
+        frame = stage = kind.frame[body]
+        for k in range(3):
+            stage[MID_POSITION + k] = (
+                frame[POSITION + k] + 0.5 * h * frame[VELOCITY + k] + a * frame[ACCELERATION + k]
+            )
+            stage[MID_VELOCITY + k] = frame[VELOCITY + k] + 0.5 * h * frame[ACCELERATION + k]
+            stage[MID_SPIN + k] = frame[SPIN + k] + 0.5 * h * frame[SPIN_RATE + k]
+        quaternion = rotate_by_exponential(
+            orientation_of(kind, body),
+            0.5 * h * frame[SPIN] + a * frame[SPIN_RATE],
+            0.5 * h * frame[SPIN + 1] + a * frame[SPIN_RATE + 1],
+            0.5 * h * frame[SPIN + 2] + a * frame[SPIN_RATE + 2],
+        )
+        write_rotation_matrix(quaternion, stage_rotation(kind, body))
+
+
+@implement(factor, RigidBodies)
+@kernel(internal=True)
+def factor_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
+    """Midpoint velocity; the mass matrix is diagonal, so there is nothing to factor."""
+    h = step
+    gather_marker_forces(kind, work)
+    for body in range(kind.index.shape[0]):
+        dof = kind.index[body, DOF]
+        frame = stage = inertia = kind.frame[body]
+        if kind.index[body, MOTION] == FREE:
+            L = rotate_back(
+                stage_rotation(kind, body),
+                frame[ANGULAR_MOMENTUM],
+                frame[ANGULAR_MOMENTUM + 1],
+                frame[ANGULAR_MOMENTUM + 2],
+            )
+            for k in range(3):
+                work.velocity[dof + k] = frame[VELOCITY + k] + 0.5 * h * (
+                    stage[FORCE + k] / inertia[MASS] + work.sums[FIELD + k]
+                )
+                work.velocity[dof + 3 + k] = (L[k] + 0.5 * h * stage[MOMENT + k]) / inertia[PRINCIPAL + k]
+        else:
+            for k in range(6):
+                work.velocity[dof + k] = 0.0  # driven bodies: the mean velocity follows in `advance`
+
+
+@implement(correct, RigidBodies)
+@kernel(internal=True)
+def correct_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
+    """Nothing to correct: the momentum form has no quadratic velocity force."""
+
+
+@implement(check, RigidBodies)
+@kernel(internal=True)
+def check_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
+    """Refuse what is not finite, and turns of more than `LARGEST_TURN` in a step."""
+    for body in range(kind.index.shape[0]):
+        dof = kind.index[body, DOF]
+        total = 0.0
+        for i in range(dof, dof + 6):
+            total += abs(work.velocity[i])
+        w1, w2, w3 = work.velocity[dof + 3], work.velocity[dof + 4], work.velocity[dof + 5]
+        if not math.isfinite(total):
+            work.status[STATUS_OUTCOME] = NOT_FINITE
+            work.status[STATUS_BODY] = kind.index[body, NUMBER]
+        elif step * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3) > LARGEST_TURN:
+            work.status[STATUS_OUTCOME] = STEP_TOO_LARGE
+            work.status[STATUS_BODY] = kind.index[body, NUMBER]
+
+
+@implement(advance, RigidBodies)
+@kernel(internal=True)
+def advance_rigid_bodies(kind: RigidBodies, time: float, step: float, work: Workspace) -> None:
+    """Configuration and momenta to the end of the step, and the work of the marker forces."""
+    h = step
+    for body in range(kind.index.shape[0]):
+        dof = kind.index[body, DOF]
+        frame = stage = inertia = kind.frame[body]
+        if kind.index[body, MOTION] == DRIVEN:
+            move_driven(kind, body, time + h, h, work)
+            continue
+        if kind.index[body, MOTION] == FIXED:
+            continue
+        velocity = work.velocity[dof : dof + 6]
+        w1, w2, w3 = velocity[3], velocity[4], velocity[5]
+        L = rotate(
+            stage_rotation(kind, body),
+            inertia[PRINCIPAL] * w1,
+            inertia[PRINCIPAL + 1] * w2,
+            inertia[PRINCIPAL + 2] * w3,
+        )
+        external = 0.0
+        for k in range(3):
+            external += stage[FORCE + k] * velocity[k] + stage[MOMENT + k] * velocity[3 + k]
+            frame[POSITION + k] += h * velocity[k]
+            end = 2.0 * velocity[k] - frame[VELOCITY + k]
+            frame[ACCELERATION + k] = (end - frame[VELOCITY + k]) / h
+            frame[VELOCITY + k] = end
+            frame[ANGULAR_MOMENTUM + k] = 2.0 * L[k] - frame[ANGULAR_MOMENTUM + k]
+        frame[WORK] += h * external
+        quaternion = rotate_by_exponential(orientation_of(kind, body), h * w1, h * w2, h * w3)
+        for k in range(4):
+            frame[ORIENTATION + k] = quaternion[k]
+
+
+@implement(finish, RigidBodies)
+@kernel(internal=True)
+def finish_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
+    """Spin from the angular momentum at the new orientation."""
+    for body in range(kind.index.shape[0]):
+        if kind.index[body, MOTION] != FREE:
+            continue
+        frame = inertia = kind.frame[body]
+        q = orientation_of(kind, body)
+        back = (q[0], -q[1], -q[2], -q[3])
+        L = rotate_by_quaternion(
+            back, frame[ANGULAR_MOMENTUM], frame[ANGULAR_MOMENTUM + 1], frame[ANGULAR_MOMENTUM + 2]
+        )
+        for k in range(3):
+            w = L[k] / inertia[PRINCIPAL + k]
+            frame[SPIN_RATE + k] = (w - frame[SPIN + k]) / step
+            frame[SPIN + k] = w
+
+
+@implement(thesis_velocity, RigidBodies)
+@kernel(internal=True)
+def thesis_velocity_rigid_bodies(kind: RigidBodies, time: float, step: float, work: Workspace) -> None:
+    """Eq. 49 of the 2018 thesis without joints: ``U+ = U + h M^-1 Q``, gyroscopic torque at the start."""
+    h = step
+    stage_at_state(kind)
+    gather_marker_forces(kind, work)
+    for body in range(kind.index.shape[0]):
+        dof = kind.index[body, DOF]
+        frame = stage = inertia = kind.frame[body]
+        if kind.index[body, MOTION] != FREE:
+            for k in range(6):
+                work.velocity[dof + k] = 0.0
+            continue
+        w1, w2, w3 = frame[SPIN], frame[SPIN + 1], frame[SPIN + 2]
+        gyroscopic = cross(
+            w1, w2, w3, inertia[PRINCIPAL] * w1, inertia[PRINCIPAL + 1] * w2, inertia[PRINCIPAL + 2] * w3
+        )
+        for k in range(3):
+            work.velocity[dof + k] = frame[VELOCITY + k] + h * (
+                stage[FORCE + k] / inertia[MASS] + work.sums[FIELD + k]
+            )
+            work.velocity[dof + 3 + k] = (
+                frame[SPIN + k] + h * (stage[MOMENT + k] - gyroscopic[k]) / inertia[PRINCIPAL + k]
+            )
+
+
+@implement(thesis_advance, RigidBodies)
+@kernel(internal=True)
+def thesis_advance_rigid_bodies(kind: RigidBodies, time: float, step: float, work: Workspace) -> None:
+    """Configuration by the end velocity."""
+    h = step
+    for body in range(kind.index.shape[0]):
+        dof = kind.index[body, DOF]
+        frame = stage = kind.frame[body]
+        if kind.index[body, MOTION] == DRIVEN:
+            move_driven(kind, body, time + h, h, work)
+        if kind.index[body, MOTION] != FREE:
+            continue
+        velocity = work.velocity[dof : dof + 6]
+        external = 0.0
+        for k in range(3):
+            external += stage[FORCE + k] * velocity[k] + stage[MOMENT + k] * velocity[3 + k]
+            frame[POSITION + k] += h * velocity[k]
+            frame[VELOCITY + k] = velocity[k]
+            frame[SPIN + k] = velocity[3 + k]
+        frame[WORK] += h * external
+        quaternion = rotate_by_exponential(
+            orientation_of(kind, body), h * velocity[3], h * velocity[4], h * velocity[5]
+        )
+        for k in range(4):
+            frame[ORIENTATION + k] = quaternion[k]

@@ -1,0 +1,39 @@
+"""Uniform gravity: a field that bodies feel on their mass, not a marker force."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.interface import (
+    FIELD,
+    Workspace,
+    add_forces,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.scene import Gravity
+
+__all__ = ["UniformGravity", "pack_gravity"]
+
+
+class UniformGravity(NamedTuple):
+    """Acceleration [m/s2], world axes, shape (3,): the sum of all entries of the scene."""
+
+    acceleration: NDArray[np.float64]
+
+
+def pack_gravity(entries: Sequence[Gravity]) -> UniformGravity:
+    """Make the kind from the entries of a scene."""
+    return UniformGravity(np.sum([entry.acceleration for entry in entries], axis=0, dtype=np.float64))
+
+
+@implement(add_forces, UniformGravity)
+@kernel(internal=True)
+def add_gravity(kind: UniformGravity, time: float, work: Workspace) -> None:
+    """Add the acceleration to the field."""
+    for k in range(3):
+        work.sums[FIELD + k] += kind.acceleration[k]

@@ -1,0 +1,82 @@
+"""Parts of the time loop that every integrator shares: forces at an instant, and the record."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.interface import (
+    DISSIPATED,
+    DRIVE_WORK,
+    ELASTIC,
+    EXTERNAL_WORK,
+    FIELD,
+    KINETIC,
+    LINEAR_MOMENTUM,
+    POINT_FORCE,
+    POTENTIAL,
+    SUM_COUNT,
+    Workspace,
+    add_forces,
+    add_totals,
+    fill_markers,
+    record,
+    start,
+)
+
+TOTAL_COLUMNS = 13
+"""Columns at the end of a record: six energies, their balance, two momenta."""
+
+__all__ = ["TOTAL_COLUMNS", "evaluate_forces", "start_scene", "write_record"]
+
+
+@kernel
+def start_scene(bodies: tuple[Any, ...], time: float) -> None:
+    """Complete the start state of all bodies."""
+    start(bodies, time)
+
+
+@kernel(internal=True)
+def evaluate_forces(
+    bodies: tuple[Any, ...], forces: tuple[Any, ...], work: Workspace, time: float, at_midpoint: bool
+) -> None:
+    """Markers of all bodies, then all forces, at the midpoint of the step or at the carried state."""
+    fill_markers(bodies, at_midpoint, work)
+    for marker in range(work.markers.shape[0]):
+        for k in range(3):
+            work.markers[marker, POINT_FORCE + k] = 0.0
+    for k in range(3):
+        work.sums[FIELD + k] = 0.0
+    add_forces(forces, time, work)
+
+
+@kernel
+def write_record(
+    bodies: tuple[Any, ...],
+    forces: tuple[Any, ...],
+    work: Workspace,
+    time: float,
+    row: NDArray[np.float64],
+) -> None:
+    """Write the carried state, energies and momenta into a record; totals come last."""
+    evaluate_forces(bodies, forces, work, time, False)
+    record(bodies, time, work, row)
+    sums = work.sums
+    for i in range(KINETIC, SUM_COUNT):
+        sums[i] = 0.0
+    add_totals(bodies, work)
+    end = row.shape[0] - TOTAL_COLUMNS
+    for i in range(6):
+        row[end + i] = sums[KINETIC + i]
+        row[end + 7 + i] = sums[LINEAR_MOMENTUM + i]
+    row[end + 6] = (
+        sums[KINETIC]
+        + sums[ELASTIC]
+        + sums[POTENTIAL]
+        - sums[EXTERNAL_WORK]
+        - sums[DRIVE_WORK]
+        + sums[DISSIPATED]
+    )

@@ -1,0 +1,51 @@
+"""The first-order scheme of the 2018 thesis, eq. 49, for comparison with the default.
+
+All forces and matrices at the start of the step, end velocity by one linear solve, configuration by
+the end velocity.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.integrate.loop import evaluate_forces, write_record
+from heavylift.solver.interface import (
+    STATUS_OUTCOME,
+    Workspace,
+    check,
+    thesis_advance,
+    thesis_velocity,
+)
+
+__all__ = ["run"]
+
+
+@kernel
+def run(
+    bodies: tuple[Any, ...],
+    forces: tuple[Any, ...],
+    work: Workspace,
+    step: float,
+    first: int,
+    last: int,
+    every: int,
+    records: NDArray[np.float64],
+) -> int:
+    """Step from index `first` to `last`; arguments and result as in the default integrator."""
+    row = 0
+    for index in range(first, last):
+        time = index * step
+        evaluate_forces(bodies, forces, work, time, False)
+        thesis_velocity(bodies, time, step, work)
+        check(bodies, step, work)
+        if work.status[STATUS_OUTCOME] != 0:
+            return index
+        thesis_advance(bodies, time, step, work)
+        if (index + 1) % every == 0:
+            write_record(bodies, forces, work, (index + 1) * step, records[row])
+            row += 1
+    return last

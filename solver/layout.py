@@ -1,0 +1,231 @@
+"""Where everything lives: a scene of user objects becomes a tuple of kinds, a workspace and named channels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.interface import ENERGY_NAMES, SUM_COUNT, Workspace
+from heavylift.solver.markers import BodyMarkers
+from heavylift.solver.scene import FlexibleBody, Free, Gravity, PointForce, RigidBody, Scene
+
+__all__ = ["Channel", "Layout", "pack_scene"]
+
+
+@dataclass(frozen=True)
+class Channel:
+    """Named columns of a record.
+
+    Attributes
+    ----------
+    name
+        E.g. ``"beam.position"``.
+    unit
+        E.g. ``"m"``; ``"1"`` for quaternions.
+    components
+        Name of each column.
+    column
+        Index of the first column.
+    """
+
+    name: str
+    unit: str
+    components: tuple[str, ...]
+    column: int
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """A packed scene.
+
+    Attributes
+    ----------
+    bodies, forces
+        Tuples of kinds; only kinds that have members.
+    work
+        Shared arrays.
+    channels
+        Meaning of the columns of a record.
+    column_count
+        Length of a record.
+    body_names
+        Names by body number, for messages.
+    """
+
+    bodies: tuple[Any, ...]
+    forces: tuple[Any, ...]
+    work: Workspace
+    channels: tuple[Channel, ...]
+    column_count: int
+    body_names: tuple[str, ...]
+
+
+_XYZ = ("x", "y", "z")
+
+
+def pack_scene(scene: Scene) -> Layout:
+    """Turn a scene into kinds. A kind without members is not imported, not compiled and not run.
+
+    Raises
+    ------
+    InputError
+        If names repeat, a force or sensor names a body that is not there, or a value does not fit.
+    """
+    _check_names(scene)
+    flexible = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
+    rigid = [body for body in scene.bodies if isinstance(body, RigidBody)]
+    ordered: list[FlexibleBody | RigidBody] = [*flexible, *rigid]
+    gravity = [force for force in scene.forces if isinstance(force, Gravity)]
+    points = [force for force in scene.forces if isinstance(force, PointForce)]
+
+    channels: list[Channel] = []
+    column = 0
+    for body in ordered:
+        column = _body_channels(body, channels, column)
+    body_columns = column
+    sensors: dict[str, list[tuple[int, Any]]] = {body.name: [] for body in ordered}
+    for sensor in scene.sensors:
+        sensors[sensor.body].append((column, np.asarray(sensor.point, dtype=np.float64)))
+        channels += [
+            Channel(f"{sensor.name}.position", "m", _XYZ, column),
+            Channel(f"{sensor.name}.velocity", "m/s", _XYZ, column + 3),
+        ]
+        column += 6
+    for name in (*ENERGY_NAMES, "balance"):
+        channels.append(Channel(f"energy.{name}", "J", (name,), column))
+        column += 1
+    channels += [
+        Channel("momentum.linear", "kg m/s", _XYZ, column),
+        Channel("momentum.angular", "kg m^2/s", _XYZ, column + 3),
+    ]
+    column += 6
+
+    markers: dict[str, list[tuple[int, Any, bool]]] = {body.name: [] for body in ordered}
+    first_markers: list[int] = []
+    marker_total = 0
+    for force in points:
+        first_markers.append(marker_total)
+        markers[force.body].append((marker_total, np.asarray(force.point, dtype=np.float64), False))
+        if force.frame == "body":
+            markers[force.body] += [(marker_total + 1 + k, np.eye(3)[k], True) for k in range(3)]
+        marker_total += 4 if force.frame == "body" else 1
+
+    bodies: list[Any] = []
+    dof_count = 0
+    window = 6
+    if flexible:
+        from heavylift.solver.bodies import floating_frame_kind
+        from heavylift.solver.bodies.floating_frame import pack_floating_frames, record_width
+
+        bodies.append(
+            pack_floating_frames(flexible, 0, 0, 0, _of(markers, flexible), _of_sensors(sensors, flexible))
+        )
+        assert isinstance(bodies[-1], floating_frame_kind.FloatingFrameBodies)
+        dof_count += sum(6 + body.reduced.mode_count for body in flexible)
+        window += max(body.reduced.mode_count for body in flexible)
+        rigid_column = sum(map(record_width, flexible))
+    else:
+        rigid_column = 0
+    if rigid:
+        from heavylift.solver.bodies import rigid_kind
+        from heavylift.solver.bodies.rigid import pack_rigid_bodies
+
+        bodies.append(
+            pack_rigid_bodies(
+                rigid,
+                len(flexible),
+                dof_count,
+                rigid_column,
+                _of(markers, rigid),
+                _of_sensors(sensors, rigid),
+            )
+        )
+        assert isinstance(bodies[-1], rigid_kind.RigidBodies)
+        dof_count += 6 * len(rigid)
+    forces: list[Any] = []
+    if gravity:
+        from heavylift.solver.forces.gravity import pack_gravity
+
+        forces.append(pack_gravity(gravity))
+    if points:
+        from heavylift.solver.forces.point import pack_point_forces
+
+        forces.append(pack_point_forces(points, first_markers))
+    assert body_columns <= column
+    work = Workspace(
+        velocity=np.zeros(dof_count),
+        markers=np.zeros((marker_total, 9)),
+        jacobian=np.zeros((marker_total, 3, window)),
+        sums=np.zeros(SUM_COUNT),
+        status=np.zeros(2, dtype=np.int64),
+    )
+    names = tuple(body.name for body in ordered)
+    return Layout(tuple(bodies), tuple(forces), work, tuple(channels), column, names)
+
+
+def _check_names(scene: Scene) -> None:
+    seen: set[str] = set()
+    for thing in (*scene.bodies, *scene.sensors):
+        if thing.name in seen or thing.name in ("energy", "momentum", "time"):
+            raise InputError(
+                f"the name {thing.name!r} is taken", source="scene", expected="a name of its own for each"
+            )
+        seen.add(thing.name)
+    if not scene.bodies:
+        raise InputError("no body", source="scene", expected="at least one")
+    names = {body.name for body in scene.bodies}
+    for user in (*scene.sensors, *(force for force in scene.forces if isinstance(force, PointForce))):
+        if user.body not in names:
+            raise InputError(
+                f"there is no body {user.body!r}",
+                source="scene",
+                key=user.name,
+                expected=f"one of {', '.join(sorted(names))}",
+            )
+
+
+def _body_channels(body: FlexibleBody | RigidBody, channels: list[Channel], column: int) -> int:
+    """Append the channels of a body; returns the next free column."""
+    entries: list[tuple[str, str, tuple[str, ...]]] = [
+        ("position", "m", _XYZ),
+        ("orientation", "1", ("q0", "q1", "q2", "q3")),
+        ("velocity", "m/s", _XYZ),
+        ("angular_velocity", "rad/s", _XYZ),
+    ]
+    if isinstance(body, FlexibleBody):
+        modes = tuple(str(i + 1) for i in range(body.reduced.mode_count))
+        entries += [
+            ("modal_position", "m kg^0.5", modes),
+            ("modal_velocity", "m kg^0.5/s", modes),
+        ]
+    if not isinstance(body.motion, Free):
+        entries += [("reaction_force", "N", _XYZ), ("reaction_moment", "N m", _XYZ)]
+    for name, unit, components in entries:
+        channels.append(Channel(f"{body.name}.{name}", unit, components, column))
+        column += len(components)
+    return column
+
+
+def _of(markers: dict[str, list[tuple[int, Any, bool]]], bodies: list[Any]) -> list[BodyMarkers]:
+    return [
+        BodyMarkers(
+            tuple(number for number, _, _ in markers[body.name]),
+            tuple(vector for _, vector, _ in markers[body.name]),
+            tuple(direction for _, _, direction in markers[body.name]),
+        )
+        for body in bodies
+    ]
+
+
+def _of_sensors(sensors: dict[str, list[tuple[int, Any]]], bodies: list[Any]) -> list[BodyMarkers]:
+    return [
+        BodyMarkers(
+            tuple(column for column, _ in sensors[body.name]),
+            tuple(point for _, point in sensors[body.name]),
+            (False,) * len(sensors[body.name]),
+        )
+        for body in bodies
+    ]

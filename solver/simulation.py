@@ -1,0 +1,200 @@
+"""A running simulation: steps a packed scene in compiled pieces, records, stops, saves and restores itself."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import time as clock
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.solver.integrate.loop import start_scene, write_record
+from heavylift.solver.interface import STATUS_BODY, STATUS_OUTCOME
+from heavylift.solver.layout import Channel, pack_scene
+from heavylift.solver.scene import Scene
+
+__all__ = ["INTEGRATORS", "Simulation"]
+
+INTEGRATORS = {
+    "dele2": "heavylift.solver.integrate.dele2",
+    "thesis": "heavylift.solver.integrate.thesis",
+}
+"""Integrators by name; each module has one compiled `run`."""
+
+_CARRIED = ("frame", "modal", "products")  # fields of body kinds that outlive a step
+
+
+class Simulation:
+    """The state of a scene and its way through time.
+
+    Parameters
+    ----------
+    scene
+        What is simulated.
+    step
+        Time step [s].
+    integrator
+        A key of `INTEGRATORS`.
+    record_every
+        Steps between two records.
+
+    Attributes
+    ----------
+    channels, column_count
+        Meaning of the columns of a record.
+    step_index
+        Steps done; time is this count times the step, so it never drifts.
+    outcome, message
+        How it stands; the message says when and which body if it stopped by itself. The state is then
+        that of the last good step.
+    cpu_seconds, compile_seconds
+        CPU time of all `advance` calls, and of compiling or loading the kernels.
+
+    Raises
+    ------
+    InputError
+        If the step is not positive, the integrator is unknown, or the scene does not fit together.
+    """
+
+    def __init__(
+        self, scene: Scene, step: float, integrator: str = "dele2", *, record_every: int = 1
+    ) -> None:
+        if not (step > 0.0 and math.isfinite(step)):
+            raise InputError(
+                f"step {step!r}", source="simulation", key="step", expected="a positive time [s]"
+            )
+        if integrator not in INTEGRATORS:
+            raise InputError(
+                f"{integrator!r}", source="simulation", key="integrator", expected=" or ".join(INTEGRATORS)
+            )
+        if record_every < 1:
+            raise InputError(f"{record_every}", source="simulation", key="record_every", expected="1 or more")
+        self.step = float(step)
+        self.integrator = integrator
+        self.record_every = int(record_every)
+        self._layout = pack_scene(scene)
+        self._run = importlib.import_module(INTEGRATORS[integrator]).run
+        self.channels: tuple[Channel, ...] = self._layout.channels
+        self.column_count: int = self._layout.column_count
+        self.step_index = 0
+        self.outcome = Outcome.COMPLETED
+        self.message = ""
+        self.cpu_seconds = 0.0
+        self.compile_seconds = 0.0
+        self._warm = False
+        self._started = False
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.step_index * self.step
+
+    def warm_up(self) -> None:
+        """Compile the loop for this scene, or load it from the cache, without changing the state."""
+        if self._warm:
+            return
+        begin = clock.process_time()
+        layout = self._layout
+        self._start()
+        records = np.empty((0, self.column_count))
+        self._run(layout.bodies, layout.forces, layout.work, self.step, 0, 0, 1, records)
+        write_record(layout.bodies, layout.forces, layout.work, self.time, np.empty(self.column_count))
+        self.compile_seconds += clock.process_time() - begin
+        self._warm = True
+
+    def _start(self) -> None:
+        if not self._started:
+            start_scene(self._layout.bodies, 0.0)
+            self._started = True
+
+    def record(self) -> NDArray[np.float64]:
+        """Record of the present state, shape (column_count,)."""
+        self.warm_up()
+        row = np.empty(self.column_count)
+        layout = self._layout
+        write_record(layout.bodies, layout.forces, layout.work, self.time, row)
+        return row
+
+    def advance(self, steps: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Make a number of steps without returning to Python in between.
+
+        Parameters
+        ----------
+        steps
+            Fewer are made if the simulation stops by itself; see `outcome`.
+
+        Returns
+        -------
+        times
+            Of the records [s], shape (rows,).
+        records
+            Shape (rows, column_count), one after every step whose index is divisible by `record_every`.
+        """
+        self.warm_up()
+        first, last = self.step_index, self.step_index + steps
+        every = self.record_every
+        records = np.empty((last // every - first // every, self.column_count))
+        if self.outcome is not Outcome.COMPLETED or steps <= 0:
+            return np.empty(0), records[:0]
+        layout = self._layout
+        begin = clock.process_time()
+        done = self._run(layout.bodies, layout.forces, layout.work, self.step, first, last, every, records)
+        self.cpu_seconds += clock.process_time() - begin
+        self.step_index = int(done)
+        if done < last:
+            self._stop()
+        count = int(done) // every - first // every
+        times = (first // every + 1 + np.arange(count)) * every * self.step
+        return times, records[:count]
+
+    def _stop(self) -> None:
+        status = self._layout.work.status
+        self.outcome = Outcome(int(status[STATUS_OUTCOME]))
+        body = self._layout.body_names[int(status[STATUS_BODY])]
+        remedy = {
+            Outcome.NOT_FINITE: "a smaller step, or loads and initial values of a sensible size",
+            Outcome.STEP_TOO_LARGE: "a smaller step: the body turns too far in one step",
+        }.get(self.outcome, "")
+        self.message = f"{self.outcome.text} at t = {self.time:.9g} s (step {self.step_index}), body {body!r}; try {remedy}"
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Everything that a continuation needs, bit for bit: arrays by name, copied."""
+        self._start()
+        arrays = {name: array.copy() for name, array in self._arrays()}
+        arrays["step_index"] = np.array(self.step_index, dtype=np.int64)
+        arrays["cpu_seconds"] = np.array(self.cpu_seconds)
+        return arrays
+
+    def restore(self, state: dict[str, NDArray[Any]]) -> None:
+        """Continue from what `state` returned.
+
+        Raises
+        ------
+        InputError
+            If the state belongs to another scene.
+        """
+        for name, array in self._arrays():
+            if name not in state or state[name].shape != array.shape:
+                raise InputError(
+                    "the state does not fit this scene",
+                    source="checkpoint",
+                    key=name,
+                    expected=f"an array of shape {array.shape}",
+                )
+            array[...] = state[name]
+        self.step_index = int(state["step_index"])
+        self.cpu_seconds = float(state["cpu_seconds"])
+        self.outcome, self.message = Outcome.COMPLETED, ""
+        self._layout.work.status[:] = 0
+        self._started = True
+
+    def _arrays(self) -> Iterator[tuple[str, NDArray[Any]]]:
+        """Arrays that the step writes, by kind and field."""
+        for kind in self._layout.bodies:
+            for field, array in zip(kind._fields, kind, strict=True):
+                if isinstance(array, np.ndarray) and field in _CARRIED:
+                    yield f"{type(kind).__name__}.{field}", array
