@@ -41,6 +41,8 @@ class ReducedBody:
         Small for eigenmodes, of order one for vectors that a static or Krylov basis adds.
     orthogonality
         Largest deviation of ``Phi^T M Phi`` from the identity.
+    dropped
+        Vectors that were asked for and add nothing to the others, with the reason.
 
     Raises
     ------
@@ -56,6 +58,7 @@ class ReducedBody:
     labels: tuple[str, ...]
     residuals: NDArray[np.float64]
     orthogonality: float
+    dropped: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         n, nf = len(self.nodes), len(self.eigenvalues)
@@ -74,7 +77,10 @@ class ReducedBody:
                 )
         if len(self.labels) != nf:
             raise InputError(
-                f"{len(self.labels)} labels", source="reduced body", key="labels", expected=f"{nf}, one a vector"
+                f"{len(self.labels)} labels",
+                source="reduced body",
+                key="labels",
+                expected=f"{nf}, one a vector",
             )
 
     @property
@@ -97,7 +103,9 @@ class ReducedBody:
         q = np.asarray(modal_coordinates, dtype=np.float64)
         if q.shape != (self.mode_count,):
             raise InputError(
-                f"modal coordinates of shape {q.shape}", source="reduced body", expected=f"shape ({self.mode_count},)"
+                f"modal coordinates of shape {q.shape}",
+                source="reduced body",
+                expected=f"shape ({self.mode_count},)",
             )
         return np.tensordot(q, self.mode_shapes, axes=1)
 
@@ -105,5 +113,7 @@ class ReducedBody:
         """Index of the node closest to a point [m] of the body frame; the lowest index among equals."""
         r = np.asarray(point, dtype=np.float64)
         if r.shape != (3,) or not np.all(np.isfinite(r)):
-            raise InputError(f"point {point!r}", source="reduced body", expected="three finite coordinates [m]")
+            raise InputError(
+                f"point {point!r}", source="reduced body", expected="three finite coordinates [m]"
+            )
         return int(np.argmin(np.sum((self.nodes - r) ** 2, axis=1)))

@@ -1,0 +1,232 @@
+"""Displacements from forces: the inverse of the stiffness, apart from rigid motions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from heavylift.modal.factor import NotPositiveDefiniteError, factorise
+from heavylift.numerics.outcome import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+    from scipy.sparse import sparray, spmatrix
+
+    from heavylift.preprocess.model import FEModel
+
+__all__ = ["Flexibility", "apply_mass", "held_nodes", "rigid_basis", "rigid_motions"]
+
+_RIGID_ENERGY = 1e-10  # of that of the stiffest node moving alone: below it a motion stores no energy
+
+
+def rigid_motions(nodes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Three translations and three small rotations about the mean of the nodes.
+
+    Parameters
+    ----------
+    nodes
+        Positions [m], shape (n, 3).
+
+    Returns
+    -------
+    NDArray
+        Displacements, node-major, shape (3n, 6); rotations scaled by the size of the body, so that
+        all columns are of the same order.
+    """
+    n = len(nodes)
+    r = nodes - nodes.mean(axis=0)
+    size = np.sqrt(np.mean(np.sum(r**2, axis=1))) if n > 1 else 0.0
+    r = r / (size or 1.0)
+    motions = np.zeros((n, 3, 6))
+    motions[:, [0, 1, 2], [0, 1, 2]] = 1.0
+    for k in range(3):
+        motions[:, :, 3 + k] = np.cross(np.eye(3)[k], r)
+    return motions.reshape(3 * n, 6)
+
+
+def apply_mass(mass: sparray | spmatrix, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``kron(M_s, I3) @ vectors`` without forming the product matrix; vectors (3n,) or (3n, m)."""
+    n = mass.shape[0]
+    return np.asarray(mass @ vectors.reshape(n, -1)).reshape(vectors.shape)
+
+
+def held_nodes(model: FEModel, fixed_nodes: Sequence[int] | NDArray[np.int64]) -> NDArray[np.int64]:
+    """Sorted nodes clamped by the caller or by the model itself; InputError if one does not exist."""
+    chosen = np.asarray(fixed_nodes, dtype=np.int64).ravel()
+    wrong = chosen[(chosen < 0) | (chosen >= model.node_count)]
+    if wrong.size:
+        raise InputError(
+            f"node {wrong[0]} does not exist",
+            source=model.name or "finite element model",
+            key="fixed_nodes",
+            expected=f"0 to {model.node_count - 1}",
+        )
+    return np.union1d(chosen, model.fixed_nodes).astype(np.int64)
+
+
+def rigid_basis(
+    model: FEModel, held: NDArray[np.int64], *, stored_energy: bool = False
+) -> NDArray[np.float64]:
+    """Mass-orthonormal rigid motions of a body with some nodes held.
+
+    Parameters
+    ----------
+    model
+        Finite element model.
+    held
+        Nodes that do not move.
+    stored_energy
+        Leave out motions that the stiffness resists, as elastic supports inside it do.
+
+    Returns
+    -------
+    NDArray
+        Shape (3n, r) [kg^-1/2], r = 0 ... 6.
+
+    Raises
+    ------
+    InputError
+        If a rigid motion moves no mass.
+    """
+    motions = rigid_motions(model.nodes)
+    if held.size:
+        at_supports = motions.reshape(-1, 3, 6)[held].reshape(-1, 6)
+        _, singular, right = np.linalg.svd(at_supports)
+        stopped = np.zeros(6, dtype=bool)
+        stopped[: len(singular)] = singular > 1e-9 * max(singular[0], 1.0)
+        motions = motions @ right[~stopped].T
+        motions.reshape(model.node_count, 3, -1)[held] = 0.0
+    if not motions.shape[1]:
+        return motions
+    if stored_energy:
+        motions = np.linalg.qr(motions)[0]
+        energy, axes = np.linalg.eigh(motions.T @ (model.stiffness @ motions))
+        motions = motions @ axes[:, energy <= _RIGID_ENERGY * model.stiffness.diagonal().max()]
+    if not motions.shape[1]:
+        return motions
+    weight, axes = np.linalg.eigh(motions.T @ apply_mass(model.mass, motions))
+    if weight[0] <= 1e-14 * max(weight[-1], 0.0):
+        raise InputError(
+            "a rigid motion moves no mass",
+            source=model.name or "finite element model",
+            key="mass",
+            expected="mass off the axis of every rotation that the supports leave",
+        )
+    return motions @ (axes / np.sqrt(weight))
+
+
+class Flexibility:
+    """Factorised stiffness of a body with some nodes held, whether or not it can still move rigidly.
+
+    Parameters
+    ----------
+    model
+        Finite element model.
+    fixed_nodes
+        Clamped nodes, besides those that the model clamps itself.
+    backend
+        See `heavylift.modal.factor.factorise`.
+
+    Attributes
+    ----------
+    fixed
+        All clamped nodes, sorted.
+    unknowns
+        Indices of the degrees of freedom that are not clamped, shape (N,).
+    rigid
+        Rigid motions that are left, mass-orthonormal [kg^-1/2], shape (3n, r); r = 6 for a free body,
+        0 for a supported one, 1 if only a hinge axis is held.
+
+    Raises
+    ------
+    InputError
+        No free node, no mass, or a stiffness that leaves more motions free than rigid ones.
+
+    Notes
+    -----
+    A free body is solved with *inertia relief*: the rigid motions R (``R^T M R = 1``) absorb the
+    resultant of the load, ``f - M R R^T f``, by accelerating. The self-equilibrated rest needs no
+    support, so r well placed degrees of freedom (pivots of a QR factorisation of R^T) are held
+    without reaction, and the displacement is made mass-orthogonal to R. Hence the operator is the
+    pseudo-inverse ``G = P K^-1 P^T``, ``P = 1 - R R^T M``: exact at zero frequency, no shift.
+    """
+
+    def __init__(
+        self,
+        model: FEModel,
+        fixed_nodes: Sequence[int] | NDArray[np.int64] = (),
+        *,
+        backend: str = "auto",
+    ) -> None:
+        self.model = model
+        self.fixed = held_nodes(model, fixed_nodes)
+        self.free_nodes = np.setdiff1d(np.arange(model.node_count), self.fixed)
+        if not self.free_nodes.size:
+            raise InputError(
+                f"all {model.node_count} nodes are clamped",
+                source=model.name or "finite element model",
+                key="fixed_nodes",
+                expected="at least one free node",
+            )
+        self.unknowns = (3 * self.free_nodes[:, None] + np.arange(3)).ravel()
+        self.rigid = rigid_basis(model, self.fixed, stored_energy=True)
+        self._rigid_inertia = apply_mass(model.mass, self.rigid)
+        stiffness = self._held_stiffness()
+        try:
+            self.factor = factorise(stiffness, backend=backend, coordinates=model.nodes[self.free_nodes])
+        except NotPositiveDefiniteError as error:
+            raise InputError(
+                f"the stiffness of {len(self.free_nodes)} free nodes is not positive definite ({error})",
+                source=model.name or "finite element model",
+                key="stiffness",
+                expected="one connected body without mechanisms: only rigid motions cost no energy",
+            ) from error
+
+    @property
+    def rigid_count(self) -> int:
+        """Number of rigid motions that the supports leave."""
+        return self.rigid.shape[1]
+
+    def solve(self, forces: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Displacements [m] from forces [N], both (3n,) or (3n, m); zero at clamped nodes."""
+        loads = self.equilibrated(np.asarray(forces, dtype=np.float64))[self.unknowns]
+        loads[self._pinned] = 0.0  # rounding only: the loads are in equilibrium
+        result = np.zeros(np.shape(forces))
+        result[self.unknowns] = self.factor.solve(loads)
+        return self.without_rigid(result)
+
+    def equilibrated(self, forces: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Forces minus the inertia forces of the rigid acceleration they cause; a copy."""
+        if not self.rigid_count:
+            return forces.copy()
+        return forces - self._rigid_inertia @ (self.rigid.T @ forces)
+
+    def without_rigid(self, displacements: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Displacements minus their mass-weighted rigid part."""
+        if not self.rigid_count:
+            return displacements
+        return displacements - self.rigid @ (self._rigid_inertia.T @ displacements)
+
+    def _held_stiffness(self) -> sparray:
+        """Stiffness of the free nodes, with r degrees of freedom held if r rigid motions are left."""
+        from scipy.linalg import qr
+        from scipy.sparse import csr_array
+
+        stiffness = csr_array(self.model.stiffness)
+        if self.fixed.size:
+            stiffness = stiffness[self.unknowns][:, self.unknowns]
+        self._pinned = np.empty(0, dtype=np.int64)
+        if self.rigid_count:
+            pivots = qr(self.rigid[self.unknowns].T, mode="r", pivoting=True)[1]
+            self._pinned = np.sort(pivots[: self.rigid_count]).astype(np.int64)
+            held = np.zeros(len(self.unknowns), dtype=bool)
+            held[self._pinned] = True
+            keep = np.where(held, 0.0, 1.0)
+            data = stiffness.data * keep[stiffness.indices] * np.repeat(keep, np.diff(stiffness.indptr))
+            diagonal = stiffness.diagonal()
+            stiffness = csr_array((data, stiffness.indices, stiffness.indptr), shape=stiffness.shape)
+            stiffness.setdiag(np.where(held, diagonal.mean(), diagonal))
+        return stiffness

@@ -1,0 +1,283 @@
+"""From a set of vectors to a reduced body: rigid part out, Ritz step, shape integrals."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from heavylift.modal.eigen import orthogonality_error, signed
+from heavylift.modal.flexibility import apply_mass, held_nodes, rigid_basis
+from heavylift.modal.invariants import shape_integrals
+from heavylift.modal.reduced import ReducedBody
+from heavylift.numerics.outcome import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from heavylift.preprocess.model import FEModel
+
+__all__ = ["Ritz", "mean_axis", "reduce_body", "ritz_vectors"]
+
+_DEPENDENT = 1e-6
+"""Part of a vector's length that must not lie in the span of those before it."""
+
+_CHUNK = 16  # vectors handled at once
+
+
+class Ritz(NamedTuple):
+    """Result of a Ritz step.
+
+    Attributes
+    ----------
+    eigenvalues
+        Ritz values [rad^2/s^2], ascending, shape (nf,).
+    shapes
+        Mass-orthonormal [kg^-1/2], shape (3n, nf), with diagonal stiffness.
+    labels
+        Name of the given vector that each Ritz vector resembles most; each name once.
+    dropped
+        Names of the vectors that were not needed, with the reason.
+    residuals
+        ``||K phi - w2 M phi|| / (w2 ||M phi||)`` over the free degrees of freedom, shape (nf,).
+    """
+
+    eigenvalues: NDArray[np.float64]
+    shapes: NDArray[np.float64]
+    labels: tuple[str, ...]
+    dropped: tuple[str, ...]
+    residuals: NDArray[np.float64]
+
+
+def mean_axis(model: FEModel, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Vectors (3n, nv) minus their mass-weighted rigid part: no linear or angular momentum is left.
+
+    For small deformation this is only another choice of the body frame, which now follows the mean
+    motion of the body instead of its support; strains are the same. Such shapes leave
+    ``modal_translation = 0`` and ``I_tf = 0`` in the undeformed state.
+    """
+    return _without(vectors, rigid_basis(model, np.empty(0, dtype=np.int64)), model)
+
+
+def ritz_vectors(
+    model: FEModel,
+    vectors: NDArray[np.float64],
+    labels: Sequence[str],
+    *,
+    fixed_nodes: Sequence[int] | NDArray[np.int64] = (),
+    mean_axis: bool,
+) -> Ritz:
+    """Solve the eigenproblem in the span of some vectors.
+
+    Parameters
+    ----------
+    model
+        Finite element model.
+    vectors
+        Displacements, node-major, shape (3n, nv), zero at clamped nodes.
+    labels
+        One name a vector.
+    fixed_nodes
+        Clamped nodes besides those that the model clamps itself.
+    mean_axis
+        Take all six rigid motions out. Otherwise only those that the supports leave are: the
+        floating frame carries them.
+
+    Raises
+    ------
+    InputError
+        Arrays that do not fit, vectors that move clamped nodes, or none that is left.
+
+    Notes
+    -----
+    Stiffness is evaluated with the vectors as given, inertia with the vectors without their rigid
+    part. So the stiffness may have lost its rows at clamped nodes and need not be free of penalties.
+    """
+    V = np.array(vectors, dtype=np.float64)
+    clamped = held_nodes(model, fixed_nodes)
+    source = model.name or "finite element model"
+    if V.ndim != 2 or V.shape != (3 * model.node_count, len(labels)) or not np.all(np.isfinite(V)):
+        raise InputError(
+            f"vectors of shape {V.shape} with {len(labels)} labels",
+            source=source,
+            key="basis",
+            expected=f"finite numbers of shape ({3 * model.node_count}, number of labels)",
+        )
+    fixed_rows = (3 * clamped[:, None] + np.arange(3)).ravel()
+    if np.abs(V[fixed_rows]).max(initial=0.0) > 1e-9 * np.abs(V).max(initial=0.0):
+        raise InputError(
+            "a vector moves a clamped node",
+            source=source,
+            key="basis",
+            expected="vectors of the same supports",
+        )
+    supports = np.empty(0, dtype=np.int64) if mean_axis else clamped
+    rigid = rigid_basis(model, supports, stored_energy=not mean_axis)
+    dropped: list[str] = []
+    V /= np.maximum(np.sqrt(_squares(model, V)), np.finfo(float).tiny)
+    W = _without(V, rigid, model)
+    gram = given = _product(W, lambda part: apply_mass(model.mass, part))
+    kept, C = _independent(gram, labels, dropped)
+    if not kept:
+        raise InputError(
+            "no vector deforms the body", source=source, key="basis", expected="independent deformations"
+        )
+    total = np.eye(len(gram))
+    for repeat in (False, True):  # the repeat removes rounding that nearly dependent vectors amplified
+        if repeat:
+            gram = _product(W, lambda part: apply_mass(model.mass, part))
+            C = _inverse_root(gram)
+        stiffness = C.T @ _product(V, lambda part: model.stiffness @ part) @ C
+        values, axes = np.linalg.eigh(0.5 * (stiffness + stiffness.T))
+        C = C @ axes
+        total = total @ C
+        V = V @ C
+        W = _without(W @ C, rigid, model) if rigid.shape[1] else V
+    shapes = signed(W)
+    V *= np.where(np.einsum("ij,ij->j", W, shapes) < 0.0, -1.0, 1.0)
+    return Ritz(
+        values,
+        shapes,
+        _matched(given @ total, kept, labels),
+        tuple(dropped),
+        _residuals(model, values, V, shapes, fixed_rows),
+    )
+
+
+def reduce_body(
+    model: FEModel,
+    vectors: NDArray[np.float64],
+    labels: Sequence[str],
+    *,
+    fixed_nodes: Sequence[int] | NDArray[np.int64] = (),
+    origin: ArrayLike = (0.0, 0.0, 0.0),
+    mean_axis: bool,
+) -> ReducedBody:
+    """Reduce a finite element model to the span of some vectors.
+
+    Parameters
+    ----------
+    model, vectors, labels, fixed_nodes, mean_axis
+        See `ritz_vectors`. A body on a frame that moves freely needs ``mean_axis=True``.
+    origin
+        Origin of the body frame in the frame of the model [m]; the axes are parallel.
+
+    Raises
+    ------
+    InputError
+        See `ritz_vectors`; or an origin that is not three finite numbers.
+    """
+    shift = np.asarray(origin, dtype=np.float64)
+    if shift.shape != (3,) or not np.all(np.isfinite(shift)):
+        raise InputError(
+            f"origin {origin!r}", source=model.name, key="origin", expected="three finite coordinates [m]"
+        )
+    ritz = ritz_vectors(model, vectors, labels, fixed_nodes=fixed_nodes, mean_axis=mean_axis)
+    nodes = model.nodes - shift
+    shapes = np.ascontiguousarray(ritz.shapes.T).reshape(len(ritz.eigenvalues), model.node_count, 3)
+    return ReducedBody(
+        nodes=nodes,
+        eigenvalues=ritz.eigenvalues,
+        mode_shapes=shapes,
+        integrals=shape_integrals(nodes, shapes, model.mass),
+        mean_axis=mean_axis,
+        labels=ritz.labels,
+        residuals=ritz.residuals,
+        orthogonality=orthogonality_error(model, ritz.shapes),
+        dropped=ritz.dropped,
+    )
+
+
+def _without(vectors: NDArray[np.float64], rigid: NDArray[np.float64], model: FEModel) -> NDArray[np.float64]:
+    """Vectors minus their mass-weighted projection on mass-orthonormal rigid motions."""
+    inertia = apply_mass(model.mass, rigid)
+    result = vectors
+    for _ in range(2):  # twice: the first difference may cancel most digits
+        result = result - rigid @ (inertia.T @ result)
+    return result
+
+
+def _squares(model: FEModel, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``v^T M v`` of every column."""
+    result = np.empty(vectors.shape[1])
+    for first in range(0, vectors.shape[1], _CHUNK):
+        part = vectors[:, first : first + _CHUNK]
+        result[first : first + _CHUNK] = np.einsum("ij,ij->j", part, apply_mass(model.mass, part))
+    return result
+
+
+def _product(vectors: NDArray[np.float64], apply) -> NDArray[np.float64]:  # type: ignore[no-untyped-def]
+    """``V^T (A V)``, symmetric, without storing all of ``A V``."""
+    result = np.empty((vectors.shape[1], vectors.shape[1]))
+    for first in range(0, vectors.shape[1], _CHUNK):
+        part = slice(first, first + _CHUNK)
+        result[:, part] = vectors.T @ apply(vectors[:, part])
+    return 0.5 * (result + result.T)
+
+
+def _independent(
+    gram: NDArray[np.float64], labels: Sequence[str], dropped: list[str]
+) -> tuple[list[int], NDArray[np.float64]]:
+    """Orthonormalise in the given order; vectors that add nothing are named in `dropped`.
+
+    Returns the numbers of the vectors kept and the combinations C, (nv, nf), with ``C^T gram C = 1``.
+    """
+    size = len(gram)
+    kept: list[int] = []
+    C = np.zeros((size, size))
+    for j in range(size):
+        length = np.sqrt(max(float(gram[j, j]), 0.0))
+        if length <= _DEPENDENT:  # of a vector that had length one before its rigid part was removed
+            dropped.append(f"{labels[j]}: a rigid motion")
+            continue
+        column = np.zeros(size)
+        column[j] = 1.0 / length
+        found = C[:, : len(kept)]
+        for _ in range(2):
+            column -= found @ (found.T @ (gram @ column))
+        rest = np.sqrt(max(float(column @ gram @ column), 0.0))
+        if rest <= _DEPENDENT:
+            dropped.append(f"{labels[j]}: a combination of the vectors before it")
+            continue
+        C[:, len(kept)] = column / rest
+        kept.append(j)
+    return kept, C[:, : len(kept)]
+
+
+def _inverse_root(gram: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Symmetric ``gram^-1/2`` of a matrix close to the identity: changes the vectors least."""
+    values, axes = np.linalg.eigh(gram)
+    return (axes / np.sqrt(values)) @ axes.T
+
+
+def _matched(overlap: NDArray[np.float64], kept: list[int], labels: Sequence[str]) -> tuple[str, ...]:
+    """Give each Ritz vector the name of one given vector, so that the squared overlaps are largest."""
+    from scipy.optimize import linear_sum_assignment
+
+    rows, columns = linear_sum_assignment(overlap[kept] ** 2, maximize=True)
+    names = [""] * len(kept)
+    for row, column in zip(rows, columns, strict=True):
+        names[column] = labels[kept[row]]
+    return tuple(names)
+
+
+def _residuals(
+    model: FEModel,
+    values: NDArray[np.float64],
+    V: NDArray[np.float64],
+    shapes: NDArray[np.float64],
+    fixed_rows: NDArray[np.int64],
+) -> NDArray[np.float64]:
+    """Relative residuals; elastic forces from the vectors as given, inertia from the final shapes."""
+    result = np.empty(len(values))
+    for first in range(0, len(values), _CHUNK):
+        part = slice(first, first + _CHUNK)
+        force = model.stiffness @ V[:, part]
+        inertia = apply_mass(model.mass, shapes[:, part]) * values[part]
+        force[fixed_rows] = 0.0
+        inertia[fixed_rows] = 0.0
+        scale = np.maximum(np.linalg.norm(inertia, axis=0), np.finfo(float).tiny)
+        result[part] = np.linalg.norm(force - inertia, axis=0) / scale
+    return result

@@ -1,0 +1,199 @@
+"""The report of a case: verdict, inputs, checks, pictures and plots, as Markdown and as one HTML file."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from importlib.metadata import version
+from typing import TYPE_CHECKING
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.picture_render import Renderer, RenderingUnavailableError
+from heavylift.pipeline.quantities import CheckResult, evaluate_checks
+from heavylift.pipeline.report_bodies import body_sections
+from heavylift.pipeline.report_document import (
+    Document,
+    Section,
+    Table,
+    Text,
+    Verdict,
+    to_html,
+    to_markdown,
+)
+from heavylift.pipeline.report_run import (
+    history_section,
+    load_finite_results,
+    provenance_section,
+    run_section,
+)
+from heavylift.pipeline.storage import OutputFolder, replacing
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from heavylift.pipeline.case import Case
+
+__all__ = ["Album", "write_report"]
+
+
+@dataclass
+class Album:
+    """Pictures of one report: written to its folder as they come, kept for the HTML file.
+
+    Attributes
+    ----------
+    folder
+        Folder of the report.
+    pictures
+        File name to content.
+    """
+
+    folder: Path
+    pictures: dict[str, bytes] = field(default_factory=dict)
+
+    def add(self, name: str, content: bytes) -> str:
+        """Write a PNG; returns its file name, `name` with unusual characters replaced and made unique."""
+        stem = re.sub(r"[^A-Za-z0-9_-]+", "_", name) or "picture"
+        file, number = f"{stem}.png", 2
+        while file in self.pictures:
+            file, number = f"{stem}_{number}.png", number + 1
+        with replacing(self.folder / file) as temporary:
+            temporary.write_bytes(content)
+        self.pictures[file] = content
+        return file
+
+
+def write_report(case: Case, folder: Path, out: Path) -> list[Path]:
+    """Write ``report.md``, ``report.html`` and their pictures from whatever stages have run.
+
+    Parameters
+    ----------
+    case
+        The case.
+    folder
+        Folder of the report; made if absent. Pictures of an earlier report that are not made anew are removed.
+    out
+        Output folder of the case, with a folder for each stage that has run.
+
+    Returns
+    -------
+    list[Path]
+        All files of the report, ``report.html`` first.
+
+    Notes
+    -----
+    A missing stage leaves its sections out and is named in the report. So is a machine that cannot draw; plots
+    are made even there.
+    """
+    stages = OutputFolder(out)
+    album = Album(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    before = _linked_pictures(folder / "report.md")
+    results, problem = load_finite_results(case, out)
+    renderer, remedy = _renderer()
+    sections: list[Section] = []
+    try:
+        for name, body in case.bodies.items():
+            sections += body_sections(case, name, body, stages, results, renderer, album)
+    finally:
+        if renderer is not None:
+            renderer.close()
+    checks, open_checks = _checks(case, out)
+    warnings = [Text(text, warning=True) for text in (problem, remedy) if text]
+    document = Document(
+        title=case.title,
+        subtitle=f"case {case.name} · heavylift {version('heavylift')}",
+        sections=(
+            Section("", (_verdict(case, checks, open_checks, simulated=results is not None), *warnings)),
+            *([_check_section(checks, open_checks)] if case.check else []),
+            *run_section(case, stages, results),
+            *sections,
+            *history_section(case, stages, results, album),
+            *provenance_section(case, stages),
+        ),
+    )
+    files = []
+    for name, text in (
+        ("report.html", to_html(document, album.pictures)),
+        ("report.md", to_markdown(document)),
+    ):
+        with replacing(folder / name) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+        files.append(folder / name)
+    for name in before - set(album.pictures):
+        (folder / name).unlink(missing_ok=True)
+    return files + [folder / name for name in album.pictures]
+
+
+def _renderer() -> tuple[Renderer | None, str]:
+    """Something that draws, or why there is nothing."""
+    try:
+        return Renderer(), ""
+    except RenderingUnavailableError as error:
+        return None, f"No pictures of bodies: {error}"
+    except ImportError as error:
+        return None, f"No pictures of bodies: pyvista cannot be imported ({error})"
+
+
+def _linked_pictures(report: Path) -> set[str]:
+    """File names of the pictures that an earlier report shows."""
+    try:
+        return set(re.findall(r"\]\(([A-Za-z0-9_-]+\.png)\)", report.read_text(encoding="utf-8")))
+    except (OSError, UnicodeDecodeError):
+        return set()
+
+
+def _checks(case: Case, out: Path) -> tuple[list[CheckResult], dict[str, str]]:
+    """Checks that can be evaluated, and for the others by id why not."""
+    try:
+        return evaluate_checks(case, out), {}
+    except InputError:
+        pass
+    done: list[CheckResult] = []
+    missing: dict[str, str] = {}
+    for check in case.check:
+        try:
+            done += evaluate_checks(case.model_copy(update={"check": (check,)}), out)
+        except InputError as error:
+            missing[check.id] = str(error).partition("; expected")[0]
+    return done, missing
+
+
+def _verdict(case: Case, checks: list[CheckResult], missing: dict[str, str], *, simulated: bool) -> Verdict:
+    """One line: what passed, what failed, what is not known."""
+    failed = [check.id for check in checks if not check.passed]
+    count = len(case.check)
+    if failed:
+        return Verdict(f"Failed: {len(failed)} of {count} checks ({', '.join(failed)}).", passed=False)
+    if missing:
+        return Verdict(f"Open: {len(missing)} of {count} checks could not be evaluated.", passed=None)
+    if case.simulate is not None and not simulated:
+        return Verdict("Open: the case has not been simulated.", passed=None)
+    if not count:
+        return Verdict("No verdict: the case has no checks.", passed=None)
+    return Verdict(f"Passed: {'the only check' if count == 1 else f'all {count} checks'}.", passed=True)
+
+
+def _check_section(checks: list[CheckResult], missing: dict[str, str]) -> Section:
+    rows: list[tuple[str, ...]] = []
+    marks: list[bool | None] = []
+    for check in checks:
+        kind = "rel." if check.relative else check.unit
+        rows.append(
+            (
+                check.id,
+                f"{check.value:.8g}",
+                f"{check.reference:.8g}",
+                check.unit if check.unit != "1" else "–",
+                f"{check.error:.2e} {kind}",
+                f"{check.tolerance:.2e} {kind}",
+                check.source,
+                "passed" if check.passed else "FAILED",
+            )
+        )
+        marks.append(check.passed)
+    for name, reason in missing.items():
+        rows.append((name, "–", "–", "–", "–", "–", reason, "open"))
+        marks.append(None)
+    header = ("check", "value", "reference", "unit", "error", "tolerance", "source", "result")
+    return Section("Checks", (Table(header, tuple(rows), frozenset({1, 2, 4, 5}), tuple(marks)),))

@@ -1,0 +1,242 @@
+"""Sections of a report on the simulation: how the run ended, time histories, spectra, where it all came from."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.plots import Series, energy_plot, history_plot, spectrum_plot
+from heavylift.pipeline.quantities import energy_drift
+from heavylift.pipeline.report_document import Facts, Figure, Section, Table, Text
+from heavylift.pipeline.results import Results, load_results
+from heavylift.pipeline.signals import scaled_unit
+from heavylift.pipeline.storage import read_json
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from heavylift.pipeline.case import Case
+    from heavylift.pipeline.report import Album
+    from heavylift.pipeline.storage import OutputFolder
+
+__all__ = ["history_section", "load_finite_results", "provenance_section", "run_section"]
+
+_STAGES = ("mesh", "modes", "simulate")
+_CURVES = 6  # modal coordinates in one plot at most
+_PLOTS = 8  # histories chosen at most
+_SAMPLES = 16  # fewest samples of a spectrum
+
+
+def load_finite_results(case: Case, folder: Path) -> tuple[Results | None, str]:
+    """Time histories of a case, cut off before the first value that is not finite; and what is wrong with them."""
+    if case.simulate is None:
+        return None, ""
+    try:
+        results = load_results(case, folder)
+        finite = np.isfinite(results.time)
+        for name in results:
+            finite &= np.isfinite(results[name].reshape(len(results.time), -1)).all(axis=1)
+    except InputError as error:
+        return None, f"No time histories: {error}"
+    if finite.all():
+        return results, ""
+    count = int(np.argmin(finite))
+    channels = {name: results.channel(name) for name in results}
+    columns = {name: results[name].reshape(len(results.time), -1)[:count] for name in results}
+    message = f"Values are not finite from t = {results.time[count]:.6g} s on; what is shown ends before."
+    if not count:
+        return None, message
+    return Results(results.source, results.time[:count], channels, columns, results.metadata), message
+
+
+def run_section(case: Case, stages: OutputFolder, results: Results | None) -> list[Section]:
+    """How the simulation ended, and what it cost."""
+    if case.simulate is None:
+        return []
+    manifest = _flat(read_json(stages.manifest("simulate")) or {})
+    known: dict[str, Any] = {**manifest, **(_flat(results.metadata) if results is not None else {})}
+    if not known:
+        return []
+    settings = case.simulate
+    rows = [("outcome", " ".join(str(known[key]) for key in ("outcome", "message") if known.get(key)))]
+    rows.append(("integrator", f"{settings.integrator}, step {_with_unit(settings.step, 's')}"))
+    if results is not None and len(results.time):
+        rows.append(
+            ("simulated time", f"{_with_unit(float(results.time[-1]), 's')}, {len(results.time)} records")
+        )
+    for label, keys, words in (
+        ("steps", ("steps", "step_count", "step_index"), "{:.0f}"),
+        ("CPU time of the time loop", ("cpu_s", "cpu_seconds"), "{:.3g} s"),
+        ("CPU time of one step", ("step_us",), "{:.3g} µs"),
+        ("compile time", ("compile_s", "compile_seconds"), "{:.3g} s"),
+    ):
+        value = next((known[key] for key in keys if isinstance(known.get(key), (int, float))), None)
+        if value is not None and math.isfinite(value):
+            rows.append((label, words.format(value)))
+    if results is not None and "energy.balance" in results:
+        rows.append(("largest drift of the energy balance", f"{energy_drift(results):.2e}, relative"))
+    return [Section("Simulation", (Facts(tuple(row for row in rows if row[1])),))]
+
+
+def history_section(case: Case, stages: OutputFolder, results: Results | None, album: Album) -> list[Section]:
+    """Plots of time histories and spectra."""
+    if results is None or len(results.time) < 2:
+        return []
+    items: list[Figure | Text] = []
+    energies = {name.partition(".")[2]: results[name] for name in results if name.startswith("energy.")}
+    if energies:
+        content = energy_plot(results.time, energies)
+        caption = "Energies, and the drift of their balance relative to the largest energy."
+        items.append(Figure(album.add("energy", content), caption))
+    wanted = case.report.channels or _chosen_channels(case, results)
+    spectra = case.report.spectra or tuple(name for name in results if name.endswith(".modal_position"))
+    items += [
+        Text(f"Channel {name!r} is not recorded; the case asks for its plot.", warning=True)
+        for name in dict.fromkeys((*wanted, *spectra))
+        if name not in results
+    ]
+    items += [_history_figure(results, name, album) for name in wanted if name in results]
+    for name in (name for name in spectra if name in results):
+        figure = _spectrum_figure(results, name, stages, album)
+        if figure is not None:
+            items.append(figure)
+    return [Section("Time histories", tuple(items))] if items else []
+
+
+def provenance_section(case: Case, stages: OutputFolder) -> list[Section]:
+    """Digests of the inputs and versions of what computed the results, stage by stage."""
+    rows: list[tuple[str, ...]] = []
+    for stage in _STAGES:
+        manifest = read_json(stages.manifest(stage))
+        if not isinstance(manifest, dict):
+            rows.append((stage, "not run", "", "", ""))
+            continue
+        versions = ", ".join(f"{key} {value}" for key, value in (_find(manifest, "versions") or {}).items())
+        for name, part in _parts(manifest):
+            outcome = str(part.get("outcome", manifest.get("outcome", "")))
+            cpu = _find(part, "cpu_s")
+            seconds = f"{cpu:.3g} s" if isinstance(cpu, (int, float)) else ""
+            rows.append(
+                (f"{stage} {name}".strip(), outcome, seconds, str(_find(part, "digest") or ""), versions)
+            )
+    items: list[Facts | Table] = [
+        Table(("stage", "outcome", "CPU time", "digest of its inputs", "versions"), tuple(rows))
+    ]
+    facts = [("source", text) for text in case.sources] + [("override", text) for text in case.overrides]
+    if facts:
+        items.insert(0, Facts(tuple(facts)))
+    return [Section("Provenance", tuple(items))]
+
+
+def _parts(manifest: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    """Entries of a manifest by body, or the manifest itself."""
+    parts = manifest.get("items")
+    if isinstance(parts, dict) and parts:
+        return [(str(name), part if isinstance(part, dict) else {}) for name, part in parts.items()]
+    return [("", manifest)]
+
+
+def _find(document: dict[str, Any], key: str) -> Any:
+    """First value of a key, in the document or in the tables in it."""
+    if key in document:
+        return document[key]
+    for value in document.values():
+        if isinstance(value, dict):
+            found = _find(value, key)
+            if found is not None:
+                return found
+    return None
+
+
+def _flat(document: dict[str, Any]) -> dict[str, Any]:
+    """Plain values of a document and of the tables in it; the outermost wins."""
+    flat: dict[str, Any] = {}
+    for value in document.values():
+        if isinstance(value, dict):
+            flat = {**_flat(value), **flat}
+    return {**flat, **{key: value for key, value in document.items() if isinstance(value, (str, int, float))}}
+
+
+def _with_unit(value: float, unit: str) -> str:
+    scaled = scaled_unit(unit, [np.array([value])])
+    return f"{value / scaled.divisor:.6g} {scaled.text}"
+
+
+def _chosen_channels(case: Case, results: Results) -> tuple[str, ...]:
+    """Modal coordinates, sensors, the motion of bodies that move, reactions of those that are held."""
+    owners = [f"{name}.modal_position" for name in case.bodies]
+    owners += [f"{sensor.name}.position" for sensor in case.sensors]
+    for name in case.bodies:
+        owners += [f"{name}.{kind}" for kind in ("position", "angular_velocity", "reaction_force")]
+    return tuple(name for name in owners if name in results and np.any(np.ptp(results[name], axis=0)))[
+        :_PLOTS
+    ]
+
+
+def _curves(results: Results, name: str) -> list[Series]:
+    """Components of a channel; of modal coordinates the largest few, in their order."""
+    history = results[name].reshape(len(results.time), -1)
+    components = results.components(name)
+    chosen: NDArray[np.int64] = np.arange(history.shape[1])
+    modal = ".modal_" in name
+    if modal:
+        largest = np.abs(history).max(axis=0)
+        chosen = np.flatnonzero(largest > 1.0e-9 * largest.max())  # the others are at rest, but for rounding
+    if modal and len(chosen) > _CURVES:
+        chosen = np.sort(np.argsort(-largest, kind="stable")[:_CURVES])
+    words = "mode {}" if modal else "{}"
+    return [
+        Series(words.format(components[column]) if components[column] else name, history[:, column])
+        for column in chosen
+    ]
+
+
+def _history_figure(results: Results, name: str, album: Album) -> Figure:
+    curves = _curves(results, name)
+    unit = results.unit(name)
+    ranges = [float(np.ptp(curve.values)) for curve in curves]
+    together = np.ptp(np.concatenate([curve.values for curve in curves]))
+    # curves that differ much in size or in level hide each other's detail in one system of axes
+    stacked = len(curves) > 1 and ("modal_" in name or max(ranges) < 0.2 * together)
+    content = history_plot(results.time, curves, title=_words(name), unit=unit, stacked=stacked)
+    return Figure(album.add(f"history_{name}", content), f"{_words(name)} over time.")
+
+
+def _spectrum_figure(results: Results, name: str, stages: OutputFolder, album: Album) -> Figure | None:
+    interval = float(np.diff(results.time).mean())
+    curves = [curve for curve in _curves(results, name) if np.ptp(curve.values) > 0.0]
+    if not curves or len(results.time) < _SAMPLES:
+        return None
+    lines = _reduced_frequencies(stages, name.partition(".")[0])
+    owner, _, kind = _words(name).partition(": ")
+    title = f"{owner}: amplitude spectrum of {kind}" if kind else f"{owner}: amplitude spectrum"
+    content = spectrum_plot(interval, curves, title=title, unit=results.unit(name), lines=lines)
+    caption = f"Amplitude spectrum of {_words(name)} (Hann window)."
+    if lines:
+        caption += " Dashed: natural frequencies of the reduced body, by number."
+    return Figure(album.add(f"spectrum_{name}", content), caption)
+
+
+def _reduced_frequencies(stages: OutputFolder, body: str) -> dict[str, float]:
+    from heavylift.pipeline.model_io import open_hdf5
+
+    try:
+        with open_hdf5(stages.reduced(body), "") as file:
+            eigenvalues = file["eigenvalues"][:]
+    except (InputError, KeyError):
+        return {}
+    frequencies: Sequence[float] = np.sqrt(np.maximum(eigenvalues, 0.0)) / (2.0 * np.pi)
+    return {str(number): float(value) for number, value in enumerate(frequencies, start=1)}
+
+
+def _words(name: str) -> str:
+    owner, _, kind = name.partition(".")
+    return (
+        f"{owner}: {kind.replace('_', ' ').replace('modal position', 'modal coordinates')}" if kind else owner
+    )

@@ -1,0 +1,50 @@
+"""The reduced body as a data structure."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from heavylift.modal.invariants import shape_integrals
+from heavylift.modal.reduced import ReducedBody
+from heavylift.numerics.outcome import InputError
+
+
+@pytest.fixture
+def body(brick_beam):
+    n = brick_beam.node_count
+    shapes = np.random.default_rng(9).standard_normal((2, n, 3))
+    return ReducedBody(
+        nodes=brick_beam.nodes,
+        eigenvalues=np.array([(2 * np.pi * 3.0) ** 2, (2 * np.pi * 8.0) ** 2]),
+        mode_shapes=shapes,
+        integrals=shape_integrals(brick_beam.nodes, shapes, brick_beam.mass),
+        mean_axis=False,
+        labels=("a", "b"),
+        residuals=np.zeros(2),
+        orthogonality=0.0,
+    )
+
+
+def test_frequencies_displacements_and_nodes(body):
+    np.testing.assert_allclose(body.frequencies, [3.0, 8.0], rtol=1e-14)
+    expected = 0.5 * body.mode_shapes[0] - 2.0 * body.mode_shapes[1]
+    np.testing.assert_allclose(body.displacement([0.5, -2.0]), expected, atol=1e-14)
+    for node in (0, 17, body.node_count - 1):
+        assert body.nearest_node(body.nodes[node] + 1e-4) == node
+
+
+def test_bad_arguments_are_named(body):
+    with pytest.raises(InputError, match=r"modal coordinates of shape \(3,\)"):
+        body.displacement(np.zeros(3))
+    with pytest.raises(InputError, match="three finite coordinates"):
+        body.nearest_node([0.0, np.inf, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("eigenvalues", np.zeros(3)), ("labels", ("a",)), ("mode_shapes", np.zeros((2, 5, 3)))]
+)
+def test_fields_must_fit(body, key, value):
+    fields = {name: getattr(body, name) for name in body.__dataclass_fields__} | {key: value}
+    with pytest.raises(InputError, match="reduced body"):
+        ReducedBody(**fields)

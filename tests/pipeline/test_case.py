@@ -1,0 +1,240 @@
+"""Case files: everything that is wrong is said at once, and what is right arrives in SI."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from heavylift.numerics.outcome import InputError, InputErrors
+from heavylift.pipeline import load_case
+
+CASES = Path(__file__).parents[2] / "cases"
+
+
+def edit(folder: Path, *changes: tuple[str, str]) -> Path:
+    """Replace texts in a case file."""
+    file = folder / "case.toml"
+    text = file.read_text()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    file.write_text(text)
+    return folder
+
+
+def messages(folder: Path, *overrides: str) -> list[str]:
+    with pytest.raises(InputError) as caught:
+        load_case(folder, overrides)
+    return str(caught.value).splitlines()
+
+
+@pytest.mark.parametrize("name", sorted(path.parent.name for path in CASES.glob("*/case.toml")))
+def test_every_case_of_the_project_is_valid(name):
+    case = load_case(CASES / name)
+    assert case.name == name
+    assert case.title
+    assert case.sources
+    assert (CASES / name / "README.md").is_file()
+
+
+def test_values_are_si(small_case):
+    case = load_case(small_case / "case.toml")
+    beam = case.bodies["beam"]
+    assert beam.material.young_modulus == 210e9
+    assert beam.geometry.add[0].upper == (0.2, 0.02, 0.01)
+    assert case.simulate.step == 1e-6
+    assert case.simulate.record_every == 20
+    assert case.simulate.step_count == 20000
+    assert beam.initial.modal_velocity == (0.1, 0.05)
+
+
+def test_a_case_does_not_change(small_case):
+    case = load_case(small_case)
+    with pytest.raises(ValueError, match="frozen"):
+        case.title = "other"
+
+
+def test_all_errors_at_once(small_case):
+    edit(
+        small_case,
+        ('density = "7800 kg/m^3"', "density = -1"),
+        ("poisson_ratio = 0.3", "poisson_ratio = 0.5"),
+        ('clamp = ["root"]', 'clamp = ["rooot"]'),
+        ('body = "beam"', 'body = "beem"'),
+        ('step = "1 us"', 'stepp = "1 us"'),
+        ('quantity = "mesh.beam.mass"', 'quantity = "mesh.beam.mas"'),
+    )
+    lines = messages(small_case)
+    file = str(small_case / "case.toml")
+    assert all(line.startswith(file) for line in lines)
+    expected = {
+        "bodies.beam.material.density": ["-1", "> 0"],
+        "bodies.beam.material.poisson_ratio": ["0.5", "< 0.5"],
+        "bodies.beam.modes.clamp.0": ["'rooot'", "did you mean 'root'"],
+        "sensors.0.body": ["'beem'", "did you mean 'beam'"],
+        "simulate.stepp": ["unknown key", "did you mean 'step'"],
+        "simulate.step": ["missing"],
+        "check.0.quantity": ["'mesh.beam.mas'", "did you mean 'mass'"],
+    }
+    assert len(lines) == len(expected)
+    for key, words in expected.items():
+        (line,) = [line for line in lines if f": {key}: " in line]
+        for word in words:
+            assert word in line
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("bodies.beam.material.young_modulus=0", ["too small"]),
+        ("bodies.beam.material.young_modulus=nan", ["not finite"]),
+        ("bodies.beam.material.poisson_ratio=-1", ["too small"]),
+        ("bodies.beam.modes.count=0", ["count"]),
+        ("bodies.beam.modes.count=2.5", ["integer"]),
+        ("bodies.beam.modes.select=[1, 4]", ["mode 4", "count = 3"]),
+        ("bodies.beam.modes.damping_ratio=[0.1, 0.2]", ["2 values", "1 or 3"]),
+        ("bodies.beam.initial.modal_velocity=[1, 2, 3, 4]", ["4 values", "at most 3"]),
+        ("bodies.beam.initial.modal_velocity=['1 s']", ["is a time", "velocity"]),
+        ("bodies.beam.initial.velocity=[1, 0, 0]", ["fixed frame", "free"]),
+        ("bodies.beam.initial.position=[1, 0]", ["2 entries"]),
+        ("bodies.beam.geometry.add.0.to=[0, 1, 1]", ["larger than"]),
+        ("bodies.beam.geometry.groups.root.plane=w", ["'x', 'y' or 'z'"]),
+        ("bodies.beam.geometry.type=blobs", ["'blobs'", "'blocks'"]),
+        ("bodies.beam.mesh.refine=[{at='root', size='1 mm'}]", ["tet10"]),
+        ("simulate.output_interval=3.5e-6", ["3.5 times step", "multiple"]),
+        ("simulate.duration=0.02001", ["output_interval", "multiple"]),
+        ("simulate.integrator=euler", ["'dele2' or 'thesis'"]),
+        ("check.1.id=mass", ["occurs 2 times"]),
+        ("check.0.tolerance={}", ["exactly one"]),
+        ("check.0.tolerance={relative=1, absolute=1}", ["exactly one"]),
+        ("check.0.tolerance={absolute='1 m'}", ["is a length", "mass"]),
+        ("check.0.reference=3 s", ["is a time", "mass"]),
+        ("check.0.reference=0", ["relative tolerance"]),
+        ("check.1.quantity=ringdown.beam.4", ["vector 4 of 3"]),
+        ("check.1.quantity=channel.tip.positon.x.end", ["did you mean 'position'"]),
+        ("sensors.0.name=beam", ["occurs 2 times"]),
+        ("sensors.0.name=energy", ["channel of the whole scene"]),
+        ("converge.values=[1]", ["at least 2"]),
+        ("gravity.acceleration=[0, 0, '1 m']", ["is a length", "acceleration"]),
+        ("title=3", ["string"]),
+        ("simulate=3", ["not a table"]),
+    ],
+)
+def test_values_out_of_range_are_refused(small_case, override, words):
+    text = "\n".join(messages(small_case, override))
+    for word in words:
+        assert word in text, text
+    assert override.partition("=")[0].partition(".")[0] in text
+
+
+@pytest.mark.parametrize(
+    ("inertia", "words"),
+    [
+        ([1.0, 1.0, 2.5], "exceeds the sum"),
+        ([1.0, -1.0, 1.0], "not positive definite"),
+        ([[1, 2, 0], [2, 1, 0], [0, 0, 1]], "not positive definite"),
+        ([[1, 0.1, 0], [0.2, 1, 0], [0, 0, 1]], "differ"),
+        ([1.0, 2.0], "three principal values"),
+    ],
+)
+def test_inertia_of_no_body_is_refused(small_case, inertia, words):
+    edit(
+        small_case,
+        (
+            "[[sensors]]",
+            f'[bodies.box]\ntype = "rigid"\nmass = 1\ninertia = {inertia}\nframe = {{ motion = "free" }}\n\n[[sensors]]',
+        ),
+    )
+    (line,) = messages(small_case)
+    assert "bodies.box.inertia" in line
+    assert words in line
+
+
+def test_inertia_of_a_rod_and_of_a_turned_box_are_accepted(small_case):
+    edit(
+        small_case,
+        (
+            "[[sensors]]",
+            '[bodies.rod]\ntype = "rigid"\nmass = 1\ninertia = [1e-12, 1, 1]\nframe = { motion = "free" }\n'
+            '[bodies.box]\ntype = "rigid"\nmass = 1\ninertia = [[2, 0.5, 0], [0.5, 2, 0], [0, 0, 3]]\n'
+            'frame = { motion = "free" }\n\n[[sensors]]',
+        ),
+    )
+    assert load_case(small_case).bodies["box"].inertia[0] == (2.0, 0.5, 0.0)
+
+
+def test_overrides_take_toml_or_plain_text_and_list_indexes(small_case):
+    case = load_case(
+        small_case,
+        [
+            "simulate.step=0.5 us",
+            'simulate.output_interval="5 us"',
+            "bodies.beam.geometry.add.0.to.0=300 mm",
+            "report.modes=[2, 3]",
+            "gravity.acceleration=[0, 0, -9.81]",
+        ],
+    )
+    assert case.simulate.record_every == 10
+    assert case.bodies["beam"].geometry.add[0].upper[0] == 0.3
+    assert case.report.modes == (2, 3)
+    assert case.gravity.acceleration == (0.0, 0.0, -9.81)
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("simulate.stepp=1", ["simulate.stepp does not exist", "did you mean 'step'"]),
+        ("bodies.beem.mesh.size=1", ["bodies.beem", "did you mean 'beam'"]),
+        ("sensors.3.name=a", ["sensors.3", "0 to 0"]),
+        ("title.x=1", ["title.x"]),
+        ("simulate.step", ["key=value"]),
+        ("simulate.step=3 kg", ["--set simulate.step=3 kg", "is a mass"]),
+    ],
+)
+def test_overrides_that_lead_nowhere_are_refused(small_case, override, words):
+    text = "\n".join(messages(small_case, override))
+    for word in words:
+        assert word in text
+
+
+def test_a_syntax_error_names_file_and_line(small_case):
+    edit(small_case, ("[simulate]", "[simulate"))
+    (line,) = messages(small_case)
+    assert line.startswith(str(small_case / "case.toml"))
+    number = 1 + (small_case / "case.toml").read_text().splitlines().index("[simulate")
+    assert f"line {number}" in line
+
+
+def test_a_missing_case_is_said(tmp_path):
+    with pytest.raises(InputError, match=r"nowhere.*does not exist"):
+        load_case(tmp_path / "nowhere")
+
+
+def test_profiles_of_driven_frames(small_case):
+    edit(
+        small_case,
+        (
+            'motion = "fixed"',
+            'motion = "driven"\naxis = [0, 1, 0]\n'
+            'angle = { times = [0, "1 s"], values = [0, "90 deg"] }\n'
+            'z = { harmonics = [{ amplitude = "2 cm", frequency = "1 Hz", phase = "90 deg" }] }',
+        ),
+    )
+    frame = load_case(small_case).bodies["beam"].frame
+    assert frame.angle.values == (0.0, math.pi / 2)
+    assert frame.z.harmonics[0].amplitude == 0.02
+    text = "\n".join(messages(small_case, "bodies.beam.frame.angle.values=[0, '1 m']"))
+    assert "is a length" in text
+    text = "\n".join(messages(small_case, "bodies.beam.frame.angle.times=[0, 0]"))
+    assert "increase" in text
+
+
+def test_errors_carry_their_parts(small_case):
+    edit(small_case, ('density = "7800 kg/m^3"', 'density = "steel"'))
+    with pytest.raises(InputErrors) as caught:
+        load_case(small_case)
+    (error,) = caught.value.errors
+    assert error.key == "bodies.beam.material.density"
+    assert error.source == str(small_case / "case.toml")

@@ -1,0 +1,117 @@
+"""Plots: spectra find what is in a signal, envelopes keep what is extreme, units read well."""
+
+import io
+
+import numpy as np
+import pytest
+
+from heavylift.pipeline.plots import Series, energy_plot, history_plot, spectrum_plot
+from heavylift.pipeline.signals import amplitude_spectrum, envelope, scaled_unit, spectrum_peaks
+
+INTERVAL = 1.0e-4
+TIMES = np.arange(5000) * INTERVAL
+
+
+def shape_and_ink(png):
+    from PIL import Image
+
+    with Image.open(io.BytesIO(png)) as image:
+        pixels = np.asarray(image.convert("RGB")).astype(int)
+    return pixels.shape, float(np.mean(np.ptp(pixels, axis=2) > 40))
+
+
+@pytest.mark.parametrize("frequency", [50.0, 123.4, 777.7])
+def test_spectrum_peak_is_the_frequency_and_amplitude_of_a_sine(frequency):
+    signal = 3.0 + 0.25 * np.sin(2.0 * np.pi * frequency * TIMES + 0.4)
+    ((found, amplitude),) = spectrum_peaks(amplitude_spectrum(signal, INTERVAL))
+    assert found == pytest.approx(frequency, abs=0.01)  # the resolution is 2 Hz
+    assert amplitude == pytest.approx(0.25, rel=0.05)  # scalloping of a Hann window, zero padded
+
+
+def test_spectrum_of_a_whole_number_of_periods_has_the_exact_amplitude():
+    times = np.arange(4096) * INTERVAL
+    frequency = 100 / (4096 * INTERVAL)
+    spectrum = amplitude_spectrum(0.7 * np.cos(2.0 * np.pi * frequency * times), INTERVAL)
+    line = np.argmin(np.abs(spectrum.frequencies - frequency))
+    assert spectrum.amplitudes[line] == pytest.approx(0.7, rel=1e-12)
+
+
+def test_peaks_are_the_sinusoids_and_not_their_side_lobes():
+    parts = {100.0: 1.0, 250.3: 0.05, 1111.1: 0.4, 3000.0: 0.01}
+    signal = sum(a * np.sin(2.0 * np.pi * f * TIMES + f) for f, a in parts.items())
+    found = spectrum_peaks(amplitude_spectrum(signal, INTERVAL), count=10)
+    np.testing.assert_allclose([f for f, _ in found], list(parts), rtol=1e-4)
+    np.testing.assert_allclose([a for _, a in found], list(parts.values()), rtol=0.05)
+    assert [round(f) for f, _ in spectrum_peaks(amplitude_spectrum(signal, INTERVAL), count=2)] == [100, 1111]
+    assert spectrum_peaks(amplitude_spectrum(np.ones(100), INTERVAL)) == []
+
+
+def test_envelope_keeps_every_extreme_in_order():
+    generator = np.random.default_rng(1)
+    times = np.arange(100_003) * 0.01
+    values = generator.normal(size=len(times))
+    values[77_777], values[3] = 50.0, -60.0
+    t, y = envelope(times, values, 1000)
+    assert len(t) <= 1002
+    assert (np.diff(t) > 0.0).all()
+    assert (y.max(), y.min()) == (50.0, -60.0)
+    assert (t[0], t[-1]) == (times[0], times[-1])
+    lookup = dict(zip(times, values, strict=True))
+    assert all(lookup[a] == b for a, b in zip(t, y, strict=True))
+    assert len(envelope(times[:1000], values[:1000], 1000)[0]) == 1000
+
+
+@pytest.mark.parametrize(
+    ("unit", "largest", "expected"),
+    [
+        ("m", 0.105, (1e-3, "mm")),
+        ("s", 20.0, (1.0, "s")),
+        ("Pa", 2.1e11, (1e9, "GPa")),
+        ("m/s^2", 5e-5, (1e-6, "µm/s^2")),
+        ("N m", 3.2e4, (1e3, "kN m")),
+        ("kg m/s", 2e-5, (1e-6, "10^-6 kg m/s")),
+        ("m kg^0.5", 3e-7, (1e-9, "nm kg^0.5")),
+        ("kg", 4.0, (1.0, "kg")),
+        ("m", 0.0, (1.0, "m")),
+        ("m", np.nan, (1.0, "m")),
+    ],
+)
+def test_units_are_written_with_a_readable_prefix(unit, largest, expected):
+    divisor, text = scaled_unit(unit, [np.array([0.0, -largest])])
+    assert (pytest.approx(divisor, rel=1e-12), text) == expected
+
+
+def test_plots_are_drawn():
+    sine = np.sin(2.0 * np.pi * 60.0 * TIMES)
+    curves = [Series("x", 1e-3 * sine), Series("y & $ <b>", 2e-3 * sine**2), Series("z", 0.0 * sine)]
+    plots = [
+        history_plot(TIMES, curves, title="tip", unit="m"),
+        history_plot(TIMES, curves, title="tip", unit="m", stacked=True),
+        spectrum_plot(INTERVAL, curves, title="tip", unit="m", lines={"1": 60.0, "2": 61.0, "3": 9e9}),
+        energy_plot(
+            TIMES,
+            {"kinetic": sine**2, "elastic": 1 - sine**2, "potential": 0 * sine, "balance": 1 + 1e-13 * sine},
+        ),
+        energy_plot(TIMES, {"kinetic": 0 * sine, "balance": 0 * sine}),
+    ]
+    for number, plot in enumerate(plots):
+        shape, ink = shape_and_ink(plot)
+        assert shape[1] == 1100
+        assert shape[0] > 300
+        assert ink > (0.002 if number < 4 else 0.0005)
+
+
+def test_energies_at_rest_are_left_out_and_the_drift_is_relative(monkeypatch):
+    from matplotlib.axes import Axes
+
+    drawn = []
+    original = Axes.plot
+    monkeypatch.setattr(
+        Axes,
+        "plot",
+        lambda self, x, y, **k: drawn.append((k.get("label"), np.array(y))) or original(self, x, y, **k),
+    )
+    time = np.linspace(0.0, 1.0, 50)
+    energy_plot(time, {"kinetic": 4.0 + 0 * time, "potential": 0 * time, "balance": 4.0 + 8e-9 * time})
+    assert [label for label, _ in drawn] == ["kinetic", None]
+    assert drawn[1][1][-1] == pytest.approx(2.0)  # 2e-9 of the largest energy, in units of 1e-9

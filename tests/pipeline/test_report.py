@@ -1,0 +1,288 @@
+"""The report: everything the stages left is in it, nothing that is missing stops it, no text breaks its markup."""
+
+import html.parser
+import json
+import re
+
+import h5py
+import numpy as np
+import pytest
+from scipy.sparse import csr_array, identity
+
+from heavylift.modal.invariants import shape_integrals
+from heavylift.modal.reduced import ReducedBody
+from heavylift.pipeline import picture_render, report
+from heavylift.pipeline.case import load_case
+from heavylift.pipeline.model_io import write_model, write_reduced
+from heavylift.pipeline.report import write_report
+from heavylift.pipeline.report_document import Document, Facts, Section, Table, Text, to_html, to_markdown
+from heavylift.pipeline.results import FORMAT
+from heavylift.pipeline.storage import OutputFolder, write_json
+from heavylift.preprocess.mesh import Mesh
+from heavylift.preprocess.model import FEModel, Material
+
+FREQUENCIES = np.array([40.0, 95.0])
+CASE = """
+title = "Bar <script>alert(1)</script> & $x$ | *y*"
+sources = ["a <i>book</i>"]
+[bodies.bar]
+type = "flexible"
+material = { young_modulus = "210 GPa", poisson_ratio = 0.3, density = "7850 kg/m^3" }
+mesh = { element = "hex8", size = "100 mm", mass = "lumped" }
+modes = { count = 2, clamp = ["root"] }
+frame = { motion = "fixed" }
+[bodies.bar.geometry]
+type = "blocks"
+add = [{ name = "bar", from = ["0 mm", "0 mm", "0 mm"], to = ["400 mm", "100 mm", "100 mm"] }]
+groups = { root = { plane = "x", at = "0 mm" } }
+[simulate]
+step = "1 ms"
+output_interval = "1 ms"
+duration = "1 s"
+[report]
+modes = [1, 2, 7]
+stress_times = ["100 ms"]
+channels = ["bar.modal_position", "bar.nonsense"]
+[[check]]
+id = "first"
+quantity = "modes.bar.frequency.1"
+reference = "40.1 Hz"
+tolerance = { relative = 1e-2 }
+source = "closed <b>form</b> & more"
+[[check]]
+id = "second"
+quantity = "modes.bar.frequency.2"
+reference = "90 Hz"
+tolerance = { absolute = "1 Hz" }
+source = "measured"
+[[check]]
+id = "ring"
+quantity = "ringdown.bar.1"
+reference = { quantity = "modes.bar.frequency.1" }
+tolerance = { relative = 1e-6 }
+source = "reduced eigenvalue"
+"""
+
+
+@pytest.fixture
+def case(tmp_path):
+    folder = tmp_path / "bar_case"
+    folder.mkdir()
+    (folder / "case.toml").write_text(CASE)
+    return load_case(folder)
+
+
+def write_bodies(out):
+    """A bar of four bricks with two shapes that no solver made."""
+    axes = (np.linspace(0.0, 0.4, 5), np.array([0.0, 0.1]), np.array([0.0, 0.1]))
+    nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    elements = np.array([[b, b + 4, b + 6, b + 2, b + 1, b + 5, b + 7, b + 3] for b in range(0, 16, 4)])
+    mesh = Mesh(nodes, elements, "hex8").check()
+    mass = csr_array(identity(len(nodes), format="csr") * (31.4 / len(nodes)))
+    stiffness = csr_array(identity(3 * len(nodes), format="csr"))
+    groups = {"root": np.arange(4)}
+    material = Material(2.1e11, 0.3, 7850.0)
+    model = FEModel(nodes, stiffness, mass, mesh=mesh, material=material, node_groups=groups)
+    shapes = np.zeros((2, len(nodes), 3))
+    shapes[0, :, 1] = (nodes[:, 0] / 0.4) ** 2
+    shapes[1, :, 2] = (nodes[:, 0] / 0.4) ** 2
+    shapes /= np.sqrt(np.einsum("mni,mni->m", shapes, shapes) * 31.4 / len(nodes))[:, None, None]
+    reduced = ReducedBody(
+        nodes=nodes,
+        eigenvalues=(2.0 * np.pi * FREQUENCIES) ** 2,
+        mode_shapes=shapes,
+        integrals=shape_integrals(nodes, shapes, mass),
+        mean_axis=False,
+        labels=("eigenmode 1", "eigenmode 2"),
+        residuals=np.array([1e-9, 2e-9]),
+        orthogonality=1e-15,
+    )
+    stages = OutputFolder(out)
+    write_model(stages.model("bar"), model, {})
+    write_json(
+        stages.manifest("mesh"),
+        {"items": {"bar": {"digest": "d1ge57", "cpu_s": 1.0}}, "versions": {"gmsh": "9.9"}},
+    )
+    return stages, reduced
+
+
+def write_results(out, last_finite=None):
+    times = np.arange(1001) * 1e-3
+    history = 1e-3 * np.column_stack([np.sin(2.0 * np.pi * f * times) for f in FREQUENCIES])
+    if last_finite is not None:
+        history[last_finite + 1 :] = np.nan
+    omega = 2.0 * np.pi * FREQUENCIES
+    channels = {
+        "bar.modal_position": ("m kg^0.5", ("1", "2"), history),
+        "energy.elastic": ("J", ("",), 0.5 * (history**2 @ omega**2)[:, None]),
+        "energy.kinetic": ("J", ("",), 0.5 * (1e-6 * omega @ omega - history**2 @ omega**2)[:, None]),
+        "energy.balance": ("J", ("",), np.full((1001, 1), 0.5e-6 * omega @ omega)),
+    }
+    file = OutputFolder(out).results
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with h5py.File(file, "w") as target:
+        target.attrs.update(
+            {"format": FORMAT, "outcome": "completed", "channel_order": json.dumps(list(channels))}
+        )
+        target.attrs.update({"steps": 1000, "cpu_s": 0.25, "message": ""})
+        target["time"] = times
+        for name, (unit, components, data) in channels.items():
+            dataset = target.create_dataset(f"channels/{name}", data=data)
+            dataset.attrs.update({"unit": unit, "components": json.dumps(components), "column": 0})
+
+
+class Reader(html.parser.HTMLParser):
+    """Tags in balance, pictures and visible text of an HTML file."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.pictures, self.text, self.tags = [], [], [], set()
+        self.feed(text)
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.add(tag)
+        if tag == "img":
+            self.pictures.append(dict(attrs)["src"])
+        if tag not in {"img", "meta"}:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+
+def read(paths):
+    by_name = {path.name: path for path in paths}
+    assert all(path.is_file() for path in paths)
+    reader = Reader(by_name["report.html"].read_text(encoding="utf-8"))
+    return by_name, reader, " ".join(reader.text), by_name["report.md"].read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    try:
+        picture_render.rendering_backend()
+    except picture_render.RenderingUnavailableError as error:
+        pytest.skip(str(error))
+
+
+def test_whole_report(case, tmp_path, drawn):
+    out = tmp_path / "out"
+    stages, reduced = write_bodies(out)
+    write_reduced(stages.reduced("bar"), reduced, {})
+    write_results(out)
+    files, reader, text, markdown = read(write_report(case, out / "report", out))
+    names = {
+        "bar_mesh",
+        "bar_modes",
+        "bar_mode_1",
+        "bar_mode_2",
+        "bar_stress_mode_1",
+        "bar_stress_time_1",
+        "energy",
+    }
+    names |= {"history_bar_modal_position", "spectrum_bar_modal_position"}
+    assert {f"{name}.png" for name in names} | {"report.html", "report.md"} == set(files)
+    assert len(reader.pictures) == len(names)
+    assert all(source.startswith("data:image/png;base64,") for source in reader.pictures)
+    assert set(re.findall(r"\]\((\w+)\.png\)", markdown)) == names
+    # checks: value, reference, verdict; the second is 5 Hz off, the third is fitted from the history
+    assert "Failed: 1 of 3 checks (second)." in text
+    rows = [line for line in markdown.splitlines() if line.startswith(("| first", "| second", "| ring"))]
+    assert [row.rstrip(" |").rpartition("| ")[2] for row in rows] == ["passed", "FAILED", "passed"]
+    assert "| 40 | 40.1 | Hz | 2.49e-03 rel. | 1.00e-02 rel. |" in rows[0]
+    assert "| 95 | 90 | Hz | 5.00e+00 Hz | 1.00e+00 Hz | measured |" in rows[1]
+    for words in (
+        "210 GPa",
+        "31.4 kg",
+        "4 hex8 elements, 20 nodes",
+        "0.25 s",
+        "d1ge57",
+        "gmsh 9.9",
+        "t = 100 ms",
+    ):
+        assert words in text, words
+    assert "Channel 'bar.nonsense' is not recorded" in text
+    # nothing loaded from elsewhere, no text turned into markup
+    page = files["report.html"].read_text(encoding="utf-8")
+    assert not re.search(r"(?:src|href)=[\"'](?!data:)", page)
+    assert {"script", "i", "link"}.isdisjoint(reader.tags)
+    assert "Bar <script>alert(1)</script> & $x$ | *y*" in text
+    assert "closed <b>form</b> & more" in text
+    assert "<script>" not in markdown
+    assert "<b>" not in markdown
+
+
+@pytest.mark.parametrize("stage", ["nothing", "mesh", "modes"])
+def test_missing_stages_leave_the_rest(case, tmp_path, drawn, stage):
+    out = tmp_path / "out"
+    if stage != "nothing":
+        stages, reduced = write_bodies(out)
+        if stage == "modes":
+            write_reduced(stages.reduced("bar"), reduced, {})
+    files, _, text, _ = read(write_report(case, out / "report", out))
+    assert ("bar_mesh.png" in files) == (stage != "nothing")
+    assert ("bar_mode_1.png" in files) == (stage == "modes")
+    assert "energy.png" not in files
+    assert ("Failed: 1 of 3" if stage == "modes" else "Open: 3 of 3 checks") in text
+    assert "No time histories" in text
+    for check in ("first", "second", "ring"):
+        assert check in text
+    assert "not run" in text
+
+
+def test_report_goes_on_where_nothing_can_be_drawn(case, tmp_path, monkeypatch):
+    def refuse():
+        raise picture_render.RenderingUnavailableError("install libegl1")
+
+    monkeypatch.setattr(report, "Renderer", refuse)
+    out = tmp_path / "out"
+    stages, reduced = write_bodies(out)
+    write_reduced(stages.reduced("bar"), reduced, {})
+    write_results(out)
+    files, _, text, _ = read(write_report(case, out / "report", out))
+    assert "install libegl1" in text
+    assert {"energy.png", "spectrum_bar_modal_position.png"} < set(files)
+    assert "bar_mesh.png" not in files
+    assert "Failed: 1 of 3 checks" in text
+
+
+def test_diverged_history_is_shown_up_to_its_last_finite_value(case, tmp_path, monkeypatch):
+    monkeypatch.setattr(report, "_renderer", lambda: (None, ""))
+    out = tmp_path / "out"
+    write_results(out, last_finite=300)
+    files, _, text, _ = read(write_report(case, out / "report", out))
+    assert "not finite from t = 0.301 s on" in text
+    assert "301 records" in text
+    assert "energy.png" in files
+
+
+def test_pictures_of_an_earlier_report_are_removed_and_other_files_kept(case, tmp_path, monkeypatch):
+    monkeypatch.setattr(report, "_renderer", lambda: (None, ""))
+    out = tmp_path / "out"
+    write_results(out)
+    write_report(case, out / "report", out)
+    assert (out / "report" / "energy.png").exists()
+    (out / "report" / "mine.png").write_bytes(b"kept")
+    OutputFolder(out).results.unlink()
+    write_report(case, out / "report", out)
+    assert not (out / "report" / "energy.png").exists()
+    assert (out / "report" / "mine.png").read_bytes() == b"kept"
+
+
+def test_both_forms_say_the_same():
+    table = Table(("a", "b"), (("x|y", "1 < 2"), ("<p>", "*3*")), frozenset({1}), (True, False))
+    parts = (Text("one & two", warning=True), Facts((("key", "`value`"),)), table)
+    document = Document("T_1", "sub", (Section("S", parts),))
+    page = to_html(document, {})
+    words = " ".join(Reader(page).text)
+    for cell in ("x|y", "1 < 2", "<p>", "*3*", "one & two", "`value`", "T_1", "sub"):
+        assert cell in words
+    markdown = to_markdown(document)
+    assert r"| x\|y | 1 &lt; 2 |" in markdown
+    assert r"| &lt;p&gt; | \*3\* |" in markdown
+    assert "|---|---:|" in markdown
+    assert '<tr class="failed">' in page

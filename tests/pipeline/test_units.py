@@ -1,0 +1,102 @@
+"""Quantities with units: the table agrees with pint, dimensions are checked."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+
+import pytest
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.units import KINDS, UNITS, parse_quantity, parse_unit
+
+
+def test_every_unit_of_the_table_has_the_factor_and_dimension_of_pint():
+    pint = pytest.importorskip("pint")
+    registry = pint.UnitRegistry()
+    for name, (factor, dimension) in UNITS.items():
+        if name in {"1", "%"}:
+            continue
+        base = registry.Quantity(1.0, name).to_base_units()
+        assert base.magnitude == pytest.approx(factor, rel=1e-14), name
+        exponents = {str(unit): power for unit, power in base.unit_items()}
+        names = ("meter", "kilogram", "second", "radian")
+        assert tuple(exponents.get(unit, 0.0) for unit in names) == tuple(dimension), name
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "value"),
+    [
+        ("95 mm", "length", 0.095),
+        ("0.2 us", "time", 2e-7),
+        ("7987 kg/m^3", "density", 7987.0),
+        ("7.987e-9 t/mm^3", "density", 7987.0),
+        ("210 GPa", "pressure", 210e9),
+        ("210000 N/mm**2", "pressure", 210e9),
+        ("0.25 km/h", "velocity", 0.25 / 3.6),
+        ("3 t", "mass", 3000.0),
+        ("-9.80665 m/s^2", "acceleration", -9.80665),
+        ("60 rpm", "angular velocity", 2.0 * math.pi),
+        ("180 deg", "angle", math.pi),
+        ("2 N m", "moment or energy", 2.0),
+        ("1.5 m kg^0.5 / s", "modal velocity", 1.5),
+        ("4 N/(mm^2)", "pressure", 4e6),
+        ("5 %", "number", 0.05),
+        ("7", "number", 7.0),
+        (3, "length", 3.0),
+        ("2 furlong", "length", 402.3368046736093),  # pint knows it, the table does not
+        ("1 arcmin", "angle", math.pi / 10800.0),
+    ],
+)
+def test_quantities_are_si(text, kind, value):
+    assert parse_quantity(text, KINDS[kind]) == pytest.approx(value, rel=4e-16, abs=0.0) or parse_quantity(
+        text, KINDS[kind]
+    ) == pytest.approx(value, rel=1e-13)
+
+
+def test_decimal_prefixes_round_once():
+    assert parse_quantity("0.2 us", KINDS["time"]) == 2e-7
+    assert parse_quantity("34.22 mm", KINDS["length"]) == 0.03422
+
+
+@pytest.mark.parametrize(
+    ("value", "kind", "words"),
+    [
+        ("3 s", "length", ["'3 s' is a time", "length [m]"]),
+        ("50 Hz", "angular velocity", ["is a frequency", "an angular velocity [rad/s]"]),
+        ("steel", "density", ["'steel' is not a number"]),
+        ("3", "length", ["has no unit", "3 m"]),
+        ("3 mmm", "length", ["'mmm' is not a unit"]),
+        ("3 kg/m^", "density", ["not understood"]),
+        ("3 kg/(m", "density", ["parentheses"]),
+        ("3 degC", "length", ["kelvin"]),
+        ("nan", "length", ["not finite"]),
+        ("1e999 m", "length", ["not finite"]),
+        (math.nan, "length", ["not finite"]),
+        (math.inf, "time", ["not finite"]),
+        (True, "number", ["not a number"]),
+        (None, "mass", ["not a number"]),
+        ([1.0], "mass", ["not a number"]),
+    ],
+)
+def test_what_is_no_such_quantity_is_refused_with_what_was_expected(value, kind, words):
+    with pytest.raises(InputError) as caught:
+        parse_quantity(value, KINDS[kind])
+    for word in words:
+        assert word in str(caught.value)
+
+
+def test_units_of_the_kinds_have_their_dimension():
+    for kind in KINDS.values():
+        factor, dimension = parse_unit(kind.unit)
+        assert dimension == kind.dimension
+        assert factor == 1.0
+
+
+def test_common_units_do_not_import_pint():
+    code = (
+        "import sys; from heavylift.pipeline.units import KINDS, parse_quantity;"
+        "parse_quantity('7987 kg/m^3', KINDS['density']); sys.exit('pint' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
