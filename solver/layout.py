@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +11,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.interface import ENERGY_NAMES, SUM_COUNT, Workspace
 from heavylift.solver.markers import BodyMarkers
-from heavylift.solver.scene import FlexibleBody, Free, Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene import Fixed, FlexibleBody, Free, Gravity, PointForce, RigidBody, Scene
 
 __all__ = ["Channel", "Layout", "pack_scene"]
 
@@ -75,9 +76,7 @@ def pack_scene(scene: Scene) -> Layout:
         If names repeat, a force or sensor names a body that is not there, or a value does not fit.
     """
     _check_names(scene)
-    flexible = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
-    rigid = [body for body in scene.bodies if isinstance(body, RigidBody)]
-    ordered: list[FlexibleBody | RigidBody] = [*flexible, *rigid]
+    ordered = [body for group, _ in _groups(scene) for body in group]
     gravity = [force for force in scene.forces if isinstance(force, Gravity)]
     points = [force for force in scene.forces if isinstance(force, PointForce)]
 
@@ -85,7 +84,6 @@ def pack_scene(scene: Scene) -> Layout:
     column = 0
     for body in ordered:
         column = _body_channels(body, channels, column)
-    body_columns = column
     sensors: dict[str, list[tuple[int, Any]]] = {body.name: [] for body in ordered}
     for sensor in scene.sensors:
         sensors[sensor.body].append((column, np.asarray(sensor.point, dtype=np.float64)))
@@ -114,37 +112,13 @@ def pack_scene(scene: Scene) -> Layout:
         marker_total += 4 if force.frame == "body" else 1
 
     bodies: list[Any] = []
-    dof_count = 0
-    window = 6
-    if flexible:
-        from heavylift.solver.bodies import floating_frame_kind
-        from heavylift.solver.bodies.floating_frame import pack_floating_frames, record_width
-
-        bodies.append(
-            pack_floating_frames(flexible, 0, 0, 0, _of(markers, flexible), _of_sensors(sensors, flexible))
-        )
-        assert isinstance(bodies[-1], floating_frame_kind.FloatingFrameBodies)
-        dof_count += sum(6 + body.reduced.mode_count for body in flexible)
-        window += max(body.reduced.mode_count for body in flexible)
-        rigid_column = sum(map(record_width, flexible))
-    else:
-        rigid_column = 0
-    if rigid:
-        from heavylift.solver.bodies import rigid_kind
-        from heavylift.solver.bodies.rigid import pack_rigid_bodies
-
-        bodies.append(
-            pack_rigid_bodies(
-                rigid,
-                len(flexible),
-                dof_count,
-                rigid_column,
-                _of(markers, rigid),
-                _of_sensors(sensors, rigid),
-            )
-        )
-        assert isinstance(bodies[-1], rigid_kind.RigidBodies)
-        dof_count += 6 * len(rigid)
+    number = dof = start = 0
+    for group, pack in _groups(scene):
+        bodies.append(pack(group, number, dof, start, _of(markers, group), _of_sensors(sensors, group)))
+        number += len(group)
+        dof += sum(6 + _mode_count(body) for body in group)
+        start += sum(_width(body) for body in group)
+    window = 6 + max(map(_mode_count, ordered))
     forces: list[Any] = []
     if gravity:
         from heavylift.solver.forces.gravity import pack_gravity
@@ -154,9 +128,8 @@ def pack_scene(scene: Scene) -> Layout:
         from heavylift.solver.forces.point import pack_point_forces
 
         forces.append(pack_point_forces(points, first_markers))
-    assert body_columns <= column
     work = Workspace(
-        velocity=np.zeros(dof_count),
+        velocity=np.zeros(dof),
         markers=np.zeros((marker_total, 9)),
         jacobian=np.zeros((marker_total, 3, window)),
         sums=np.zeros(SUM_COUNT),
@@ -164,6 +137,37 @@ def pack_scene(scene: Scene) -> Layout:
     )
     names = tuple(body.name for body in ordered)
     return Layout(tuple(bodies), tuple(forces), work, tuple(channels), column, names)
+
+
+def _groups(scene: Scene) -> list[tuple[list[Any], Callable[..., Any]]]:
+    """Bodies by kind with the function that packs them; only kinds with members are imported."""
+    flexible = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
+    floating = [body for body in flexible if not isinstance(body.motion, Fixed)]
+    fixed = [body for body in flexible if isinstance(body.motion, Fixed)]
+    rigid = [body for body in scene.bodies if isinstance(body, RigidBody)]
+    groups: list[tuple[list[Any], Callable[..., Any]]] = []
+    if floating:
+        from heavylift.solver.bodies.floating_frame_kind import pack
+
+        groups.append((floating, pack))
+    if fixed:
+        from heavylift.solver.bodies.fixed_frame import pack_fixed_frames
+
+        groups.append((fixed, pack_fixed_frames))
+    if rigid:
+        from heavylift.solver.bodies.rigid_kind import pack_rigid_bodies
+
+        groups.append((rigid, pack_rigid_bodies))
+    return groups
+
+
+def _mode_count(body: FlexibleBody | RigidBody) -> int:
+    return body.reduced.mode_count if isinstance(body, FlexibleBody) else 0
+
+
+def _width(body: FlexibleBody | RigidBody) -> int:
+    """Record columns of a body: pose 7, velocities 6, modal 2 nf, reaction 6 unless it is free."""
+    return 13 + 2 * _mode_count(body) + (0 if isinstance(body.motion, Free) else 6)
 
 
 def _check_names(scene: Scene) -> None:

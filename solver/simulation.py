@@ -159,7 +159,8 @@ class Simulation:
             Outcome.NOT_FINITE: "a smaller step, or loads and initial values of a sensible size",
             Outcome.STEP_TOO_LARGE: "a smaller step: the body turns too far in one step",
         }.get(self.outcome, "")
-        self.message = f"{self.outcome.text} at t = {self.time:.9g} s (step {self.step_index}), body {body!r}; try {remedy}"
+        when = f"t = {self.time:.9g} s (step {self.step_index})"
+        self.message = f"{self.outcome.text} at {when}, body {body!r}; try {remedy}"
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Everything that a continuation needs, bit for bit: arrays by name, copied."""

@@ -8,7 +8,7 @@ All matrices of the deformed body come from a few shape integrals (`ShapeIntegra
 ``q`` the modal coordinates, the quadratic ones enter through products of six symmetric and
 three antisymmetric matrices with q and its rate::
 
-    H_11 = S_11 ... H_12 = S_12 + S_21 ...      A_1 = S_23 - S_32, A_2 = S_31 - S_13, A_3 = S_12 - S_21
+    H_11 = S_11 ... H_12 = S_12 + S_21 ...    A_1 = S_23 - S_32, A_2 = S_31 - S_13, A_3 = S_12 - S_21
 
 which are evaluated once a step, stacked as one matrix, and carried with the state.
 """
@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from heavylift.modal.invariants import ShapeIntegrals
 from heavylift.modal.reduced import ReducedBody
+from heavylift.numerics.small import aligned
 from heavylift.solver.drive import pack_drive
 from heavylift.solver.markers import BodyMarkers, pack_markers
 from heavylift.solver.scene import Driven, Fixed, FlexibleBody, Free
@@ -63,17 +64,17 @@ FACTOR = 110  # Cholesky factor of the frame block, 6 x 6, row by row
 FRAME_WIDTH = 146
 
 # rows of `modal`: coordinates, rates, difference quotient of the rates; constants; scratch
-Q, RATE, RATE2, STIFFNESS, DAMPING, MID_Q, MID_RATE, INVERSE, ROW, LOAD, QUADRATIC, TF1 = range(12)
-MODAL_ROWS = TF1 + 3  # the coupling I_tf has three rows
+Q, RATE, RATE2, STIFFNESS, DAMPING, MID_Q, MID_RATE, INVERSE, ROW, LOAD, QUADRATIC, S1, TF1 = (*range(12), 14)
+MODAL_ROWS = TF1 + 3  # the couplings S and I_tf have three rows each
 
-# rows of `products`: [A_1; A_2; A_3; H_11 H_22 H_33 H_12 H_13 H_23] times a vector
+# rows of `products`: [A_1; A_2; A_3; H_11 H_22 H_12 H_13 H_23] times a vector
 AT_Q, AT_RATE, AT_RATE2, AT_MIDPOINT, AT_VELOCITY = range(5)  # the last: at the midpoint velocity
 
-# blocks of a packed shape
+# a packed shape: the stacked matrices (n x 8 n), then
 SHAPE_MASS = 0
 SHAPE_FIRST_MOMENT = 1
 SHAPE_INERTIA = 4  # I_11 I_22 I_33 I_12 I_13 I_23
-SHAPE_HEAD = 10  # then S (3 n), Ibar antisymmetric (3 n), Ibar symmetric (6 n), stacked products (n x 9 n)
+SHAPE_HEAD = 10  # then S (3 n), Ibar antisymmetric (3 n), Ibar symmetric (6 n)
 
 
 class FloatingFrameBodies(NamedTuple):
@@ -93,10 +94,10 @@ class FloatingFrameBodies(NamedTuple):
     frame
         State of the frames and scratch of the step, shape (nb, 146).
     modal
-        State of the modes, modal stiffness [1/s2] and damping [1/s], and scratch; shape (15, modes of
+        State of the modes, modal stiffness [1/s2] and damping [1/s], and scratch; shape (17, modes of
         all bodies).
     products
-        Stacked matrix products, shape (5, 9 x modes of all bodies).
+        Stacked matrix products, shape (5, 8 x modes of all bodies).
     markers
         Points and directions that forces act on: number in the workspace, row of the body, start of the
         data, 1 for a direction; shape (m, 4).
@@ -118,8 +119,9 @@ def pack_shape(integrals: ShapeIntegrals) -> NDArray[np.float64]:
 
     Notes
     -----
-    The stacked products are stored by columns, ``T[j, r]`` being the factor of ``q_j`` in product r:
-    a sum of long scaled rows runs at vector speed for any number of modes.
+    The stacked matrices are stored by columns, ``T[j, r]`` being the factor of ``q_j`` in product r:
+    a sum of long scaled rows runs at vector speed for any number of modes. (Reading only one half of
+    each matrix was slower: arithmetic limits here, not memory.)
     """
     S = integrals.mode_mode
     Ibar = integrals.position_mode
@@ -128,17 +130,18 @@ def pack_shape(integrals: ShapeIntegrals) -> NDArray[np.float64]:
     antisymmetric = ((1, 2), (2, 0), (0, 1))
     symmetric = ((0, 1), (0, 2), (1, 2))
     stacked = [S[k, l] - S[l, k] for k, l in antisymmetric]
-    stacked += [S[k, k] for k in range(3)] + [S[k, l] + S[l, k] for k, l in symmetric]
+    stacked += [S[k, k] for k in range(2)] + [S[k, l] + S[l, k] for k, l in symmetric]
     Ibar_rows = [Ibar[k, l] - Ibar[l, k] for k, l in antisymmetric]
     Ibar_rows += [Ibar[k, k] for k in range(3)] + [Ibar[k, l] + Ibar[l, k] for k, l in symmetric]
-    return np.concatenate(
+    block = np.concatenate(
         [
+            np.ascontiguousarray(np.concatenate(stacked).T).ravel(),
             head,
             integrals.modal_translation.ravel(),
             np.concatenate(Ibar_rows),
-            np.ascontiguousarray(np.concatenate(stacked).T).ravel(),
         ]
     )
+    return np.concatenate([block, np.zeros(-len(block) % 8)])  # the next block begins at a cache line too
 
 
 def pack_floating_frames(
@@ -166,14 +169,15 @@ def pack_floating_frames(
     index = np.zeros((len(bodies), 8), dtype=np.int64)
     frame = np.zeros((len(bodies), FRAME_WIDTH))
     modal = np.zeros((MODAL_ROWS, total))
-    constants: list[NDArray[np.float64]] = []
+    constants: list[NDArray[np.float64]] = []  # shapes first: their blocks keep the alignment
     shape_starts: dict[int, int] = {}
+    for body in bodies:
+        if id(body.reduced) not in shape_starts:
+            shape_starts[id(body.reduced)] = sum(map(len, constants))
+            constants.append(pack_shape(body.reduced.integrals))
     dof, column = first_dof, first_column
     for row, body in enumerate(bodies):
         reduced = body.reduced
-        if id(reduced) not in shape_starts:
-            shape_starts[id(reduced)] = sum(map(len, constants))
-            constants.append(pack_shape(reduced.integrals))
         modes = slice(modal_starts[row], modal_starts[row + 1])
         motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
         index[row] = (
@@ -198,19 +202,22 @@ def pack_floating_frames(
         if body.modal_velocity.size:
             modal[RATE, modes] = body.modal_velocity
         modal[STIFFNESS, modes] = reduced.eigenvalues
+        modal[S1:TF1, modes] = reduced.integrals.modal_translation
         if body.damping_ratio.size:
             modal[DAMPING, modes] = 2.0 * body.damping_ratio * np.sqrt(np.maximum(reduced.eigenvalues, 0.0))
         dof += 6 + counts[row]
-        column += record_width(body)
+        column += 13 + 2 * counts[row] + (0 if isinstance(body.motion, Free) else 6)
     shapes_of = [_marker_shapes(body.reduced) for body in bodies]
     marker_index = pack_markers(markers, shapes_of, constants)
     sensor_index = pack_markers(sensors, shapes_of, constants)
+    flat = aligned(sum(map(len, constants)))
+    flat[:] = np.concatenate(constants)
     return FloatingFrameBodies(
         index=index,
-        constants=np.concatenate(constants),
+        constants=flat,
         frame=frame,
         modal=modal,
-        products=np.zeros((5, 9 * total)),
+        products=aligned((5, 8 * total)),
         markers=marker_index,
         sensors=sensor_index,
     )
@@ -224,8 +231,3 @@ def _marker_shapes(reduced: ReducedBody):  # type: ignore[no-untyped-def]
         return np.concatenate([reduced.nodes[node], reduced.mode_shapes[:, node, :].T.ravel()])
 
     return shapes
-
-
-def record_width(body: FlexibleBody) -> int:
-    """Columns of a body in a record: pose 7, velocities 6, modal 2 nf, reaction 6 if the frame is not free."""
-    return 13 + 2 * body.reduced.mode_count + (0 if isinstance(body.motion, Free) else 6)

@@ -6,6 +6,8 @@ axes: with ``S_t = I1 + S q`` the mass matrix of ``(v, w, qd)`` is::
     [ m I    -S_t~    S    ]
     [ S_t~    I_tt    I_tf ]
     [ S^T     I_tf^T  1    ]
+
+Unit modal mass means ``S_11 + S_22 + S_33 = 1``, so products with ``H_33 = S_33`` need no matrix.
 """
 
 from __future__ import annotations
@@ -50,14 +52,14 @@ def stacked_products(
     Parameters
     ----------
     columns
-        ``T[j, r]`` with r running fastest, shape (n 9 n,).
+        ``T[j, r]`` with r running fastest, shape (n 8 n,).
     x, y
         Shape (n,).
     out_x, out_y
-        ``sum_j T[j, r] x_j`` and the same for y, shape (9 n,).
+        ``sum_j T[j, r] x_j`` and the same for y, shape (8 n,).
     """
     n = x.shape[0]
-    rows = 9 * n
+    rows = 8 * n
     for r in range(rows):
         out_x[r] = 0.0
         out_y[r] = 0.0
@@ -83,7 +85,7 @@ def antisymmetric_products(
 ) -> None:
     """Multiply the three antisymmetric matrices, the first 3 n rows of the stack, with one vector."""
     n = x.shape[0]
-    rows, stride = 3 * n, 9 * n
+    rows, stride = 3 * n, 8 * n
     for r in range(rows):
         out[r] = 0.0
     paired = n - n % 4
@@ -116,7 +118,7 @@ def deformed_inertia(
     q
         Modal coordinates, shape (n,).
     products
-        Stacked matrices times q, shape (9 n,).
+        Stacked matrices times q, shape (8 n,).
     stage
         Row of scratch; receives ``S_t`` and ``I_tt``.
     I_tf
@@ -137,10 +139,11 @@ def deformed_inertia(
     for i in range(n):
         u11 += q[i] * (2.0 * shape[symmetric + i] + products[3 * n + i])
         u22 += q[i] * (2.0 * shape[symmetric + n + i] + products[4 * n + i])
-        u33 += q[i] * (2.0 * shape[symmetric + 2 * n + i] + products[5 * n + i])
-        u12 += q[i] * (shape[symmetric + 3 * n + i] + 0.5 * products[6 * n + i])
-        u13 += q[i] * (shape[symmetric + 4 * n + i] + 0.5 * products[7 * n + i])
-        u23 += q[i] * (shape[symmetric + 5 * n + i] + 0.5 * products[8 * n + i])
+        H33 = q[i] - products[3 * n + i] - products[4 * n + i]
+        u33 += q[i] * (2.0 * shape[symmetric + 2 * n + i] + H33)
+        u12 += q[i] * (shape[symmetric + 3 * n + i] + 0.5 * products[5 * n + i])
+        u13 += q[i] * (shape[symmetric + 4 * n + i] + 0.5 * products[6 * n + i])
+        u23 += q[i] * (shape[symmetric + 5 * n + i] + 0.5 * products[7 * n + i])
     stage[INERTIA] = u22 + u33
     stage[INERTIA + 1] = u11 + u33
     stage[INERTIA + 2] = u11 + u22
@@ -152,6 +155,7 @@ def deformed_inertia(
 @kernel
 def quadratic_modal_force(
     shape: NDArray[np.float64],
+    q: NDArray[np.float64],
     products: NDArray[np.float64],
     rate_products: NDArray[np.float64],
     w1: float,
@@ -165,8 +169,10 @@ def quadratic_modal_force(
     ----------
     shape
         Packed shape.
+    q
+        Modal coordinates, shape (n,).
     products
-        Stacked matrices times q, shape (9 n,).
+        Stacked matrices times q, shape (8 n,).
     rate_products
         Antisymmetric matrices times the modal rates, shape (3 n,) at least.
     w1, w2, w3
@@ -180,10 +186,10 @@ def quadratic_modal_force(
         out[i] = (
             c11 * (shape[symmetric + i] + products[3 * n + i])
             + c22 * (shape[symmetric + n + i] + products[4 * n + i])
-            + c33 * (shape[symmetric + 2 * n + i] + products[5 * n + i])
-            - c12 * (shape[symmetric + 3 * n + i] + products[6 * n + i])
-            - c13 * (shape[symmetric + 4 * n + i] + products[7 * n + i])
-            - c23 * (shape[symmetric + 5 * n + i] + products[8 * n + i])
+            + c33 * (shape[symmetric + 2 * n + i] + q[i] - products[3 * n + i] - products[4 * n + i])
+            - c12 * (shape[symmetric + 3 * n + i] + products[5 * n + i])
+            - c13 * (shape[symmetric + 4 * n + i] + products[6 * n + i])
+            - c23 * (shape[symmetric + 5 * n + i] + products[7 * n + i])
             + 2.0 * (w1 * rate_products[i] + w2 * rate_products[n + i] + w3 * rate_products[2 * n + i])
         )
 
@@ -191,6 +197,7 @@ def quadratic_modal_force(
 @kernel(reassociate=True)
 def frame_velocity_forces(
     shape: NDArray[np.float64],
+    q: NDArray[np.float64],
     products: NDArray[np.float64],
     stage: NDArray[np.float64],
     w1: float,
@@ -220,10 +227,11 @@ def frame_velocity_forces(
         s3 += shape[S + 2 * n + i] * qd[i]
         u11 += (shape[symmetric + i] + products[3 * n + i]) * qd[i]
         u22 += (shape[symmetric + n + i] + products[4 * n + i]) * qd[i]
-        u33 += (shape[symmetric + 2 * n + i] + products[5 * n + i]) * qd[i]
-        y12 += (shape[symmetric + 3 * n + i] + products[6 * n + i]) * qd[i]
-        y13 += (shape[symmetric + 4 * n + i] + products[7 * n + i]) * qd[i]
-        y23 += (shape[symmetric + 5 * n + i] + products[8 * n + i]) * qd[i]
+        H33 = q[i] - products[3 * n + i] - products[4 * n + i]
+        u33 += (shape[symmetric + 2 * n + i] + H33) * qd[i]
+        y12 += (shape[symmetric + 3 * n + i] + products[5 * n + i]) * qd[i]
+        y13 += (shape[symmetric + 4 * n + i] + products[6 * n + i]) * qd[i]
+        y23 += (shape[symmetric + 5 * n + i] + products[7 * n + i]) * qd[i]
         # q^T A_k qd = -(A_k q) . qd
         a1 += (shape[antisymmetric + i] - products[i]) * qd[i]
         a2 += (shape[antisymmetric + n + i] - products[n + i]) * qd[i]

@@ -2,5 +2,12 @@
 
 from heavylift.solver.bodies import floating_frame_record, floating_frame_step, floating_frame_thesis
 from heavylift.solver.bodies.floating_frame import FloatingFrameBodies
+from heavylift.solver.bodies.floating_frame import pack_floating_frames as pack
 
-__all__ = ["FloatingFrameBodies", "floating_frame_record", "floating_frame_step", "floating_frame_thesis"]
+__all__ = [
+    "FloatingFrameBodies",
+    "floating_frame_record",
+    "floating_frame_step",
+    "floating_frame_thesis",
+    "pack",
+]

@@ -44,12 +44,9 @@ from heavylift.solver.bodies.floating_frame_inertia import (
     inertia_product,
     quadratic_modal_force,
 )
-from heavylift.solver.bodies.floating_frame_stage import (
-    gather_marker_forces,
-    shape_of,
-    stage_at_state,
-    stage_rotation,
-)
+from heavylift.solver.bodies.floating_frame_markers import gather_marker_forces, write_sensor
+from heavylift.solver.bodies.floating_frame_shape import shape_of, stage_rotation
+from heavylift.solver.bodies.floating_frame_stage import stage_at_state
 from heavylift.solver.drive import drive_pose, drive_velocity
 from heavylift.solver.interface import (
     ANGULAR_MOMENTUM as TOTAL_ANGULAR_MOMENTUM,
@@ -123,39 +120,14 @@ def record_floating_frames(
         elif kind.sensors.shape[0] > 0:
             stage_at_state(kind, body, False)
     for sensor in range(kind.sensors.shape[0]):
-        _write_sensor(kind, sensor, row)
-
-
-@kernel(reassociate=True, internal=True)
-def _write_sensor(kind: FloatingFrameBodies, sensor: int, row: NDArray[np.float64]) -> None:
-    """World position and velocity of a sensor point; the stage holds the carried state."""
-    column, body, start, _ = kind.sensors[sensor]
-    n, first = kind.index[body, MODES], kind.index[body, MODAL]
-    data = kind.constants[start:]
-    frame, R = kind.frame[body], stage_rotation(kind, body)
-    u1, u2, u3 = data[0], data[1], data[2]
-    d1 = d2 = d3 = 0.0
-    for i in range(n):
-        q, qd = kind.modal[Q, first + i], kind.modal[RATE, first + i]
-        u1 += data[3 + i] * q
-        u2 += data[3 + n + i] * q
-        u3 += data[3 + 2 * n + i] * q
-        d1 += data[3 + i] * qd
-        d2 += data[3 + n + i] * qd
-        d3 += data[3 + 2 * n + i] * qd
-    c1, c2, c3 = cross(frame[SPIN], frame[SPIN + 1], frame[SPIN + 2], u1, u2, u3)
-    point = rotate(R, u1, u2, u3)
-    rate = rotate(R, c1 + d1, c2 + d2, c3 + d3)
-    for k in range(3):
-        row[column + k] = frame[POSITION + k] + point[k]
-        row[column + 3 + k] = frame[VELOCITY + k] + rate[k]
+        write_sensor(kind, sensor, row)
 
 
 @kernel(reassociate=True, internal=True)
 def _write_reaction(
     kind: FloatingFrameBodies, body: int, time: float, work: Workspace, reaction: NDArray[np.float64]
 ) -> None:
-    """Force and moment about the frame origin, world axes, that hold a fixed or driven frame on its course.
+    """Force and moment about the frame origin, world axes, that hold a driven frame on its course.
 
     Notes
     -----
@@ -168,22 +140,22 @@ def _write_reaction(
     modal = kind.modal[:, modes]
     shape = shape_of(kind, body)
     stage_at_state(kind, body, True)
-    products = kind.products[:, 9 * first : 9 * (first + n)]
+    products = kind.products[:, 8 * first : 8 * (first + n)]
     R = stage_rotation(kind, body)
     motion = stage[PRESCRIBED : PRESCRIBED + 12]
-    if kind.index[body, MOTION] == DRIVEN:
-        drive_velocity(kind.constants[kind.index[body, DRIVE] :], time, motion)
-    else:
-        for k in range(12):
-            motion[k] = 0.0
+    drive_velocity(kind.constants[kind.index[body, DRIVE] :], time, motion)
     w1, w2, w3 = motion[3], motion[4], motion[5]
     b1, b2, b3 = motion[9], motion[10], motion[11]
     # gravity acts like an acceleration of the frame in the other direction
     a1, a2, a3 = rotate_back(
         R, motion[6] - work.sums[FIELD], motion[7] - work.sums[FIELD + 1], motion[8] - work.sums[FIELD + 2]
     )
-    quadratic_modal_force(shape, products[AT_Q], products[AT_RATE], w1, w2, w3, modal[QUADRATIC])
-    f, m = frame_velocity_forces(shape, products[AT_Q], stage, w1, w2, w3, kind.modal[RATE, modes])
+    quadratic_modal_force(
+        shape, kind.modal[Q, modes], products[AT_Q], products[AT_RATE], w1, w2, w3, modal[QUADRATIC]
+    )
+    f, m = frame_velocity_forces(
+        shape, kind.modal[Q, modes], products[AT_Q], stage, w1, w2, w3, kind.modal[RATE, modes]
+    )
     p1 = p2 = p3 = 0.0
     l1 = l2 = l3 = 0.0
     for i in range(n):

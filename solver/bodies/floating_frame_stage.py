@@ -7,24 +7,20 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import write_rotation_matrix
-from heavylift.numerics.small import cholesky_factor, cholesky_solve, cross, rotate, rotate_back
+from heavylift.numerics.small import cholesky_factor, cholesky_solve, rotate, rotate_back
 from heavylift.solver.bodies.floating_frame import (
     AT_Q,
     AT_RATE,
     DOF,
     FACTOR,
     FIRST_MOMENT,
-    FIXED,
-    FORCE,
     FRAME_RHS,
     FREE,
     INERTIA,
     INVERSE,
-    LOAD,
     MID_POSITION,
     MID_Q,
     MID_RATE,
-    MID_ROTATION,
     MID_SPIN,
     MID_VELOCITY,
     MODAL,
@@ -35,7 +31,7 @@ from heavylift.solver.bodies.floating_frame import (
     QUADRATIC,
     RATE,
     ROW,
-    SHAPE,
+    S1,
     SHAPE_HEAD,
     SHAPE_MASS,
     SPIN,
@@ -45,10 +41,9 @@ from heavylift.solver.bodies.floating_frame import (
     Q,
 )
 from heavylift.solver.bodies.floating_frame_inertia import deformed_inertia, stacked_products
+from heavylift.solver.bodies.floating_frame_markers import write_markers
+from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of, stage_rotation
 from heavylift.solver.interface import (
-    POINT,
-    POINT_FORCE,
-    POINT_VELOCITY,
     Workspace,
     fill_markers,
 )
@@ -56,43 +51,18 @@ from heavylift.solver.kinds import implement
 
 __all__ = [
     "factor_frame",
-    "gather_marker_forces",
-    "product_columns",
-    "shape_of",
+    "fill_floating_frame_markers",
     "solve_stage",
     "stage_at_state",
-    "stage_rotation",
     "update_products",
 ]
-
-
-@kernel(inline=True, internal=True)
-def shape_of(kind: FloatingFrameBodies, body: int) -> NDArray[np.float64]:
-    """Packed shape of a body."""
-    n = kind.index[body, MODES]
-    start = kind.index[body, SHAPE]
-    return kind.constants[start : start + SHAPE_HEAD + 12 * n + 9 * n * n]
-
-
-@kernel(inline=True, internal=True)
-def product_columns(kind: FloatingFrameBodies, body: int) -> NDArray[np.float64]:
-    """Stacked product matrices of a body, column after column, shape (n 9 n,)."""
-    n = kind.index[body, MODES]
-    start = kind.index[body, SHAPE] + SHAPE_HEAD + 12 * n
-    return kind.constants[start : start + 9 * n * n]
-
-
-@kernel(inline=True, internal=True)
-def stage_rotation(kind: FloatingFrameBodies, body: int) -> NDArray[np.float64]:
-    """Rotation matrix of the stage, row by row, a view of shape (9,)."""
-    return kind.frame[body, MID_ROTATION : MID_ROTATION + 9]
 
 
 @kernel(internal=True)
 def update_products(kind: FloatingFrameBodies, body: int) -> None:
     """Stacked matrices times the carried modal coordinates and rates."""
     n, first = kind.index[body, MODES], kind.index[body, MODAL]
-    rows = slice(9 * first, 9 * (first + n))
+    rows = slice(8 * first, 8 * (first + n))
     stacked_products(
         product_columns(kind, body),
         kind.modal[Q, first : first + n],
@@ -133,7 +103,7 @@ def stage_at_state(kind: FloatingFrameBodies, body: int, with_inertia: bool) -> 
         deformed_inertia(
             shape_of(kind, body),
             kind.modal[Q, modes],
-            kind.products[AT_Q, 9 * first : 9 * (first + n)],
+            kind.products[AT_Q, 8 * first : 8 * (first + n)],
             stage,
             kind.modal[TF1:, modes],
         )
@@ -142,79 +112,12 @@ def stage_at_state(kind: FloatingFrameBodies, body: int, with_inertia: bool) -> 
 @implement(fill_markers, FloatingFrameBodies)
 @kernel(internal=True)
 def fill_floating_frame_markers(kind: FloatingFrameBodies, at_midpoint: bool, work: Workspace) -> None:
-    """Write vectors, rates and Jacobian windows ``[1, -R u~, R Phi]`` of all markers."""
-    if not at_midpoint and kind.markers.shape[0] > 0:
-        for body in range(kind.index.shape[0]):
-            stage_at_state(kind, body, False)
-    for marker in range(kind.markers.shape[0]):
-        number, body, start, direction = kind.markers[marker]
-        n, first = kind.index[body, MODES], kind.index[body, MODAL]
-        data = kind.constants[start:]
-        R = stage_rotation(kind, body)
-        stage = kind.frame[body]
-        u1, u2, u3 = data[0], data[1], data[2]
-        d1 = d2 = d3 = 0.0
-        jacobian = work.jacobian[number]
-        if direction == 0:
-            for i in range(n):
-                q, qd = kind.modal[MID_Q, first + i], kind.modal[MID_RATE, first + i]
-                phi1, phi2, phi3 = data[3 + i], data[3 + n + i], data[3 + 2 * n + i]
-                u1 += phi1 * q
-                u2 += phi2 * q
-                u3 += phi3 * q
-                d1 += phi1 * qd
-                d2 += phi2 * qd
-                d3 += phi3 * qd
-                for k in range(3):
-                    jacobian[k, 6 + i] = R[3 * k] * phi1 + R[3 * k + 1] * phi2 + R[3 * k + 2] * phi3
-        else:
-            for i in range(6, 6 + n):
-                jacobian[0, i] = jacobian[1, i] = jacobian[2, i] = 0.0
-        w1, w2, w3 = stage[MID_SPIN], stage[MID_SPIN + 1], stage[MID_SPIN + 2]
-        c1, c2, c3 = cross(w1, w2, w3, u1, u2, u3)
-        point = rotate(R, u1, u2, u3)
-        if direction == 0:
-            rate = rotate(
-                R,
-                stage[MID_VELOCITY] + c1 + d1,
-                stage[MID_VELOCITY + 1] + c2 + d2,
-                stage[MID_VELOCITY + 2] + c3 + d3,
-            )
-        else:
-            rate = rotate(R, c1, c2, c3)
-        for k in range(3):
-            work.markers[number, POINT + k] = point[k] + (stage[MID_POSITION + k] if direction == 0 else 0.0)
-            work.markers[number, POINT_VELOCITY + k] = rate[k]
-            for j in range(3):
-                jacobian[k, j] = 1.0 if (j == k and direction == 0) else 0.0
-            jacobian[k, 3] = R[3 * k + 2] * u2 - R[3 * k + 1] * u3
-            jacobian[k, 4] = R[3 * k] * u3 - R[3 * k + 2] * u1
-            jacobian[k, 5] = R[3 * k + 1] * u1 - R[3 * k] * u2
-
-
-@kernel(internal=True)
-def gather_marker_forces(kind: FloatingFrameBodies, work: Workspace) -> None:
-    """Generalised forces ``J^T f`` of all markers, into the stages of their bodies."""
-    for body in range(kind.index.shape[0]):
-        for j in range(6):
-            kind.frame[body, FORCE + j] = 0.0
-    for i in range(kind.modal.shape[1]):
-        kind.modal[LOAD, i] = 0.0
-    for marker in range(kind.markers.shape[0]):
-        number, body = kind.markers[marker, 0], kind.markers[marker, 1]
-        n, first = kind.index[body, MODES], kind.index[body, MODAL]
-        f1, f2, f3 = (
-            work.markers[number, POINT_FORCE],
-            work.markers[number, POINT_FORCE + 1],
-            work.markers[number, POINT_FORCE + 2],
-        )
-        jacobian = work.jacobian[number]
-        for j in range(6):
-            kind.frame[body, FORCE + j] += jacobian[0, j] * f1 + jacobian[1, j] * f2 + jacobian[2, j] * f3
-        for i in range(n):
-            kind.modal[LOAD, first + i] += (
-                jacobian[0, 6 + i] * f1 + jacobian[1, 6 + i] * f2 + jacobian[2, 6 + i] * f3
-            )
+    """Markers at the midpoint, which `predict` has set, or at the carried state."""
+    if kind.markers.shape[0] > 0:
+        if not at_midpoint:
+            for body in range(kind.index.shape[0]):
+                stage_at_state(kind, body, False)
+        write_markers(kind, work)
 
 
 @kernel(reassociate=True)
@@ -239,31 +142,45 @@ def factor_frame(
 
     Notes
     -----
-    ``K = M_rr - C D^-1 C^T`` with ``C = [S; I_tf]`` and diagonal D: O(36 n) instead of a dense solve.
+    ``K = M_rr - C D^-1 C^T`` with ``C = [S; I_tf]`` and diagonal D: O(21 n) instead of a dense solve.
     """
-    n = modal.shape[1]
-    for row in range(6):
-        for column in range(row + 1):
-            total = 0.0
-            for i in range(n):
-                left = shape[SHAPE_HEAD + row * n + i] if row < 3 else modal[TF1 + row - 3, i]
-                right = shape[SHAPE_HEAD + column * n + i] if column < 3 else modal[TF1 + column - 3, i]
-                total += left * right * modal[INVERSE, i]
-            K[6 * row + column] = -total
+    k00 = k10 = k11 = k20 = k21 = k22 = k30 = k31 = k32 = k33 = 0.0
+    k40 = k41 = k42 = k43 = k44 = k50 = k51 = k52 = k53 = k54 = k55 = 0.0
+    for i in range(modal.shape[1]):  # all 21 sums in registers, one pass over the couplings
+        w = -modal[INVERSE, i]
+        c0, c1, c2 = modal[S1, i], modal[S1 + 1, i], modal[S1 + 2, i]
+        c3, c4, c5 = modal[TF1, i], modal[TF1 + 1, i], modal[TF1 + 2, i]
+        w0, w1, w2, w3, w4, w5 = w * c0, w * c1, w * c2, w * c3, w * c4, w * c5
+        k00 += w0 * c0
+        k10 += w1 * c0
+        k11 += w1 * c1
+        k20 += w2 * c0
+        k21 += w2 * c1
+        k22 += w2 * c2
+        k30 += w3 * c0
+        k31 += w3 * c1
+        k32 += w3 * c2
+        k33 += w3 * c3
+        k40 += w4 * c0
+        k41 += w4 * c1
+        k42 += w4 * c2
+        k43 += w4 * c3
+        k44 += w4 * c4
+        k50 += w5 * c0
+        k51 += w5 * c1
+        k52 += w5 * c2
+        k53 += w5 * c3
+        k54 += w5 * c4
+        k55 += w5 * c5
     m = shape[SHAPE_MASS]
     s1, s2, s3 = stage[FIRST_MOMENT], stage[FIRST_MOMENT + 1], stage[FIRST_MOMENT + 2]
-    for k in range(3):
-        K[7 * k] += m
-        K[7 * k + 21] += stage[INERTIA + k]
-    K[19] -= s3
-    K[20] += s2
-    K[24] += s3
-    K[26] -= s1
-    K[30] -= s2
-    K[31] += s1
-    K[27] += stage[INERTIA + 3]
-    K[33] += stage[INERTIA + 4]
-    K[34] += stage[INERTIA + 5]
+    K[0], K[7], K[14] = m + k00, m + k11, m + k22
+    K[6], K[12], K[13] = k10, k20, k21
+    K[18], K[19], K[20] = k30, k31 - s3, k32 + s2
+    K[24], K[25], K[26] = k40 + s3, k41, k42 - s1
+    K[30], K[31], K[32] = k50 - s2, k51 + s1, k52
+    K[21], K[28], K[35] = stage[INERTIA] + k33, stage[INERTIA + 1] + k44, stage[INERTIA + 2] + k55
+    K[27], K[33], K[34] = stage[INERTIA + 3] + k43, stage[INERTIA + 4] + k53, stage[INERTIA + 5] + k54
     cholesky_factor(K, 6)
 
 
@@ -287,12 +204,6 @@ def solve_stage(kind: FloatingFrameBodies, body: int, weight: float, work: Works
     shape = shape_of(kind, body)
     velocity = work.velocity[dof : dof + 6 + n]
     motion = kind.index[body, MOTION]
-    if motion == FIXED:
-        for k in range(6):
-            velocity[k] = 0.0
-        for i in range(n):
-            velocity[6 + i] = modal[INVERSE, i] * modal[ROW, i]
-        return
     y = velocity[:6]
     for k in range(6):
         y[k] = stage[FRAME_RHS + k]

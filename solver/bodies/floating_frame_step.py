@@ -42,7 +42,6 @@ from heavylift.solver.bodies.floating_frame import (
     END_ROTATION,
     FACTOR,
     FIRST_MOMENT,
-    FIXED,
     FORCE,
     FRAME_RHS,
     FREE,
@@ -87,15 +86,9 @@ from heavylift.solver.bodies.floating_frame_inertia import (
     frame_velocity_from_momenta,
     quadratic_modal_force,
 )
-from heavylift.solver.bodies.floating_frame_stage import (
-    factor_frame,
-    gather_marker_forces,
-    product_columns,
-    shape_of,
-    solve_stage,
-    stage_rotation,
-    update_products,
-)
+from heavylift.solver.bodies.floating_frame_markers import gather_marker_forces
+from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of, stage_rotation
+from heavylift.solver.bodies.floating_frame_stage import factor_frame, solve_stage, update_products
 from heavylift.solver.drive import drive_pose, drive_velocity
 from heavylift.solver.interface import (
     FIELD,
@@ -168,10 +161,8 @@ def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float)
             stage[MID_SPIN + k] = frame[SPIN + k] + 0.5 * h * frame[SPIN_RATE + k]
             stage[START_VELOCITY + k] = frame[VELOCITY + k]
             stage[START_VELOCITY + 3 + k] = frame[SPIN + k]
-        if motion == FIXED:
-            continue
-        products = kind.products[:, 9 * first : 9 * (first + n)]
-        for r in range(9 * n):
+        products = kind.products[:, 8 * first : 8 * (first + n)]
+        for r in range(8 * n):
             products[AT_MIDPOINT, r] = products[AT_Q, r] + 0.5 * h * products[AT_RATE, r]
         deformed_inertia(
             shape_of(kind, body),
@@ -217,34 +208,34 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
             modal[ROW, i] = kind.modal[RATE, first + i] + 0.5 * h * (
                 modal[LOAD, i] + gravity - stiffness * kind.modal[Q, first + i]
             )
-        if motion != FIXED:
-            v1, v2, v3 = rotate_back(
-                R, stage[START_VELOCITY], stage[START_VELOCITY + 1], stage[START_VELOCITY + 2]
+        v1, v2, v3 = rotate_back(
+            R, stage[START_VELOCITY], stage[START_VELOCITY + 1], stage[START_VELOCITY + 2]
+        )
+        w1, w2, w3 = stage[START_VELOCITY + 3], stage[START_VELOCITY + 4], stage[START_VELOCITY + 5]
+        for i in range(n):
+            modal[ROW, i] += (
+                shape[SHAPE_HEAD + i] * v1
+                + shape[SHAPE_HEAD + n + i] * v2
+                + shape[SHAPE_HEAD + 2 * n + i] * v3
+                + modal[TF1, i] * w1
+                + modal[TF1 + 1, i] * w2
+                + modal[TF1 + 2, i] * w3
             )
-            w1, w2, w3 = stage[START_VELOCITY + 3], stage[START_VELOCITY + 4], stage[START_VELOCITY + 5]
-            for i in range(n):
-                modal[ROW, i] += (
-                    shape[SHAPE_HEAD + i] * v1
-                    + shape[SHAPE_HEAD + n + i] * v2
-                    + shape[SHAPE_HEAD + 2 * n + i] * v3
-                    + modal[TF1, i] * w1
-                    + modal[TF1 + 1, i] * w2
-                    + modal[TF1 + 2, i] * w3
-                )
-            products = kind.products[:, 9 * first : 9 * (first + n)]
-            # the matrices times the predicted rates are a combination of carried products
-            rates = products[AT_VELOCITY]
-            for r in range(3 * n):
-                rates[r] = products[AT_RATE, r] + 0.5 * h * products[AT_RATE2, r]
-            quadratic_modal_force(
-                shape,
-                products[AT_MIDPOINT],
-                rates,
-                stage[MID_SPIN],
-                stage[MID_SPIN + 1],
-                stage[MID_SPIN + 2],
-                modal[QUADRATIC],
-            )
+        products = kind.products[:, 8 * first : 8 * (first + n)]
+        # the matrices times the predicted rates are a combination of carried products
+        rates = products[AT_VELOCITY]
+        for r in range(3 * n):
+            rates[r] = products[AT_RATE, r] + 0.5 * h * products[AT_RATE2, r]
+        quadratic_modal_force(
+            shape,
+            modal[MID_Q],
+            products[AT_MIDPOINT],
+            rates,
+            stage[MID_SPIN],
+            stage[MID_SPIN + 1],
+            stage[MID_SPIN + 2],
+            modal[QUADRATIC],
+        )
         if motion == FREE:
             m = shape[SHAPE_MASS]
             frame = kind.frame[body]
@@ -275,14 +266,13 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
 def correct_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
     """Second pass of (F4): quadratic forces at the velocity that the first pass found."""
     for body in range(kind.index.shape[0]):
-        if kind.index[body, MOTION] == FIXED:
-            continue
         n, first, dof = kind.index[body, MODES], kind.index[body, MODAL], kind.index[body, DOF]
-        products = kind.products[:, 9 * first : 9 * (first + n)]
+        products = kind.products[:, 8 * first : 8 * (first + n)]
         velocity = work.velocity[dof : dof + 6 + n]
         antisymmetric_products(product_columns(kind, body), velocity[6:], products[AT_VELOCITY])
         quadratic_modal_force(
             shape_of(kind, body),
+            kind.modal[MID_Q, first : first + n],
             products[AT_MIDPOINT],
             products[AT_VELOCITY],
             velocity[3],
@@ -384,12 +374,10 @@ def finish_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
     for body in range(kind.index.shape[0]):
         n, first = kind.index[body, MODES], kind.index[body, MODAL]
         motion = kind.index[body, MOTION]
-        if motion == FIXED:
-            continue
         frame = stage = kind.frame[body]
         modes = slice(first, first + n)
         shape = shape_of(kind, body)
-        products = kind.products[:, 9 * first : 9 * (first + n)]
+        products = kind.products[:, 8 * first : 8 * (first + n)]
         for r in range(3 * n):
             products[AT_RATE2, r] = products[AT_RATE, r]
         update_products(kind, body)

@@ -24,7 +24,6 @@ from heavylift.solver.bodies.floating_frame import (
     DRIVEN,
     FACTOR,
     FIRST_MOMENT,
-    FIXED,
     FORCE,
     FRAME_RHS,
     FREE,
@@ -55,14 +54,9 @@ from heavylift.solver.bodies.floating_frame_inertia import (
     frame_velocity_forces,
     quadratic_modal_force,
 )
-from heavylift.solver.bodies.floating_frame_stage import (
-    factor_frame,
-    gather_marker_forces,
-    shape_of,
-    solve_stage,
-    stage_at_state,
-    stage_rotation,
-)
+from heavylift.solver.bodies.floating_frame_markers import gather_marker_forces
+from heavylift.solver.bodies.floating_frame_shape import shape_of, stage_rotation
+from heavylift.solver.bodies.floating_frame_stage import factor_frame, solve_stage, stage_at_state
 from heavylift.solver.drive import drive_pose, drive_velocity
 from heavylift.solver.interface import (
     FIELD,
@@ -91,19 +85,15 @@ def thesis_velocity_floating_frames(
         modal = kind.modal[:, modes]
         rates = kind.modal[RATE, modes]
         shape = shape_of(kind, body)
-        stage_at_state(kind, body, motion != FIXED)
+        stage_at_state(kind, body, True)
         R = stage_rotation(kind, body)
         g = rotate_back(R, work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2])
         v = rotate_back(R, frame[VELOCITY], frame[VELOCITY + 1], frame[VELOCITY + 2])
         w = (frame[SPIN], frame[SPIN + 1], frame[SPIN + 2])
-        products = kind.products[:, 9 * first : 9 * (first + n)]
-        if motion == FIXED:
-            for i in range(n):
-                modal[QUADRATIC, i] = 0.0
-        else:
-            quadratic_modal_force(
-                shape, products[AT_Q], products[AT_RATE], w[0], w[1], w[2], modal[QUADRATIC]
-            )
+        products = kind.products[:, 8 * first : 8 * (first + n)]
+        quadratic_modal_force(
+            shape, kind.modal[Q, modes], products[AT_Q], products[AT_RATE], w[0], w[1], w[2], modal[QUADRATIC]
+        )
         for i in range(n):
             stiffness, damping = kind.modal[STIFFNESS, first + i], kind.modal[DAMPING, first + i]
             elastic = 1.0 + 0.25 * h * h * stiffness
@@ -112,19 +102,20 @@ def thesis_velocity_floating_frames(
             modal[ROW, i] = elastic * rates[i] + h * (
                 modal[LOAD, i] + S1 * g[0] + S2 * g[1] + S3 * g[2] - stiffness * kind.modal[Q, first + i]
             )
-            if motion != FIXED:
-                modal[ROW, i] += (
-                    S1 * v[0]
-                    + S2 * v[1]
-                    + S3 * v[2]
-                    + modal[TF1, i] * w[0]
-                    + modal[TF1 + 1, i] * w[1]
-                    + modal[TF1 + 2, i] * w[2]
-                )
+            modal[ROW, i] += (
+                S1 * v[0]
+                + S2 * v[1]
+                + S3 * v[2]
+                + modal[TF1, i] * w[0]
+                + modal[TF1 + 1, i] * w[1]
+                + modal[TF1 + 2, i] * w[2]
+            )
         if motion == FREE:
             m = shape[SHAPE_MASS]
             p, l = body_momenta(shape, stage, kind.modal[TF1:, modes], v, w, rates)
-            f, t = frame_velocity_forces(shape, products[AT_Q], stage, w[0], w[1], w[2], rates)
+            f, t = frame_velocity_forces(
+                shape, kind.modal[Q, modes], products[AT_Q], stage, w[0], w[1], w[2], rates
+            )
             force = rotate_back(R, stage[FORCE], stage[FORCE + 1], stage[FORCE + 2])
             moment = cross(
                 stage[FIRST_MOMENT], stage[FIRST_MOMENT + 1], stage[FIRST_MOMENT + 2], g[0], g[1], g[2]

@@ -23,7 +23,7 @@ from heavylift.solver.drive import pack_drive
 from heavylift.solver.markers import BodyMarkers, pack_markers
 from heavylift.solver.scene import Driven, Fixed, Free, RigidBody
 
-__all__ = ["RigidBodies", "pack_rigid_bodies", "rigid_record_width"]
+__all__ = ["RigidBodies", "pack_rigid_bodies"]
 
 # columns of `index`
 DOF, MOTION, DRIVE, COLUMN, NUMBER = range(5)
@@ -61,11 +61,6 @@ class RigidBodies(NamedTuple):
     frame: NDArray[np.float64]
     markers: NDArray[np.int64]
     sensors: NDArray[np.int64]
-
-
-def rigid_record_width(body: RigidBody) -> int:
-    """Columns of a body in a record: pose 7, velocities 6, reaction 6 if it is not free."""
-    return 13 if isinstance(body.motion, Free) else 19
 
 
 def pack_rigid_bodies(
@@ -106,7 +101,7 @@ def pack_rigid_bodies(
         if isinstance(body.motion, Free):
             frame[row, VELOCITY : VELOCITY + 3] = body.velocity + np.cross(R @ body.angular_velocity, arm)
             frame[row, SPIN : SPIN + 3] = axes.T @ body.angular_velocity
-        column += rigid_record_width(body)
+        column += 13 if isinstance(body.motion, Free) else 19
     to_principal = [
         _marker_data(rotation_matrix(frame[row, AXES : AXES + 4]), body.centre_of_mass)
         for row, body in enumerate(bodies)

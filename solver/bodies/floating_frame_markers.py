@@ -1,0 +1,134 @@
+"""Points and directions on flexible bodies: vectors, rates, Jacobian windows, generalised forces, sensors."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import cross, rotate
+from heavylift.solver.bodies.floating_frame import (
+    FORCE,
+    LOAD,
+    MID_POSITION,
+    MID_Q,
+    MID_RATE,
+    MID_SPIN,
+    MID_VELOCITY,
+    MODAL,
+    MODES,
+    POSITION,
+    RATE,
+    SPIN,
+    VELOCITY,
+    FloatingFrameBodies,
+    Q,
+)
+from heavylift.solver.bodies.floating_frame_shape import stage_rotation
+from heavylift.solver.interface import (
+    POINT,
+    POINT_FORCE,
+    POINT_VELOCITY,
+    Workspace,
+)
+
+__all__ = ["gather_marker_forces", "write_markers", "write_sensor"]
+
+
+@kernel(internal=True)
+def write_markers(kind: FloatingFrameBodies, work: Workspace) -> None:
+    """Write vectors, rates and Jacobian windows ``[1, -R u~, R Phi]`` of all markers at the stage."""
+    for marker in range(kind.markers.shape[0]):
+        number, body, start, direction = kind.markers[marker]
+        n, first = kind.index[body, MODES], kind.index[body, MODAL]
+        data = kind.constants[start:]
+        R = stage_rotation(kind, body)
+        stage = kind.frame[body]
+        u1, u2, u3 = data[0], data[1], data[2]
+        d1 = d2 = d3 = 0.0
+        jacobian = work.jacobian[number]
+        if direction == 0:
+            for i in range(n):
+                q, qd = kind.modal[MID_Q, first + i], kind.modal[MID_RATE, first + i]
+                phi1, phi2, phi3 = data[3 + i], data[3 + n + i], data[3 + 2 * n + i]
+                u1 += phi1 * q
+                u2 += phi2 * q
+                u3 += phi3 * q
+                d1 += phi1 * qd
+                d2 += phi2 * qd
+                d3 += phi3 * qd
+                for k in range(3):
+                    jacobian[k, 6 + i] = R[3 * k] * phi1 + R[3 * k + 1] * phi2 + R[3 * k + 2] * phi3
+        else:
+            for i in range(6, 6 + n):
+                jacobian[0, i] = jacobian[1, i] = jacobian[2, i] = 0.0
+        w1, w2, w3 = stage[MID_SPIN], stage[MID_SPIN + 1], stage[MID_SPIN + 2]
+        c1, c2, c3 = cross(w1, w2, w3, u1, u2, u3)
+        point = rotate(R, u1, u2, u3)
+        if direction == 0:
+            rate = rotate(
+                R,
+                stage[MID_VELOCITY] + c1 + d1,
+                stage[MID_VELOCITY + 1] + c2 + d2,
+                stage[MID_VELOCITY + 2] + c3 + d3,
+            )
+        else:
+            rate = rotate(R, c1, c2, c3)
+        for k in range(3):
+            work.markers[number, POINT + k] = point[k] + (stage[MID_POSITION + k] if direction == 0 else 0.0)
+            work.markers[number, POINT_VELOCITY + k] = rate[k]
+            for j in range(3):
+                jacobian[k, j] = 1.0 if (j == k and direction == 0) else 0.0
+            jacobian[k, 3] = R[3 * k + 2] * u2 - R[3 * k + 1] * u3
+            jacobian[k, 4] = R[3 * k] * u3 - R[3 * k + 2] * u1
+            jacobian[k, 5] = R[3 * k + 1] * u1 - R[3 * k] * u2
+
+
+@kernel(internal=True)
+def gather_marker_forces(kind: FloatingFrameBodies, work: Workspace) -> None:
+    """Generalised forces ``J^T f`` of all markers, into the stages of their bodies."""
+    for body in range(kind.index.shape[0]):
+        for j in range(6):
+            kind.frame[body, FORCE + j] = 0.0
+    for i in range(kind.modal.shape[1]):
+        kind.modal[LOAD, i] = 0.0
+    for marker in range(kind.markers.shape[0]):
+        number, body = kind.markers[marker, 0], kind.markers[marker, 1]
+        n, first = kind.index[body, MODES], kind.index[body, MODAL]
+        f1, f2, f3 = (
+            work.markers[number, POINT_FORCE],
+            work.markers[number, POINT_FORCE + 1],
+            work.markers[number, POINT_FORCE + 2],
+        )
+        jacobian = work.jacobian[number]
+        for j in range(6):
+            kind.frame[body, FORCE + j] += jacobian[0, j] * f1 + jacobian[1, j] * f2 + jacobian[2, j] * f3
+        for i in range(n):
+            kind.modal[LOAD, first + i] += (
+                jacobian[0, 6 + i] * f1 + jacobian[1, 6 + i] * f2 + jacobian[2, 6 + i] * f3
+            )
+
+
+@kernel(reassociate=True, internal=True)
+def write_sensor(kind: FloatingFrameBodies, sensor: int, row: NDArray[np.float64]) -> None:
+    """World position and velocity of a sensor point; the stage holds the carried state."""
+    column, body, start, _ = kind.sensors[sensor]
+    n, first = kind.index[body, MODES], kind.index[body, MODAL]
+    data = kind.constants[start:]
+    frame, R = kind.frame[body], stage_rotation(kind, body)
+    u1, u2, u3 = data[0], data[1], data[2]
+    d1 = d2 = d3 = 0.0
+    for i in range(n):
+        q, qd = kind.modal[Q, first + i], kind.modal[RATE, first + i]
+        u1 += data[3 + i] * q
+        u2 += data[3 + n + i] * q
+        u3 += data[3 + 2 * n + i] * q
+        d1 += data[3 + i] * qd
+        d2 += data[3 + n + i] * qd
+        d3 += data[3 + 2 * n + i] * qd
+    c1, c2, c3 = cross(frame[SPIN], frame[SPIN + 1], frame[SPIN + 2], u1, u2, u3)
+    point = rotate(R, u1, u2, u3)
+    rate = rotate(R, c1 + d1, c2 + d2, c3 + d3)
+    for k in range(3):
+        row[column + k] = frame[POSITION + k] + point[k]
+        row[column + 3 + k] = frame[VELOCITY + k] + rate[k]

@@ -1,0 +1,39 @@
+"""Where the data of one body lie in the arrays of its kind: views, no copies."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.floating_frame import (
+    MID_ROTATION,
+    MODES,
+    SHAPE,
+    SHAPE_HEAD,
+    FloatingFrameBodies,
+)
+
+__all__ = ["product_columns", "shape_of", "stage_rotation"]
+
+
+@kernel(inline=True, internal=True)
+def shape_of(kind: FloatingFrameBodies, body: int) -> NDArray[np.float64]:
+    """Packed shape of a body, without the stacked matrices."""
+    n = kind.index[body, MODES]
+    start = kind.index[body, SHAPE] + 8 * n * n
+    return kind.constants[start : start + SHAPE_HEAD + 12 * n]
+
+
+@kernel(inline=True, internal=True)
+def product_columns(kind: FloatingFrameBodies, body: int) -> NDArray[np.float64]:
+    """Stacked product matrices of a body, column after column, shape (n 8 n,)."""
+    n = kind.index[body, MODES]
+    start = kind.index[body, SHAPE]
+    return kind.constants[start : start + 8 * n * n]
+
+
+@kernel(inline=True, internal=True)
+def stage_rotation(kind: FloatingFrameBodies, body: int) -> NDArray[np.float64]:
+    """Rotation matrix of the stage, row by row, a view of shape (9,)."""
+    return kind.frame[body, MID_ROTATION : MID_ROTATION + 9]
