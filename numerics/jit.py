@@ -128,6 +128,6 @@ def kernel(
             )(python_function)
         if compiled is not python_function:
             update_wrapper(compiled, python_function)
-        return compiled  # type: ignore[no-any-return]
+        return compiled
 
     return decorate if function is None else decorate(function)

@@ -98,4 +98,4 @@ def _function(parameters: list[str], lines: list[str], names: dict[str, Any]) ->
     body = "\n    ".join(lines) or "pass"
     namespace = dict(names)
     exec(f"def generated({', '.join(parameters)}):\n    {body}\n", namespace)  # noqa: S102  text from above only
-    return namespace["generated"]  # type: ignore[no-any-return]
+    return namespace["generated"]

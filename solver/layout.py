@@ -11,7 +11,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.interface import ENERGY_NAMES, SUM_COUNT, Workspace
 from heavylift.solver.markers import BodyMarkers
-from heavylift.solver.scene import Fixed, FlexibleBody, Free, Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene import Fixed, FlexibleBody, Free, Gravity, PointForce, RigidBody, Scene, Sensor
 
 __all__ = ["Channel", "Layout", "pack_scene"]
 
@@ -181,7 +181,9 @@ def _check_names(scene: Scene) -> None:
     if not scene.bodies:
         raise InputError("no body", source="scene", expected="at least one")
     names = {body.name for body in scene.bodies}
-    for user in (*scene.sensors, *(force for force in scene.forces if isinstance(force, PointForce))):
+    users: list[Sensor | PointForce] = [*scene.sensors]
+    users += [force for force in scene.forces if isinstance(force, PointForce)]
+    for user in users:
         if user.body not in names:
             raise InputError(
                 f"there is no body {user.body!r}",

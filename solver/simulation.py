@@ -148,7 +148,7 @@ class Simulation:
         if done < last:
             self._stop()
         count = int(done) // every - first // every
-        times = (first // every + 1 + np.arange(count)) * every * self.step
+        times = (first // every + 1.0 + np.arange(count, dtype=np.float64)) * every * self.step
         return times, records[:count]
 
     def _stop(self) -> None:

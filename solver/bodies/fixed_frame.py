@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +45,7 @@ from heavylift.solver.bodies.floating_frame import (
     STIFFNESS,
     TF1,
     WORK,
+    FixedFrameBodies,
     Q,
     pack_floating_frames,
 )
@@ -85,18 +85,6 @@ __all__ = ["FixedFrameBodies", "pack_fixed_frames"]
 NOT_FINITE = int(Outcome.NOT_FINITE)
 
 
-class FixedFrameBodies(NamedTuple):
-    """All flexible bodies with fixed frames; the fields are those of `FloatingFrameBodies`."""
-
-    index: NDArray[np.int64]
-    constants: NDArray[np.float64]
-    frame: NDArray[np.float64]
-    modal: NDArray[np.float64]
-    products: NDArray[np.float64]
-    markers: NDArray[np.int64]
-    sensors: NDArray[np.int64]
-
-
 def pack_fixed_frames(
     bodies: Sequence[FlexibleBody],
     first_number: int,
@@ -115,7 +103,7 @@ def pack_fixed_frames(
 @kernel(internal=True)
 def start_fixed_frames(kind: FixedFrameBodies, time: float) -> None:
     """The pose of the stage is that of the frame, once and for all."""
-    for body in range(kind.index.shape[0]):
+    for body in range(kind.table.shape[0]):
         frame = kind.frame[body]
         q = (frame[ORIENTATION], frame[ORIENTATION + 1], frame[ORIENTATION + 2], frame[ORIENTATION + 3])
         write_rotation_matrix(q, frame[MID_ROTATION : MID_ROTATION + 9])
@@ -152,8 +140,8 @@ def gather_loads(kind: FixedFrameBodies, work: Workspace) -> None:
     g1, g2, g3 = work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2]
     if g1 == 0.0 and g2 == 0.0 and g3 == 0.0:
         return
-    for body in range(kind.index.shape[0]):
-        n, first = kind.index[body, MODES], kind.index[body, MODAL]
+    for body in range(kind.table.shape[0]):
+        n, first = kind.table[body, MODES], kind.table[body, MODAL]
         shape = shape_of(kind, body)
         g1, g2, g3 = rotate_back(
             stage_rotation(kind, body), work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2]
@@ -172,8 +160,8 @@ def factor_fixed_frames(kind: FixedFrameBodies, step: float, work: Workspace) ->
     """Midpoint rates of all modes."""
     h = step
     gather_loads(kind, work)
-    for body in range(kind.index.shape[0]):
-        n, first, dof = kind.index[body, MODES], kind.index[body, MODAL], kind.index[body, DOF]
+    for body in range(kind.table.shape[0]):
+        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
         for k in range(6):
             work.velocity[dof + k] = 0.0
         for i in range(n):
@@ -193,20 +181,20 @@ def correct_fixed_frames(kind: FixedFrameBodies, step: float, work: Workspace) -
 @kernel(internal=True, reassociate=True)
 def check_fixed_frames(kind: FixedFrameBodies, step: float, work: Workspace) -> None:
     """Refuse what is not finite."""
-    for body in range(kind.index.shape[0]):
-        n, dof = kind.index[body, MODES], kind.index[body, DOF]
+    for body in range(kind.table.shape[0]):
+        n, dof = kind.table[body, MODES], kind.table[body, DOF]
         total = 0.0
         for i in range(dof + 6, dof + 6 + n):
             total += abs(work.velocity[i])
         if not math.isfinite(total):
             work.status[STATUS_OUTCOME] = NOT_FINITE
-            work.status[STATUS_BODY] = kind.index[body, NUMBER]
+            work.status[STATUS_BODY] = kind.table[body, NUMBER]
 
 
 @kernel(internal=True, reassociate=True)
 def add_work(kind: FixedFrameBodies, body: int, step: float, work: Workspace) -> None:
     """Work of the marker forces and loss in the dampers, with the rates of the stage."""
-    n, first, dof = kind.index[body, MODES], kind.index[body, MODAL], kind.index[body, DOF]
+    n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
     g1, g2, g3 = rotate_back(
         stage_rotation(kind, body), work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2]
     )
@@ -227,8 +215,8 @@ def add_work(kind: FixedFrameBodies, body: int, step: float, work: Workspace) ->
 @kernel(internal=True)
 def advance_fixed_frames(kind: FixedFrameBodies, time: float, step: float, work: Workspace) -> None:
     """Modal coordinates and rates to the end of the step."""
-    for body in range(kind.index.shape[0]):
-        n, first, dof = kind.index[body, MODES], kind.index[body, MODAL], kind.index[body, DOF]
+    for body in range(kind.table.shape[0]):
+        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
         add_work(kind, body, step, work)
         for i in range(n):
             rate = work.velocity[dof + 6 + i]
@@ -248,8 +236,8 @@ def thesis_velocity_fixed_frames(kind: FixedFrameBodies, time: float, step: floa
     """``( 1 + h^2/4 k + h d ) qd+ = ( 1 + h^2/4 k ) qd + h ( Q - k q )``, as for floating frames."""
     h = step
     gather_loads(kind, work)
-    for body in range(kind.index.shape[0]):
-        n, first, dof = kind.index[body, MODES], kind.index[body, MODAL], kind.index[body, DOF]
+    for body in range(kind.table.shape[0]):
+        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
         for k in range(6):
             work.velocity[dof + k] = 0.0
         for i in range(n):
@@ -265,8 +253,8 @@ def thesis_velocity_fixed_frames(kind: FixedFrameBodies, time: float, step: floa
 @kernel(internal=True)
 def thesis_advance_fixed_frames(kind: FixedFrameBodies, time: float, step: float, work: Workspace) -> None:
     """Modal coordinates by the end rates."""
-    for body in range(kind.index.shape[0]):
-        n, first, dof = kind.index[body, MODES], kind.index[body, MODAL], kind.index[body, DOF]
+    for body in range(kind.table.shape[0]):
+        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
         add_work(kind, body, step, work)
         for i in range(n):
             kind.modal[Q, first + i] += step * work.velocity[dof + 6 + i]
@@ -276,7 +264,7 @@ def thesis_advance_fixed_frames(kind: FixedFrameBodies, time: float, step: float
 @kernel(internal=True)
 def deform(kind: FixedFrameBodies, body: int) -> None:
     """Products, ``S_t`` and ``I_tf`` of the carried state: needed for records only."""
-    n, first = kind.index[body, MODES], kind.index[body, MODAL]
+    n, first = kind.table[body, MODES], kind.table[body, MODAL]
     products = kind.products[:, 8 * first : 8 * (first + n)]
     q, rates = kind.modal[Q, first : first + n], kind.modal[RATE, first : first + n]
     stacked_products(product_columns(kind, body), q, rates, products[AT_Q], products[AT_RATE])
@@ -298,8 +286,8 @@ def record_fixed_frames(
     ``(d I_tf/dt) qd`` vanishes because the matrices A_k are antisymmetric.
     """
     gather_loads(kind, work)
-    for body in range(kind.index.shape[0]):
-        n, first, column = kind.index[body, MODES], kind.index[body, MODAL], kind.index[body, COLUMN]
+    for body in range(kind.table.shape[0]):
+        n, first, column = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, COLUMN]
         frame, shape, R = kind.frame[body], shape_of(kind, body), stage_rotation(kind, body)
         deform(kind, body)
         for k in range(13):
@@ -343,8 +331,8 @@ def record_fixed_frames(
 def add_fixed_frame_totals(kind: FixedFrameBodies, work: Workspace) -> None:
     """Energies and momenta; the products and the coupling are those of the record just written."""
     sums = work.sums
-    for body in range(kind.index.shape[0]):
-        n, first = kind.index[body, MODES], kind.index[body, MODAL]
+    for body in range(kind.table.shape[0]):
+        n, first = kind.table[body, MODES], kind.table[body, MODAL]
         frame, shape, R = kind.frame[body], shape_of(kind, body), stage_rotation(kind, body)
         p1 = p2 = p3 = 0.0
         l1 = l2 = l3 = 0.0

@@ -28,9 +28,9 @@ from heavylift.solver.drive import pack_drive
 from heavylift.solver.markers import BodyMarkers, pack_markers
 from heavylift.solver.scene import Driven, Fixed, FlexibleBody, Free
 
-__all__ = ["FloatingFrameBodies", "pack_floating_frames", "pack_shape"]
+__all__ = ["FixedFrameBodies", "FlexibleBodies", "FloatingFrameBodies", "pack_floating_frames", "pack_shape"]
 
-# columns of `index`; starts are places in `constants`
+# columns of `table`; starts are places in `constants`
 MODES, MODAL, DOF, SHAPE, MOTION, DRIVE, COLUMN, NUMBER = range(8)
 FREE, FIXED, DRIVEN = range(3)
 
@@ -84,7 +84,7 @@ class FloatingFrameBodies(NamedTuple):
 
     Attributes
     ----------
-    index
+    table
         Mode count, first modal coordinate, first velocity, start of the shape, motion, start of the
         drive, first record column, number in the scene; shape (nb, 8).
     constants
@@ -105,13 +105,29 @@ class FloatingFrameBodies(NamedTuple):
         Points that are recorded: first record column, then the same; shape (m, 4).
     """
 
-    index: NDArray[np.int64]
+    table: NDArray[np.int64]
     constants: NDArray[np.float64]
     frame: NDArray[np.float64]
     modal: NDArray[np.float64]
     products: NDArray[np.float64]
     markers: NDArray[np.int64]
     sensors: NDArray[np.int64]
+
+
+class FixedFrameBodies(NamedTuple):
+    """All flexible bodies with fixed frames; the fields are those of `FloatingFrameBodies`."""
+
+    table: NDArray[np.int64]
+    constants: NDArray[np.float64]
+    frame: NDArray[np.float64]
+    modal: NDArray[np.float64]
+    products: NDArray[np.float64]
+    markers: NDArray[np.int64]
+    sensors: NDArray[np.int64]
+
+
+FlexibleBodies = FloatingFrameBodies | FixedFrameBodies
+"""Kinds that share this layout, and with it the functions for markers and shapes."""
 
 
 def pack_shape(integrals: ShapeIntegrals) -> NDArray[np.float64]:
@@ -213,7 +229,7 @@ def pack_floating_frames(
     flat = aligned(sum(map(len, constants)))
     flat[:] = np.concatenate(constants)
     return FloatingFrameBodies(
-        index=index,
+        table=index,
         constants=flat,
         frame=frame,
         modal=modal,

@@ -21,7 +21,7 @@ from heavylift.solver.bodies.floating_frame import (
     RATE,
     SPIN,
     VELOCITY,
-    FloatingFrameBodies,
+    FlexibleBodies,
     Q,
 )
 from heavylift.solver.bodies.floating_frame_shape import stage_rotation
@@ -36,11 +36,11 @@ __all__ = ["gather_marker_forces", "write_markers", "write_sensor"]
 
 
 @kernel(internal=True)
-def write_markers(kind: FloatingFrameBodies, work: Workspace) -> None:
+def write_markers(kind: FlexibleBodies, work: Workspace) -> None:
     """Write vectors, rates and Jacobian windows ``[1, -R u~, R Phi]`` of all markers at the stage."""
     for marker in range(kind.markers.shape[0]):
         number, body, start, direction = kind.markers[marker]
-        n, first = kind.index[body, MODES], kind.index[body, MODAL]
+        n, first = kind.table[body, MODES], kind.table[body, MODAL]
         data = kind.constants[start:]
         R = stage_rotation(kind, body)
         stage = kind.frame[body]
@@ -85,16 +85,16 @@ def write_markers(kind: FloatingFrameBodies, work: Workspace) -> None:
 
 
 @kernel(internal=True)
-def gather_marker_forces(kind: FloatingFrameBodies, work: Workspace) -> None:
+def gather_marker_forces(kind: FlexibleBodies, work: Workspace) -> None:
     """Generalised forces ``J^T f`` of all markers, into the stages of their bodies."""
-    for body in range(kind.index.shape[0]):
+    for body in range(kind.table.shape[0]):
         for j in range(6):
             kind.frame[body, FORCE + j] = 0.0
     for i in range(kind.modal.shape[1]):
         kind.modal[LOAD, i] = 0.0
     for marker in range(kind.markers.shape[0]):
         number, body = kind.markers[marker, 0], kind.markers[marker, 1]
-        n, first = kind.index[body, MODES], kind.index[body, MODAL]
+        n, first = kind.table[body, MODES], kind.table[body, MODAL]
         f1, f2, f3 = (
             work.markers[number, POINT_FORCE],
             work.markers[number, POINT_FORCE + 1],
@@ -110,10 +110,10 @@ def gather_marker_forces(kind: FloatingFrameBodies, work: Workspace) -> None:
 
 
 @kernel(reassociate=True, internal=True)
-def write_sensor(kind: FloatingFrameBodies, sensor: int, row: NDArray[np.float64]) -> None:
+def write_sensor(kind: FlexibleBodies, sensor: int, row: NDArray[np.float64]) -> None:
     """World position and velocity of a sensor point; the stage holds the carried state."""
     column, body, start, _ = kind.sensors[sensor]
-    n, first = kind.index[body, MODES], kind.index[body, MODAL]
+    n, first = kind.table[body, MODES], kind.table[body, MODAL]
     data = kind.constants[start:]
     frame, R = kind.frame[body], stage_rotation(kind, body)
     u1, u2, u3 = data[0], data[1], data[2]

@@ -74,11 +74,11 @@ __all__: list[str] = []
 @kernel(internal=True)
 def start_floating_frames(kind: FloatingFrameBodies, time: float) -> None:
     """Place driven frames, evaluate products and momenta of the start state."""
-    for body in range(kind.index.shape[0]):
-        n, first = kind.index[body, MODES], kind.index[body, MODAL]
+    for body in range(kind.table.shape[0]):
+        n, first = kind.table[body, MODES], kind.table[body, MODAL]
         frame = stage = kind.frame[body]
-        if kind.index[body, MOTION] == DRIVEN:
-            drive = kind.constants[kind.index[body, DRIVE] :]
+        if kind.table[body, MOTION] == DRIVEN:
+            drive = kind.constants[kind.table[body, DRIVE] :]
             drive_pose(drive, time, frame[POSITION : POSITION + 7])
             drive_velocity(drive, time, stage[PRESCRIBED : PRESCRIBED + 12])
             for k in range(3):
@@ -106,15 +106,15 @@ def record_floating_frames(
 ) -> None:
     """Columns of a body: position, quaternion, velocity, spin, q, qd, and the reaction of a held frame."""
     gather_marker_forces(kind, work)
-    for body in range(kind.index.shape[0]):
-        n, first, column = kind.index[body, MODES], kind.index[body, MODAL], kind.index[body, COLUMN]
+    for body in range(kind.table.shape[0]):
+        n, first, column = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, COLUMN]
         frame = kind.frame[body]
         for k in range(13):
             row[column + k] = frame[POSITION + k]
         for i in range(n):
             row[column + 13 + i] = kind.modal[Q, first + i]
             row[column + 13 + n + i] = kind.modal[RATE, first + i]
-        if kind.index[body, MOTION] != FREE:
+        if kind.table[body, MOTION] != FREE:
             reaction = row[column + 13 + 2 * n : column + 19 + 2 * n]
             _write_reaction(kind, body, time, work, reaction)
         elif kind.sensors.shape[0] > 0:
@@ -134,7 +134,7 @@ def _write_reaction(
     The modal accelerations follow from the modal rows at this instant; the frame rows of the equations
     of motion, quadratic velocity forces included, then give what is missing to balance them.
     """
-    n, first = kind.index[body, MODES], kind.index[body, MODAL]
+    n, first = kind.table[body, MODES], kind.table[body, MODAL]
     stage = kind.frame[body]
     modes = slice(first, first + n)
     modal = kind.modal[:, modes]
@@ -143,7 +143,7 @@ def _write_reaction(
     products = kind.products[:, 8 * first : 8 * (first + n)]
     R = stage_rotation(kind, body)
     motion = stage[PRESCRIBED : PRESCRIBED + 12]
-    drive_velocity(kind.constants[kind.index[body, DRIVE] :], time, motion)
+    drive_velocity(kind.constants[kind.table[body, DRIVE] :], time, motion)
     w1, w2, w3 = motion[3], motion[4], motion[5]
     b1, b2, b3 = motion[9], motion[10], motion[11]
     # gravity acts like an acceleration of the frame in the other direction
@@ -199,8 +199,8 @@ def _write_reaction(
 def add_floating_frame_totals(kind: FloatingFrameBodies, work: Workspace) -> None:
     """Energies and momenta from the carried velocities."""
     totals = work.sums
-    for body in range(kind.index.shape[0]):
-        n, first = kind.index[body, MODES], kind.index[body, MODAL]
+    for body in range(kind.table.shape[0]):
+        n, first = kind.table[body, MODES], kind.table[body, MODAL]
         modes = slice(first, first + n)
         frame = stage = kind.frame[body]
         shape = shape_of(kind, body)

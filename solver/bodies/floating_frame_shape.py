@@ -11,29 +11,29 @@ from heavylift.solver.bodies.floating_frame import (
     MODES,
     SHAPE,
     SHAPE_HEAD,
-    FloatingFrameBodies,
+    FlexibleBodies,
 )
 
 __all__ = ["product_columns", "shape_of", "stage_rotation"]
 
 
 @kernel(inline=True, internal=True)
-def shape_of(kind: FloatingFrameBodies, body: int) -> NDArray[np.float64]:
+def shape_of(kind: FlexibleBodies, body: int) -> NDArray[np.float64]:
     """Packed shape of a body, without the stacked matrices."""
-    n = kind.index[body, MODES]
-    start = kind.index[body, SHAPE] + 8 * n * n
+    n = kind.table[body, MODES]
+    start = kind.table[body, SHAPE] + 8 * n * n
     return kind.constants[start : start + SHAPE_HEAD + 12 * n]
 
 
 @kernel(inline=True, internal=True)
-def product_columns(kind: FloatingFrameBodies, body: int) -> NDArray[np.float64]:
+def product_columns(kind: FlexibleBodies, body: int) -> NDArray[np.float64]:
     """Stacked product matrices of a body, column after column, shape (n 8 n,)."""
-    n = kind.index[body, MODES]
-    start = kind.index[body, SHAPE]
+    n = kind.table[body, MODES]
+    start = kind.table[body, SHAPE]
     return kind.constants[start : start + 8 * n * n]
 
 
 @kernel(inline=True, internal=True)
-def stage_rotation(kind: FloatingFrameBodies, body: int) -> NDArray[np.float64]:
+def stage_rotation(kind: FlexibleBodies, body: int) -> NDArray[np.float64]:
     """Rotation matrix of the stage, row by row, a view of shape (9,)."""
     return kind.frame[body, MID_ROTATION : MID_ROTATION + 9]

@@ -61,7 +61,7 @@ __all__ = [
 @kernel(internal=True)
 def update_products(kind: FloatingFrameBodies, body: int) -> None:
     """Stacked matrices times the carried modal coordinates and rates."""
-    n, first = kind.index[body, MODES], kind.index[body, MODAL]
+    n, first = kind.table[body, MODES], kind.table[body, MODAL]
     rows = slice(8 * first, 8 * (first + n))
     stacked_products(
         product_columns(kind, body),
@@ -83,7 +83,7 @@ def stage_at_state(kind: FloatingFrameBodies, body: int, with_inertia: bool) -> 
     with_inertia
         Also update the products and evaluate ``S_t``, ``I_tt``, ``I_tf``.
     """
-    n, first = kind.index[body, MODES], kind.index[body, MODAL]
+    n, first = kind.table[body, MODES], kind.table[body, MODAL]
     modes = slice(first, first + n)
     frame = stage = kind.frame[body]
     R = stage_rotation(kind, body)
@@ -115,7 +115,7 @@ def fill_floating_frame_markers(kind: FloatingFrameBodies, at_midpoint: bool, wo
     """Markers at the midpoint, which `predict` has set, or at the carried state."""
     if kind.markers.shape[0] > 0:
         if not at_midpoint:
-            for body in range(kind.index.shape[0]):
+            for body in range(kind.table.shape[0]):
                 stage_at_state(kind, body, False)
         write_markers(kind, work)
 
@@ -198,12 +198,12 @@ def solve_stage(kind: FloatingFrameBodies, body: int, weight: float, work: Works
     work
         Receives world velocity, body-axis spin and modal rates.
     """
-    n, first, dof = kind.index[body, MODES], kind.index[body, MODAL], kind.index[body, DOF]
+    n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
     stage = kind.frame[body]
     modal = kind.modal[:, first : first + n]
     shape = shape_of(kind, body)
     velocity = work.velocity[dof : dof + 6 + n]
-    motion = kind.index[body, MOTION]
+    motion = kind.table[body, MOTION]
     y = velocity[:6]
     for k in range(6):
         y[k] = stage[FRAME_RHS + k]

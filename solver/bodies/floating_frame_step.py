@@ -117,9 +117,9 @@ NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE
 def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float) -> None:
     """(F1), (F2): midpoint configuration, its inertia, and the angular momentum about the new origin."""
     h = step
-    for body in range(kind.index.shape[0]):
-        n, first = kind.index[body, MODES], kind.index[body, MODAL]
-        motion = kind.index[body, MOTION]
+    for body in range(kind.table.shape[0]):
+        n, first = kind.table[body, MODES], kind.table[body, MODAL]
+        motion = kind.table[body, MOTION]
         frame = stage = kind.frame[body]
         for i in range(first, first + n):
             kind.modal[MID_Q, i] = kind.modal[Q, i] + 0.5 * h * kind.modal[RATE, i]
@@ -127,12 +127,12 @@ def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float)
         R = stage_rotation(kind, body)
         if motion == DRIVEN:
             pose = stage[MID_POSE : MID_POSE + 7]
-            drive_pose(kind.constants[kind.index[body, DRIVE] :], time + 0.5 * h, pose)
+            drive_pose(kind.constants[kind.table[body, DRIVE] :], time + 0.5 * h, pose)
             for k in range(3):
                 stage[MID_POSITION + k] = pose[k]
             write_rotation_matrix((pose[3], pose[4], pose[5], pose[6]), R)
             drive_velocity(
-                kind.constants[kind.index[body, DRIVE] :], time + h, stage[PRESCRIBED : PRESCRIBED + 12]
+                kind.constants[kind.table[body, DRIVE] :], time + h, stage[PRESCRIBED : PRESCRIBED + 12]
             )
             for k in range(3):  # the mean of both ends makes the momentum balance of the modes second order
                 stage[DRIVEN_VELOCITY + k] = 0.5 * (frame[VELOCITY + k] + stage[PRESCRIBED + k])
@@ -189,9 +189,9 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
     """(F3), (F4) with the quadratic forces at the predicted midpoint velocity."""
     h = step
     gather_marker_forces(kind, work)
-    for body in range(kind.index.shape[0]):
-        n, first = kind.index[body, MODES], kind.index[body, MODAL]
-        motion = kind.index[body, MOTION]
+    for body in range(kind.table.shape[0]):
+        n, first = kind.table[body, MODES], kind.table[body, MODAL]
+        motion = kind.table[body, MOTION]
         stage = kind.frame[body]
         modal = kind.modal[:, first : first + n]
         shape = shape_of(kind, body)
@@ -265,8 +265,8 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
 @kernel(internal=True)
 def correct_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
     """Second pass of (F4): quadratic forces at the velocity that the first pass found."""
-    for body in range(kind.index.shape[0]):
-        n, first, dof = kind.index[body, MODES], kind.index[body, MODAL], kind.index[body, DOF]
+    for body in range(kind.table.shape[0]):
+        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
         products = kind.products[:, 8 * first : 8 * (first + n)]
         velocity = work.velocity[dof : dof + 6 + n]
         antisymmetric_products(product_columns(kind, body), velocity[6:], products[AT_VELOCITY])
@@ -287,8 +287,8 @@ def correct_floating_frames(kind: FloatingFrameBodies, step: float, work: Worksp
 @kernel(internal=True)
 def check_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
     """Refuse what is not finite, and turns of more than `LARGEST_TURN` in a step."""
-    for body in range(kind.index.shape[0]):
-        n, dof = kind.index[body, MODES], kind.index[body, DOF]
+    for body in range(kind.table.shape[0]):
+        n, dof = kind.table[body, MODES], kind.table[body, DOF]
         total = 0.0
         for i in range(dof, dof + 6 + n):
             total += abs(work.velocity[i])
@@ -296,10 +296,10 @@ def check_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspac
         turn = step * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
         if not math.isfinite(total):
             work.status[STATUS_OUTCOME] = NOT_FINITE
-            work.status[STATUS_BODY] = kind.index[body, NUMBER]
-        elif turn > LARGEST_TURN and kind.index[body, MOTION] == FREE:
+            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+        elif turn > LARGEST_TURN and kind.table[body, MOTION] == FREE:
             work.status[STATUS_OUTCOME] = STEP_TOO_LARGE
-            work.status[STATUS_BODY] = kind.index[body, NUMBER]
+            work.status[STATUS_BODY] = kind.table[body, NUMBER]
 
 
 @implement(advance, FloatingFrameBodies)
@@ -307,9 +307,9 @@ def check_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspac
 def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float, work: Workspace) -> None:
     """(F5): configuration and momenta to the end of the step, and the work of forces and dampers."""
     h = step
-    for body in range(kind.index.shape[0]):
-        n, first, dof = kind.index[body, MODES], kind.index[body, MODAL], kind.index[body, DOF]
-        motion = kind.index[body, MOTION]
+    for body in range(kind.table.shape[0]):
+        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
+        motion = kind.table[body, MOTION]
         frame = stage = kind.frame[body]
         velocity = work.velocity[dof : dof + 6 + n]
         external = dissipated = 0.0
@@ -355,7 +355,7 @@ def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float,
             for k in range(4):
                 frame[ORIENTATION + k] = quaternion[k]
         elif motion == DRIVEN:
-            drive_pose(kind.constants[kind.index[body, DRIVE] :], time + h, frame[POSITION : POSITION + 7])
+            drive_pose(kind.constants[kind.table[body, DRIVE] :], time + h, frame[POSITION : POSITION + 7])
             for k in range(3):
                 frame[VELOCITY + k] = stage[PRESCRIBED + k]
                 frame[SPIN + k] = stage[PRESCRIBED + 3 + k]
@@ -371,9 +371,9 @@ def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float,
 def finish_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
     """(F6): frame velocities from momenta; difference quotients for the next prediction."""
     h = step
-    for body in range(kind.index.shape[0]):
-        n, first = kind.index[body, MODES], kind.index[body, MODAL]
-        motion = kind.index[body, MOTION]
+    for body in range(kind.table.shape[0]):
+        n, first = kind.table[body, MODES], kind.table[body, MODAL]
+        motion = kind.table[body, MOTION]
         frame = stage = kind.frame[body]
         modes = slice(first, first + n)
         shape = shape_of(kind, body)
@@ -446,7 +446,7 @@ def _add_drive_work(
     """Work of a drive: its impulse is the change of momentum less the impulse of the other forces."""
     h = step
     frame = stage = kind.frame[body]
-    dof = kind.index[body, DOF]
+    dof = kind.table[body, DOF]
     m = shape_of(kind, body)[SHAPE_MASS]
     R = stage_rotation(kind, body)
     moment = rotate(R, stage[MOMENT], stage[MOMENT + 1], stage[MOMENT + 2])

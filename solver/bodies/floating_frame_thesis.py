@@ -77,9 +77,9 @@ def thesis_velocity_floating_frames(
     """End velocities; of driven frames, those of the drive at the end of the step."""
     h = step
     gather_marker_forces(kind, work)
-    for body in range(kind.index.shape[0]):
-        n, first = kind.index[body, MODES], kind.index[body, MODAL]
-        motion = kind.index[body, MOTION]
+    for body in range(kind.table.shape[0]):
+        n, first = kind.table[body, MODES], kind.table[body, MODAL]
+        motion = kind.table[body, MOTION]
         modes = slice(first, first + n)
         frame = stage = kind.frame[body]
         modal = kind.modal[:, modes]
@@ -126,7 +126,7 @@ def thesis_velocity_floating_frames(
             factor_frame(shape, stage, modal, stage[FACTOR : FACTOR + 36])
         elif motion == DRIVEN:
             prescribed = stage[PRESCRIBED : PRESCRIBED + 12]
-            drive_velocity(kind.constants[kind.index[body, DRIVE] :], time + h, prescribed)
+            drive_velocity(kind.constants[kind.table[body, DRIVE] :], time + h, prescribed)
             a = rotate_back(R, prescribed[0], prescribed[1], prescribed[2])
             for k in range(3):
                 stage[FRAME_RHS + k] = a[k]
@@ -141,8 +141,8 @@ def thesis_advance_floating_frames(
 ) -> None:
     """Configuration by the end velocity; works to first order, like everything else."""
     h = step
-    for body in range(kind.index.shape[0]):
-        n, first, dof = kind.index[body, MODES], kind.index[body, MODAL], kind.index[body, DOF]
+    for body in range(kind.table.shape[0]):
+        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
         frame = stage = kind.frame[body]
         velocity = work.velocity[dof : dof + 6 + n]
         external = dissipated = 0.0
@@ -159,7 +159,7 @@ def thesis_advance_floating_frames(
         for k in range(6):
             frame[ACCELERATION + k] = 0.0
             frame[VELOCITY + k] = velocity[k]
-        if kind.index[body, MOTION] == FREE:
+        if kind.table[body, MOTION] == FREE:
             quaternion = rotate_by_exponential(
                 (frame[ORIENTATION], frame[ORIENTATION + 1], frame[ORIENTATION + 2], frame[ORIENTATION + 3]),
                 h * velocity[3],
@@ -170,5 +170,5 @@ def thesis_advance_floating_frames(
                 frame[POSITION + k] += h * velocity[k]
             for k in range(4):
                 frame[ORIENTATION + k] = quaternion[k]
-        elif kind.index[body, MOTION] == DRIVEN:
-            drive_pose(kind.constants[kind.index[body, DRIVE] :], time + h, frame[POSITION : POSITION + 7])
+        elif kind.table[body, MOTION] == DRIVEN:
+            drive_pose(kind.constants[kind.table[body, DRIVE] :], time + h, frame[POSITION : POSITION + 7])

@@ -25,7 +25,7 @@ from heavylift.solver.scene import Driven, Fixed, Free, RigidBody
 
 __all__ = ["RigidBodies", "pack_rigid_bodies"]
 
-# columns of `index`
+# columns of `table`
 DOF, MOTION, DRIVE, COLUMN, NUMBER = range(5)
 
 # columns of `frame`: the carried state of the principal frame ...
@@ -46,7 +46,7 @@ class RigidBodies(NamedTuple):
 
     Attributes
     ----------
-    index
+    table
         First velocity, motion, start of the drive, first record column, number; shape (nb, 5).
     constants
         Drives and marker data: points from the centre of mass and directions, in principal axes.
@@ -56,7 +56,7 @@ class RigidBodies(NamedTuple):
         As in the kind of floating frames, shapes (m, 4).
     """
 
-    index: NDArray[np.int64]
+    table: NDArray[np.int64]
     constants: NDArray[np.float64]
     frame: NDArray[np.float64]
     markers: NDArray[np.int64]

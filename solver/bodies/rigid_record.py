@@ -58,8 +58,8 @@ def record_rigid_bodies(kind: RigidBodies, time: float, work: Workspace, row: ND
     """Columns of a body: position, quaternion, velocity, spin of the body frame, reaction of a held body."""
     gather_marker_forces(kind, work)
     stage_at_state(kind)
-    for body in range(kind.index.shape[0]):
-        column = kind.index[body, COLUMN]
+    for body in range(kind.table.shape[0]):
+        column = kind.table[body, COLUMN]
         frame = inertia = kind.frame[body]
         axes = (inertia[AXES], inertia[AXES + 1], inertia[AXES + 2], inertia[AXES + 3])
         q = quaternion_product(orientation_of(kind, body), (axes[0], -axes[1], -axes[2], -axes[3]))
@@ -73,7 +73,7 @@ def record_rigid_bodies(kind: RigidBodies, time: float, work: Workspace, row: ND
             row[column + k] = frame[POSITION + k] - arm[k]
             row[column + 7 + k] = frame[VELOCITY + k] - side[k]
             row[column + 10 + k] = w[k]
-        if kind.index[body, MOTION] != FREE:
+        if kind.table[body, MOTION] != FREE:
             _write_reaction(kind, body, work, arm, row[column + 13 : column + 19])
     for sensor in range(kind.sensors.shape[0]):
         column, body, begin, _ = kind.sensors[sensor]
@@ -96,7 +96,7 @@ def _write_reaction(
 ) -> None:
     """Force, and moment about the origin of the body frame, world axes, that keep a body on its course."""
     frame = stage = inertia = kind.frame[body]
-    driven = 1.0 if kind.index[body, MOTION] == DRIVEN else 0.0
+    driven = 1.0 if kind.table[body, MOTION] == DRIVEN else 0.0
     w1, w2, w3 = frame[SPIN], frame[SPIN + 1], frame[SPIN + 2]
     l1, l2, l3 = inertia[PRINCIPAL] * w1, inertia[PRINCIPAL + 1] * w2, inertia[PRINCIPAL + 2] * w3
     gyroscopic = cross(w1, w2, w3, l1, l2, l3)
@@ -120,7 +120,7 @@ def _write_reaction(
 def add_rigid_totals(kind: RigidBodies, work: Workspace) -> None:
     """Energies and momenta from the carried velocities."""
     totals = work.sums
-    for body in range(kind.index.shape[0]):
+    for body in range(kind.table.shape[0]):
         frame = inertia = kind.frame[body]
         m = inertia[MASS]
         L = rotate_by_quaternion(

@@ -72,7 +72,7 @@ def orientation_of(kind: RigidBodies, body: int) -> tuple[float, float, float, f
 @kernel(internal=True)
 def prescribe(kind: RigidBodies, body: int, time: float, out: NDArray[np.float64]) -> None:
     """Write pose (7), velocities (6) and accelerations (6) of the principal frame of a driven body, shape (19,)."""
-    drive = kind.constants[kind.index[body, DRIVE] :]
+    drive = kind.constants[kind.table[body, DRIVE] :]
     pose, motion = kind.frame[body, POSE : POSE + 7], kind.frame[body, PRESCRIBED : PRESCRIBED + 12]
     drive_pose(drive, time, pose)
     drive_velocity(drive, time, motion)
@@ -106,8 +106,8 @@ def prescribe(kind: RigidBodies, body: int, time: float, out: NDArray[np.float64
 @kernel(internal=True)
 def start_rigid_bodies(kind: RigidBodies, time: float) -> None:
     """Place driven bodies; angular momenta of the start state."""
-    for body in range(kind.index.shape[0]):
-        if kind.index[body, MOTION] == DRIVEN:
+    for body in range(kind.table.shape[0]):
+        if kind.table[body, MOTION] == DRIVEN:
             prescribe(kind, body, time, kind.frame[body, : SPIN_RATE + 3])
         frame = inertia = kind.frame[body]
         q = orientation_of(kind, body)
@@ -124,7 +124,7 @@ def start_rigid_bodies(kind: RigidBodies, time: float) -> None:
 @kernel(internal=True)
 def stage_at_state(kind: RigidBodies) -> None:
     """Set the stages to the carried state."""
-    for body in range(kind.index.shape[0]):
+    for body in range(kind.table.shape[0]):
         frame = stage = kind.frame[body]
         write_rotation_matrix(orientation_of(kind, body), stage_rotation(kind, body))
         for k in range(3):
@@ -160,7 +160,7 @@ def fill_rigid_markers(kind: RigidBodies, at_midpoint: bool, work: Workspace) ->
 @kernel(internal=True)
 def gather_marker_forces(kind: RigidBodies, work: Workspace) -> None:
     """Resultants (world axes) and moments about the centres of mass (body axes) of all marker forces."""
-    for body in range(kind.index.shape[0]):
+    for body in range(kind.table.shape[0]):
         for j in range(6):
             kind.frame[body, FORCE + j] = 0.0
     for marker in range(kind.markers.shape[0]):

@@ -69,7 +69,7 @@ def predict_rigid_bodies(kind: RigidBodies, time: float, step: float) -> None:
     """Arc midpoint and predicted midpoint velocities."""
     h = step
     a = 0.125 * h * h
-    for body in range(kind.index.shape[0]):
+    for body in range(kind.table.shape[0]):
         frame = stage = kind.frame[body]
         for k in range(3):
             stage[MID_POSITION + k] = (
@@ -92,10 +92,10 @@ def factor_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None
     """Midpoint velocity; the mass matrix is diagonal, so there is nothing to factor."""
     h = step
     gather_marker_forces(kind, work)
-    for body in range(kind.index.shape[0]):
-        dof = kind.index[body, DOF]
+    for body in range(kind.table.shape[0]):
+        dof = kind.table[body, DOF]
         frame = stage = inertia = kind.frame[body]
-        if kind.index[body, MOTION] == FREE:
+        if kind.table[body, MOTION] == FREE:
             L = rotate_back(
                 stage_rotation(kind, body),
                 frame[ANGULAR_MOMENTUM],
@@ -122,18 +122,18 @@ def correct_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> Non
 @kernel(internal=True)
 def check_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
     """Refuse what is not finite, and turns of more than `LARGEST_TURN` in a step."""
-    for body in range(kind.index.shape[0]):
-        dof = kind.index[body, DOF]
+    for body in range(kind.table.shape[0]):
+        dof = kind.table[body, DOF]
         total = 0.0
         for i in range(dof, dof + 6):
             total += abs(work.velocity[i])
         w1, w2, w3 = work.velocity[dof + 3], work.velocity[dof + 4], work.velocity[dof + 5]
         if not math.isfinite(total):
             work.status[STATUS_OUTCOME] = NOT_FINITE
-            work.status[STATUS_BODY] = kind.index[body, NUMBER]
+            work.status[STATUS_BODY] = kind.table[body, NUMBER]
         elif step * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3) > LARGEST_TURN:
             work.status[STATUS_OUTCOME] = STEP_TOO_LARGE
-            work.status[STATUS_BODY] = kind.index[body, NUMBER]
+            work.status[STATUS_BODY] = kind.table[body, NUMBER]
 
 
 @implement(advance, RigidBodies)
@@ -141,13 +141,13 @@ def check_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
 def advance_rigid_bodies(kind: RigidBodies, time: float, step: float, work: Workspace) -> None:
     """Configuration and momenta to the end of the step, and the work of the marker forces."""
     h = step
-    for body in range(kind.index.shape[0]):
-        dof = kind.index[body, DOF]
+    for body in range(kind.table.shape[0]):
+        dof = kind.table[body, DOF]
         frame = stage = inertia = kind.frame[body]
-        if kind.index[body, MOTION] == DRIVEN:
+        if kind.table[body, MOTION] == DRIVEN:
             move_driven(kind, body, time + h, h, work)
             continue
-        if kind.index[body, MOTION] == FIXED:
+        if kind.table[body, MOTION] == FIXED:
             continue
         velocity = work.velocity[dof : dof + 6]
         w1, w2, w3 = velocity[3], velocity[4], velocity[5]
@@ -175,8 +175,8 @@ def advance_rigid_bodies(kind: RigidBodies, time: float, step: float, work: Work
 @kernel(internal=True)
 def finish_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
     """Spin from the angular momentum at the new orientation."""
-    for body in range(kind.index.shape[0]):
-        if kind.index[body, MOTION] != FREE:
+    for body in range(kind.table.shape[0]):
+        if kind.table[body, MOTION] != FREE:
             continue
         frame = inertia = kind.frame[body]
         q = orientation_of(kind, body)
@@ -197,10 +197,10 @@ def thesis_velocity_rigid_bodies(kind: RigidBodies, time: float, step: float, wo
     h = step
     stage_at_state(kind)
     gather_marker_forces(kind, work)
-    for body in range(kind.index.shape[0]):
-        dof = kind.index[body, DOF]
+    for body in range(kind.table.shape[0]):
+        dof = kind.table[body, DOF]
         frame = stage = inertia = kind.frame[body]
-        if kind.index[body, MOTION] != FREE:
+        if kind.table[body, MOTION] != FREE:
             for k in range(6):
                 work.velocity[dof + k] = 0.0
             continue
@@ -222,12 +222,12 @@ def thesis_velocity_rigid_bodies(kind: RigidBodies, time: float, step: float, wo
 def thesis_advance_rigid_bodies(kind: RigidBodies, time: float, step: float, work: Workspace) -> None:
     """Configuration by the end velocity."""
     h = step
-    for body in range(kind.index.shape[0]):
-        dof = kind.index[body, DOF]
+    for body in range(kind.table.shape[0]):
+        dof = kind.table[body, DOF]
         frame = stage = kind.frame[body]
-        if kind.index[body, MOTION] == DRIVEN:
+        if kind.table[body, MOTION] == DRIVEN:
             move_driven(kind, body, time + h, h, work)
-        if kind.index[body, MOTION] != FREE:
+        if kind.table[body, MOTION] != FREE:
             continue
         velocity = work.velocity[dof : dof + 6]
         external = 0.0

@@ -27,15 +27,15 @@ class PointForces(NamedTuple):
 
     Attributes
     ----------
-    index
+    table
         Marker of the point, marker of the first body axis or -1, first row and row count of the table;
         shape (m, 4).
-    table
+    values
         Time [s] and force [N] in the axes of the entry, shape (rows, 4).
     """
 
-    index: NDArray[np.int64]
-    table: NDArray[np.float64]
+    table: NDArray[np.int64]
+    values: NDArray[np.float64]
 
 
 def marker_count(force: PointForce) -> int:
@@ -81,19 +81,19 @@ def pack_point_forces(entries: Sequence[PointForce], first_markers: Sequence[int
 @kernel(internal=True)
 def add_point_forces(kind: PointForces, time: float, work: Workspace) -> None:
     """Interpolate each table linearly and add the force to its marker."""
-    for entry in range(kind.index.shape[0]):
-        marker, axes, first, count = kind.index[entry]
+    for entry in range(kind.table.shape[0]):
+        marker, axes, first, count = kind.table[entry]
         low, high = first, first + count - 1
         while high - low > 1:
             middle = (low + high) // 2
-            if kind.table[middle, 0] <= time:
+            if kind.values[middle, 0] <= time:
                 low = middle
             else:
                 high = middle
-        span = kind.table[high, 0] - kind.table[low, 0]
-        part = min(max((time - kind.table[low, 0]) / span, 0.0), 1.0) if span > 0.0 else 0.0
+        span = kind.values[high, 0] - kind.values[low, 0]
+        part = min(max((time - kind.values[low, 0]) / span, 0.0), 1.0) if span > 0.0 else 0.0
         for k in range(3):
-            component = kind.table[low, 1 + k] + part * (kind.table[high, 1 + k] - kind.table[low, 1 + k])
+            component = kind.values[low, 1 + k] + part * (kind.values[high, 1 + k] - kind.values[low, 1 + k])
             if axes < 0:
                 work.markers[marker, POINT_FORCE + k] += component
             else:
