@@ -10,6 +10,7 @@ import numpy as np
 from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility, apply_mass, held_nodes
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.threads import one_blas_thread
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -151,6 +152,7 @@ def eigenmode_basis(modes: Modes, selection: Sequence[int] | None = None) -> Bas
     return Basis(modes.shapes[:, columns], tuple(f"eigenmode {number}" for number in numbers))
 
 
+@one_blas_thread
 def static_vectors(flexibility: Flexibility, loads: Loads) -> Basis:
     """Deflections ``K^-1 b`` under constant loads, which eigenmodes alone approach only slowly.
 
@@ -159,6 +161,7 @@ def static_vectors(flexibility: Flexibility, loads: Loads) -> Basis:
     return Basis(flexibility.solve(loads.forces), tuple(f"static {label}" for label in loads.labels))
 
 
+@one_blas_thread
 def moment_matching(flexibility: Flexibility, loads: Loads, order: int) -> Basis:
     """Block Krylov vectors ``K^-1 b, K^-1 M K^-1 b, ...`` of some loads, made mass-orthonormal.
 
@@ -214,6 +217,7 @@ def moment_matching(flexibility: Flexibility, loads: Loads, order: int) -> Basis
     return Basis(np.column_stack(kept) if kept else np.zeros((3 * mass.shape[0], 0)), tuple(labels))
 
 
+@one_blas_thread
 def craig_bampton(
     model: FEModel, interface: Nodes, count: int, *, fixed_nodes: Nodes = (), backend: str = "auto"
 ) -> Basis:

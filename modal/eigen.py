@@ -10,6 +10,7 @@ import numpy as np
 from heavylift.modal.flexibility import Flexibility, apply_mass
 from heavylift.modal.lanczos import BLOCK, block_lanczos
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.threads import one_blas_thread
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -94,6 +95,7 @@ class Modes:
         return np.sqrt(self.eigenvalues) / (2.0 * np.pi)
 
 
+@one_blas_thread
 def eigenmodes(
     model: FEModel,
     count: int,

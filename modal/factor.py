@@ -10,6 +10,7 @@ import numpy as np
 from heavylift.modal.dissection import dissect
 from heavylift.modal.multifrontal import MultifrontalCholesky, NotPositiveDefiniteError
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.threads import one_blas_thread
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -72,6 +73,7 @@ def available_backends() -> tuple[str, ...]:
     return tuple(name for name in BACKENDS if name not in modules or find_spec(modules[name]) is not None)
 
 
+@one_blas_thread
 def factorise(
     matrix: sparray | spmatrix,
     *,

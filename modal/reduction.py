@@ -11,6 +11,7 @@ from heavylift.modal.flexibility import apply_mass, held_nodes, rigid_basis
 from heavylift.modal.invariants import shape_integrals
 from heavylift.modal.reduced import ReducedBody
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.threads import one_blas_thread
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -146,6 +147,7 @@ def ritz_vectors(
     )
 
 
+@one_blas_thread
 def reduce_body(
     model: FEModel,
     vectors: NDArray[np.float64],
