@@ -14,7 +14,8 @@ from heavylift.pipeline.advance import Advancer, StopRequest
 from heavylift.pipeline.segments import read_segments, segment_path
 from heavylift.pipeline.storage import StopError
 
-STEPS = 1003
+STEPS = 303
+next_piece = advance._next_piece
 
 
 def quiet(_done, _note):
@@ -29,8 +30,8 @@ def history(folder):
 @pytest.fixture(autouse=True)
 def many_segments(monkeypatch):
     monkeypatch.setattr(advance, "SEGMENT_SECONDS", 0.0)
-    monkeypatch.setattr(advance, "FIRST_PIECE", 37)
-    monkeypatch.setattr(advance, "PIECE_SECONDS", 1e-5)
+    monkeypatch.setattr(advance, "FIRST_PIECE", 17)
+    monkeypatch.setattr(advance, "_next_piece", lambda _piece, _seconds: 31)
 
 
 @pytest.fixture
@@ -63,7 +64,7 @@ def test_a_stopped_run_goes_on_bit_for_bit(tmp_path, fake_simulation, whole, kep
     assert outcome is Outcome.INTERRUPTED
     assert "SIGTERM" in message
     written = list(read_segments(folder))
-    assert len(written) >= 6
+    assert len(written) > 3
     # a kill may leave any prefix, the next segment half written, and a temporary file
     for segment in written[kept:]:
         segment_path(folder, segment.number).unlink()
@@ -90,20 +91,22 @@ def test_other_inputs_start_anew(tmp_path, fake_simulation, whole):
 
 def test_a_diverging_run_keeps_what_came_before(tmp_path, fake_simulation):
     simulation = fake_simulation()
-    simulation.diverge_at = 503
+    simulation.diverge_at = 153
     outcome, message = Advancer(simulation, tmp_path, "d", STEPS).run(StopRequest(), quiet)
     assert outcome is Outcome.NOT_FINITE
-    assert "step 503" in message
-    assert len(history(tmp_path)[0]) == 51
+    assert "step 153" in message
+    assert len(history(tmp_path)[0]) == 16
 
 
-def test_a_full_disk_keeps_the_earlier_segments_and_goes_on_later(tmp_path, fake_simulation, whole, monkeypatch):
+def test_a_full_disk_keeps_the_earlier_segments_and_goes_on_later(
+    tmp_path, fake_simulation, whole, monkeypatch
+):
     folder = tmp_path / "run"
     calls, real = [], os.fsync
 
     def fsync(descriptor):
         calls.append(descriptor)
-        if 9 <= len(calls):
+        if len(calls) >= 9:
             raise OSError(errno.ENOSPC, "No space left on device")
         real(descriptor)
 
@@ -111,8 +114,7 @@ def test_a_full_disk_keeps_the_earlier_segments_and_goes_on_later(tmp_path, fake
     with pytest.raises(StopError, match="goes on from there") as caught:
         Advancer(fake_simulation(), folder, "d", STEPS).run(StopRequest(), quiet)
     assert caught.value.outcome is Outcome.DISK_FULL
-    monkeypatch.undo()
-    monkeypatch.setattr(advance, "SEGMENT_SECONDS", 0.0)
+    monkeypatch.setattr(os, "fsync", real)
     kept = history(folder)
     assert np.array_equal(kept[1], whole[1][: len(kept[1])])
     again = Advancer(fake_simulation(), folder, "d", STEPS)
@@ -121,9 +123,8 @@ def test_a_full_disk_keeps_the_earlier_segments_and_goes_on_later(tmp_path, fake
     assert np.array_equal(history(folder)[1], whole[1])
 
 
-def test_pieces_grow_towards_the_wanted_time(monkeypatch):
-    monkeypatch.setattr(advance, "PIECE_SECONDS", 0.2)
-    assert advance._next_piece(100, 0.0) == 400
-    assert advance._next_piece(100, 0.1) == 200
-    assert advance._next_piece(100, 2.0) == 10
-    assert advance._next_piece(1, 100.0) == 1
+def test_pieces_grow_towards_the_wanted_time():
+    assert next_piece(100, 0.0) == 400
+    assert next_piece(100, 0.5 * advance.PIECE_SECONDS) == 200
+    assert next_piece(100, 10.0 * advance.PIECE_SECONDS) == 10
+    assert next_piece(1, 100.0) == 1

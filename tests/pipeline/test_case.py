@@ -24,6 +24,18 @@ def edit(folder: Path, *changes: tuple[str, str]) -> Path:
     return folder
 
 
+def add_rigid(folder: Path, name: str, inertia: object) -> None:
+    """Add a free rigid body of 1 kg to a case."""
+    lines = [
+        f"[bodies.{name}]",
+        'type = "rigid"',
+        "mass = 1",
+        f"inertia = {inertia}",
+        'frame = { motion = "free" }',
+    ]
+    edit(folder, ("[[sensors]]", "\n".join([*lines, "", "[[sensors]]"])))
+
+
 def messages(folder: Path, *overrides: str) -> list[str]:
     with pytest.raises(InputError) as caught:
         load_case(folder, overrides)
@@ -140,28 +152,15 @@ def test_values_out_of_range_are_refused(small_case, override, words):
     ],
 )
 def test_inertia_of_no_body_is_refused(small_case, inertia, words):
-    edit(
-        small_case,
-        (
-            "[[sensors]]",
-            f'[bodies.box]\ntype = "rigid"\nmass = 1\ninertia = {inertia}\nframe = {{ motion = "free" }}\n\n[[sensors]]',
-        ),
-    )
+    add_rigid(small_case, "box", inertia)
     (line,) = messages(small_case)
     assert "bodies.box.inertia" in line
     assert words in line
 
 
 def test_inertia_of_a_rod_and_of_a_turned_box_are_accepted(small_case):
-    edit(
-        small_case,
-        (
-            "[[sensors]]",
-            '[bodies.rod]\ntype = "rigid"\nmass = 1\ninertia = [1e-12, 1, 1]\nframe = { motion = "free" }\n'
-            '[bodies.box]\ntype = "rigid"\nmass = 1\ninertia = [[2, 0.5, 0], [0.5, 2, 0], [0, 0, 3]]\n'
-            'frame = { motion = "free" }\n\n[[sensors]]',
-        ),
-    )
+    add_rigid(small_case, "rod", [1e-12, 1, 1])
+    add_rigid(small_case, "box", [[2, 0.5, 0], [0.5, 2, 0], [0, 0, 3]])
     assert load_case(small_case).bodies["box"].inertia[0] == (2.0, 0.5, 0.0)
 
 
@@ -213,15 +212,13 @@ def test_a_missing_case_is_said(tmp_path):
 
 
 def test_profiles_of_driven_frames(small_case):
-    edit(
-        small_case,
-        (
-            'motion = "fixed"',
-            'motion = "driven"\naxis = [0, 1, 0]\n'
-            'angle = { times = [0, "1 s"], values = [0, "90 deg"] }\n'
-            'z = { harmonics = [{ amplitude = "2 cm", frequency = "1 Hz", phase = "90 deg" }] }',
-        ),
-    )
+    lines = [
+        'motion = "driven"',
+        "axis = [0, 1, 0]",
+        'angle = { times = [0, "1 s"], values = [0, "90 deg"] }',
+        'z = { harmonics = [{ amplitude = "2 cm", frequency = "1 Hz", phase = "90 deg" }] }',
+    ]
+    edit(small_case, ('motion = "fixed"', "\n".join(lines)))
     frame = load_case(small_case).bodies["beam"].frame
     assert frame.angle.values == (0.0, math.pi / 2)
     assert frame.z.harmonics[0].amplitude == 0.02

@@ -24,7 +24,13 @@ def out(tmp_path, fake_simulation):
 
 def merge(folder, channels):
     infos = [ChannelInfo(c.name, c.unit, c.components, c.column) for c in channels]
-    metadata = {"title": "a run", "outcome": "completed", "step": 0.5, "sources": ["a", "b"], "versions": {"x": "1"}}
+    metadata = {
+        "title": "a run",
+        "outcome": "completed",
+        "step": 0.5,
+        "sources": ["a", "b"],
+        "versions": {"x": "1"},
+    }
     merge_segments(folder.segments, folder.results, infos, {"position": "where it is"}, metadata)
 
 

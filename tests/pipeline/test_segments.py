@@ -50,7 +50,9 @@ def test_the_prefix_ends_before_what_does_not_fit(tmp_path, damage):
     elif damage == "remove":
         path.unlink()
     elif damage == "gap":
-        write_segment(tmp_path, segment(2)._replace(header={"digest": "d", "first_record": 11, "channels": []}))
+        write_segment(
+            tmp_path, segment(2)._replace(header={"digest": "d", "first_record": 11, "channels": []})
+        )
     assert [item.number for item in read_segments(tmp_path)] == [0, 1]
     assert last_segment(tmp_path).number == 1
 

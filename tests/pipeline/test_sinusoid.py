@@ -17,7 +17,8 @@ def test_clean_data(frequency, phase):
     assert fit.frequency == pytest.approx(frequency, rel=1e-11)
     assert fit.offset == pytest.approx(-0.5, rel=1e-9)
     assert np.hypot(fit.cosine, fit.sine) == pytest.approx(0.02, rel=1e-8)
-    assert np.arctan2(-fit.sine, fit.cosine) % (2 * np.pi) == pytest.approx(phase, abs=1e-6)
+    error = np.arctan2(-fit.sine, fit.cosine) - phase
+    assert np.exp(1j * error) == pytest.approx(1.0, abs=1e-6)
 
 
 def test_a_damped_sinusoid():

@@ -1,0 +1,191 @@
+"""Validation errors of a case file as lines that name file, key, value and what was expected."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin
+
+from pydantic import BaseModel
+
+from heavylift.numerics.outcome import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+    from pathlib import Path
+
+    from pydantic import ValidationError
+
+__all__ = ["group_errors", "input_errors", "known_keys", "sections_below"]
+
+_MISSING = object()
+
+
+def input_errors(
+    error: ValidationError,
+    document: dict[str, Any],
+    root: type[BaseModel],
+    file: Path,
+    changed: Mapping[str, str],
+) -> list[InputError]:
+    """Turn what pydantic found into one `InputError` a problem.
+
+    Parameters
+    ----------
+    error
+        All problems of one document.
+    document
+        The document that was validated.
+    root
+        Its model.
+    file
+        Its file, for the messages.
+    changed
+        Dotted keys that overrides set, with the text of the override.
+    """
+    found = []
+    for item in error.errors(include_url=False):
+        keys, value = _place(document, item["loc"])
+        path = ".".join(str(key) for key in keys)
+        override = next((text for key, text in changed.items() if _same_branch(key, path)), None)
+        problem, expected = _words(item, value, _candidates(root, document, keys[:-1]))
+        found.append(
+            InputError(
+                problem,
+                source=f"--set {override}" if override else file,
+                key=path or "case",
+                expected=expected,
+            )
+        )
+    return found
+
+
+def _same_branch(changed: str, path: str) -> bool:
+    return changed == path or path.startswith(f"{changed}.")
+
+
+def _place(document: Any, loc: Sequence[str | int]) -> tuple[list[str | int], Any]:
+    """Keys of a problem without the names of union members that pydantic puts between them, and the value."""
+    node: Any = document
+    keys: list[str | int] = []
+    for depth, part in enumerate(loc):
+        if _has(node, part):
+            node = node[part]
+        elif isinstance(node, dict) and depth == len(loc) - 1 and isinstance(part, str) and part != "[key]":
+            node = _MISSING  # a required key that is not there
+        else:
+            continue
+        keys.append(part)
+    return keys, node
+
+
+def _has(node: Any, key: str | int) -> bool:
+    """Whether a table has a key, or a list an index."""
+    if isinstance(node, list):
+        return isinstance(key, int) and key < len(node)
+    return isinstance(node, dict) and key in node
+
+
+def _words(item: Mapping[str, Any], value: Any, candidates: Iterable[type[BaseModel]]) -> tuple[str, str]:
+    """Say what is wrong and what was expected."""
+    kind, context = item["type"], item.get("ctx", {})
+    shown = "" if value is _MISSING or isinstance(value, (dict, list)) else f"{value!r}: "
+    if kind == "case":
+        return context["problem"], context["expected"]
+    if kind == "missing" and isinstance(value, list):
+        return f"{value!r} has {len(value)} entries", f"at least {int(item['loc'][-1]) + 1}"
+    if kind == "missing":
+        return "is missing", "a value"
+    if kind in {"model_type", "model_attributes_type", "dict_type"}:
+        return f"{value!r} is not a table", "a table"
+    if kind in {"tuple_type", "list_type"}:
+        return f"{value!r} is not a list", "a list"
+    if kind == "extra_forbidden":
+        keys = known_keys(candidates)
+        near = get_close_matches(str(item["loc"][-1]), keys, 1)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        return "unknown key", f"{hint}one of: {', '.join(sorted(keys))}" if keys else "no such key"
+    if kind == "union_tag_invalid":
+        return f"{context['discriminator']} = {context['tag']!r}", f"one of {context['expected_tags']}"
+    if kind == "union_tag_not_found":
+        return f"key {context['discriminator']} is missing", "the kind of this table"
+    if kind == "literal_error":
+        return f"{value!r}", context["expected"]
+    if kind == "string_pattern_mismatch":
+        return f"{value!r}", "letters, digits, '_' and '-', beginning with a letter"
+    message = item["msg"]
+    problem = f"{shown}{message[0].lower()}{message[1:]}"
+    return problem.removesuffix("."), ""
+
+
+def known_keys(sections: Iterable[type[BaseModel]]) -> set[str]:
+    """Keys that some sections accept, as they are written in the file."""
+    return {field.alias or name for section in sections for name, field in section.model_fields.items()}
+
+
+def _candidates(root: type[BaseModel], document: Any, keys: Sequence[str | int]) -> set[type[BaseModel]]:
+    """Sections that the table at a key path may be."""
+    sections, node = {root}, document
+    for key in keys:
+        node = node[key] if _has(node, key) else _MISSING
+        sections = sections_below(sections, key) or sections
+        chosen = {section for section in sections if _is_chosen(section, node)}
+        sections = chosen or sections
+    return sections
+
+
+def sections_below(sections: Iterable[type[BaseModel]], key: str | int) -> set[type[BaseModel]]:
+    """Sections found in the field `key` of some sections; empty if none has such a field."""
+    found: set[type[BaseModel]] = set()
+    for section in sections:
+        for name, field in section.model_fields.items():
+            if key in {name, field.alias}:
+                found |= set(_models(field.annotation))
+    return found
+
+
+def _models(annotation: Any) -> Iterable[type[BaseModel]]:
+    """All section types inside a type annotation."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for argument in get_args(annotation):
+        yield from _models(argument)
+
+
+def _is_chosen(section: type[BaseModel], node: Any) -> bool:
+    """Whether a table's ``type`` or ``motion`` says that it is this section."""
+    for name in ("type", "motion"):
+        field = section.model_fields.get(name)
+        if field is not None and get_origin(field.annotation) is Literal and isinstance(node, dict):
+            return node.get(name) in get_args(field.annotation)
+    return False
+
+
+def group_errors(document: dict[str, Any], file: Path) -> list[InputError]:
+    """Groups that reductions name but geometries do not have.
+
+    Works on the plain document, so that these errors are found besides all others. Groups of mesh
+    files are known only once the file is read; the modes stage checks those.
+    """
+    found = []
+    bodies = document.get("bodies")
+    for name, body in bodies.items() if isinstance(bodies, dict) else ():
+        geometry, modes = (body.get(key) if isinstance(body, dict) else None for key in ("geometry", "modes"))
+        if not isinstance(geometry, dict) or not isinstance(modes, dict) or geometry.get("type") == "mesh":
+            continue
+        groups = geometry.get("groups", {})
+        groups = list(groups) if isinstance(groups, dict) else []
+        for key in ("clamp", "interface", "static_groups"):
+            wanted = modes.get(key)
+            for index, group in enumerate(wanted if isinstance(wanted, list) else ()):
+                if isinstance(group, str) and group not in groups:
+                    near = get_close_matches(group, groups, 1)
+                    hint = f"; did you mean {near[0]!r}?" if near else ""
+                    found.append(
+                        InputError(
+                            f"group {group!r} does not exist{hint}",
+                            source=file,
+                            key=f"bodies.{name}.modes.{key}.{index}",
+                            expected=f"a group of the geometry: {', '.join(groups) or 'none'}",
+                        )
+                    )
+    return found

@@ -1,0 +1,322 @@
+"""The command line: staged commands on a case folder.
+
+Only what is needed to read the command line is imported here; each command imports what it runs.
+"""
+
+# cyclopts evaluates the annotations of the commands, so the imports below are needed at run time.
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import App, Parameter
+
+from heavylift.numerics.outcome import InputError, InputErrors, Outcome
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from heavylift.pipeline.log import Log
+
+__all__ = ["app", "main"]
+
+
+def _version() -> str:
+    from importlib.metadata import version
+
+    return version("heavylift")
+
+
+app = App(
+    name="heavylift",
+    help="Is this lift safe? Case folders in, time histories, pictures and checked numbers out.",
+    version=_version,
+    version_flags=["--version"],
+)
+
+CaseArgument = Annotated[Path, Parameter(help="Case folder, or its case.toml.", show_default=False)]
+CasesArgument = Annotated[tuple[Path, ...], Parameter(help="Case folders.", show_default=False)]
+Out = Annotated[
+    Path | None,
+    Parameter(name="--out", help="Folder for the outputs instead of CASE/out.", show_default=False),
+]
+Set = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--set",
+        help='Change one key of the case, e.g. simulate.step="0.1 us"; may be repeated.',
+        show_default=False,
+        negative="",
+    ),
+]
+Force = Annotated[bool, Parameter(name="--force", help="Run even if the inputs are unchanged.", negative="")]
+Quiet = Annotated[bool, Parameter(name="--quiet", help="Print errors only.", negative="")]
+Json = Annotated[
+    bool, Parameter(name="--json", help="Print one JSON document on standard output.", negative="")
+]
+
+
+def main() -> None:
+    """Entry point of the ``heavylift`` command."""
+    app()
+
+
+@app.command
+def mesh(
+    case: CaseArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    force: Force = False,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Geometry to finite-element models."""
+    return _stages(("mesh",), ("mesh",), case, out, set_, force=force, quiet=quiet, json=json)
+
+
+@app.command
+def modes(
+    case: CaseArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    force: Force = False,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Finite-element models to reduced bodies; meshes first if needed."""
+    return _stages(("mesh", "modes"), ("modes",), case, out, set_, force=force, quiet=quiet, json=json)
+
+
+@app.command
+def simulate(
+    case: CaseArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    force: Force = False,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Reduced bodies to time histories; an interrupted run goes on where it stopped."""
+    stages = ("mesh", "modes", "simulate")
+    return _stages(stages, ("simulate",), case, out, set_, force=force, quiet=quiet, json=json)
+
+
+@app.command
+def report(
+    case: CaseArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    force: Force = False,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Pictures, plots and tables of the stages that have run."""
+    return _stages(("report",), ("report",), case, out, set_, force=force, quiet=quiet, json=json)
+
+
+@app.command
+def run(
+    case: CaseArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    force: Force = False,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Whatever of mesh, modes, simulate and report the case still needs."""
+    stages = ("mesh", "modes", "simulate", "report")
+    return _stages(stages, stages, case, out, set_, force=force, quiet=quiet, json=json)
+
+
+@app.command
+def verify(
+    cases: CasesArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    force: Force = False,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Run cases and compare their numbers with the references; exit code 0 passed, 1 failed, 2 bad input."""
+
+    def command(log: "Log") -> int:
+        from heavylift.pipeline.verify import check_table, exit_code, verify_case, verify_document
+
+        if not cases:
+            raise InputError("no case", source="verify", expected="one or more case folders")
+        verdicts = []
+        for path in cases:
+            folder = out / path.resolve().name if out is not None and len(cases) > 1 else out
+            verdicts.append(verify_case(path, out=folder, overrides=set_, force=force, log=log))
+            if not json:
+                _print_lines(check_table(verdicts[-1]))
+        if json:
+            _print_json(verify_document(verdicts))
+        return exit_code(verdicts)
+
+    return _guarded(command, quiet=quiet, json=json)
+
+
+@app.command
+def converge(
+    case: CaseArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    force: Force = False,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Refine the parameter of the case's [converge] section; error against CPU time, observed order."""
+
+    def command(log: "Log") -> int:
+        from heavylift.pipeline.converge import converge_case, study_table
+
+        study, plot = converge_case(case, out=out, overrides=set_, force=force, log=log)
+        if json:
+            _print_json(study.document())
+        else:
+            _print_lines([*study_table(study), f"plot: {plot}"])
+        return 0
+
+    return _guarded(command, quiet=quiet, json=json)
+
+
+@app.command
+def schema() -> int:
+    """Print the JSON Schema of case.toml, for editors."""
+    from heavylift.pipeline.schema import case_schema
+
+    _print_json(case_schema())
+    return 0
+
+
+@app.command
+def doctor(*, json: Json = False) -> int:
+    """What is installed, whether pictures can be drawn, and what to install if not."""
+    from heavylift.pipeline.doctor import diagnosis, diagnosis_lines
+
+    found = diagnosis()
+    if json:
+        _print_json(found)
+    else:
+        _print_lines(diagnosis_lines(found))
+    return 0 if found["ready"] else 1
+
+
+def _stages(
+    stages: tuple[str, ...],
+    own: tuple[str, ...],
+    path: Path,
+    out: Path | None,
+    overrides: tuple[str, ...],
+    *,
+    force: bool,
+    quiet: bool,
+    json: bool,
+) -> int:
+    """Run stages of a case; `own` are those that ``--force`` repeats."""
+
+    def command(log: "Log") -> int:
+        from heavylift.pipeline.case import load_case
+        from heavylift.pipeline.stages import run_case
+
+        case = load_case(path, overrides)
+        if own == ("simulate",) and case.simulate is None:
+            raise InputError(
+                "no [simulate] section", source=case.file, expected="step, output_interval, duration"
+            )
+        result = run_case(case, out=out, stages=stages, force=own if force else (), log=log)
+        if result.outcome is not Outcome.COMPLETED:
+            _complain(result.message)
+        if json:
+            last = result.stages[-1]
+            if own == ("simulate",) and last.stage == "simulate" and last.details:
+                _print_json({"case": case.name, **last.details})
+            else:
+                _print_json(_summary(case.name, result))
+        return int(result.outcome)
+
+    return _guarded(command, quiet=quiet, json=json)
+
+
+def _summary(name: str, result: Any) -> dict[str, Any]:
+    """Document of the commands that have no form of their own."""
+    return {
+        "case": name,
+        "outcome": result.outcome.name.lower(),
+        "message": result.message,
+        "out": str(result.folder.root),
+        "cpu_s": result.cpu_s,
+        "stages": [
+            {
+                "stage": stage.stage,
+                "outcome": stage.outcome.name.lower(),
+                "skipped": stage.skipped,
+                "cpu_s": stage.cpu_s,
+                "details": stage.details,
+            }
+            for stage in result.stages
+        ],
+    }
+
+
+def _guarded(command: "Callable[[Log], int]", *, quiet: bool, json: bool) -> int:
+    """Run a command; whatever a user can cause ends as one message and an exit code."""
+    from heavylift.pipeline.log import Log
+    from heavylift.pipeline.storage import StopError
+
+    try:
+        return command(Log(quiet=quiet, stream=sys.stderr if json else None))
+    except InputError as error:
+        message, outcome = str(error), Outcome.BAD_INPUT
+        parts = error.errors if isinstance(error, InputErrors) else [error]
+        details = [
+            {"source": part.source, "key": part.key, "problem": part.problem, "expected": part.expected}
+            for part in parts
+        ]
+    except StopError as error:
+        message, outcome, details = str(error), error.outcome, []
+    except KeyboardInterrupt:
+        message, outcome, details = "interrupted; what was written is kept", Outcome.INTERRUPTED, []
+    except BrokenPipeError:
+        return 0
+    except OSError as error:
+        if error.filename is None:
+            raise
+        message, outcome, details = f"{error.filename}: {error.strerror}", Outcome.BAD_INPUT, []
+    _complain(message)
+    if json:
+        _print_json({"error": message, "outcome": outcome.name.lower(), "details": details})
+    return int(outcome)
+
+
+def _complain(message: str) -> None:
+    print(message, file=sys.stderr, flush=True)  # noqa: T201
+
+
+def _print_lines(lines: list[str]) -> None:
+    print("\n".join(lines), flush=True)  # noqa: T201
+
+
+def _print_json(document: Any) -> None:
+    import json
+
+    print(json.dumps(_finite(document), indent=2, default=str), flush=True)  # noqa: T201
+
+
+def _finite(value: Any) -> Any:
+    """The document with numbers that JSON does not know (nan, infinity) as null."""
+    if isinstance(value, dict):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(entry) for entry in value]
+    if isinstance(value, float) and value - value != 0.0:
+        return None
+    return value

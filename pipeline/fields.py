@@ -1,0 +1,249 @@
+"""Field types of case files: quantities with units, names, and paths that stay in the case folder."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, NoReturn
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    StringConstraints,
+    ValidationInfo,
+)
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.quantity_names import RESERVED_NAMES, parse_quantity_name
+from heavylift.pipeline.units import KINDS, parse_quantity
+
+__all__ = [
+    "AccelerationVector",
+    "AngularVelocityVector",
+    "BodyName",
+    "CaseContext",
+    "CheckId",
+    "ForceVector",
+    "InFolder",
+    "LengthVector",
+    "Name",
+    "NumberVector",
+    "Positive",
+    "Quantity",
+    "QuantityString",
+    "Section",
+    "UniqueName",
+    "VelocityVector",
+    "reject",
+]
+
+
+class Section(BaseModel):
+    """Base of every table of a case file: unknown keys are errors, values never change."""
+
+    model_config: ClassVar[ConfigDict] = ConfigDict(
+        extra="forbid", frozen=True, strict=False, allow_inf_nan=False, use_attribute_docstrings=True
+    )
+
+
+@dataclass(frozen=True)
+class CaseContext:
+    """What field validators may know of the rest of the case: its folder and the names it declares."""
+
+    folder: Path
+    names: Counter[str] = field(default_factory=Counter)
+    bodies: frozenset[str] = frozenset()
+    check_ids: Counter[str] = field(default_factory=Counter)
+
+    @staticmethod
+    def of(info: ValidationInfo) -> CaseContext | None:
+        """Context of a validation, if there is one."""
+        return info.context if isinstance(info.context, CaseContext) else None
+
+
+def reject(problem: str, expected: str) -> NoReturn:
+    """Raise a validation error that `heavylift.pipeline.case_errors` turns into an `InputError`."""
+    raise PydanticCustomError("case", "{problem}", {"problem": problem, "expected": expected})
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Annotation of a number in SI or a string with a unit; validates to the SI number.
+
+    Attributes
+    ----------
+    kind
+        Name of a `heavylift.pipeline.units.Kind`.
+    minimum, maximum
+        Bounds in SI; they themselves are allowed if `closed`.
+    closed
+        Whether the bounds belong to the range.
+    """
+
+    kind: str
+    minimum: float | None = None
+    maximum: float | None = None
+    closed: bool = False
+
+    def parse(self, value: object) -> float:
+        """SI number of an input value; a rejected one ends the validation of this field only."""
+        try:
+            number = parse_quantity(value, KINDS[self.kind])
+        except InputError as error:
+            reject(error.problem, error.expected)
+        unit = KINDS[self.kind].unit
+        if self.minimum is not None and (
+            number < self.minimum or (number == self.minimum and not self.closed)
+        ):
+            reject(
+                f"{value!r} is too small",
+                f"{self.kind} {'>=' if self.closed else '>'} {self.minimum:g} {unit}",
+            )
+        if self.maximum is not None and (
+            number > self.maximum or (number == self.maximum and not self.closed)
+        ):
+            reject(
+                f"{value!r} is too large",
+                f"{self.kind} {'<=' if self.closed else '<'} {self.maximum:g} {unit}",
+            )
+        return number
+
+    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.parse)
+
+    def __get_pydantic_json_schema__(
+        self, _schema: CoreSchema, _handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        unit = KINDS[self.kind].unit
+        number: dict[str, Any] = {"type": "number"}
+        if self.minimum is not None:
+            number["minimum" if self.closed else "exclusiveMinimum"] = self.minimum
+        if self.maximum is not None:
+            number["maximum" if self.closed else "exclusiveMaximum"] = self.maximum
+        text = {"type": "string", "pattern": r"^\s*[+-]?(\d|\.\d)"}
+        return {
+            "anyOf": [number, text],
+            "description": f"{self.kind}: number in {unit}, or a string with a unit",
+        }
+
+
+def Positive(kind: str) -> Quantity:
+    """Quantity greater than zero."""
+    return Quantity(kind, minimum=0.0)
+
+
+_Length = Annotated[float, Quantity("length")]
+_Number = Annotated[float, Quantity("number")]
+_Velocity = Annotated[float, Quantity("velocity")]
+_AngularVelocity = Annotated[float, Quantity("angular velocity")]
+_Acceleration = Annotated[float, Quantity("acceleration")]
+_Force = Annotated[float, Quantity("force")]
+LengthVector = tuple[_Length, _Length, _Length]
+"""Three quantities of kind length."""
+NumberVector = tuple[_Number, _Number, _Number]
+"""Three quantities of kind number."""
+VelocityVector = tuple[_Velocity, _Velocity, _Velocity]
+"""Three quantities of kind velocity."""
+AngularVelocityVector = tuple[_AngularVelocity, _AngularVelocity, _AngularVelocity]
+"""Three quantities of kind angular velocity."""
+AccelerationVector = tuple[_Acceleration, _Acceleration, _Acceleration]
+"""Three quantities of kind acceleration."""
+ForceVector = tuple[_Force, _Force, _Force]
+"""Three quantities of kind force."""
+
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$", max_length=60)]
+"""Name of a body, group, force or sensor; without dots, because channel names are dotted paths."""
+
+
+def _unreserved(name: str, info: ValidationInfo) -> str:
+    """Names share one space, because they are the first parts of channel names."""
+    context = CaseContext.of(info)
+    if name in RESERVED_NAMES:
+        reject(f"{name!r} is the name of a channel of the whole scene", "another name")
+    if context and context.names[name] > 1:
+        reject(f"{name!r} occurs {context.names[name]} times", "one body, force or sensor a name")
+    return name
+
+
+def _known_body(name: str, info: ValidationInfo) -> str:
+    context = CaseContext.of(info)
+    if context and name not in context.bodies:
+        near = get_close_matches(name, context.bodies, 1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        reject(
+            f"body {name!r} does not exist{hint}", f"one of: {', '.join(sorted(context.bodies)) or 'none'}"
+        )
+    return name
+
+
+def _unique_check(name: str, info: ValidationInfo) -> str:
+    context = CaseContext.of(info)
+    if context and context.check_ids[name] > 1:
+        reject(f"{name!r} occurs {context.check_ids[name]} times", "one check an id")
+    return name
+
+
+def _quantity_string(text: str, info: ValidationInfo) -> str:
+    try:
+        quantity = parse_quantity_name(text)
+    except InputError as error:
+        reject(error.problem, error.expected)
+    context = CaseContext.of(info)
+    owners = {} if context is None else context.names
+    if owners and quantity.owner and quantity.owner not in owners:
+        near = get_close_matches(quantity.owner, owners, 1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        reject(
+            f"{text!r} names {quantity.owner!r}, which does not exist{hint}", f"one of: {', '.join(owners)}"
+        )
+    return text
+
+
+UniqueName = Annotated[Name, AfterValidator(_unreserved)]
+"""Name of a body, force or sensor that no other one has."""
+BodyName = Annotated[str, AfterValidator(_known_body)]
+"""Name of a body that the case has."""
+CheckId = Annotated[
+    str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_.-]*$"), AfterValidator(_unique_check)
+]
+"""Id of a check that no other one has."""
+QuantityString = Annotated[str, AfterValidator(_quantity_string)]
+"""Name of a computed quantity, see `heavylift.pipeline.quantity_names`."""
+
+
+class InFolder:
+    """Annotation of a path below the case folder that must exist; validates to the relative path."""
+
+    def __init__(self, *, folder: bool = False) -> None:
+        self.folder = folder
+
+    def parse(self, value: object, info: core_schema.ValidationInfo) -> str:
+        """Check that a path exists and stays in the case folder, also through links."""
+        what = "folder" if self.folder else "file"
+        if not isinstance(value, str) or not value.strip():
+            reject(f"{value!r} is not a path", f"the name of a {what} in the case folder")
+        context = info.context
+        if not isinstance(context, CaseContext):
+            return value
+        root = context.folder.resolve()
+        target = (root / value).resolve()
+        if Path(value).is_absolute() or not target.is_relative_to(root):
+            reject(f"{value!r} leaves the case folder", f"a relative path of a {what} inside the case folder")
+        if not (target.is_dir() if self.folder else target.is_file()):
+            reject(f"{what} {value!r} does not exist", f"a {what} in the case folder")
+        return value
+
+    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(self.parse)
+
+    def __get_pydantic_json_schema__(
+        self, _schema: CoreSchema, _handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        what = "folder" if self.folder else "file"
+        return {"type": "string", "description": f"path of a {what}, relative to the case folder"}

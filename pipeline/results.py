@@ -1,0 +1,279 @@
+"""Time histories by name and unit, from a finished run or from what a stopped one left."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.model_io import open_hdf5
+from heavylift.pipeline.segments import read_segments
+from heavylift.pipeline.storage import OutputFolder, replacing
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from heavylift.pipeline.case import Case
+
+__all__ = ["ChannelInfo", "Results", "load_results", "merge_segments"]
+
+FORMAT = "heavylift results 1"
+
+
+class ChannelInfo(NamedTuple):
+    """Where a channel lies in the records.
+
+    Attributes
+    ----------
+    name, unit
+        E.g. ``"beam.modal_position"``, ``"m kg^0.5"``.
+    components
+        Names of its columns; a single empty name makes a channel of plain numbers.
+    column
+        First column.
+    """
+
+    name: str
+    unit: str
+    components: tuple[str, ...]
+    column: int
+
+
+class Results:
+    """Named arrays of one simulation.
+
+    Parameters
+    ----------
+    source
+        File or folder they come from.
+    time
+        Times of the records [s], shape (nr,).
+    channels
+        Name, unit and components of every channel.
+    columns
+        Reads the array of a channel, shape (nr, components), by name.
+    metadata
+        Outcome, step, digests, versions and sources.
+    """
+
+    def __init__(
+        self,
+        source: Path,
+        time: NDArray[np.float64],
+        channels: Mapping[str, ChannelInfo],
+        columns: Mapping[str, Any],
+        metadata: Mapping[str, Any],
+    ) -> None:
+        self.source = source
+        self.time = time
+        self.metadata = dict(metadata)
+        self._channels = dict(channels)
+        self._columns = columns
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        """Array of a channel in SI: shape (nr,) for one number a record, else (nr, components)."""
+        channel = self.channel(name)
+        array: NDArray[np.float64] = self._columns[name]
+        return array[:, 0] if len(channel.components) == 1 else array
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._channels)
+
+    def __len__(self) -> int:
+        return len(self._channels)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._channels
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all channels."""
+        return tuple(self._channels)
+
+    @property
+    def outcome(self) -> str:
+        """How the run ended, e.g. ``"completed"``; ``"unfinished"`` if it was cut off."""
+        return str(self.metadata.get("outcome", "unfinished"))
+
+    def channel(self, name: str) -> ChannelInfo:
+        """Unit and components of a channel; an unknown name is an `InputError`."""
+        if name not in self._channels:
+            raise InputError(
+                f"channel {name!r} does not exist",
+                source=self.source,
+                expected=f"one of: {', '.join(self._channels)}",
+            )
+        return self._channels[name]
+
+    def unit(self, name: str) -> str:
+        """Unit of a channel, e.g. ``"m/s"``."""
+        return self.channel(name).unit
+
+    def components(self, name: str) -> tuple[str, ...]:
+        """Names of the columns of a channel."""
+        return self.channel(name).components
+
+
+class _Hdf5Columns(dict[str, Any]):
+    """Channels of an HDF5 file, read when they are first asked for."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def __missing__(self, name: str) -> NDArray[np.float64]:
+        with open_hdf5(self.path, _REMEDY) as file:
+            try:
+                array: NDArray[np.float64] = file["channels"][name][:]
+            except OSError as error:
+                raise InputError(
+                    f"is damaged: {error}", source=self.path, key=name, expected=f"a whole file; {_REMEDY}"
+                ) from None
+        self[name] = array
+        return array
+
+
+_REMEDY = "make it again with `heavylift simulate CASE --force`"
+
+
+def load_results(source: Case | Path | str, out: Path | str | None = None) -> Results:
+    """Read the time histories of a case.
+
+    Parameters
+    ----------
+    source
+        A case, a case folder, an output folder, or a ``results.h5``.
+    out
+        Output folder, if it is not the case's own.
+
+    Raises
+    ------
+    InputError
+        If there are no results, or the file is truncated; the message says how to make them.
+    """
+    file = _results_file(source, out)
+    folder = OutputFolder(file.parent.parent)
+    if file.exists():
+        return _read_merged(file)
+    segments = list(read_segments(folder.segments))
+    if not segments:
+        raise InputError(
+            "no results",
+            source=file.parent,
+            expected="time histories; make them with `heavylift simulate CASE`",
+        )
+    header = segments[-1].header
+    channels = {row[0]: ChannelInfo(row[0], row[1], tuple(row[2]), row[3]) for row in header["channels"]}
+    records = np.concatenate([segment.records for segment in segments])
+    columns = {
+        name: records[:, info.column : info.column + len(info.components)] for name, info in channels.items()
+    }
+    metadata = {key: value for key, value in header.items() if key not in {"channels", "first_record"}}
+    times = np.concatenate([segment.times for segment in segments])
+    return Results(folder.segments, times, channels, columns, metadata)
+
+
+def _results_file(source: Case | Path | str, out: Path | str | None) -> Path:
+    """Path where the merged results of a case or folder are."""
+    if out is not None:
+        return OutputFolder(Path(out)).results
+    if not isinstance(source, (str, Path)):
+        return OutputFolder(source.output_folder).results
+    path = Path(source)
+    if path.suffix == ".h5":
+        return path
+    if path.name == "case.toml":
+        path = path.parent
+    if (path / "case.toml").is_file():
+        path = path / "out"
+    return OutputFolder(path).results
+
+
+def _read_merged(file: Path) -> Results:
+    with open_hdf5(file, _REMEDY) as content:
+        if content.attrs.get("format") != FORMAT:
+            raise InputError("is not a result file", source=file, expected=f"format {FORMAT!r}; {_REMEDY}")
+        metadata = {
+            key: json.loads(value) if key in _JSON_ATTRIBUTES else _plain(value)
+            for key, value in content.attrs.items()
+        }
+        try:
+            time = content["time"][:]
+        except OSError as error:
+            raise InputError(
+                f"is damaged: {error}", source=file, expected=f"a whole file; {_REMEDY}"
+            ) from None
+        channels = {}
+        for name in json.loads(content.attrs["channel_order"]):
+            attributes = content["channels"][name].attrs
+            components = tuple(json.loads(attributes["components"]))
+            channels[name] = ChannelInfo(name, str(attributes["unit"]), components, int(attributes["column"]))
+    return Results(file, time, channels, _Hdf5Columns(file), metadata)
+
+
+_JSON_ATTRIBUTES = {"sources", "versions", "channel_order", "overrides"}
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if hasattr(value, "item") else value
+
+
+def merge_segments(
+    segments_folder: Path,
+    file: Path,
+    channels: Sequence[ChannelInfo],
+    descriptions: Mapping[str, str],
+    metadata: Mapping[str, Any],
+) -> None:
+    """Merge the segments of a run into one self-describing HDF5 file.
+
+    Parameters
+    ----------
+    segments_folder
+        Folder of the segments; they are read one after the other.
+    file
+        Replaced in one step.
+    channels
+        Channels of the records.
+    descriptions
+        Words for channels, by the last part of their names or the whole name.
+    metadata
+        Root attributes: title, digest, outcome, versions, sources, ...
+    """
+    import h5py
+
+    with replacing(file) as temporary, h5py.File(temporary, "w") as target:
+        target.attrs["format"] = FORMAT
+        target.attrs["channel_order"] = json.dumps([channel.name for channel in channels])
+        for key, value in metadata.items():
+            target.attrs[key] = value if isinstance(value, (str, int, float)) else json.dumps(value)
+        time = target.create_dataset("time", shape=(0,), maxshape=(None,), dtype="f8", chunks=(4096,))
+        time.attrs["unit"] = "s"
+        time.attrs["description"] = "simulated time of the records"
+        group = target.create_group("channels")
+        for channel in channels:
+            width = len(channel.components)
+            rows = max(1, 65536 // (8 * width))
+            dataset = group.create_dataset(
+                channel.name, shape=(0, width), maxshape=(None, width), dtype="f8", chunks=(rows, width)
+            )
+            dataset.attrs["unit"] = channel.unit
+            dataset.attrs["components"] = json.dumps(channel.components)
+            dataset.attrs["column"] = channel.column
+            words = descriptions.get(channel.name) or descriptions.get(channel.name.rpartition(".")[2], "")
+            dataset.attrs["description"] = words
+        count = 0
+        for segment in read_segments(segments_folder):
+            end = count + len(segment.times)
+            time.resize(end, axis=0)
+            time[count:end] = segment.times
+            for channel in channels:
+                dataset = group[channel.name]
+                dataset.resize(end, axis=0)
+                columns = slice(channel.column, channel.column + len(channel.components))
+                dataset[count:end] = segment.records[:, columns]
+            count = end

@@ -1,0 +1,133 @@
+"""Cases against their reference values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.pipeline.case import load_case
+from heavylift.pipeline.case_sections import QuantityReference
+from heavylift.pipeline.quantity_names import parse_quantity_name
+from heavylift.pipeline.storage import StopError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from heavylift.pipeline.case import Case
+    from heavylift.pipeline.log import Log
+    from heavylift.pipeline.quantities import CheckResult
+
+__all__ = ["CaseVerdict", "check_table", "exit_code", "needed_stages", "verify_case", "verify_document"]
+
+
+@dataclass(frozen=True)
+class CaseVerdict:
+    """How a case stands against its checks.
+
+    Attributes
+    ----------
+    case
+        Its name.
+    outcome
+        How its stages ended; `Outcome.CHECK_FAILED` if they completed and a check failed.
+    cpu_s
+        CPU time of its stages [s].
+    checks
+        Every check; none if the stages did not complete.
+    message
+        Why, if there are no checks.
+    """
+
+    case: str
+    outcome: Outcome
+    cpu_s: float
+    checks: tuple[CheckResult, ...] = ()
+    message: str = ""
+
+    def row(self) -> dict[str, Any]:
+        """The verdict as plain values, as in the ``verify --json`` document."""
+        row: dict[str, Any] = {
+            "case": self.case,
+            "outcome": self.outcome.name.lower(),
+            "cpu_s": self.cpu_s,
+            "checks": [check.row() for check in self.checks],
+        }
+        return {**row, "message": self.message} if self.message else row
+
+
+def needed_stages(quantities: Sequence[str]) -> tuple[str, ...]:
+    """Stages that must have run before some quantities can be computed."""
+    order = ("mesh", "modes", "simulate")
+    last = max((order.index(parse_quantity_name(text).stage) for text in quantities), default=-1)
+    return order[: last + 1]
+
+
+def verify_case(
+    path: Path, *, out: Path | None, overrides: Sequence[str], force: bool, log: Log
+) -> CaseVerdict:
+    """Run what the checks of a case need, and evaluate them; whatever goes wrong is in the verdict."""
+    from heavylift.pipeline.quantities import evaluate_checks
+    from heavylift.pipeline.stages import run_case
+
+    name = path.resolve().parent.name if path.suffix == ".toml" else path.resolve().name
+    cpu_s = 0.0
+    try:
+        case = load_case(path, overrides)
+        stages = needed_stages(_quantities(case))
+        report = run_case(case, out=out, stages=stages, force=stages if force else (), log=log)
+        cpu_s = report.cpu_s
+        if report.outcome is not Outcome.COMPLETED:
+            return CaseVerdict(name, report.outcome, cpu_s, message=report.message)
+        checks = tuple(evaluate_checks(case, report.folder.root))
+    except InputError as error:
+        return CaseVerdict(name, Outcome.BAD_INPUT, cpu_s, message=str(error))
+    except StopError as error:
+        return CaseVerdict(name, error.outcome, cpu_s, message=str(error))
+    except OSError as error:
+        return CaseVerdict(name, Outcome.BAD_INPUT, cpu_s, message=f"{error.filename}: {error.strerror}")
+    passed = all(check.passed for check in checks)
+    return CaseVerdict(name, Outcome.COMPLETED if passed else Outcome.CHECK_FAILED, cpu_s, checks)
+
+
+def _quantities(case: Case) -> list[str]:
+    """All quantities that the checks of a case name."""
+    texts = []
+    for check in case.check:
+        texts.append(check.quantity)
+        if isinstance(check.reference, QuantityReference):
+            texts.append(check.reference.quantity)
+    return texts
+
+
+def verify_document(verdicts: Sequence[CaseVerdict]) -> dict[str, Any]:
+    """The document that ``verify --json`` prints."""
+    return {"cases": [verdict.row() for verdict in verdicts]}
+
+
+def exit_code(verdicts: Sequence[CaseVerdict]) -> int:
+    """0 if every check of every case passed, 2 if an input is bad, else 1."""
+    outcomes = {verdict.outcome for verdict in verdicts}
+    if Outcome.BAD_INPUT in outcomes:
+        return int(Outcome.BAD_INPUT)
+    return 0 if outcomes <= {Outcome.COMPLETED} else int(Outcome.CHECK_FAILED)
+
+
+def check_table(verdict: CaseVerdict) -> list[str]:
+    """Lines of a table for a person."""
+    lines = [f"{verdict.case}: {verdict.outcome.text}, {verdict.cpu_s:.1f} s CPU"]
+    if verdict.message:
+        lines += [f"  {line}" for line in verdict.message.splitlines()]
+    if verdict.checks:
+        width = max(len(check.id) for check in verdict.checks)
+        lines.append(
+            f"  {'check':{width}}  {'value':>16} {'reference':>16} {'unit':8} {'error':>9} {'tolerance':>9}"
+        )
+    for check in verdict.checks:
+        mark = "passed" if check.passed else "FAILED"
+        lines.append(
+            f"  {check.id:{width}}  {check.value:16.9g} {check.reference:16.9g} {check.unit:8} "
+            f"{check.error:9.2e} {check.tolerance:9.2e}  {mark}"
+        )
+    return lines
