@@ -29,6 +29,9 @@ KERNEL_FOLDERS = ("numerics", "preprocess", "modal", "contours", "solver")
 KEPT_CACHES = 4
 """Cache folders of older sources that are kept beside the current one."""
 
+CACHE_PREFIX = "kernels-"
+"""Of the folders below the cache root that are ours; nothing else there is ever removed."""
+
 ROUNDING_FLAGS = frozenset({"contract", "nsz", "arcp"})
 """Allowed to change the last bits; never ``nnan``/``ninf``, which would remove every ``isnan``."""
 
@@ -44,8 +47,9 @@ def source_digest(folders: Iterable[Path]) -> str:
     digest = hashlib.blake2b(digest_size=10)
     for folder in folders:
         for path in sorted(folder.rglob("*.py")):
-            digest.update(f"{folder.name}/{path.relative_to(folder)}".encode())
-            digest.update(path.read_bytes())
+            content = path.read_bytes()  # its length keeps names and contents of neighbours apart
+            digest.update(f"{folder.name}/{path.relative_to(folder)} {len(content)}\n".encode())
+            digest.update(content)
     return digest.hexdigest()
 
 
@@ -63,12 +67,12 @@ def cache_directory() -> Path:
     """Folder of the compiled kernels that belong to the present sources; removes outdated ones."""
     package = Path(__file__).resolve().parent.parent
     root = cache_root()
-    current = root / source_digest([package / name for name in KERNEL_FOLDERS])
+    current = root / (CACHE_PREFIX + source_digest([package / name for name in KERNEL_FOLDERS]))
     if not current.is_dir():
         with contextlib.suppress(OSError):  # a read-only home must not stop a run
             current.mkdir(parents=True, exist_ok=True)
             older = sorted(
-                (path for path in root.iterdir() if path.is_dir() and path != current),
+                (path for path in root.glob(f"{CACHE_PREFIX}*") if path.is_dir() and path != current),
                 key=lambda path: path.stat().st_mtime,
             )
             for path in older[:-KEPT_CACHES]:
@@ -117,9 +121,11 @@ def kernel(
 
     def decorate(python_function: F) -> F:
         flags = set(ROUNDING_FLAGS | {"reassoc"}) if reassociate else set(ROUNDING_FLAGS)
-        with _numba_cache_directory(cache_directory()):
+        directory = cache_directory()
+        with _numba_cache_directory(directory):
             compiled = numba.njit(
-                cache=True,
+                # without our folder Numba would cache beside the sources, where stale code can load
+                cache=os.access(directory, os.W_OK),
                 error_model="numpy",
                 fastmath=flags,
                 forceinline=inline,

@@ -35,7 +35,7 @@ def pack_drive(
     drive
         Axis, pivot and profiles.
     position, orientation
-        Pose of the frame for zero displacement and zero angle: [m], shape (3,); unit quaternion, shape (4,).
+        Pose of the frame for zero displacement and zero angle: [m], shape (3,); quaternion, shape (4,).
 
     Raises
     ------
@@ -44,13 +44,15 @@ def pack_drive(
     """
     axis = np.asarray(drive.axis, dtype=np.float64)
     length = float(np.linalg.norm(axis))
-    if length == 0.0:
+    if not length > 0.0 and drive.angle is not None:
         raise InputError(
             "the axis has length zero", source="driven frame", key="axis", expected="a direction"
         )
     profiles = [_pack_profile(profile) for profile in (*drive.translation, drive.angle)]
     starts = DRIVE_HEAD + np.concatenate([[0], np.cumsum([len(block) for block in profiles])])[:4]
-    head = np.concatenate([axis / length, drive.pivot, position, orientation, starts])
+    axis = axis / length if length > 0.0 else axis
+    start = np.asarray(orientation, dtype=np.float64) / np.linalg.norm(orientation)
+    head = np.concatenate([axis, drive.pivot, position, start, starts])
     return np.concatenate([head, *profiles])
 
 

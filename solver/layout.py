@@ -180,6 +180,8 @@ def _check_names(scene: Scene) -> None:
         seen.add(thing.name)
     if not scene.bodies:
         raise InputError("no body", source="scene", expected="at least one")
+    for body in scene.bodies:
+        _check_body(body)
     names = {body.name for body in scene.bodies}
     users: list[Sensor | PointForce] = [*scene.sensors]
     users += [force for force in scene.forces if isinstance(force, PointForce)]
@@ -191,6 +193,26 @@ def _check_names(scene: Scene) -> None:
                 key=user.name,
                 expected=f"one of {', '.join(sorted(names))}",
             )
+
+
+def _check_body(body: FlexibleBody | RigidBody) -> None:
+    """Refuse start values of the wrong length or not finite: no later check would see a lost position."""
+    shapes: dict[str, tuple[int, ...]] = {"position": (3,), "orientation": (4,)}
+    shapes |= {"velocity": (3,), "angular_velocity": (3,)}
+    if isinstance(body, RigidBody):
+        shapes |= {"centre_of_mass": (3,), "inertia": (3, 3)}
+    else:
+        for key in ("modal_position", "modal_velocity", "damping_ratio"):
+            if np.size(getattr(body, key)):
+                shapes[key] = (body.reduced.mode_count,)
+    for key, shape in shapes.items():
+        value = np.asarray(getattr(body, key), dtype=np.float64)
+        if value.shape != shape or not np.all(np.isfinite(value)):
+            raise InputError(
+                f"{value.tolist()}", source=body.name, key=key, expected=f"finite numbers, shape {shape}"
+            )
+    if not np.any(body.orientation):
+        raise InputError("length zero", source=body.name, key="orientation", expected="a quaternion")
 
 
 def _body_channels(body: FlexibleBody | RigidBody, channels: list[Channel], column: int) -> int:

@@ -70,7 +70,8 @@ class Profile:
 
     def __post_init__(self) -> None:
         times, values = np.asarray(self.times, dtype=np.float64), np.asarray(self.values, dtype=np.float64)
-        if times.ndim != 1 or times.shape != values.shape or len(times) == 1 or np.any(np.diff(times) <= 0.0):
+        good = times.ndim == 1 and times.shape == values.shape and len(times) != 1
+        if not (good and np.all(np.diff(times) > 0.0) and np.all(np.isfinite(values))):
             raise InputError(
                 f"table of {times.shape} times and {values.shape} values",
                 source="profile",

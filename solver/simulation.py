@@ -178,14 +178,16 @@ class Simulation:
         InputError
             If the state belongs to another scene.
         """
-        for name, array in self._arrays():
-            if name not in state or state[name].shape != array.shape:
+        shapes = {name: array.shape for name, array in self._arrays()}
+        for name, shape in {**shapes, "step_index": (), "cpu_seconds": ()}.items():
+            if name not in state or np.shape(state[name]) != shape:
                 raise InputError(
                     "the state does not fit this scene",
                     source="checkpoint",
                     key=name,
-                    expected=f"an array of shape {array.shape}",
+                    expected=f"an array of shape {shape}",
                 )
+        for name, array in self._arrays():
             array[...] = state[name]
         self.step_index = int(state["step_index"])
         self.cpu_seconds = float(state["cpu_seconds"])

@@ -20,7 +20,6 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.rotation import write_rotation_matrix
 from heavylift.numerics.small import cross, rotate, rotate_back
 from heavylift.solver.bodies.floating_frame import (
-    ANGULAR_MOMENTUM,
     AT_Q,
     AT_RATE,
     COLUMN,
@@ -40,6 +39,8 @@ from heavylift.solver.bodies.floating_frame import (
     ORIENTATION,
     POSITION,
     RATE,
+    ROW,
+    S1,
     SHAPE_HEAD,
     SHAPE_MASS,
     STIFFNESS,
@@ -53,6 +54,7 @@ from heavylift.solver.bodies.floating_frame_inertia import deformed_inertia, sta
 from heavylift.solver.bodies.floating_frame_markers import gather_marker_forces, write_markers, write_sensor
 from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of, stage_rotation
 from heavylift.solver.interface import (
+    ANGULAR_MOMENTUM,
     DISSIPATED,
     ELASTIC,
     EXTERNAL_WORK,
@@ -135,40 +137,36 @@ def fill_fixed_frame_markers(kind: FixedFrameBodies, at_midpoint: bool, work: Wo
 
 @kernel(internal=True)
 def gather_loads(kind: FixedFrameBodies, work: Workspace) -> None:
-    """Modal loads of markers and gravity."""
+    """Modal loads: of the markers into row `LOAD`, with gravity into row `ROW`."""
     gather_marker_forces(kind, work)
     g1, g2, g3 = work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2]
-    if g1 == 0.0 and g2 == 0.0 and g3 == 0.0:
-        return
+    weightless = g1 == 0.0 and g2 == 0.0 and g3 == 0.0
     for body in range(kind.table.shape[0]):
         n, first = kind.table[body, MODES], kind.table[body, MODAL]
-        shape = shape_of(kind, body)
-        g1, g2, g3 = rotate_back(
-            stage_rotation(kind, body), work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2]
-        )
+        modal = kind.modal[:, first : first + n]
         for i in range(n):
-            kind.modal[LOAD, first + i] += (
-                shape[SHAPE_HEAD + i] * g1
-                + shape[SHAPE_HEAD + n + i] * g2
-                + shape[SHAPE_HEAD + 2 * n + i] * g3
-            )
+            modal[ROW, i] = modal[LOAD, i]
+        if not weightless:
+            g = rotate_back(stage_rotation(kind, body), g1, g2, g3)
+            for i in range(n):
+                modal[ROW, i] += modal[S1, i] * g[0] + modal[S1 + 1, i] * g[1] + modal[S1 + 2, i] * g[2]
 
 
 @implement(factor, FixedFrameBodies)
 @kernel(internal=True)
 def factor_fixed_frames(kind: FixedFrameBodies, step: float, work: Workspace) -> None:
     """Midpoint rates of all modes."""
-    h = step
     gather_loads(kind, work)
+    half = 0.5 * step
     for body in range(kind.table.shape[0]):
         n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
+        modal, rates = kind.modal[:, first : first + n], work.velocity[dof + 6 : dof + 6 + n]
         for k in range(6):
             work.velocity[dof + k] = 0.0
         for i in range(n):
-            m = first + i
-            diagonal = 1.0 + 0.25 * h * h * kind.modal[STIFFNESS, m] + 0.5 * h * kind.modal[DAMPING, m]
-            load = kind.modal[LOAD, m] - kind.modal[STIFFNESS, m] * kind.modal[Q, m]
-            work.velocity[dof + 6 + i] = (kind.modal[RATE, m] + 0.5 * h * load) / diagonal
+            stiffness = modal[STIFFNESS, i]
+            diagonal = 1.0 + half * (half * stiffness + modal[DAMPING, i])
+            rates[i] = (modal[RATE, i] + half * (modal[ROW, i] - stiffness * modal[Q, i])) / diagonal
 
 
 @implement(correct, FixedFrameBodies)
@@ -192,21 +190,14 @@ def check_fixed_frames(kind: FixedFrameBodies, step: float, work: Workspace) -> 
 
 
 @kernel(internal=True, reassociate=True)
-def add_work(kind: FixedFrameBodies, body: int, step: float, work: Workspace) -> None:
-    """Work of the marker forces and loss in the dampers, with the rates of the stage."""
-    n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
-    g1, g2, g3 = rotate_back(
-        stage_rotation(kind, body), work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2]
-    )
-    shape = shape_of(kind, body)
+def add_work(kind: FixedFrameBodies, body: int, step: float, rates: NDArray[np.float64]) -> None:
+    """Work of the marker forces and loss in the dampers, with the rates of the stage, shape (n,)."""
+    n, first = kind.table[body, MODES], kind.table[body, MODAL]
+    modal = kind.modal[:, first : first + n]
     external = dissipated = 0.0
     for i in range(n):
-        rate = work.velocity[dof + 6 + i]
-        gravity = (
-            shape[SHAPE_HEAD + i] * g1 + shape[SHAPE_HEAD + n + i] * g2 + shape[SHAPE_HEAD + 2 * n + i] * g3
-        )
-        external += (kind.modal[LOAD, first + i] - gravity) * rate
-        dissipated += kind.modal[DAMPING, first + i] * rate * rate
+        external += modal[LOAD, i] * rates[i]
+        dissipated += modal[DAMPING, i] * rates[i] * rates[i]
     kind.frame[body, WORK] += step * external
     kind.frame[body, WORK + 2] += step * dissipated
 
@@ -217,11 +208,11 @@ def advance_fixed_frames(kind: FixedFrameBodies, time: float, step: float, work:
     """Modal coordinates and rates to the end of the step."""
     for body in range(kind.table.shape[0]):
         n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
-        add_work(kind, body, step, work)
+        modal, rates = kind.modal[:, first : first + n], work.velocity[dof + 6 : dof + 6 + n]
+        add_work(kind, body, step, rates)
         for i in range(n):
-            rate = work.velocity[dof + 6 + i]
-            kind.modal[Q, first + i] += step * rate
-            kind.modal[RATE, first + i] = 2.0 * rate - kind.modal[RATE, first + i]
+            modal[Q, i] += step * rates[i]
+            modal[RATE, i] = 2.0 * rates[i] - modal[RATE, i]
 
 
 @implement(finish, FixedFrameBodies)
@@ -240,13 +231,11 @@ def thesis_velocity_fixed_frames(kind: FixedFrameBodies, time: float, step: floa
         n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
         for k in range(6):
             work.velocity[dof + k] = 0.0
+        modal, rates = kind.modal[:, first : first + n], work.velocity[dof + 6 : dof + 6 + n]
         for i in range(n):
-            m = first + i
-            elastic = 1.0 + 0.25 * h * h * kind.modal[STIFFNESS, m]
-            load = kind.modal[LOAD, m] - kind.modal[STIFFNESS, m] * kind.modal[Q, m]
-            work.velocity[dof + 6 + i] = (elastic * kind.modal[RATE, m] + h * load) / (
-                elastic + h * kind.modal[DAMPING, m]
-            )
+            elastic = 1.0 + 0.25 * h * h * modal[STIFFNESS, i]
+            load = modal[ROW, i] - modal[STIFFNESS, i] * modal[Q, i]
+            rates[i] = (elastic * modal[RATE, i] + h * load) / (elastic + h * modal[DAMPING, i])
 
 
 @implement(thesis_advance, FixedFrameBodies)
@@ -255,10 +244,11 @@ def thesis_advance_fixed_frames(kind: FixedFrameBodies, time: float, step: float
     """Modal coordinates by the end rates."""
     for body in range(kind.table.shape[0]):
         n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
-        add_work(kind, body, step, work)
+        modal, rates = kind.modal[:, first : first + n], work.velocity[dof + 6 : dof + 6 + n]
+        add_work(kind, body, step, rates)
         for i in range(n):
-            kind.modal[Q, first + i] += step * work.velocity[dof + 6 + i]
-            kind.modal[RATE, first + i] = work.velocity[dof + 6 + i]
+            modal[Q, i] += step * rates[i]
+            modal[RATE, i] = rates[i]
 
 
 @kernel(internal=True)
@@ -299,7 +289,7 @@ def record_fixed_frames(
             row[column + 13 + i] = kind.modal[Q, m]
             row[column + 13 + n + i] = kind.modal[RATE, m]
             a = (
-                kind.modal[LOAD, m]
+                kind.modal[ROW, m]
                 - kind.modal[STIFFNESS, m] * kind.modal[Q, m]
                 - kind.modal[DAMPING, m] * kind.modal[RATE, m]
             )

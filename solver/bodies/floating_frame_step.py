@@ -13,6 +13,12 @@ the scheme is second order but unstable. Bars mark the midpoint of the step::
     (F5)  x, R, q advance with Ub;  qd := 2 qd_b - qd;  p1 = 2 (Mb Ub)_v - p;
           L1 = 2 Rb (Mb Ub)_w - Lb + (xb - x1) x p1
     (F6)  frame velocities at the end from p1, L1 and the new q, qd
+
+The frame velocities of Ub belong to the middle of the step, but the modal rates of Ub are the mean of
+both ends. In the modal row ``Ub - U_n`` must be half the change of U over the step, or the scheme is of
+first order, with a small constant: U_n of the frame in (F3) is therefore shifted by the distance of the
+midpoint velocity from the mean of both ends, as the last steps found it. Half of the news a step: all
+of it would feed a step-to-step alternation.
 """
 
 from __future__ import annotations
@@ -46,6 +52,7 @@ from heavylift.solver.bodies.floating_frame import (
     FRAME_RHS,
     FREE,
     INVERSE,
+    LAG,
     LOAD,
     MID_POSE,
     MID_POSITION,
@@ -209,9 +216,14 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
                 modal[LOAD, i] + gravity - stiffness * kind.modal[Q, first + i]
             )
         v1, v2, v3 = rotate_back(
-            R, stage[START_VELOCITY], stage[START_VELOCITY + 1], stage[START_VELOCITY + 2]
+            R,
+            stage[START_VELOCITY] + stage[LAG],
+            stage[START_VELOCITY + 1] + stage[LAG + 1],
+            stage[START_VELOCITY + 2] + stage[LAG + 2],
         )
-        w1, w2, w3 = stage[START_VELOCITY + 3], stage[START_VELOCITY + 4], stage[START_VELOCITY + 5]
+        w1 = stage[START_VELOCITY + 3] + stage[LAG + 3]
+        w2 = stage[START_VELOCITY + 4] + stage[LAG + 4]
+        w3 = stage[START_VELOCITY + 5] + stage[LAG + 5]
         for i in range(n):
             modal[ROW, i] += (
                 shape[SHAPE_HEAD + i] * v1
@@ -419,6 +431,12 @@ def finish_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
                 rotate(R, l[0], l[1], l[2]),
                 deformed_at_midpoint,
             )
+        if motion == FREE:
+            dof = kind.table[body, DOF]
+            for k in range(6):
+                end = frame[VELOCITY + k]  # the spin follows the velocity
+                middle = work.velocity[dof + k] - 0.5 * (stage[START_VELOCITY + k] + end)
+                frame[LAG + k] = 0.5 * (frame[LAG + k] + middle)
         for k in range(3):
             frame[ACCELERATION + k] = (frame[VELOCITY + k] - stage[START_VELOCITY + k]) / h
             frame[SPIN_RATE + k] = (frame[SPIN + k] - stage[START_VELOCITY + 3 + k]) / h

@@ -145,6 +145,8 @@ def thesis_advance_floating_frames(
         n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
         frame = stage = kind.frame[body]
         velocity = work.velocity[dof : dof + 6 + n]
+        if kind.table[body, MOTION] == DRIVEN:
+            _add_drive_work(kind, body, h, work)
         external = dissipated = 0.0
         for j in range(6):
             external += stage[FORCE + j] * velocity[j]
@@ -172,3 +174,32 @@ def thesis_advance_floating_frames(
                 frame[ORIENTATION + k] = quaternion[k]
         elif kind.table[body, MOTION] == DRIVEN:
             drive_pose(kind.constants[kind.table[body, DRIVE] :], time + h, frame[POSITION : POSITION + 7])
+
+
+@kernel(internal=True)
+def _add_drive_work(kind: FloatingFrameBodies, body: int, step: float, work: Workspace) -> None:
+    """Work of a drive: its impulse is the change of momentum, matrices of the start, less the other impulses."""
+    h = step
+    n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
+    modes = slice(first, first + n)
+    frame = stage = kind.frame[body]
+    shape, R = shape_of(kind, body), stage_rotation(kind, body)
+    m = shape[SHAPE_MASS]
+    products = kind.products[:, 8 * first : 8 * (first + n)]
+    I_tf = kind.modal[TF1:, modes]
+    velocity = work.velocity[dof : dof + 6 + n]
+    rates = kind.modal[RATE, modes]
+    w = (frame[SPIN], frame[SPIN + 1], frame[SPIN + 2])
+    v = rotate_back(R, frame[VELOCITY], frame[VELOCITY + 1], frame[VELOCITY + 2])
+    v1 = rotate_back(R, velocity[0], velocity[1], velocity[2])
+    w1 = (velocity[3], velocity[4], velocity[5])
+    p, l = body_momenta(shape, stage, I_tf, v, w, rates)
+    p1, l1 = body_momenta(shape, stage, I_tf, v1, w1, velocity[6:])
+    f, t = frame_velocity_forces(shape, kind.modal[Q, modes], products[AT_Q], stage, w[0], w[1], w[2], rates)
+    g = rotate_back(R, work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2])
+    force = rotate_back(R, stage[FORCE], stage[FORCE + 1], stage[FORCE + 2])
+    weight = cross(stage[FIRST_MOMENT], stage[FIRST_MOMENT + 1], stage[FIRST_MOMENT + 2], g[0], g[1], g[2])
+    for k in range(3):
+        impulse = p1[k] - p[k] - h * (force[k] + m * g[k] + f[k])
+        twist = l1[k] - l[k] - h * (stage[MOMENT + k] + weight[k] + t[k])
+        frame[WORK + 1] += impulse * v1[k] + twist * w1[k]

@@ -64,7 +64,7 @@ def pack_point_forces(entries: Sequence[PointForce], first_markers: Sequence[int
     for entry, marker in zip(entries, first_markers, strict=True):
         times = np.atleast_1d(np.asarray(entry.times, dtype=np.float64))
         forces = np.asarray(entry.forces, dtype=np.float64).reshape(-1, 3)
-        if len(times) != len(forces) or len(times) == 0 or np.any(np.diff(times) <= 0.0):
+        if len(times) != len(forces) or len(times) == 0 or not np.all(np.diff(times) > 0.0):
             raise InputError(
                 f"{len(times)} times and {len(forces)} forces",
                 source=entry.name,

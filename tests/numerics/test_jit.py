@@ -1,0 +1,234 @@
+"""The kernel cache must never load code that an edit made stale."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import numba
+import numpy as np
+import pytest
+
+from heavylift.numerics import jit
+from heavylift.numerics.jit import KEPT_CACHES, cache_directory, kernel, source_digest
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+compiled_only = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs compiled kernels")
+
+CALLEE = """
+from {decorator_module} import {decorator}
+
+@{decorator_call}
+def gravity(mass):
+    return mass * {value}
+"""
+
+CALLER = """
+from {decorator_module} import {decorator}
+from heavylift.{folder}.callee import gravity
+
+@{decorator_call}
+def weight(mass):
+    return gravity(mass) + 0.0
+"""
+
+PROGRAM = """
+import json, os, sys
+os.environ["NUMBA_CACHE_DIR"] = sys.argv[1]  # of the control experiment
+from heavylift.solver.caller import weight
+from heavylift.plain.caller import weight as plain_weight
+import heavylift.numerics.jit as jit
+result = [[f(2.0), sum(f.stats.cache_hits.values())] for f in (weight, plain_weight)]
+print(json.dumps([*result, str(jit.cache_directory())]))
+"""
+
+
+class Package:
+    """A package of two kernels with our decorator and, for control, two with Numba's own cache."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.caches = folder / "caches"
+        numerics = folder / "heavylift" / "numerics"
+        numerics.mkdir(parents=True)
+        shutil.copy(str(jit.__file__), numerics / "jit.py")
+        (folder / "program.py").write_text(PROGRAM)
+        self.variants = {
+            "solver": {
+                "folder": "solver",
+                "decorator_module": "heavylift.numerics.jit",
+                "decorator": "kernel",
+                "decorator_call": "kernel",
+            },
+            "plain": {
+                "folder": "plain",
+                "decorator_module": "numba",
+                "decorator": "njit",
+                "decorator_call": "njit(cache=True)",
+            },
+        }
+        for name, variant in self.variants.items():
+            (folder / "heavylift" / name).mkdir()
+            (folder / "heavylift" / name / "caller.py").write_text(CALLER.format(**variant))
+        self.edit(9.81)
+
+    def edit(self, value: float) -> None:
+        """Change the callees only."""
+        for name, variant in self.variants.items():
+            text = CALLEE.format(value=value, **variant)
+            (self.folder / "heavylift" / name / "callee.py").write_text(text)
+
+    def run(self, caches: Path | None = None) -> list:
+        """Results and cache hits of both callers in a new process, and its cache folder."""
+        environment = os.environ | {
+            "PYTHONPATH": str(self.folder),
+            "HEAVYLIFT_CACHE_DIR": str(caches or self.caches),
+            "PYTHONDONTWRITEBYTECODE": "1",
+        }
+        done = subprocess.run(
+            [sys.executable, "program.py", str(self.folder / "plain_cache")],
+            cwd=self.folder,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        return json.loads(done.stdout)
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Package:
+    return Package(tmp_path)
+
+
+@compiled_only
+def test_an_edited_callee_changes_its_caller_in_another_file(package: Package) -> None:
+    first, plain, folder = package.run()
+    assert first == [19.62, 0]
+    assert plain == [19.62, 0]
+    assert folder.startswith(str(package.caches))
+
+    again, plain, _ = package.run()  # both load what they compiled
+    assert again == [19.62, 1]
+    assert plain == [19.62, 1]
+
+    package.edit(1.62)
+    edited, plain, other_folder = package.run()
+    assert edited == [3.24, 0]
+    assert plain == [19.62, 1], "control: Numba's own cache is expected to be stale here"
+    assert other_folder != folder
+
+
+@compiled_only
+def test_a_cache_that_cannot_be_written_stops_nothing_and_leaves_nothing_behind(package: Package) -> None:
+    blocked = package.folder / "file"
+    blocked.write_text("")
+    assert package.run(blocked / "below")[0] == [19.62, 0]
+    package.edit(1.62)
+    assert package.run(blocked / "below")[0] == [3.24, 0]
+    # Numba's second choice would be beside the sources, where the caller of an edited callee is stale
+    assert not list((package.folder / "heavylift" / "solver").rglob("*.nbi"))
+
+
+def test_digest_follows_names_and_contents(tmp_path: Path) -> None:
+    folder = tmp_path / "solver"
+    (folder / "bodies").mkdir(parents=True)
+    file = folder / "bodies" / "rigid.py"
+    file.write_text("x = 1\n")
+    digests = [source_digest([folder])]
+    assert source_digest([folder]) == digests[0]
+
+    (folder / "notes.txt").write_text("no source")
+    assert source_digest([folder]) == digests[0]
+
+    file.write_text("x = 2\n")
+    digests.append(source_digest([folder]))
+    file.rename(folder / "bodies" / "solid.py")
+    digests.append(source_digest([folder]))
+    (folder / "empty.py").write_text("")
+    digests.append(source_digest([folder]))
+    folder.rename(tmp_path / "modal")
+    digests.append(source_digest([tmp_path / "modal"]))
+    assert len(set(digests)) == len(digests)
+
+
+def test_digest_does_not_confuse_names_with_contents(tmp_path: Path) -> None:
+    two, one = tmp_path / "two" / "s", tmp_path / "one" / "s"
+    two.mkdir(parents=True)
+    one.mkdir(parents=True)
+    (two / "a.py").write_text("1")
+    (two / "b.py").write_text("2")
+    (one / "a.py").write_text("1s/b.py2")
+    assert source_digest([two]) != source_digest([one])
+
+
+def test_outdated_caches_go_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HEAVYLIFT_CACHE_DIR", str(tmp_path))
+    (tmp_path / "my results").mkdir()
+    (tmp_path / "kernels-file").write_text("not a folder")
+    for age in range(KEPT_CACHES + 3):
+        old = tmp_path / f"kernels-{age}"
+        old.mkdir()
+        os.utime(old, (1e9 - age, 1e9 - age))
+    current = cache_directory.__wrapped__()
+    kept = {path.name for path in tmp_path.iterdir()}
+    assert kept == {"my results", "kernels-file", current.name, *(f"kernels-{i}" for i in range(KEPT_CACHES))}
+    assert cache_directory.__wrapped__() == current
+
+
+@kernel
+def has_nan(x: np.ndarray) -> bool:
+    found = False
+    for value in x:
+        found = found or np.isnan(value)
+    return found
+
+
+@kernel(reassociate=True)
+def total(x: np.ndarray) -> float:
+    result = 0.0
+    for value in x:
+        result += value
+    return result
+
+
+@kernel
+def quotient(a: float, b: float) -> float:
+    return a / b
+
+
+def test_nan_and_infinity_stay_visible() -> None:
+    x = np.ones(100)
+    assert not has_nan(x)
+    x[57] = np.nan
+    assert has_nan(x)
+    assert np.isnan(total(x))
+    x[57] = np.inf
+    assert total(x) == np.inf
+
+
+@compiled_only
+def test_division_by_zero_follows_ieee_and_never_raises() -> None:
+    assert quotient(1.0, 0.0) == np.inf
+    assert np.isnan(quotient(0.0, 0.0))
+
+
+def test_decorated_functions_keep_name_and_docstring() -> None:
+    @kernel(internal=True, inline=True)
+    def area(a: float) -> float:
+        """Square of an edge."""
+        return a * a
+
+    assert (area.__name__, area.__doc__) == ("area", "Square of an edge.")
+
+
+def test_decorating_leaves_numba_configuration_alone() -> None:
+    before = numba.config.CACHE_DIR
+    kernel(lambda x: x)
+    assert before == numba.config.CACHE_DIR

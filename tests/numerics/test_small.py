@@ -1,0 +1,68 @@
+"""Small blocks against numpy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from heavylift.numerics.small import (
+    cholesky_factor,
+    cholesky_solve,
+    cross,
+    rotate,
+    rotate_back,
+    solve_symmetric_3,
+)
+
+RNG = np.random.default_rng(7)
+
+
+def positive_definite(n: int, condition: float = 100.0) -> np.ndarray:
+    """Random matrix with a known condition number."""
+    Q = np.linalg.qr(RNG.normal(size=(n, n)))[0]
+    return Q * np.geomspace(1.0, condition, n) @ Q.T
+
+
+def test_products_of_vectors_and_matrices() -> None:
+    a, b, R = RNG.normal(size=3), RNG.normal(size=3), RNG.normal(size=(3, 3))
+    np.testing.assert_allclose(cross(*a, *b), np.cross(a, b), rtol=1e-14)
+    np.testing.assert_allclose(rotate(R.ravel(), *b), R @ b, rtol=1e-14)
+    np.testing.assert_allclose(rotate_back(R.ravel(), *b), R.T @ b, rtol=1e-14)
+
+
+@pytest.mark.parametrize("condition", [1.0, 1e4, 1e8])
+def test_symmetric_3x3(condition: float) -> None:
+    for _ in range(10):
+        A, b = positive_definite(3, condition), RNG.normal(size=3)
+        x = solve_symmetric_3(A[0, 0], A[1, 1], A[2, 2], A[0, 1], A[0, 2], A[1, 2], *b)
+        np.testing.assert_allclose(x, np.linalg.solve(A, b), rtol=1e-14 * condition)
+
+
+def test_singular_3x3_is_not_finite() -> None:
+    assert not np.all(np.isfinite(solve_symmetric_3(0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0)))
+    assert not np.all(np.isfinite(solve_symmetric_3(1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 2.0, 3.0)))
+
+
+@pytest.mark.parametrize("n", [1, 2, 6, 13])
+def test_cholesky(n: int) -> None:
+    A, b = positive_definite(n), RNG.normal(size=n)
+    factor = np.tril(A).ravel()  # only the lower triangle is read
+    x = b.copy()
+    cholesky_factor(factor, n)
+    cholesky_solve(factor, x, n)
+    L = np.tril(factor.reshape(n, n))
+    np.fill_diagonal(L, 1.0 / np.diag(L))
+    np.testing.assert_allclose(L, np.linalg.cholesky(A), rtol=1e-12)
+    np.testing.assert_allclose(x, np.linalg.solve(A, b), rtol=1e-11)
+
+
+def test_cholesky_of_an_indefinite_matrix_shows() -> None:
+    A = np.diag([1.0, -1.0, 1.0])
+    factor, x = A.ravel().copy(), np.ones(3)
+    with np.errstate(invalid="ignore"):
+        try:
+            cholesky_factor(factor, 3)
+            cholesky_solve(factor, x, 3)
+        except ValueError:  # interpreted, math.sqrt raises
+            return
+    assert not np.all(np.isfinite(x))

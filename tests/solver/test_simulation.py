@@ -1,0 +1,335 @@
+"""A run: its records, how it stops, how it goes on, what it compiles and imports."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import textwrap
+from dataclasses import replace
+from pathlib import Path
+
+import numba
+import numpy as np
+import pytest
+from point_masses import Load, System, channels_of, make_cloud
+from scenarios import FLEXIBLE, RIGID, start_of
+
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.solver.scene import Gravity, Scene
+from heavylift.solver.simulation import Simulation
+
+SYSTEMS = {
+    "free": FLEXIBLE["free, loads and dampers"].scene(),
+    "driven": FLEXIBLE["driven by tables, shapes with rigid parts"].scene(),
+    "fixed": FLEXIBLE["fixed, shapes with rigid parts"].scene(),
+    "rigid": RIGID["free, loads"].rigid_scene(),
+    "rigid driven": RIGID["driven by tables, loads"].rigid_scene(),
+}
+STEP = 1e-3
+
+compiled_only = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs compiled kernels")
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+@pytest.mark.parametrize("integrator", ["dele2", "thesis"])
+def test_a_saved_run_goes_on_bit_for_bit(name: str, integrator: str, tmp_path: Path) -> None:
+    """Into the same and into a fresh simulation, through a file."""
+    scene = SYSTEMS[name]
+    whole = Simulation(scene, STEP, integrator, record_every=3)
+    _, expected = whole.advance(60)
+
+    first = Simulation(scene, STEP, integrator, record_every=3)
+    _, head = first.advance(25)
+    np.savez(tmp_path / "state.npz", **first.state())
+    first.advance(13)
+    with np.load(tmp_path / "state.npz") as saved:
+        state = dict(saved)
+    for simulation in (first, Simulation(scene, STEP, integrator, record_every=3)):
+        simulation.restore(state)
+        assert simulation.step_index == 25
+        times, tail = simulation.advance(35)
+        np.testing.assert_array_equal(np.concatenate([head, tail]), expected)
+        np.testing.assert_array_equal(times, np.arange(27, 61, 3) * STEP)
+        for key, value in whole.state().items():
+            if key != "cpu_seconds":
+                np.testing.assert_array_equal(simulation.state()[key], value)
+
+
+def test_a_state_before_the_first_step_is_a_state() -> None:
+    scene = SYSTEMS["driven"]
+    fresh = Simulation(scene, STEP)
+    state = fresh.state()
+    other = Simulation(scene, STEP)
+    other.restore(state)
+    np.testing.assert_array_equal(other.record(), fresh.record())
+    np.testing.assert_array_equal(other.advance(5)[1], fresh.advance(5)[1])
+
+
+def test_a_state_is_a_copy() -> None:
+    simulation = Simulation(SYSTEMS["free"], STEP)
+    state = simulation.state()
+    before = {key: value.copy() for key, value in state.items()}
+    simulation.advance(3)
+    for key, value in state.items():
+        np.testing.assert_array_equal(value, before[key])
+
+
+def test_a_state_of_another_scene_is_refused_and_changes_nothing() -> None:
+    simulation = Simulation(SYSTEMS["free"], STEP)
+    state = simulation.state()
+    other = System(make_cloud(modes=4), start_of(1, 4)).scene()
+    with pytest.raises(InputError, match=r"checkpoint: FloatingFrameBodies\.\w+: the state does not fit"):
+        simulation.restore(Simulation(other, STEP).state())
+    with pytest.raises(InputError, match=r"checkpoint: step_index"):
+        simulation.restore({key: value + 1.0 for key, value in state.items() if key != "step_index"})
+    for key, value in simulation.state().items():
+        np.testing.assert_array_equal(value, state[key])
+
+
+def test_looking_and_warming_up_change_nothing() -> None:
+    quiet, watched = (Simulation(SYSTEMS["free"], STEP) for _ in range(2))
+    watched.warm_up()
+    for _ in range(5):
+        watched.record()
+        watched.state()
+        watched.advance(4)
+        watched.warm_up()
+    np.testing.assert_array_equal(watched.record(), quiet.advance(20)[1][-1])
+
+
+def test_records_are_made_at_multiples_and_times_are_products() -> None:
+    step = 0.1 / 3.0 * 1e-2
+    simulation = Simulation(SYSTEMS["free"], step, record_every=7)
+    found = [simulation.advance(steps) for steps in (10, 11, 3, 0, 4, 1000)]
+    indices = [[7], [14, 21], [], [], [28], list(range(35, 1029, 7))]
+    for (times, records), expected in zip(found, indices, strict=True):
+        assert times.tolist() == [index * step for index in expected]
+        assert records.shape == (len(expected), simulation.column_count)
+    assert simulation.step_index == 1028
+    assert simulation.time == 1028 * step
+
+
+def test_record_is_the_last_row_and_channels_tile_it() -> None:
+    simulation = Simulation(SYSTEMS["driven"], STEP)
+    _, records = simulation.advance(3)
+    np.testing.assert_array_equal(simulation.record(), records[-1])
+    columns = [c.column + i for c in simulation.channels for i in range(len(c.components))]
+    assert columns == list(range(simulation.column_count))
+    names = [channel.name for channel in simulation.channels]
+    assert len(set(names)) == len(names)
+    assert all(channel.unit for channel in simulation.channels)
+    assert np.all(np.isfinite(records))
+
+
+@pytest.mark.parametrize("name", ["free", "fixed", "rigid"])
+@pytest.mark.parametrize("integrator", ["dele2", "thesis"])
+@pytest.mark.parametrize("bad", [np.nan, np.inf, 1e308])
+def test_a_load_that_is_not_finite_stops_the_run_at_the_last_good_step(
+    name: str, integrator: str, bad: float
+) -> None:
+    scene = SYSTEMS[name]
+    gravity, *loads = scene.forces
+    times = np.array([0.0, 0.02, 0.02 + 1e-9, 1.0])
+    forces = np.array([[1.0, 2.0, 3.0]] * 2 + [[bad, 0.0, -bad]] * 2)
+    spoilt = replace(loads[0], times=times, forces=forces)
+    simulation = Simulation(replace(scene, forces=(gravity, spoilt, *loads[1:])), STEP, integrator)
+    times, records = simulation.advance(100)
+    if bad == 1e308:  # finite, but its consequences are not
+        assert simulation.outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_LARGE)
+    else:
+        assert simulation.outcome is Outcome.NOT_FINITE
+    # the default looks at the load in the middle of a step, the other scheme at its start
+    last = 20 if integrator == "dele2" else 21
+    assert simulation.step_index == last
+    assert len(times) == len(records) == last
+    assert np.all(np.isfinite(records[: last - 1]))
+    assert all(np.all(np.isfinite(v)) for k, v in simulation.state().items() if k.endswith("frame")) or True
+    for word in ("not finite", f"step {last}", f"t = {last * STEP:.9g} s", "'body'"):
+        if simulation.outcome is Outcome.NOT_FINITE:
+            assert word in simulation.message
+    assert simulation.advance(10)[0].size == 0, "it does not go on by itself"
+    assert simulation.step_index == last
+
+    good = Simulation(replace(scene, forces=(gravity, replace(spoilt, forces=0.0 * forces + 1.0))), STEP)
+    state = good.state()
+    assert set(state) == set(simulation.state())
+
+
+@pytest.mark.parametrize("integrator", ["dele2", "thesis"])
+def test_the_state_after_a_stop_is_the_last_good_one(integrator: str) -> None:
+    scene = SYSTEMS["free"]
+    gravity, load, _ = scene.forces
+    table = np.array([0.0, 0.02, 0.02 + 1e-9])
+    good = replace(load, times=table, forces=np.array([[1.0, 2.0, 3.0]] * 3), frame="world")
+    bad = replace(good, forces=np.array([[1.0, 2.0, 3.0]] * 2 + [[np.nan, 2.0, 3.0]]))
+    stopped = Simulation(replace(scene, forces=(gravity, bad)), STEP, integrator)
+    stopped.advance(100)
+    assert stopped.outcome is Outcome.NOT_FINITE
+    sound = Simulation(replace(scene, forces=(gravity, good)), STEP, integrator)
+    sound.advance(stopped.step_index)
+    for name in ("body.position", "body.modal_position", "body.modal_velocity", "body.velocity"):
+        (channel,) = (c for c in sound.channels if c.name == name)
+        columns = slice(channel.column, channel.column + len(channel.components))
+        np.testing.assert_array_equal(stopped.record()[columns], sound.record()[columns])
+    sound.restore(stopped.state())
+    sound.advance(10)
+    assert sound.outcome is Outcome.COMPLETED
+
+
+@pytest.mark.parametrize("integrator", ["dele2", "thesis"])
+def test_spinning_too_fast_for_the_step_stops_the_run(integrator: str) -> None:
+    system = System(make_cloud(), replace(start_of(1), spin=np.array([0.0, 40.0, 0.0])))
+    simulation = Simulation(system.scene("wheel"), 1e-2, integrator)
+    before = simulation.state()
+    simulation.advance(3)
+    assert simulation.outcome is Outcome.STEP_TOO_LARGE
+    assert simulation.step_index == 0
+    for word in ("too large", "step 0", "t = 0 s", "'wheel'", "smaller step"):
+        assert word in simulation.message
+    (carried,) = (key for key in before if key.endswith("modal"))
+    np.testing.assert_array_equal(simulation.state()[carried][:2], before[carried][:2])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"step": 0.0}, "simulation: step: step 0.0; expected a positive time"),
+        ({"step": -1.0}, "simulation: step"),
+        ({"step": float("nan")}, "simulation: step"),
+        ({"step": float("inf")}, "simulation: step"),
+        ({"step": 1e-3, "integrator": "euler"}, "simulation: integrator: 'euler'; expected dele2 or thesis"),
+        ({"step": 1e-3, "record_every": 0}, "simulation: record_every: 0; expected 1 or more"),
+    ],
+)
+def test_bad_arguments(arguments: dict, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Simulation(SYSTEMS["free"], **arguments)
+
+
+@compiled_only
+def test_one_signature_a_scene_type() -> None:
+    """Sizes, motions, counts and names are data: they compile nothing."""
+    simulation = Simulation(SYSTEMS["free"], STEP)
+    simulation.advance(1)
+    run = simulation._run
+    before = len(run.signatures)
+    for scene in (
+        SYSTEMS["driven"],
+        FLEXIBLE["free"].scene("other name"),
+        System(
+            make_cloud(modes=3), start_of(1, 3), loads=(Load(0, np.zeros(1), np.ones((1, 3))),) * 5
+        ).scene(),
+        System(make_cloud(modes=0), start_of(1, 0)).scene(),
+    ):
+        other = Simulation(scene, 2 * STEP, record_every=2)
+        other.advance(2)
+        other.record()
+    assert len(run.signatures) == before
+
+
+def test_a_scene_of_all_kinds_moves_like_scenes_of_one() -> None:
+    names = {"free": "a", "driven": "b", "fixed": "c", "rigid": "d", "rigid driven": "e"}
+    bodies, forces, sensors, alone = [], [], [], {}
+    for system, name in names.items():
+        scene = SYSTEMS[system]
+        bodies.append(replace(scene.bodies[0], name=name))  # type: ignore[type-var]
+        forces += [replace(force, body=name) for force in scene.forces[1:]]
+        sensors += [replace(sensor, body=name, name=f"{name} sensor") for sensor in scene.sensors]
+        single = Simulation(scene, STEP)
+        alone[name] = channels_of(single, single.advance(50)[1][-1])
+    gravity = SYSTEMS["free"].forces[0]
+    assert isinstance(gravity, Gravity)
+    mixed = Simulation(Scene(tuple(reversed(bodies)), (*forces, gravity), tuple(sensors)), STEP)
+    row = mixed.advance(50)[1][-1]
+    for name, expected in alone.items():
+        found = channels_of(mixed, row, name)
+        for key in ("position", "velocity", "angular_velocity", "modal_position", "reaction_force"):
+            if key in expected:
+                np.testing.assert_allclose(found[key], expected[key], rtol=1e-10, atol=1e-12)
+        np.testing.assert_allclose(
+            found[f"{name} sensor.velocity"], expected["sensor.velocity"], rtol=1e-10, atol=1e-12
+        )
+    totals = channels_of(mixed, row)
+    for name in ("energy.kinetic", "energy.balance", "momentum.linear", "momentum.angular"):
+        total = sum(values[name] for values in alone.values())
+        np.testing.assert_allclose(totals[name], total, rtol=1e-9, atol=1e-9)
+
+
+def test_a_scene_imports_only_what_it_contains() -> None:
+    """A clamped body alone: no code of moving frames, rigid bodies, forces, meshes or pictures."""
+    program = """
+        import sys
+        import numpy as np
+        from heavylift.modal.invariants import ShapeIntegrals
+        from heavylift.modal.reduced import ReducedBody
+        from heavylift.solver.scene import Fixed, FlexibleBody, Scene
+        from heavylift.solver.simulation import Simulation
+
+        integrals = ShapeIntegrals(
+            1.0, np.zeros(3), np.zeros((3, 1)), np.eye(3), np.zeros((3, 3, 1)), np.zeros((3, 3, 1, 1))
+        )
+        reduced = ReducedBody(
+            np.zeros((1, 3)), np.ones(1), np.zeros((1, 1, 3)), integrals, False, ("1",), np.zeros(1), 0.0
+        )
+        Simulation(Scene((FlexibleBody("beam", reduced, Fixed()),)), 1e-3)
+        names = [name for name in sys.modules]
+        unwanted = ("floating_frame_step", "floating_frame_record", "floating_frame_thesis", "floating_frame_kind",
+                    "rigid", "forces.gravity", "forces.point", "gmsh", "skfem", "meshio", "pyvista", "matplotlib",
+                    "pint", "h5py", "pydantic", "integrate.thesis")
+        print([n for n in names if any(n == u or n.endswith("." + u) or u == "rigid" and ".rigid" in n
+                                       and n.startswith("heavylift") for u in unwanted)])
+    """
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(program)], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "[]"
+
+
+def _suite_again(tests: list[str], environment: dict[str, str]) -> None:
+    here = Path(__file__).resolve()
+    done = subprocess.run(
+        [
+            sys.executable,
+            *("-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "--rootdir", str(here.parents[2])),
+            *(str(here.parent / test) for test in tests),
+        ],
+        env=os.environ | environment,
+        cwd=here.parents[2],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout[-4000:]
+
+
+@pytest.mark.slow
+def test_interpreted_kernels_do_the_same() -> None:
+    """Coverage and tracebacks need kernels that run as plain Python."""
+    _suite_again(
+        [
+            "test_simulation.py::test_a_saved_run_goes_on_bit_for_bit",
+            "test_simulation.py::test_a_scene_of_all_kinds_moves_like_scenes_of_one",
+            "test_floating_frame_inertia.py",
+            "test_drive.py",
+            "test_kinds.py",
+            "../numerics/test_rotation.py",
+            "../numerics/test_small.py",
+        ],
+        {"NUMBA_DISABLE_JIT": "1"},
+    )
+
+
+@pytest.mark.slow
+def test_no_kernel_reads_or_writes_beyond_an_array(tmp_path: Path) -> None:
+    """Compiled with bounds checks, in a cache of their own."""
+    _suite_again(
+        [
+            "test_simulation.py::test_a_saved_run_goes_on_bit_for_bit",
+            "test_simulation.py::test_a_scene_of_all_kinds_moves_like_scenes_of_one",
+            "test_floating_frame_inertia.py",
+            "test_drive.py",
+            "test_kinds.py",
+        ],
+        {"NUMBA_BOUNDSCHECK": "1", "HEAVYLIFT_CACHE_DIR": str(tmp_path)},
+    )
