@@ -180,6 +180,11 @@ def _check_names(scene: Scene) -> None:
         seen.add(thing.name)
     if not scene.bodies:
         raise InputError("no body", source="scene", expected="at least one")
+    for part in (*scene.bodies, *scene.forces):
+        if not isinstance(part, (FlexibleBody, RigidBody, Gravity, PointForce)):
+            raise InputError(
+                f"a {type(part).__name__}", source="scene", expected="bodies and forces of `solver.scene`"
+            )
     for body in scene.bodies:
         _check_body(body)
     names = {body.name for body in scene.bodies}

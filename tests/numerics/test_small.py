@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.small import (
+    aligned,
     cholesky_factor,
     cholesky_solve,
     cross,
@@ -38,9 +39,13 @@ def test_symmetric_3x3(condition: float) -> None:
         np.testing.assert_allclose(x, np.linalg.solve(A, b), rtol=1e-14 * condition)
 
 
-def test_singular_3x3_is_not_finite() -> None:
-    assert not np.all(np.isfinite(solve_symmetric_3(0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0)))
-    assert not np.all(np.isfinite(solve_symmetric_3(1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 2.0, 3.0)))
+@pytest.mark.parametrize(
+    "matrix", [(0.0, 1.0, 1.0, 0.0, 0.0, 0.0), (1.0, 1.0, 1.0, 1.0, 0.0, 0.0)], ids=["pivot 1", "pivot 2"]
+)
+def test_singular_3x3_is_not_finite(matrix: tuple[float, ...]) -> None:
+    with np.errstate(all="ignore"):
+        x = solve_symmetric_3(*map(np.float64, (*matrix, 1.0, 2.0, 3.0)))
+    assert not np.all(np.isfinite(x))
 
 
 @pytest.mark.parametrize("n", [1, 2, 6, 13])
@@ -66,3 +71,18 @@ def test_cholesky_of_an_indefinite_matrix_shows() -> None:
         except ValueError:  # interpreted, math.sqrt raises
             return
     assert not np.all(np.isfinite(x))
+
+
+@pytest.mark.parametrize("shape", [5, (3, 7), (600, 1000)])
+def test_aligned_arrays_are_zeros_that_begin_at_a_cache_line(shape: int | tuple[int, ...]) -> None:
+    arrays = [aligned(shape) for _ in range(3)]  # kept, so that they lie apart
+    for array in arrays:
+        assert array.shape == np.zeros(shape).shape
+        assert array.dtype == np.float64
+        assert array.flags.c_contiguous
+        assert array.flags.writeable
+        assert array.ctypes.data % 64 == 0
+        assert not array.any()
+        array[...] = 1.0
+    del arrays[1:]  # gives their memory back, not that of the first
+    assert np.all(arrays[0] == 1.0)

@@ -27,6 +27,8 @@ SYSTEMS = {
     "rigid driven": RIGID["driven by tables, loads"].rigid_scene(),
 }
 STEP = 1e-3
+BREAK = np.array([0.0, 0.0198, 0.0199, 1.0])
+"""Rows of a table whose last two are bad: the first 20 steps do not see them."""
 
 compiled_only = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs compiled kernels")
 
@@ -124,45 +126,30 @@ def test_record_is_the_last_row_and_channels_tile_it() -> None:
 
 @pytest.mark.parametrize("name", ["free", "fixed", "rigid"])
 @pytest.mark.parametrize("integrator", ["dele2", "thesis"])
-@pytest.mark.parametrize("bad", [np.nan, np.inf, 1e308])
-def test_a_load_that_is_not_finite_stops_the_run_at_the_last_good_step(
-    name: str, integrator: str, bad: float
-) -> None:
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_a_load_that_is_not_finite_stops_the_run(name: str, integrator: str, bad: float) -> None:
     scene = SYSTEMS[name]
     gravity, *loads = scene.forces
-    times = np.array([0.0, 0.02, 0.02 + 1e-9, 1.0])
     forces = np.array([[1.0, 2.0, 3.0]] * 2 + [[bad, 0.0, -bad]] * 2)
-    spoilt = replace(loads[0], times=times, forces=forces)
+    spoilt = replace(loads[0], times=BREAK, forces=forces)
     simulation = Simulation(replace(scene, forces=(gravity, spoilt, *loads[1:])), STEP, integrator)
     times, records = simulation.advance(100)
-    if bad == 1e308:  # finite, but its consequences are not
-        assert simulation.outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_LARGE)
-    else:
-        assert simulation.outcome is Outcome.NOT_FINITE
-    # the default looks at the load in the middle of a step, the other scheme at its start
-    last = 20 if integrator == "dele2" else 21
-    assert simulation.step_index == last
-    assert len(times) == len(records) == last
-    assert np.all(np.isfinite(records[: last - 1]))
-    assert all(np.all(np.isfinite(v)) for k, v in simulation.state().items() if k.endswith("frame")) or True
-    for word in ("not finite", f"step {last}", f"t = {last * STEP:.9g} s", "'body'"):
-        if simulation.outcome is Outcome.NOT_FINITE:
-            assert word in simulation.message
+    assert simulation.outcome is Outcome.NOT_FINITE
+    assert simulation.step_index == len(times) == len(records) == 20
+    assert simulation.time == 20 * STEP
+    for word in ("not finite", "step 20", "t = 0.02 s", "'body'"):
+        assert word in simulation.message
+    assert np.all(np.isfinite(records[:-1]))
     assert simulation.advance(10)[0].size == 0, "it does not go on by itself"
-    assert simulation.step_index == last
-
-    good = Simulation(replace(scene, forces=(gravity, replace(spoilt, forces=0.0 * forces + 1.0))), STEP)
-    state = good.state()
-    assert set(state) == set(simulation.state())
+    assert simulation.step_index == 20
 
 
 @pytest.mark.parametrize("integrator", ["dele2", "thesis"])
 def test_the_state_after_a_stop_is_the_last_good_one(integrator: str) -> None:
     scene = SYSTEMS["free"]
     gravity, load, _ = scene.forces
-    table = np.array([0.0, 0.02, 0.02 + 1e-9])
-    good = replace(load, times=table, forces=np.array([[1.0, 2.0, 3.0]] * 3), frame="world")
-    bad = replace(good, forces=np.array([[1.0, 2.0, 3.0]] * 2 + [[np.nan, 2.0, 3.0]]))
+    good = replace(load, times=BREAK, forces=np.array([[1.0, 2.0, 3.0]] * 4))
+    bad = replace(good, forces=np.array([[1.0, 2.0, 3.0]] * 2 + [[np.nan, 2.0, 3.0]] * 2))
     stopped = Simulation(replace(scene, forces=(gravity, bad)), STEP, integrator)
     stopped.advance(100)
     assert stopped.outcome is Outcome.NOT_FINITE
@@ -175,6 +162,14 @@ def test_the_state_after_a_stop_is_the_last_good_one(integrator: str) -> None:
     sound.restore(stopped.state())
     sound.advance(10)
     assert sound.outcome is Outcome.COMPLETED
+
+
+def test_a_state_of_other_bodies_of_the_same_shape_is_refused() -> None:
+    scene = SYSTEMS["free"]
+    (body,) = scene.bodies
+    other = Simulation(replace(scene, bodies=(replace(body, velocity=body.velocity + 1.0),)), STEP)
+    with pytest.raises(InputError, match=r"checkpoint: scene: .*digest of these bodies"):
+        Simulation(scene, STEP).restore(other.state())
 
 
 @pytest.mark.parametrize("integrator", ["dele2", "thesis"])
