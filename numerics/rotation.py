@@ -1,7 +1,8 @@
 """Rotations: unit quaternions (scalar first), the exponential map, and their inverses.
 
 A quaternion ``q = (q0, q1, q2, q3)`` turns body axes into world axes: ``r = R(q) rbar``.
-A rotation by the body-axis vector ``v`` is appended on the right: ``q o exp(v)``.
+A rotation by the body-axis vector ``v`` is appended on the right: ``q o exp(v)``. Formulae: A. A. Shabana,
+"Dynamics of Multibody Systems", chapter 2 (Euler parameters, Rodrigues formula).
 """
 
 from __future__ import annotations

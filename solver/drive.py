@@ -4,6 +4,9 @@ A driven frame is displaced by ``d(t)`` (world axes) and turned by the angle ``p
 axis through a pivot::
 
     x(t) = c + d(t) + Q(phi(t)) (x0 - c),    R(t) = Q(phi(t)) R0
+
+Velocities and accelerations follow by differentiation; rotation about a fixed axis: A. A. Shabana,
+"Dynamics of Multibody Systems", section 2.2.
 """
 
 from __future__ import annotations

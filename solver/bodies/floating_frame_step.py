@@ -14,6 +14,10 @@ the scheme is second order but unstable. Bars mark the midpoint of the step::
           L1 = 2 Rb (Mb Ub)_w - Lb + (xb - x1) x p1
     (F6)  frame velocities at the end from p1, L1 and the new q, qd
 
+Modal row: "Deformable bodies ... sliding contacts" (2014), eqs. 2.66-2.79, with the quadratic forces
+corrected; momentum rows: Newton and Euler about the moving frame origin. The scheme is this project's
+discrete Euler-Lagrange equation ("Integrated simulation ... (2018)", eq. 49) at the midpoint.
+
 The frame velocities of Ub belong to the middle of the step, but the modal rates of Ub are the mean of
 both ends. In the modal row ``Ub - U_n`` must be half the change of U over the step, or the scheme is of
 first order, with a small constant: U_n of the frame in (F3) is therefore shifted by the distance of the

@@ -40,7 +40,7 @@ def test_complex_beam_of_the_thesis(mbsim_data):
     assert data.fixed_nodes.size == 15
     assert any("15 nodes are clamped by a penalty" in note for note in data.notes)
     assert data.modes.shape == (1122, 5)
-    # values of an independent prototype on the same files
+    # values of an independent program on the same files (docs/sources.md)
     full = [534.369031, 1071.686953, 2271.434705, 3099.474017, 6346.224034]
     np.testing.assert_allclose(_frequencies(data), full, rtol=1e-8)
     projected = [534.436976, 1071.74658, 2271.47245, 3099.50419, 6346.24395]

@@ -1,4 +1,4 @@
-"""Natural frequencies of the complex beam against published values and an independent prototype."""
+"""Natural frequencies of the complex beam against published values and an independent program (docs/sources.md)."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from heavylift.preprocess.refinement import RE_ENTRANT, Refinement
 
 # Deformable bodies ... sliding contacts (2014), section 5.1, ABAQUS column
 PUBLISHED = [534.37, 1071.7, 2271.4, 3099.5, 6346.2]
-# independent prototype, incompatible modes, same mesh
+# independent program, incompatible modes, same mesh
 INCOMPATIBLE = [627.689241, 1257.839217, 3185.832579, 3622.453516, 7546.636534]
-# independent prototype, quadratic tetrahedra, 537 120 degrees of freedom
+# independent program, quadratic tetrahedra, 537 120 degrees of freedom
 CONVERGED = [622.966274, 1241.970364, 3145.630972, 3572.924596, 7237.814591]
 # the same, 13 815 degrees of freedom, consistent and lumped
 COARSE = {
@@ -53,7 +53,7 @@ def test_tetrahedra_agree_with_a_prototype_on_a_mesh_of_that_size(complex_beam, 
 
 @pytest.mark.slow
 def test_a_graded_mesh_is_within_three_per_mille(complex_beam, steel):
-    """Of the prototype's 537 120 degrees of freedom, with a tenth of them; an even mesh needs three times more."""
+    """Of 537 120 degrees of freedom, with a tenth of them; an even mesh needs three times more."""
     mesh = mesh_blocks(
         complex_beam.add,
         complex_beam.cut,
