@@ -2,8 +2,8 @@
 
 For a body that is not held the inverse is that of inertia relief: loads are balanced by the inertia of
 the rigid motion they cause, and the rigid part of the displacement is removed in the mass metric
-(R. R. Craig, A. J. Kurdila, "Fundamentals of Structural Dynamics", 2nd ed., section 17.4, on attachment
-modes of unrestrained components).
+(R. R. Craig, A. J. Kurdila, "Fundamentals of Structural Dynamics", component modes: inertia-relief attachment
+modes).
 """
 
 from __future__ import annotations

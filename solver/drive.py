@@ -6,7 +6,7 @@ axis through a pivot::
     x(t) = c + d(t) + Q(phi(t)) (x0 - c),    R(t) = Q(phi(t)) R0
 
 Velocities and accelerations follow by differentiation; rotation about a fixed axis: A. A. Shabana,
-"Dynamics of Multibody Systems", section 2.2.
+"Dynamics of Multibody Systems", chapter 2.
 """
 
 from __future__ import annotations
