@@ -14,7 +14,10 @@ if TYPE_CHECKING:
 
     from heavylift.modal.invariants import ShapeIntegrals
 
-__all__ = ["ReducedBody"]
+__all__ = ["EIGENMODE_RESIDUAL", "ReducedBody"]
+
+EIGENMODE_RESIDUAL = 1e-3
+"""A vector with a smaller relative residual is an eigenmode of the full model."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +41,8 @@ class ReducedBody:
         Where each vector comes from, e.g. ``"eigenmode 3"``; length nf.
     residuals
         ``||K phi - w2 M phi|| / (w2 ||M phi||)`` of each vector in the full model, shape (nf,).
-        Small for eigenmodes, of order one for vectors that a static or Krylov basis adds.
+        Small for eigenmodes; of order one, and no measure of accuracy, for vectors that a static,
+        Krylov or component-mode basis adds: see `eigenmode_mask`.
     orthogonality
         Largest deviation of ``Phi^T M Phi`` from the identity.
     dropped
@@ -97,6 +101,17 @@ class ReducedBody:
     def frequencies(self) -> NDArray[np.float64]:
         """Natural frequencies of the reduced body with its frame held [Hz], shape (nf,)."""
         return np.sqrt(np.maximum(self.eigenvalues, 0.0)) / (2.0 * np.pi)
+
+    @property
+    def eigenmode_mask(self) -> NDArray[np.bool_]:
+        """Which vectors are eigenmodes of the full model: residual below `EIGENMODE_RESIDUAL`, shape (nf,)."""
+        return self.residuals < EIGENMODE_RESIDUAL
+
+    @property
+    def largest_eigenmode_residual(self) -> float | None:
+        """Largest relative residual among the eigenmodes of the full model; None if no vector is one."""
+        found = self.residuals[self.eigenmode_mask]
+        return float(found.max()) if found.size else None
 
     def displacement(self, modal_coordinates: ArrayLike) -> NDArray[np.float64]:
         """Displacements of all nodes in the body frame [m], shape (n, 3), for coordinates q [kg^1/2 m]."""

@@ -25,6 +25,12 @@ __all__ = ["Ritz", "mean_axis", "reduce_body", "ritz_vectors"]
 _DEPENDENT = 1e-6
 """Part of a vector's length that must not lie in the span of those before it."""
 
+_SAME = 0.95
+"""A Ritz vector bears the name of a given vector if the cosine of their angle, in the mass metric, exceeds this."""
+
+_MULTIPLE = 1e-6
+"""Relative distance of Ritz values whose vectors are arbitrary within their common span."""
+
 _CHUNK = 16  # vectors handled at once
 
 
@@ -38,7 +44,8 @@ class Ritz(NamedTuple):
     shapes
         Mass-orthonormal [kg^-1/2], shape (3n, nf), with diagonal stiffness.
     labels
-        Name of the given vector that each Ritz vector resembles most; each name once.
+        Name of the given vector that each Ritz vector equals but for a little; each name once. A
+        vector that mixes several is ``"Ritz vector 7"``, by its number from 1.
     dropped
         Names of the vectors that were not needed, with the reason.
     residuals
@@ -141,7 +148,7 @@ def ritz_vectors(
     return Ritz(
         values,
         shapes,
-        _matched(given @ total, kept, labels),
+        _matched(given @ total / np.sqrt(np.diag(given))[:, None].clip(_DEPENDENT), values, kept, labels),
         tuple(dropped),
         _residuals(model, values, V, shapes, fixed_rows),
     )
@@ -254,14 +261,22 @@ def _inverse_root(gram: NDArray[np.float64]) -> NDArray[np.float64]:
     return (axes / np.sqrt(values)) @ axes.T
 
 
-def _matched(overlap: NDArray[np.float64], kept: list[int], labels: Sequence[str]) -> tuple[str, ...]:
-    """Give each Ritz vector the name of one given vector, so that the squared overlaps are largest."""
+def _matched(
+    cosines: NDArray[np.float64], values: NDArray[np.float64], kept: list[int], labels: Sequence[str]
+) -> tuple[str, ...]:
+    """Name each Ritz vector after the given vector that it is, or by its number if it is a mixture.
+
+    Given vectors are assigned so that the squared cosines, shape (nv, nf), are largest in sum. Vectors of
+    equal Ritz values may be turned among each other: a given vector counts as found if it lies in their span.
+    """
     from scipy.optimize import linear_sum_assignment
 
-    rows, columns = linear_sum_assignment(overlap[kept] ** 2, maximize=True)
-    names = [""] * len(kept)
+    rows, columns = linear_sum_assignment(cosines[kept] ** 2, maximize=True)
+    names = [f"Ritz vector {number}" for number in range(1, len(kept) + 1)]
     for row, column in zip(rows, columns, strict=True):
-        names[column] = labels[kept[row]]
+        equal = np.abs(values - values[column]) <= _MULTIPLE * np.abs(values[column])
+        if np.linalg.norm(cosines[kept[row], equal]) > _SAME:
+            names[column] = labels[kept[row]]
     return tuple(names)
 
 

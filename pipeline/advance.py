@@ -95,12 +95,16 @@ class Advancer:
         Digest of the inputs; segments with another one are not continued.
     step_count
         Steps of the whole run.
+    restart_reason
+        Set by `resume`: why it could not go on from what an earlier run left in the folder; empty if it did, or
+        if nothing is there.
     """
 
     simulation: SimulationLike
     folder: Path
     digest: str
     step_count: int
+    restart_reason: str = ""
     _index: int = 0
     _record_count: int = 0
     _written_steps: int = 0
@@ -117,6 +121,12 @@ class Advancer:
         """
         last = last_segment(self.folder)
         if last is None or last.header["digest"] != self.digest:
+            if last is not None:
+                self.restart_reason = "what an earlier run left belongs to other inputs"
+            elif self.folder.is_dir() and any(self.folder.glob("segment_*")):
+                self.restart_reason = "what an earlier run left is damaged"
+            elif self.folder.is_dir():
+                self.restart_reason = "nothing had been written"
             remove_segments(self.folder)
             return 0
         remove_segments(self.folder, after=last.number)

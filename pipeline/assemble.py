@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,10 +13,10 @@ from heavylift.pipeline.case_geometry import BoxGroup, FaceGroup, PlaneGroup
 from heavylift.pipeline.storage import replacing
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from heavylift.modal.reduced import ReducedBody
     from heavylift.pipeline.case import Case
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "assemble_model",
+    "check_on_body",
     "model_properties",
     "reduce_model",
     "reduced_properties",
@@ -39,12 +42,135 @@ def assemble_model(case: Case, name: str, body: FlexibleBodySection) -> FEModel:
     from heavylift.preprocess.elasticity import assemble
     from heavylift.preprocess.model import Material
 
-    if body.geometry.type == "four_files":
-        return _four_files(case, body.geometry).model
-    assert body.material is not None
-    mesh = _mesh(case, name, body)
-    material = Material(**body.material.model_dump())
-    return assemble(mesh, material, formulation=body.mesh.formulation, mass=body.mesh.mass)
+    with _in_case(case, name):
+        if body.geometry.type == "four_files":
+            return _four_files(case, body.geometry).model
+        assert body.material is not None
+        mesh = _mesh(case, name, body)
+        if body.geometry.type == "blocks" and body.mesh.formulation == "reduced":
+            _refuse_single_layer(mesh)
+        material = Material(**body.material.model_dump())
+        return assemble(mesh, material, formulation=body.mesh.formulation, mass=body.mesh.mass)
+
+
+_CASE_KEYS = (
+    (re.compile(r"node group '([^']*)'"), r"geometry.groups.\1"),
+    (re.compile(r"(divisions(?:\..)?|refine|size)"), r"mesh.\1"),
+    (re.compile(r"(add|cut)"), r"geometry.\1"),
+    (re.compile(r"modes"), "modes.count"),
+    (re.compile(r"((?:modes|mesh)\..*|interface)"), r"\1"),
+)
+"""Keys in messages of the stages, and what they are below the body in a case file."""
+
+
+@contextlib.contextmanager
+def _in_case(case: Case, name: str, model_name: str = "") -> Iterator[None]:
+    """Say of errors that name only the body, or a group of it, where in the case file they stand."""
+    try:
+        yield
+    except InputError as error:
+        grouped = error.key.startswith("node group ") and case.bodies[name].geometry.type != "mesh"  # type: ignore[union-attr]
+        if error.source not in {name, model_name, str(case.file), ""} and not grouped:
+            raise
+        if error.source == str(case.file) and error.key.startswith("bodies."):
+            raise
+        problem, key = error.problem, ""
+        for pattern, below in _CASE_KEYS:
+            match = pattern.fullmatch(error.key)
+            if match:
+                key = match.expand(below)
+                break
+        else:
+            problem = f"{error.key}: {problem}" if error.key else problem
+        key = f"modes.{key}" if key == "interface" else key
+        raise InputError(
+            problem,
+            source=case.file,
+            key=f"bodies.{name}.{key}".removesuffix("."),
+            expected=error.expected,
+        ) from None
+
+
+def _refuse_single_layer(mesh: Mesh) -> None:
+    """A brick with one integration point has no bending stiffness; one through the body is a trap."""
+    for axis, label in enumerate("xyz"):
+        if np.ptp(mesh.nodes[mesh.elements, axis], axis=1).min() >= 0.999 * np.ptp(mesh.nodes[:, axis]):
+            raise InputError(
+                f"one brick with reduced integration through the body along {label} sees no bending",
+                source=mesh.name,
+                key=f"divisions.{label}",
+                expected="2 or more bricks (4 for bending within 7 %), or formulation 'incompatible'",
+            )
+
+
+def check_on_body(
+    point: ArrayLike,
+    nodes: NDArray[np.float64],
+    elements: NDArray[np.int64] | None,
+    *,
+    source: object,
+    key: str,
+) -> int:
+    """Nearest node of a point that must lie on a body.
+
+    Parameters
+    ----------
+    point
+        Coordinates of the geometry [m], shape (3,).
+    nodes
+        Positions [m] in the same axes, shape (n, 3).
+    elements
+        Nodes of the elements, corners first, shape (ne, 8) or (ne, 10); None if the body has none.
+    source, key
+        Where the point stands, for the message.
+
+    Returns
+    -------
+    int
+        Zero-based index of the node.
+
+    Raises
+    ------
+    InputError
+        If the node is farther than 2 % of the largest extent of the body and 1.5 times the longest edge of
+        the elements around it; without elements, 1.5 times the distance of its eighth neighbour.
+    """
+    position = np.asarray(point, dtype=np.float64)
+    distances = np.linalg.norm(nodes - position, axis=1)
+    node = int(np.argmin(distances))
+    allowed = 0.02 * float(np.ptp(nodes, axis=0).max())
+    if distances[node] <= allowed:
+        return node
+    if elements is None:
+        around = np.sort(np.linalg.norm(nodes - nodes[node], axis=1))
+        spacing = float(around[min(8, len(around) - 1)])
+    else:
+        corners = nodes[elements[np.any(elements == node, axis=1)][:, : 4 if elements.shape[1] == 10 else 8]]
+        spacing = _longest_edge(corners)
+    if distances[node] <= max(allowed, 1.5 * spacing):
+        return node
+    raise InputError(
+        f"point {_millimetres(position)} mm is not on the body: the nearest node, at {_millimetres(nodes[node])} "
+        f"mm, is {1e3 * distances[node]:.6g} mm away",
+        source=source,
+        key=key,
+        expected="a point on the body, in the coordinates of the geometry (are the units right?)",
+    )
+
+
+def _longest_edge(corners: NDArray[np.float64]) -> float:
+    """Longest edge of elements with corners of shape (ne, 4|8, 3), VTK order [m]."""
+    if corners.shape[1] == 4:
+        pairs = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]
+    else:
+        ring = [(0, 1), (1, 2), (2, 3), (3, 0)]
+        pairs = ring + [(a + 4, b + 4) for a, b in ring] + [(a, a + 4) for a in range(4)]
+    first, second = np.array(pairs).T
+    return float(np.linalg.norm(corners[:, first] - corners[:, second], axis=2).max(initial=0.0))
+
+
+def _millimetres(point: NDArray[np.float64]) -> str:
+    return "(" + ", ".join(f"{1e3 * x:.6g}" for x in point) + ")"
 
 
 def _mesh(case: Case, name: str, body: FlexibleBodySection) -> Mesh:
@@ -147,13 +273,25 @@ def reduce_model(
     case: Case, body: FlexibleBodySection, model: FEModel
 ) -> tuple[ReducedBody, tuple[float, float, float]]:
     """Reduced body of a model, and the origin of its frame in coordinates of the geometry [m]."""
+    name = next(name for name, other in case.bodies.items() if other is body)
+    with _in_case(case, name, model.name):
+        for index, point in enumerate(body.modes.static_points):
+            key = f"modes.static_points.{index}"
+            elements = None if model.mesh is None else model.mesh.elements
+            check_on_body(point, model.nodes, elements, source=case.file, key=key)
+        return _reduce(case, body, model)
+
+
+def _reduce(
+    case: Case, body: FlexibleBodySection, model: FEModel
+) -> tuple[ReducedBody, tuple[float, float, float]]:
     from heavylift.modal import bases
     from heavylift.modal.eigen import eigenmodes
     from heavylift.modal.flexibility import Flexibility
     from heavylift.modal.reduction import reduce_body
 
     options = body.modes
-    clamped = _nodes_of(model, options.clamp)
+    clamped = _nodes_of(model, options.clamp, "clamp")
     origin = np.zeros(3)
     if body.frame.origin == "centre_of_mass":
         row_sum = np.asarray(model.mass.sum(axis=0)).ravel()
@@ -164,14 +302,15 @@ def reduce_model(
         chosen = [number - 1 for number in options.select] or list(range(shapes.shape[1]))
         if max(chosen) >= shapes.shape[1]:
             raise InputError(
-                f"'modes.select' asks for shape {max(chosen) + 1}",
+                f"asks for shape {max(chosen) + 1}",
                 source=case.file,
+                key="modes.select",
                 expected=f"numbers up to {shapes.shape[1]}, the stored shapes",
             )
         basis = bases.Basis(shapes[:, chosen], tuple(f"stored {number + 1}" for number in chosen))
         flexibility = Flexibility(model, clamped) if options.has_static else None
     elif options.basis == "craig_bampton":
-        interface = _nodes_of(model, options.interface)
+        interface = _nodes_of(model, options.interface, "interface")
         basis = bases.craig_bampton(model, interface, options.count, fixed_nodes=clamped)
         flexibility = Flexibility(model, clamped) if options.has_static else None
     else:
@@ -199,13 +338,13 @@ def reduce_model(
     return reduced, tuple(float(x) for x in origin)  # type: ignore[return-value]
 
 
-def _nodes_of(model: FEModel, groups: Sequence[str]) -> NDArray[np.int64]:
+def _nodes_of(model: FEModel, groups: Sequence[str], key: str) -> NDArray[np.int64]:
     """Nodes of some groups together."""
     for group in groups:
         if group not in model.node_groups:
             known = ", ".join(sorted(model.node_groups)) or "none"
             raise InputError(
-                f"group {group!r} does not exist", source=model.name, expected=f"one of: {known}"
+                f"group {group!r} does not exist", key=f"modes.{key}", expected=f"one of: {known}"
             )
     parts = [model.node_groups[group] for group in groups]
     return np.unique(np.concatenate(parts)).astype(np.int64) if parts else np.empty(0, dtype=np.int64)
@@ -222,7 +361,7 @@ def _loads(options: ModesSection, model: FEModel) -> list[Any]:
         }
         loads.append(bases.point_loads(model, list(nearest), options.static_directions))
     for group in options.static_groups:
-        nodes = _nodes_of(model, [group])
+        nodes = _nodes_of(model, [group], "static_groups")
         loads.append(bases.patch_loads(model, nodes, options.static_directions, name=group))
     return loads
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.model_io import read_header, read_reduced
+from heavylift.pipeline.assemble import check_on_body
+from heavylift.pipeline.model_io import read_header, read_model, read_reduced
 from heavylift.solver import scene as s
 
 if TYPE_CHECKING:
@@ -52,6 +53,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
                 key=f"bodies.{name}.modes.damping_ratio",
                 expected=f"1 or {reduced.mode_count}, one a vector of the basis",
             )
+        _check_points(case, name, reduced.nodes + origins[name], folder)
         bodies.append(
             s.FlexibleBody(
                 name=name,
@@ -72,6 +74,21 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         for sensor in case.sensors
     )
     return s.Scene(tuple(bodies), tuple(forces), sensors)
+
+
+def _check_points(case: Case, name: str, nodes: NDArray[np.float64], folder: OutputFolder) -> None:
+    """Loaded points and sensors of a flexible body must lie on it, or the nearest node would be far away."""
+    mesh, looked = None, False
+    points = [(f"forces.{i}.point", force.body, force.point) for i, force in enumerate(case.forces)]
+    points += [(f"sensors.{i}.point", sensor.body, sensor.point) for i, sensor in enumerate(case.sensors)]
+    for key, owner, point in points:
+        if owner != name:
+            continue
+        near = np.linalg.norm(nodes - np.array(point), axis=1).min()
+        if not looked and near > 0.02 * np.ptp(nodes, axis=0).max() and folder.model(name).is_file():
+            mesh, looked = read_model(folder.model(name)).mesh, True  # only where the elements decide
+        elements = None if mesh is None else mesh.elements
+        check_on_body(point, nodes, elements, source=case.file, key=key)
 
 
 def modal_coordinates(

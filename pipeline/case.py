@@ -63,15 +63,32 @@ class Case(Section):
     @model_validator(mode="after")
     def _checks_can_be_computed(self) -> "Case":
         """Modes and coordinates that checks name must exist, and a simulation if they need one."""
-        for check in self.check:
-            texts = [check.quantity]
+        for index, check in enumerate(self.check):
+            texts = {f"check.{index}.quantity": check.quantity}
             if isinstance(check.reference, QuantityReference):
-                texts.append(check.reference.quantity)
-            for text in texts:
-                problem = self._missing_for(parse_quantity_name(text))
+                texts[f"check.{index}.reference.quantity"] = check.reference.quantity
+            for key, text in texts.items():
+                quantity = parse_quantity_name(text)
+                problem = self._missing_for(quantity)
                 if problem:
-                    reject(f"check {check.id!r}: {text!r} needs {problem}", "a quantity that the case has")
+                    reject(f"{text!r} needs {problem}", "a quantity that the case has", key=key)
+                if quantity.family == "drift" and quantity.item in {"momentum", "angular_momentum"}:
+                    self._conserves_momentum(text, key)
         return self
+
+    def _conserves_momentum(self, text: str, key: str) -> None:
+        """The drift of a momentum is an error of the integration only if nothing outside acts on the scene."""
+        held = [name for name, body in self.bodies.items() if body.frame.motion != "free"]
+        causes = [f"the {self.bodies[name].frame.motion} frame of {name!r}" for name in held]
+        causes += [f"force {force.name!r}" for force in self.forces]
+        if self.gravity is not None and any(self.gravity.acceleration):
+            causes.append("gravity")
+        if causes:
+            reject(
+                f"{text!r}: {', '.join(causes)} changes the momentum",
+                "only free frames and no outer force, or 'drift.energy'",
+                key=key,
+            )
 
     def _missing_for(self, quantity: QuantityName) -> str:
         """What a quantity needs and the case does not have; empty if nothing."""

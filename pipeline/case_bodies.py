@@ -11,6 +11,7 @@ from pydantic import (
     Field,
     StringConstraints,
     ValidationInfo,
+    WithJsonSchema,
     field_validator,
     model_validator,
 )
@@ -26,6 +27,7 @@ from heavylift.pipeline.fields import (
     Quantity,
     Section,
     VelocityVector,
+    quantity_schema,
     reject,
 )
 
@@ -65,6 +67,10 @@ def _nonzero(axis: tuple[float, float, float]) -> tuple[float, float, float]:
 
 
 Direction = Annotated[NumberVector, AfterValidator(_nonzero)]
+ModalValues = Annotated[
+    tuple[float, ...], WithJsonSchema({"type": "array", "items": quantity_schema()}, mode="validation")
+]
+"""Numbers in SI or strings whose unit depends on the scaling of the mode shapes."""
 
 
 class ModesSection(Section):
@@ -89,7 +95,10 @@ class ModesSection(Section):
     """Directions of the unit loads."""
     order: Index = 1
     """For ``krylov``: number of blocks of vectors K^-1 b, K^-1 M K^-1 b, ..."""
-    damping_ratio: Annotated[tuple[DampingRatio, ...], BeforeValidator(_listed)] = (0.0,)
+    damping_ratio: Annotated[
+        tuple[DampingRatio, ...],
+        BeforeValidator(_listed, json_schema_input_type=DampingRatio | list[DampingRatio]),
+    ] = (0.0,)
     """Of critical: one number, or a list with one number a vector of the basis."""
 
     @model_validator(mode="after")
@@ -221,9 +230,9 @@ class InitialSection(RigidInitialSection):
 
     modal_scaling: Literal["unit_max", "mass"] = "unit_max"
     """``unit_max``: mode shapes with largest component 1, so that coordinates are lengths; ``mass``: modal mass 1."""
-    modal_position: tuple[float, ...] = ()
+    modal_position: ModalValues = ()
     """Coordinates of the first vectors, in m (``unit_max``) or m kg^0.5 (``mass``); the others are zero."""
-    modal_velocity: tuple[float, ...] = ()
+    modal_velocity: ModalValues = ()
     """Speeds of the first vectors, in m/s (``unit_max``) or m kg^0.5/s (``mass``); the others are zero."""
 
     @field_validator("modal_position", "modal_velocity", mode="before")
@@ -281,15 +290,22 @@ class FlexibleBodySection(Section):
             reject(
                 f"basis 'stored' with geometry {given!r}", "geometry 'four_files', which brings mode shapes"
             )
+        if self.frame.motion == "free" and self.modes.clamp:
+            reject(
+                f"{list(self.modes.clamp)} holds nodes of a body whose frame is free",
+                "no clamp with a free frame (its modes are those of the free body; 'static_points' and "
+                "'static_groups' add shapes under loads), or frame motion 'fixed' or 'driven'",
+                key="modes.clamp",
+            )
         count = self.modes.vector_count
         for key, given_count in (
             ("initial.modal_position", len(self.initial.modal_position)),
             ("initial.modal_velocity", len(self.initial.modal_velocity)),
         ):
             if count is not None and given_count > count:
-                reject(f"{key!r} has {given_count} values", f"at most {count}, one a mode")
+                reject(f"{given_count} values", f"at most {count}, one a mode", key=key)
         if count is not None and len(self.modes.damping_ratio) not in {1, count}:
-            reject(f"'modes.damping_ratio' has {len(self.modes.damping_ratio)} values", f"1 or {count}")
+            reject(f"{len(self.modes.damping_ratio)} values", f"1 or {count}", key="modes.damping_ratio")
         _check_initial(self.frame, self.initial)
         return self
 
@@ -323,4 +339,4 @@ def _check_initial(frame: FreeFrame | FixedFrame | DrivenFrame, initial: RigidIn
     if frame.motion != "free":
         for key in ("velocity", "angular_velocity"):
             if getattr(initial, key) is not None:
-                reject(f"'initial.{key}' with a {frame.motion} frame", "frame motion 'free'")
+                reject(f"with a {frame.motion} frame", "frame motion 'free'", key=f"initial.{key}")

@@ -43,9 +43,9 @@ def input_errors(
         Dotted keys that overrides set, with the text of the override.
     """
     found = []
-    for item in error.errors(include_url=False):
-        keys, value = _place(document, item["loc"])
-        path = ".".join(str(key) for key in keys)
+    for item in _causes(error.errors(include_url=False), document):
+        keys, value = _place(document, item)
+        path = ".".join([*(str(key) for key in keys), *filter(None, [item.get("ctx", {}).get("key", "")])])
         override = next((text for key, text in changed.items() if _same_branch(key, path)), None)
         problem, expected = _words(item, value, _candidates(root, document, keys[:-1]))
         found.append(
@@ -59,19 +59,48 @@ def input_errors(
     return found
 
 
+def _causes(items: Sequence[Any], document: dict[str, Any]) -> list[Any]:
+    """The items without those that only follow from another one, so that one mistake is one line."""
+    places = [tuple(item["loc"]) for item in items]
+    kept = []
+    for index, (item, place) in enumerate(zip(items, places, strict=True)):
+        kind, later = item["type"], range(index + 1, len(items))
+        if kind == "too_short" and any(len(p) > len(place) and p[: len(place)] == place for p in places):
+            continue  # an entry that is wrong was not counted
+        if kind == "repeated" and any(
+            items[i]["type"] == kind and items[i]["ctx"]["problem"] == item["ctx"]["problem"] for i in later
+        ):
+            continue  # the last occurrence is told
+        if kind == "missing" and isinstance(_place(document, item)[1], list):
+            if any(items[i]["type"] == kind and places[i][:-1] == place[:-1] for i in later):
+                continue  # the last missing entry says how many are needed
+        elif kind == "missing" and any(
+            other["type"] == "extra_forbidden"
+            and p[:-1] == place[:-1]
+            and get_close_matches(str(p[-1]), [str(place[-1])], 1)
+            for other, p in zip(items, places, strict=True)
+        ):
+            continue  # it is there, misspelt
+        kept.append(item)
+    return kept
+
+
 def _same_branch(changed: str, path: str) -> bool:
     return changed == path or path.startswith(f"{changed}.")
 
 
-def _place(document: Any, loc: Sequence[str | int]) -> tuple[list[str | int], Any]:
+def _place(document: Any, item: Mapping[str, Any]) -> tuple[list[str | int], Any]:
     """Keys of a problem without the names of union members that pydantic puts between them, and the value."""
-    node: Any = document
+    loc, node = item["loc"], document
     keys: list[str | int] = []
     for depth, part in enumerate(loc):
         if _has(node, part):
             node = node[part]
-        elif isinstance(node, dict) and depth == len(loc) - 1 and isinstance(part, str) and part != "[key]":
+        elif item["type"] == "missing" and isinstance(node, dict) and depth == len(loc) - 1:
             node = _MISSING  # a required key that is not there
+        elif part == "[key]":
+            node = keys[-1]  # a wrong key of a table, not its value
+            continue
         else:
             continue
         keys.append(part)
@@ -88,8 +117,7 @@ def _has(node: Any, key: str | int) -> bool:
 def _words(item: Mapping[str, Any], value: Any, candidates: Iterable[type[BaseModel]]) -> tuple[str, str]:
     """Say what is wrong and what was expected."""
     kind, context = item["type"], item.get("ctx", {})
-    shown = "" if value is _MISSING or isinstance(value, (dict, list)) else f"{value!r}: "
-    if kind == "case":
+    if kind in {"case", "repeated"}:
         return context["problem"], context["expected"]
     if kind == "missing" and isinstance(value, list):
         return f"{value!r} has {len(value)} entries", f"at least {int(item['loc'][-1]) + 1}"
@@ -102,19 +130,44 @@ def _words(item: Mapping[str, Any], value: Any, candidates: Iterable[type[BaseMo
     if kind == "extra_forbidden":
         keys = known_keys(candidates)
         near = get_close_matches(str(item["loc"][-1]), keys, 1)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        return "unknown key", f"{hint}one of: {', '.join(sorted(keys))}" if keys else "no such key"
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        return f"unknown key{hint}", f"one of: {', '.join(sorted(keys))}" if keys else "no such key"
     if kind == "union_tag_invalid":
-        return f"{context['discriminator']} = {context['tag']!r}", f"one of {context['expected_tags']}"
+        discriminator = context["discriminator"].strip("'")
+        return f"{discriminator} = {context['tag']!r}", f"one of {context['expected_tags']}"
     if kind == "union_tag_not_found":
+        if not isinstance(value, dict):
+            return f"{value!r} is not a table", "a table"
         return f"key {context['discriminator']} is missing", "the kind of this table"
     if kind == "literal_error":
         return f"{value!r}", context["expected"]
     if kind == "string_pattern_mismatch":
-        return f"{value!r}", "letters, digits, '_' and '-', beginning with a letter"
-    message = item["msg"]
-    problem = f"{shown}{message[0].lower()}{message[1:]}"
-    return problem.removesuffix("."), ""
+        words = "letters, digits, '_' and '-', beginning with a letter"
+        return f"{value!r}", words if "[A-Za-z]" in context["pattern"] else f"text like {context['pattern']}"
+    if kind == "greater_than_equal":
+        return f"{value!r} is too small", f"a number >= {context['ge']}"
+    if kind in {"int_type", "int_parsing", "int_from_float"}:
+        return f"{value!r} is not an integer", "an integer"
+    if kind in {"float_type", "float_parsing"}:
+        return f"{value!r} is not a number", "a number"
+    if kind in {"bool_type", "bool_parsing"}:
+        return f"{value!r} is neither true nor false", "true or false"
+    if kind == "string_type":
+        return f"{value!r} is not a string", "a string"
+    if kind in {"too_short", "too_long"} and isinstance(value, (list, dict)):
+        limit = (
+            f"at least {context['min_length']}" if kind == "too_short" else f"at most {context['max_length']}"
+        )
+        return f"has {len(value)} entries", limit
+    shown = "" if value is _MISSING or isinstance(value, (dict, list)) else f"{value!r}"
+    message = item["msg"].removesuffix(".")
+    if message.startswith("Input should be "):
+        return shown or "has a wrong value", message.removeprefix("Input should be ")
+    if kind == "string_too_short":
+        return shown, f"at least {context['min_length']} characters"
+    if kind == "string_too_long":
+        return shown, f"at most {context['max_length']} characters"
+    return f"{shown}: {message[0].lower()}{message[1:]}" if shown else message, "another value"
 
 
 def known_keys(sections: Iterable[type[BaseModel]]) -> set[str]:

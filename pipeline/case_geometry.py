@@ -71,16 +71,19 @@ Group = PlaneGroup | BoxGroup | FaceGroup
 def group_kind(value: object) -> str | None:
     """Tell the three kinds of groups apart by their keys."""
     if isinstance(value, (PlaneGroup, BoxGroup, FaceGroup)):
-        return {PlaneGroup: "plane", BoxGroup: "box", FaceGroup: "face"}[type(value)]
+        return {PlaneGroup: "a plane", BoxGroup: "a box", FaceGroup: "a face"}[type(value)]
     if not isinstance(value, dict):
         return None
     return next(
-        (kind for kind, key in (("face", "face"), ("box", "from"), ("box", "to")) if key in value), "plane"
+        (kind for kind, key in (("a face", "face"), ("a box", "from"), ("a box", "to")) if key in value),
+        "a plane",
     )
 
 
 GroupField = Annotated[
-    Annotated[PlaneGroup, Tag("plane")] | Annotated[BoxGroup, Tag("box")] | Annotated[FaceGroup, Tag("face")],
+    Annotated[PlaneGroup, Tag("a plane")]
+    | Annotated[BoxGroup, Tag("a box")]
+    | Annotated[FaceGroup, Tag("a face")],
     Discriminator(group_kind),
 ]
 
@@ -219,4 +222,12 @@ class MeshSection(Section):
             reject("'refine' with element 'hex8'", "element 'tet10', or finer 'divisions'")
         if self.element == "tet10" and self.formulation not in {None, "full"}:
             reject(f"formulation {self.formulation!r} with element 'tet10'", "'full', or element 'hex8'")
+        if self.element == "hex8" and self.formulation == "reduced":
+            for axis, counts in self.divisions.items():
+                if set(counts) == {1}:
+                    reject(
+                        f"{list(counts)}: one brick a wall, whose single integration point sees no bending",
+                        "2 or more bricks (4 for bending within 7 %), or formulation 'incompatible'",
+                        key=f"divisions.{axis}",
+                    )
         return self

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, WithJsonSchema
 
-from heavylift.pipeline.fields import Quantity, reject
+from heavylift.pipeline.fields import Quantity, quantity_schema, reject
 
 __all__ = ["Inertia", "Matrix3"]
 
@@ -67,8 +67,7 @@ def _minors_positive(m: list[list[float]], tolerance: float) -> bool:
     return all(minor > tolerance for minor in (*singles, *pairs, determinant))
 
 
-_NUMBER = {"anyOf": [{"type": "number"}, {"type": "string"}]}
-_TRIPLE = {"type": "array", "items": _NUMBER, "minItems": 3, "maxItems": 3}
+_TRIPLE = {"type": "array", "items": quantity_schema(), "minItems": 3, "maxItems": 3}
 
 Inertia = Annotated[
     Matrix3,

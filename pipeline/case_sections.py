@@ -5,7 +5,16 @@
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationInfo,
+    WithJsonSchema,
+    field_validator,
+    model_validator,
+)
 
 from heavylift.pipeline.fields import (
     AccelerationVector,
@@ -18,6 +27,7 @@ from heavylift.pipeline.fields import (
     QuantityString,
     Section,
     UniqueName,
+    quantity_schema,
     reject,
 )
 from heavylift.pipeline.quantity_names import parse_quantity_name
@@ -37,6 +47,12 @@ __all__ = [
 
 Index = Annotated[int, Field(ge=1, strict=True)]
 Time = Annotated[float, Quantity("time", minimum=0.0, closed=True)]
+
+
+def _not_blank(text: str) -> str:
+    if not text.strip():
+        reject(f"{text!r} says nothing", "where the reference comes from")
+    return text
 
 
 class GravitySection(Section):
@@ -162,9 +178,11 @@ class RunReference(Section):
 class ToleranceSection(Section):
     """Largest error that passes; exactly one of the two."""
 
-    relative: Annotated[float, Positive("number")] | None = None
-    """Error divided by the absolute value of the reference."""
-    absolute: float | None = None
+    relative: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0)] | None = None
+    """Error divided by the absolute value of the reference, below 1: zero itself would pass with 1."""
+    absolute: (
+        Annotated[float, WithJsonSchema(quantity_schema(exclusiveMinimum=0.0), mode="validation")] | None
+    ) = None
     """Error in the unit of the quantity: a number in SI, or a string with a unit."""
 
     @model_validator(mode="after")
@@ -188,16 +206,25 @@ def _reference_kind(value: Any) -> str:
     return "another run" if isinstance(value, (RunReference, dict)) else "value"
 
 
+Value = Annotated[float, Tag("value"), WithJsonSchema(quantity_schema(), mode="validation")]
 Reference = Annotated[
-    Annotated[float, Tag("value")] | Annotated[QuantityReference, Tag("another quantity")],
+    Value | Annotated[QuantityReference, Tag("another quantity")],
     Discriminator(_reference_kind),
 ]
 StudyReference = Annotated[
-    Annotated[float, Tag("value")]
+    Value
     | Annotated[QuantityReference, Tag("another quantity")]
     | Annotated[RunReference, Tag("another run")],
     Discriminator(_reference_kind),
 ]
+
+
+def _refuse_itself(quantity: str, reference: Any) -> None:
+    """A quantity that is compared with itself agrees whatever its value is."""
+    if isinstance(reference, QuantityReference) and reference.quantity == quantity:
+        reject(
+            f"{quantity!r} is compared with itself", "a value, or another quantity", key="reference.quantity"
+        )
 
 
 class CheckSection(Section):
@@ -211,7 +238,7 @@ class CheckSection(Section):
     """Number in SI, string with a unit, or ``{ quantity = ... }``."""
     tolerance: ToleranceSection
     """Largest error that passes."""
-    source: str
+    source: Annotated[str, AfterValidator(_not_blank), Field(json_schema_extra={"pattern": r"\S"})]
     """Where the reference comes from."""
 
     @field_validator("reference", mode="before")
@@ -230,6 +257,7 @@ class CheckSection(Section):
     def _relative_to_something(self) -> "CheckSection":
         if self.tolerance.relative is not None and self.reference == 0.0:
             reject("a relative tolerance about a reference of 0", "tolerance = { absolute = ... }")
+        _refuse_itself(self.quantity, self.reference)
         return self
 
 
@@ -252,3 +280,8 @@ class ConvergeSection(Section):
     @classmethod
     def _has_the_unit_of_the_quantity(cls, value: Any, info: ValidationInfo) -> Any:
         return value if isinstance(value, dict) else _in_unit_of(info.data.get("quantity"), value)
+
+    @model_validator(mode="after")
+    def _can_fail(self) -> "ConvergeSection":
+        _refuse_itself(self.quantity, self.reference)
+        return self

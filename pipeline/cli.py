@@ -143,7 +143,11 @@ def verify(
     quiet: Quiet = False,
     json: Json = False,
 ) -> int:
-    """Run cases and compare their numbers with the references; exit code 0 passed, 1 failed, 2 bad input."""
+    """Run cases and compare their numbers with the references.
+
+    Exit code: 0 if every check passed, 1 if some failed, 2 for bad input, above 2 if a run stopped before it got
+    to its checks; of several cases the largest.
+    """
 
     def command(log: "Log") -> int:
         from heavylift.pipeline.verify import check_table, exit_code, verify_case, verify_document
@@ -224,10 +228,9 @@ def _stages(
     """Run stages of a case; `own` are those that ``--force`` repeats."""
 
     def command(log: "Log") -> int:
-        from heavylift.pipeline.case import load_case
-        from heavylift.pipeline.stages import run_case
+        from heavylift.pipeline.stages import load_changed_case, run_case
 
-        case = load_case(path, overrides)
+        case = load_changed_case(path, overrides)
         if own == ("simulate",) and case.simulate is None:
             raise InputError(
                 "no [simulate] section", source=case.file, expected="step, output_interval, duration"

@@ -21,7 +21,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.quantity_names import RESERVED_NAMES, parse_quantity_name
-from heavylift.pipeline.units import KINDS, parse_quantity
+from heavylift.pipeline.units import KINDS, parse_quantity, with_article
 
 __all__ = [
     "AccelerationVector",
@@ -40,6 +40,7 @@ __all__ = [
     "Section",
     "UniqueName",
     "VelocityVector",
+    "quantity_schema",
     "reject",
 ]
 
@@ -67,9 +68,19 @@ class CaseContext:
         return info.context if isinstance(info.context, CaseContext) else None
 
 
-def reject(problem: str, expected: str) -> NoReturn:
-    """Raise a validation error that `heavylift.pipeline.case_errors` turns into an `InputError`."""
-    raise PydanticCustomError("case", "{problem}", {"problem": problem, "expected": expected})
+def reject(problem: str, expected: str, *, key: str = "", kind: str = "case") -> NoReturn:
+    """Raise a validation error that `heavylift.pipeline.case_errors` turns into an `InputError`.
+
+    Parameters
+    ----------
+    problem, expected
+        What is wrong, and what would have been right.
+    key
+        Dotted key below the validated table, if one key of it is to blame.
+    kind
+        ``"case"``, or ``"repeated"`` for a name that occurs again: told of its last occurrence only.
+    """
+    raise PydanticCustomError(kind, "{problem}", {"problem": problem, "expected": expected, "key": key})
 
 
 @dataclass(frozen=True)
@@ -97,20 +108,21 @@ class Quantity:
             number = parse_quantity(value, KINDS[self.kind])
         except InputError as error:
             reject(error.problem, error.expected)
-        unit = KINDS[self.kind].unit
+        name, unit = with_article(self.kind), KINDS[self.kind].unit
+        unit = "" if unit == "1" else f" {unit}"
         if self.minimum is not None and (
             number < self.minimum or (number == self.minimum and not self.closed)
         ):
             reject(
                 f"{value!r} is too small",
-                f"{self.kind} {'>=' if self.closed else '>'} {self.minimum:g} {unit}",
+                f"{name} {'>=' if self.closed else '>'} {self.minimum:g}{unit}",
             )
         if self.maximum is not None and (
             number > self.maximum or (number == self.maximum and not self.closed)
         ):
             reject(
                 f"{value!r} is too large",
-                f"{self.kind} {'<=' if self.closed else '<'} {self.maximum:g} {unit}",
+                f"{name} {'<=' if self.closed else '<'} {self.maximum:g}{unit}",
             )
         return number
 
@@ -120,17 +132,20 @@ class Quantity:
     def __get_pydantic_json_schema__(
         self, _schema: CoreSchema, _handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        unit = KINDS[self.kind].unit
-        number: dict[str, Any] = {"type": "number"}
+        number: dict[str, Any] = {}
         if self.minimum is not None:
             number["minimum" if self.closed else "exclusiveMinimum"] = self.minimum
         if self.maximum is not None:
             number["maximum" if self.closed else "exclusiveMaximum"] = self.maximum
-        text = {"type": "string", "pattern": r"^\s*[+-]?(\d|\.\d)"}
-        return {
-            "anyOf": [number, text],
-            "description": f"{self.kind}: number in {unit}, or a string with a unit",
-        }
+        unit = KINDS[self.kind].unit
+        return quantity_schema(f"{self.kind}: number in {unit}, or a string with a unit", **number)
+
+
+def quantity_schema(description: str = "", **limits: float) -> dict[str, Any]:
+    """JSON Schema of a number within limits, or a string that begins with a number."""
+    text = {"type": "string", "pattern": r"^\s*[+-]?(\d|\.\d)"}
+    schema: dict[str, Any] = {"anyOf": [{"type": "number", **limits}, text]}
+    return schema | ({"description": description} if description else {})
 
 
 def Positive(kind: str) -> Quantity:
@@ -167,7 +182,11 @@ def _unreserved(name: str, info: ValidationInfo) -> str:
     if name in RESERVED_NAMES:
         reject(f"{name!r} is the name of a channel of the whole scene", "another name")
     if context and context.names[name] > 1:
-        reject(f"{name!r} occurs {context.names[name]} times", "one body, force or sensor a name")
+        reject(
+            f"{name!r} occurs {context.names[name]} times",
+            "one body, force or sensor a name",
+            kind="repeated",
+        )
     return name
 
 
@@ -185,7 +204,7 @@ def _known_body(name: str, info: ValidationInfo) -> str:
 def _unique_check(name: str, info: ValidationInfo) -> str:
     context = CaseContext.of(info)
     if context and context.check_ids[name] > 1:
-        reject(f"{name!r} occurs {context.check_ids[name]} times", "one check an id")
+        reject(f"{name!r} occurs {context.check_ids[name]} times", "one check an id", kind="repeated")
     return name
 
 

@@ -25,10 +25,15 @@ _COLOURS = ("#1f5fa8", "#d1661a", "#2e8b57", "#8e3b9c", "#b8322a", "#4d6470", "#
 
 
 class Series(NamedTuple):
-    """One curve: what it is, and its values over time, shape (nt,)."""
+    """One curve: what it is, and its values over time, shape (nt,).
+
+    `aliased` says that it oscillates faster than half the sampling rate, so that its spectrum shows false
+    frequencies; they are not labelled.
+    """
 
     label: str
     values: NDArray[np.float64]
+    aliased: bool = False
 
 
 def history_plot(
@@ -102,7 +107,7 @@ def spectrum_plot(
     lines
         Frequencies [Hz] drawn as dashed lines, with short labels written at their upper ends.
     peak_count
-        So many peaks, the highest of all curves, are marked with their frequency.
+        So many peaks, the highest of all curves that are not aliased, are marked with their frequency.
     """
     figure = _figure(4.4)
     axes = figure.subplots()
@@ -116,7 +121,10 @@ def spectrum_plot(
         colour = _COLOURS[number % len(_COLOURS)]
         shown = spectrum.frequencies <= upper
         x, y = envelope(spectrum.frequencies[shown], spectrum.amplitudes[shown], 4000)
-        axes.plot(x / hertz.divisor, y / scale.divisor, color=colour, lw=1.1, label=_plain(curve.label))
+        name = _plain(curve.label) + (" (aliased)" if curve.aliased else "")
+        axes.plot(x / hertz.divisor, y / scale.divisor, color=colour, lw=1.1, label=name)
+        if curve.aliased:
+            continue
         peaks += [
             (amplitude, frequency, colour)
             for frequency, amplitude in spectrum_peaks(spectrum, count=peak_count)

@@ -8,13 +8,14 @@ from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from heavylift.pipeline.storage import digest_file, digest_json
+from heavylift.pipeline.storage import digest_file, digest_json, read_json
 
 if TYPE_CHECKING:
     from typing import Any
 
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_bodies import FlexibleBodySection
+    from heavylift.pipeline.storage import OutputFolder
 
 __all__ = ["mesh_digest", "modes_digest", "report_digest", "simulate_digest", "source_digest", "versions"]
 
@@ -118,9 +119,41 @@ def simulate_digest(case: Case) -> str:
     return _digest("simulate", {"bodies": bodies, **scene})
 
 
-def report_digest(case: Case) -> str:
-    """Digest of all that the report shows."""
-    upstream = [modes_digest(case, body) for body in case.bodies.values() if body.type == "flexible"]
+def report_digest(case: Case, folder: OutputFolder) -> str:
+    """Digest of all that the report shows: the case, and what the other stages have left in the folder.
+
+    What is there counts, not what should be there: a report of a run that was cut off, or of a damaged
+    file, is not the report of the whole run. Manifests stand for what they describe; large files count by
+    size and time of change, because reading them would take longer than anything else that is unchanged.
+    """
+    bodies = {name: body for name, body in case.bodies.items() if body.type == "flexible"}
+    current = [modes_digest(case, body) for body in bodies.values()]
     if case.simulate is not None:
-        upstream.append(simulate_digest(case))
-    return _digest("report", {"upstream": upstream, "document": case.document, "name": case.name})
+        current.append(simulate_digest(case))
+    found: dict[str, Any] = {
+        stage: {
+            "items": (read_json(folder.manifest(stage)) or {}).get("items"),
+            "files": [_identity(path(name)) for name in bodies],
+        }
+        for stage, path in (("mesh", folder.model), ("modes", folder.reduced))
+    }
+    manifest = read_json(folder.manifest("simulate")) or {}
+    segments = sorted(folder.segments.glob("segment_*")) if folder.segments.is_dir() else []
+    found["simulate"] = {
+        "manifest": {
+            key: manifest.get(key) for key in ("outcome", "message", "finished", "digest", "details")
+        },
+        "files": [_identity(path) for path in (folder.results, *segments)],
+    }
+    return _digest(
+        "report", {"current": current, "found": found, "document": case.document, "name": case.name}
+    )
+
+
+def _identity(path: Path) -> tuple[str, int, int] | None:
+    """Name, size [bytes] and time of the last change [ns] of a file; None if there is none."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return path.name, status.st_size, status.st_mtime_ns

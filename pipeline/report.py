@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
-from heavylift.numerics.outcome import InputError
+from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.picture_render import Renderer, RenderingUnavailableError
 from heavylift.pipeline.quantities import CheckResult, evaluate_checks
 from heavylift.pipeline.report_bodies import body_sections
@@ -20,10 +20,12 @@ from heavylift.pipeline.report_document import (
     to_html,
     to_markdown,
 )
+from heavylift.pipeline.report_inputs import input_section
 from heavylift.pipeline.report_run import (
     history_section,
     load_finite_results,
     provenance_section,
+    run_ending,
     run_section,
 )
 from heavylift.pipeline.storage import OutputFolder, replacing
@@ -100,12 +102,17 @@ def write_report(case: Case, folder: Path, out: Path) -> list[Path]:
             renderer.close()
     checks, open_checks = _checks(case, out)
     warnings = [Text(text, warning=True) for text in (problem, remedy) if text]
+    outcome, message = run_ending(stages, results) if case.simulate is not None else (None, "")
+    verdict = _stopped(outcome, message, checks) or _verdict(
+        case, checks, open_checks, simulated=results is not None
+    )
     document = Document(
         title=case.title,
         subtitle=f"case {case.name} · heavylift {version('heavylift')}",
         sections=(
-            Section("", (_verdict(case, checks, open_checks, simulated=results is not None), *warnings)),
+            Section("", (verdict, *warnings)),
             *([_check_section(checks, open_checks)] if case.check else []),
+            input_section(case),
             *run_section(case, stages, results),
             *sections,
             *history_section(case, stages, results, album),
@@ -147,8 +154,8 @@ def _checks(case: Case, out: Path) -> tuple[list[CheckResult], dict[str, str]]:
     """Checks that can be evaluated, and for the others by id why not."""
     try:
         return evaluate_checks(case, out), {}
-    except InputError:
-        pass
+    except (InputError, IndexError, ValueError):
+        pass  # one by one, to keep those that can be evaluated
     done: list[CheckResult] = []
     missing: dict[str, str] = {}
     for check in case.check:
@@ -156,7 +163,22 @@ def _checks(case: Case, out: Path) -> tuple[list[CheckResult], dict[str, str]]:
             done += evaluate_checks(case.model_copy(update={"check": (check,)}), out)
         except InputError as error:
             missing[check.id] = str(error).partition("; expected")[0]
+        except (IndexError, ValueError):  # statistics of a run that stopped before its first record
+            missing[check.id] = "cannot be evaluated from the records that there are"
     return done, missing
+
+
+def _stopped(outcome: Outcome | None, message: str, checks: list[CheckResult]) -> Verdict | None:
+    """Verdict on a simulation that did not reach its end; None for one that did, or has not run."""
+    if outcome is None or outcome is Outcome.COMPLETED:
+        return None
+    failed = [check.id for check in checks if not check.passed]
+    words = [outcome.text.removeprefix("stopped: "), message, "The results are those up to there"]
+    if failed:
+        words.append(f"Failed besides: {', '.join(failed)}")
+    text = ". ".join(word.strip().rstrip(".") for word in words if word.strip())
+    # an interrupted run can go on; one that stopped by itself has failed
+    return Verdict(f"Stopped: {text}.", passed=None if outcome is Outcome.INTERRUPTED else False)
 
 
 def _verdict(case: Case, checks: list[CheckResult], missing: dict[str, str], *, simulated: bool) -> Verdict:

@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.modal.reduced import EIGENMODE_RESIDUAL
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.model_io import read_model, read_reduced
 from heavylift.pipeline.report_document import Facts, Figure, Section, Table, Text
+from heavylift.pipeline.report_inputs import body_input_rows, mesh_input_rows
 from heavylift.pipeline.signals import scaled_unit
 
 if TYPE_CHECKING:
@@ -27,8 +29,13 @@ if TYPE_CHECKING:
 
 __all__ = ["body_sections"]
 
-_SHEET_MODES = 60  # modes on a contact sheet at most
+_SHEET_MODES = 30  # modes on a contact sheet at most, unless the case asks for more pictures
 _TABLE_MODES = 100  # rows of the table of modes at most
+_NOT_EIGENMODES = (
+    "“Not an eigenmode”: the vector belongs to the basis but is no eigenmode of the full model (relative residual "
+    f"{EIGENMODE_RESIDUAL:g} or more), as static, Krylov, component-mode and stored vectors after the Ritz step. "
+    "Its frequency is that of the reduced body, and its residual would say nothing about accuracy."
+)
 
 
 def body_sections(
@@ -56,18 +63,13 @@ def body_sections(
         Takes the pictures.
     """
     if body.type != "flexible":
-        centre = ", ".join(f"{value:.6g}" for value in body.centre_of_mass)
-        rows = (
-            ("mass", f"{body.mass:.8g} kg"),
-            ("centre of mass", f"({centre}) m"),
-            ("frame", body.frame.motion),
-        )
-        return [Section(f"Rigid body {name}", (Facts(rows),))]
+        return [Section(f"Rigid body {name}", (Facts(tuple(body_input_rows(body))),))]
     title = f"Flexible body {name}"
     try:
         model = read_model(stages.model(name))
     except InputError as error:
-        return [Section(title, (Text(f"No finite-element model: {error}", warning=True),))]
+        facts = Facts((*mesh_input_rows(body), *body_input_rows(body)))
+        return [Section(title, (facts, Text(f"No finite-element model: {error}", warning=True)))]
     painter = _painter(case, model, renderer)
     marks = _marks(model, body)
     items: list[Item] = [_model_facts(model, body)]
@@ -84,6 +86,8 @@ def body_sections(
     except InputError as error:
         return [*sections, Section(f"Modes of {name}", (Text(f"No modes: {error}", warning=True),))]
     items = [_modes_table(reduced)]
+    if not reduced.eigenmode_mask.all():
+        items.append(Text(_NOT_EIGENMODES))
     if painter is not None:
         items += _mode_figures(case, name, reduced, painter, album)
     sections.append(Section(f"Modes of {name}", tuple(items)))
@@ -142,13 +146,14 @@ def _model_facts(model: FEModel, body: Any) -> Facts:
     size = np.ptp(model.nodes, axis=0)
     unit = scaled_unit("m", [size])
     rows += [
+        *mesh_input_rows(body),
         ("mesh", _mesh_words(model)),
         ("size", " × ".join(f"{value / unit.divisor:.5g}" for value in size) + f" {unit.text}"),
         ("mass", f"{model.total_mass:.8g} kg ({'lumped' if model.is_lumped else 'consistent'} mass matrix)"),
     ]
     if model.mesh is not None:
         rows.append(("volume", f"{model.mesh.volume / unit.divisor**3:.8g} {unit.text}³"))
-    rows.append(("reference frame", f"{body.frame.motion}, origin: {body.frame.origin.replace('_', ' ')}"))
+    rows += body_input_rows(body)
     if body.modes.clamp:
         rows.append(("clamped", ", ".join(body.modes.clamp)))
     ratios = sorted({f"{ratio:.4g}" for ratio in body.modes.damping_ratio})
@@ -167,9 +172,12 @@ def _hertz(frequency: float) -> str:
 
 def _modes_table(reduced: ReducedBody) -> Table:
     rows = [
-        (str(number), label, f"{frequency:#.8g}", f"{residual:.1e}")
-        for number, (label, frequency, residual) in enumerate(
-            zip(reduced.labels, _frequencies(reduced), reduced.residuals, strict=True), start=1
+        (str(number), label, f"{frequency:#.8g}", f"{residual:.1e}" if eigenmode else "not an eigenmode")
+        for number, (label, frequency, residual, eigenmode) in enumerate(
+            zip(
+                reduced.labels, _frequencies(reduced), reduced.residuals, reduced.eigenmode_mask, strict=True
+            ),
+            start=1,
         )
     ]
     if len(rows) > _TABLE_MODES:
@@ -182,7 +190,7 @@ def _modes_table(reduced: ReducedBody) -> Table:
 def _mode_figures(case: Case, name: str, reduced: ReducedBody, painter: Painter, album: Album) -> list[Item]:
     frequencies = _frequencies(reduced)
     small = painter.resized(800, 540)  # two of them side by side
-    count = min(len(frequencies), _SHEET_MODES)
+    count = min(len(frequencies), max(_SHEET_MODES, len(case.report.modes)))
     figures: list[Item] = []
     share = case.report.deformation
     if count > 1:
@@ -190,7 +198,8 @@ def _mode_figures(case: Case, name: str, reduced: ReducedBody, painter: Painter,
         sheet = painter.contact_sheet(
             list(reduced.mode_shapes[:count]), labels, title=f"{name}: mode shapes", share=share
         )
-        figures.append(Figure(album.add(f"{name}_modes", sheet), f"The first {count} shapes of {name}."))
+        which = f"first {count} of {len(frequencies)}" if count < len(frequencies) else f"{count}"
+        figures.append(Figure(album.add(f"{name}_modes", sheet), f"The {which} shapes of {name}."))
     for number in case.report.modes:
         if number > len(frequencies):
             continue

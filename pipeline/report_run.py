@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.numerics.outcome import InputError
+from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.plots import Series, energy_plot, history_plot, spectrum_plot
 from heavylift.pipeline.quantities import energy_drift
 from heavylift.pipeline.report_document import Facts, Figure, Section, Table, Text
@@ -25,12 +25,14 @@ if TYPE_CHECKING:
     from heavylift.pipeline.report import Album
     from heavylift.pipeline.storage import OutputFolder
 
-__all__ = ["history_section", "load_finite_results", "provenance_section", "run_section"]
+__all__ = ["history_section", "load_finite_results", "provenance_section", "run_ending", "run_section"]
 
 _STAGES = ("mesh", "modes", "simulate")
 _CURVES = 6  # modal coordinates in one plot at most
 _PLOTS = 8  # histories chosen at most
 _SAMPLES = 16  # fewest samples of a spectrum
+_EXCITED = 1.0e-4  # amplitude of a mode that counts as excited, relative to the largest of its body
+_FAST = ("modal_position", "modal_velocity")
 
 
 def load_finite_results(case: Case, folder: Path) -> tuple[Results | None, str]:
@@ -39,6 +41,8 @@ def load_finite_results(case: Case, folder: Path) -> tuple[Results | None, str]:
         return None, ""
     try:
         results = load_results(case, folder)
+        if not len(results.time):
+            return results, "No time histories: the run ended before its first record."
         finite = np.isfinite(results.time)
         for name in results:
             finite &= np.isfinite(results[name].reshape(len(results.time), -1)).all(axis=1)
@@ -53,6 +57,20 @@ def load_finite_results(case: Case, folder: Path) -> tuple[Results | None, str]:
     if not count:
         return None, message
     return Results(results.source, results.time[:count], channels, columns, results.metadata), message
+
+
+def run_ending(stages: OutputFolder, results: Results | None) -> tuple[Outcome | None, str]:
+    """How the simulation ended and its message; no outcome if it has not run."""
+    manifest = read_json(stages.manifest("simulate"))
+    known = manifest if isinstance(manifest, dict) else {}
+    if results is not None and results.metadata.get("outcome"):
+        known = results.metadata
+    if known.get("outcome") == "unfinished":
+        return Outcome.INTERRUPTED, "The run was cut off or still goes on"
+    try:
+        return Outcome[str(known.get("outcome", "")).upper()], str(known.get("message") or "")
+    except KeyError:
+        return None, ""
 
 
 def run_section(case: Case, stages: OutputFolder, results: Results | None) -> list[Section]:
@@ -79,7 +97,7 @@ def run_section(case: Case, stages: OutputFolder, results: Results | None) -> li
         value = next((known[key] for key in keys if isinstance(known.get(key), (int, float))), None)
         if value is not None and math.isfinite(value):
             rows.append((label, words.format(value)))
-    if results is not None and "energy.balance" in results:
+    if results is not None and len(results.time) and "energy.balance" in results:
         rows.append(("largest drift of the energy balance", f"{energy_drift(results):.2e}, relative"))
     return [Section("Simulation", (Facts(tuple(row for row in rows if row[1])),))]
 
@@ -102,8 +120,14 @@ def history_section(case: Case, stages: OutputFolder, results: Results | None, a
         if name not in results
     ]
     items += [_history_figure(results, name, album) for name in wanted if name in results]
+    fast = {name: _unresolved(results, name, stages) for name in case.bodies}
+    items += [
+        Text(_alias_words(name, *modes, _nyquist(results)), warning=bool(modes[1]))
+        for name, modes in fast.items()
+        if modes[0]
+    ]
     for name in (name for name in spectra if name in results):
-        figure = _spectrum_figure(results, name, stages, album)
+        figure = _spectrum_figure(case, results, name, stages, fast, album)
         if figure is not None:
             items.append(figure)
     return [Section("Time histories", tuple(items))] if items else []
@@ -128,7 +152,7 @@ def provenance_section(case: Case, stages: OutputFolder) -> list[Section]:
     items: list[Facts | Table] = [
         Table(("stage", "outcome", "CPU time", "digest of its inputs", "versions"), tuple(rows))
     ]
-    facts = [("source", text) for text in case.sources] + [("override", text) for text in case.overrides]
+    facts = [("source", text) for text in case.sources]
     if facts:
         items.insert(0, Facts(tuple(facts)))
     return [Section("Provenance", tuple(items))]
@@ -208,16 +232,87 @@ def _history_figure(results: Results, name: str, album: Album) -> Figure:
     return Figure(album.add(f"history_{name}", content), f"{_words(name)} over time.")
 
 
-def _spectrum_figure(results: Results, name: str, stages: OutputFolder, album: Album) -> Figure | None:
+def _nyquist(results: Results) -> float:
+    """Half the rate of the records [Hz]; faster oscillations appear at false frequencies."""
+    return 0.5 / float(np.diff(results.time).mean())
+
+
+def _unresolved(results: Results, body: str, stages: OutputFolder) -> tuple[dict[str, float], list[str]]:
+    """Modes of a body that are too fast for the records, with their frequencies [Hz]; and which are excited."""
+    limit = _nyquist(results)
+    fast = {mode: f for mode, f in _reduced_frequencies(stages, body).items() if f > limit}
+    channel = f"{body}.modal_position"
+    if not fast or channel not in results:
+        return fast, []
+    ranges = np.ptp(results[channel].reshape(len(results.time), -1), axis=0)
+    size = dict(zip(results.components(channel), ranges, strict=True))
+    return fast, [mode for mode in fast if size.get(mode, 0.0) > _EXCITED * ranges.max(initial=0.0)]
+
+
+def _alias_words(body: str, fast: dict[str, float], excited: list[str], limit: float) -> str:
+    """Warning on natural frequencies above half the rate of the records."""
+    count, lowest = len(fast), min(fast.values())
+    text = (
+        f"{body}: {count} natural {'frequencies exceed' if count > 1 else 'frequency exceeds'} "
+        f"{_with_unit(limit, 'Hz')}, half the rate of the records (1/(2 output_interval)); the lowest is "
+        f"{_with_unit(lowest, 'Hz')}."
+    )
+    if not excited:
+        return f"{text} None of these modes is excited."
+    shown = ", ".join(excited[:10]) + (f" and {len(excited) - 10} more" if len(excited) > 10 else "")
+    return (
+        f"{text} Of these, {'modes' if len(excited) > 1 else 'mode'} {shown} "
+        f"{'are' if len(excited) > 1 else 'is'} excited: histories and spectra show them at false, lower "
+        "frequencies (aliasing). A shorter output_interval resolves them."
+    )
+
+
+def _aliased_curves(
+    case: Case,
+    name: str,
+    curves: list[Series],
+    fast: dict[str, tuple[dict[str, float], list[str]]],
+) -> list[Series]:
+    """Curves of a channel, those marked that oscillate faster than the records resolve.
+
+    A modal coordinate is marked if its own frequency is too high; any other quantity contains all modes that
+    are excited in its body, or in any body if it belongs to none.
+    """
+    owner, _, kind = name.partition(".")
+    if owner in fast and kind in _FAST:
+        return [c._replace(aliased=c.label.removeprefix("mode ") in fast[owner][0]) for c in curves]
+    owners = {sensor.name: sensor.body for sensor in case.sensors}
+    body = owners.get(owner, owner)
+    bodies = [body] if body in case.bodies else list(fast)
+    aliased = any(fast[b][1] for b in bodies if b in fast)
+    return [c._replace(aliased=aliased) for c in curves]
+
+
+def _spectrum_figure(
+    case: Case,
+    results: Results,
+    name: str,
+    stages: OutputFolder,
+    fast: dict[str, tuple[dict[str, float], list[str]]],
+    album: Album,
+) -> Figure | None:
     interval = float(np.diff(results.time).mean())
     curves = [curve for curve in _curves(results, name) if np.ptp(curve.values) > 0.0]
     if not curves or len(results.time) < _SAMPLES:
         return None
+    curves = _aliased_curves(case, name, curves, fast)
     lines = _reduced_frequencies(stages, name.partition(".")[0])
     owner, _, kind = _words(name).partition(": ")
     title = f"{owner}: amplitude spectrum of {kind}" if kind else f"{owner}: amplitude spectrum"
     content = spectrum_plot(interval, curves, title=title, unit=results.unit(name), lines=lines)
     caption = f"Amplitude spectrum of {_words(name)} (Hann window)."
+    aliased = [curve.label for curve in curves if curve.aliased]
+    if aliased:
+        which = "all curves" if len(aliased) == len(curves) else ", ".join(aliased)
+        caption += (
+            f" Aliased: {which}; natural frequencies above {_with_unit(_nyquist(results), 'Hz')}, half the rate "
+            "of the records, appear at false frequencies and are not labelled."
+        )
     if lines:
         caption += " Dashed: natural frequencies of the reduced body, by number."
     return Figure(album.add(f"spectrum_{name}", content), caption)

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["Scaled", "Spectrum", "amplitude_spectrum", "envelope", "scaled_unit", "spectrum_peaks"]
 
 _PREFIXES = ((1.0e9, "G"), (1.0e6, "M"), (1.0e3, "k"), (1.0, ""), (1.0e-3, "m"), (1.0e-6, "µ"), (1.0e-9, "n"))
+_PROMINENCE = 10.0  # of a peak over its neighbourhood
 _TAKES_PREFIX = re.compile(r"(m|s|N|J|W|Pa|Hz|rad)(?=$|[ /^])")
 
 
@@ -107,8 +108,10 @@ def spectrum_peaks(spectrum: Spectrum, *, count: int = 6, floor: float = 1.0e-3)
 
     Notes
     -----
-    A sinusoid of amplitude A leaks at most ``A / (pi x (x^2 - 1))`` to a frequency x widths away through a Hann
-    window, x > 2; what does not rise above twice that, summed over the higher peaks and their mirror images at
+    A peak stands ten times above its neighbourhood beyond the main lobe of the window (`_neighbourhood`); side
+    lobes, noise and the flanks of a slow drift do not. A sinusoid of amplitude A leaks at most
+    ``A / (pi x (x^2 - 1))`` to a frequency x widths away through a Hann window, x > 2; what does not rise above
+    twice that, summed over the higher peaks, what is slower than a peak is wide, and the mirror images at
     negative frequencies, is no peak. Frequencies are refined by a parabola through the logarithms of three lines.
     """
     f, a, width = spectrum
@@ -119,16 +122,41 @@ def spectrum_peaks(spectrum: Spectrum, *, count: int = 6, floor: float = 1.0e-3)
         (a[middle] > a[middle - 1]) & (a[middle] >= a[middle + 1]) & (a[middle] > floor * a.max())
     ]
     found: list[tuple[float, float]] = []
+    # what is slower than the main lobe is wide is no peak, but it leaks like one
+    slow = int(np.argmax(a[: max(1, int(np.searchsorted(f, 2.0 * width, side="right")))]))
+    sources = [(float(f[slow]), float(a[slow]))]
     for i in middle[np.argsort(-a[middle])]:
         left, top, right = np.log(np.maximum(a[i - 1 : i + 2], np.finfo(float).tiny))
         bend = left - 2.0 * top + right
         frequency = float(f[i] + (0.5 * (left - right) / bend if bend < 0.0 else 0.0) * (f[1] - f[0]))
-        leaked = sum(_leakage(frequency, other, width) * height for other, height in found)
-        if frequency > 2.0 * width and a[i] > 2.0 * leaked:
+        leaked = sum(_leakage(frequency, other, width) * height for other, height in (*sources, *found))
+        if (
+            frequency > 2.0 * width
+            and a[i] > 2.0 * leaked
+            and a[i] >= _PROMINENCE * _neighbourhood(spectrum, int(i))
+        ):
             found.append((frequency, float(a[i])))
             if len(found) == count:
                 break
     return sorted(found)
+
+
+def _neighbourhood(spectrum: Spectrum, place: int) -> float:
+    """Level of a spectrum two to six widths beside a line: outside the main lobe of a sinusoid there.
+
+    The level of each width is its largest line, the top of a side lobe; of the eight, four on either side, the
+    third smallest is taken, so that another sinusoid close by on one side does not hide this one.
+    """
+    f, a, width = spectrum
+    step = width / (f[1] - f[0])  # lines a width, two or more
+    tops = []
+    for start in range(2, 6):
+        near, far = int(np.ceil(start * step)), int(np.ceil((start + 1) * step))
+        for low, high in ((place + near, place + far), (place - far + 1, place - near + 1)):
+            part = a[max(low, 0) : max(high, 0)]
+            if part.size:
+                tops.append(float(part.max()))
+    return sorted(tops)[min(2, len(tops) - 1)] if tops else 0.0
 
 
 def _leakage(frequency: float, source: float, width: float) -> float:

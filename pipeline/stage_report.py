@@ -21,7 +21,7 @@ def report_stage(work: Work) -> StageReport:
     manifest_file = work.folder.manifest("report")
     folder = work.folder.stage("report")
     manifest = read_json(manifest_file) or {}
-    digest = report_digest(work.case)
+    digest = report_digest(work.case, work.folder)
     files = manifest.get("files", {})
     if "report" not in work.force and manifest.get("digest") == digest and files:
         if all(

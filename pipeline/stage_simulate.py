@@ -63,10 +63,12 @@ def simulate_stage(work: Work) -> StageReport:
         log.say(f"simulate: {folder.results} is {state}, simulated again")
     if forced:
         remove_segments(folder.segments)
-    return _simulate(work, digest)
+    cut_off = bool(manifest) and not manifest.get("finished")
+    return _simulate(work, digest, cut_off=cut_off)
 
 
-def _simulate(work: Work, digest: str) -> StageReport:
+def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
+    """Simulate; `cut_off` tells that an earlier run in this folder had begun and did not end."""
     from heavylift.pipeline.assemble_scene import assemble_scene
     from heavylift.solver.simulation import Simulation
 
@@ -74,20 +76,19 @@ def _simulate(work: Work, digest: str) -> StageReport:
     assert section is not None
     scene = assemble_scene(work.case, folder)
     simulation = Simulation(scene, section.step, section.integrator, record_every=section.record_every)
+    with contextlib.suppress(FileNotFoundError):
+        folder.results.unlink()  # from here on it would belong to other inputs
+    # before compiling, which may take long: a kill from here on leaves word that a run had begun
+    _write_manifest(work, digest, "unfinished", "", finished=False, details={})
     simulation.warm_up()
     compile_s = simulation.compile_seconds
     advancer = Advancer(simulation, folder.segments, digest, section.step_count)
-    left_over = folder.segments.is_dir() and any(folder.segments.iterdir())
     done = advancer.resume()
     if done:
         log.say(f"simulate: resumed from the checkpoint at t = {done * section.step:.9g} s, step {done}")
-    elif left_over:
-        log.say(
-            "simulate: restarted from t = 0, because what an earlier run left belongs to other inputs or is damaged"
-        )
-    with contextlib.suppress(FileNotFoundError):
-        folder.results.unlink()  # from here on it would belong to other inputs
-    _write_manifest(work, digest, "unfinished", "", finished=False, details={})
+    elif advancer.restart_reason or cut_off:
+        forced = "--force" if "simulate" in work.force else "nothing had been written"
+        log.say(f"simulate: restarted from t = 0: {advancer.restart_reason or forced}")
     try:
         with stop_requests() as stop, log.progress("simulate", section.step_count, done) as progress:
             outcome, message = advancer.run(stop, progress)
@@ -98,7 +99,7 @@ def _simulate(work: Work, digest: str) -> StageReport:
     details: dict[str, Any] = {
         "outcome": outcome.name.lower(),
         "steps": simulation.step_index,
-        "step_us": 1e6 * simulation.cpu_seconds / max(1, simulation.step_index),
+        "step_us": 1e6 * simulation.cpu_seconds / simulation.step_index if simulation.step_index else None,
         "cpu_s": simulation.cpu_seconds,
         "compile_s": compile_s,
         "energy_drift": None,
@@ -106,18 +107,27 @@ def _simulate(work: Work, digest: str) -> StageReport:
     finished = outcome is not Outcome.INTERRUPTED
     if finished:
         _merge(work, advancer, digest, outcome, message)
-    drift = _energy_drift(work)
-    details["energy_drift"] = drift if math.isfinite(drift) else None
+    if simulation.step_index:
+        drift = _energy_drift(work)
+        details["energy_drift"] = drift if math.isfinite(drift) else None
     _write_manifest(work, digest, details["outcome"], message, finished=finished, details=details)
     if finished:
         remove_segments(folder.segments)
-    log.say(
-        f"simulate: {outcome.text}: {details['steps']} steps, {details['step_us']:.2f} us a step, "
-        f"{details['cpu_s']:.2f} s CPU, compile {compile_s:.2f} s, energy drift {drift:.1e}"
-    )
+    log.say(f"simulate: {outcome.text}: {_words(details)}")
     return StageReport(
         "simulate", outcome, skipped=False, cpu_s=details["cpu_s"], message=message, details=details
     )
+
+
+def _words(details: dict[str, Any]) -> str:
+    """Numbers of a run for a person; those that mean nothing, as the speed of no step, are left out."""
+    words = [f"{details['steps']} steps"]
+    if details["step_us"] is not None:
+        words.append(f"{details['step_us']:.2f} us a step")
+    words += [f"{details['cpu_s']:.2f} s CPU", f"compile {details['compile_s']:.2f} s"]
+    if details["energy_drift"] is not None:
+        words.append(f"energy drift {details['energy_drift']:.1e}")
+    return ", ".join(words)
 
 
 def _merge(work: Work, advancer: Advancer, digest: str, outcome: Outcome, message: str) -> None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.numerics.outcome import InputError, InputErrors, Outcome
 from heavylift.pipeline.lock import locked
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.provenance import mesh_digest, modes_digest, source_digest, versions
@@ -22,9 +22,12 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_bodies import FlexibleBodySection
 
-__all__ = ["STAGES", "RunReport", "StageReport", "run_case"]
+__all__ = ["STAGES", "RunReport", "StageReport", "load_changed_case", "run_case"]
 
 STAGES = ("mesh", "modes", "simulate", "report")
+
+REPORTED = {Outcome.NOT_FINITE, Outcome.STEP_TOO_LARGE}
+"""Ends of a simulation that leave results worth a report; after the others there is no disk, or no wish."""
 
 
 @dataclass(frozen=True)
@@ -146,12 +149,13 @@ def run_case(
     Returns
     -------
     RunReport
-        A stage that stops by itself (diverged, interrupted, disk full) ends the run and says so here.
+        A stage that stops by itself (diverged, interrupted, disk full) ends the run and says so here. A
+        simulation that diverged still gets its report; the outcome of the run stays that of the simulation.
 
     Raises
     ------
     InputError
-        Bad input.
+        Bad input, or an output folder that cannot be one.
     StopError
         If another run holds the folder.
     """
@@ -165,6 +169,7 @@ def run_case(
         "report": report_stage,
     }
     folder = OutputFolder(Path(out) if out is not None else case.output_folder)
+    _check_folder(folder.root)
     work = Work(
         case=case,
         folder=folder,
@@ -181,9 +186,85 @@ def run_case(
                 done.append(runners[name](work))
             except StopError as error:
                 done.append(StageReport(name, error.outcome, skipped=False, cpu_s=0.0, message=str(error)))
-            if done[-1].outcome is not Outcome.COMPLETED:
+            except InputError as error:
+                if not done or done[-1].outcome is Outcome.COMPLETED:
+                    raise  # else it is the report of a run that stopped by itself, whose end matters more
+                work.log.say(f"{name}: {error}")
+                done.append(
+                    StageReport(name, Outcome.BAD_INPUT, skipped=False, cpu_s=0.0, message=str(error))
+                )
+            last = done[-1]
+            if last.outcome is not Outcome.COMPLETED and not (
+                name == "simulate" and last.outcome in REPORTED
+            ):
                 break
     return RunReport(folder, tuple(done))
+
+
+def _check_folder(root: Path) -> None:
+    """See that an output folder is a folder or can become one."""
+    for path in (root, *root.parents):
+        if path.is_dir():
+            return
+        if path.exists():
+            raise InputError(
+                f"{path} is a file",
+                source="output folder",
+                key=str(root) if path != root else "",
+                expected="a folder, or a path where one can be made; choose another --out",
+            )
+
+
+def load_changed_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
+    """Read a case as `heavylift.pipeline.load_case` does, and say so if an override made it inconsistent.
+
+    An override can be right by itself and contradict another key; the error then stands at that other key or
+    at the whole case. Overrides without which the case would be sound are named as its source.
+    """
+    from heavylift.pipeline.case import load_case
+
+    try:
+        return load_case(path, overrides)
+    except InputErrors as error:
+        if not overrides or all(part.source.startswith("--set") for part in error.errors):
+            raise
+        guilty = [
+            text
+            for index, text in enumerate(overrides)
+            if _loads(path, (*overrides[:index], *overrides[index + 1 :]))
+        ]
+        if not guilty and _loads(path, ()):
+            guilty = list(overrides)
+        if not guilty:
+            raise
+        raise InputErrors(
+            [
+                part
+                if part.source.startswith("--set")
+                else InputError(
+                    part.problem,
+                    source=_with_overrides(part.source, guilty),
+                    key=part.key,
+                    expected=part.expected,
+                )
+                for part in error.errors
+            ]
+        ) from None
+
+
+def _loads(path: Path | str, overrides: Sequence[str]) -> bool:
+    from heavylift.pipeline.case import load_case
+
+    try:
+        load_case(path, overrides)
+    except InputError:
+        return False
+    return True
+
+
+def _with_overrides(source: object, overrides: Sequence[str]) -> str:
+    """Source of an error: a case file, and what was changed of it."""
+    return " ".join([str(source), *(["with"] if overrides else []), *(f"--set {text}" for text in overrides)])
 
 
 def mesh_stage(work: Work) -> StageReport:
@@ -293,7 +374,9 @@ def _located(case: Case, name: str) -> Any:
             raise
         raise InputError(
             str(error).removesuffix(f"; expected {error.expected}"),
-            source=case.file,
+            source=_with_overrides(
+                case.file, [text for text in case.overrides if text.startswith(f"bodies.{name}.")]
+            ),
             key=f"bodies.{name}",
             expected=error.expected,
         ) from None

@@ -15,7 +15,15 @@ from typing import Any, NamedTuple
 
 from heavylift.numerics.outcome import InputError
 
-__all__ = ["KINDS", "Dimension", "Kind", "describe_dimension", "parse_quantity", "parse_unit"]
+__all__ = [
+    "KINDS",
+    "Dimension",
+    "Kind",
+    "describe_dimension",
+    "parse_quantity",
+    "parse_unit",
+    "with_article",
+]
 
 
 class Dimension(NamedTuple):
@@ -124,7 +132,7 @@ def parse_quantity(value: object, kind: Kind) -> float:
     InputError
         If the value is not a finite number, has an unknown unit or another dimension.
     """
-    expected = f"{_article(kind.name)} [{kind.unit}]" if kind.name != "number" else "a number"
+    expected = f"{with_article(kind.name)} [{kind.unit}]" if kind.name != "number" else "a number"
     if isinstance(value, str):
         number, unit = _split(value, expected)
         if not unit:
@@ -260,12 +268,12 @@ def describe_dimension(dimension: Dimension) -> str:
     """Words for a dimension: ``"a time"``, or its SI unit if it has no name."""
     for kind in KINDS.values():
         if kind.dimension == dimension:
-            return _article(kind.name)
+            return with_article(kind.name)
     symbols = ("m", "kg", "s", "rad")
     unit = " ".join(f"{s}^{p:g}" if p != 1 else s for s, p in zip(symbols, dimension, strict=True) if p)
     return f"a quantity in {unit}"
 
 
-def _article(noun: str) -> str:
+def with_article(noun: str) -> str:
     """The noun with its indefinite article."""
     return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.pipeline.case import load_case
 from heavylift.pipeline.case_sections import QuantityReference
 from heavylift.pipeline.quantity_names import parse_quantity_name
 from heavylift.pipeline.storage import StopError
@@ -16,6 +15,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from heavylift.pipeline.case import Case
+    from heavylift.pipeline.case_sections import CheckSection
     from heavylift.pipeline.log import Log
     from heavylift.pipeline.quantities import CheckResult
 
@@ -35,15 +35,18 @@ class CaseVerdict:
     cpu_s
         CPU time of its stages [s].
     checks
-        Every check; none if the stages did not complete.
+        Every check, if the case got to them.
+    missed
+        Every check, if it did not: they have no value and count as not passed.
     message
-        Why, if there are no checks.
+        Why, if it did not.
     """
 
     case: str
     outcome: Outcome
     cpu_s: float
     checks: tuple[CheckResult, ...] = ()
+    missed: tuple[CheckSection, ...] = ()
     message: str = ""
 
     def row(self) -> dict[str, Any]:
@@ -52,9 +55,24 @@ class CaseVerdict:
             "case": self.case,
             "outcome": self.outcome.name.lower(),
             "cpu_s": self.cpu_s,
-            "checks": [check.row() for check in self.checks],
+            "checks": [*(check.row() for check in self.checks), *(_missed_row(c) for c in self.missed)],
         }
         return {**row, "message": self.message} if self.message else row
+
+
+def _missed_row(check: CheckSection) -> dict[str, Any]:
+    """A check that was not reached, with the keys of `CheckResult.row`."""
+    tolerance = check.tolerance
+    return {
+        "id": check.id,
+        "value": None,
+        "reference": None if isinstance(check.reference, QuantityReference) else check.reference,
+        "error": None,
+        "tolerance": tolerance.relative if tolerance.relative is not None else tolerance.absolute,
+        "unit": parse_quantity_name(check.quantity).kind.unit,
+        "source": check.source,
+        "passed": False,
+    }
 
 
 def needed_stages(quantities: Sequence[str]) -> tuple[str, ...]:
@@ -69,24 +87,27 @@ def verify_case(
 ) -> CaseVerdict:
     """Run what the checks of a case need, and evaluate them; whatever goes wrong is in the verdict."""
     from heavylift.pipeline.quantities import evaluate_checks
-    from heavylift.pipeline.stages import run_case
+    from heavylift.pipeline.stages import load_changed_case, run_case
 
     name = path.resolve().parent.name if path.suffix == ".toml" else path.resolve().name
     cpu_s = 0.0
+    missed: tuple[CheckSection, ...] = ()
     try:
-        case = load_case(path, overrides)
+        case = load_changed_case(path, overrides)
+        missed = case.check
         stages = needed_stages(_quantities(case))
         report = run_case(case, out=out, stages=stages, force=stages if force else (), log=log)
         cpu_s = report.cpu_s
         if report.outcome is not Outcome.COMPLETED:
-            return CaseVerdict(name, report.outcome, cpu_s, message=report.message)
+            return CaseVerdict(name, report.outcome, cpu_s, missed=missed, message=report.message)
         checks = tuple(evaluate_checks(case, report.folder.root))
     except InputError as error:
-        return CaseVerdict(name, Outcome.BAD_INPUT, cpu_s, message=str(error))
+        return CaseVerdict(name, Outcome.BAD_INPUT, cpu_s, missed=missed, message=str(error))
     except StopError as error:
-        return CaseVerdict(name, error.outcome, cpu_s, message=str(error))
+        return CaseVerdict(name, error.outcome, cpu_s, missed=missed, message=str(error))
     except OSError as error:
-        return CaseVerdict(name, Outcome.BAD_INPUT, cpu_s, message=f"{error.filename}: {error.strerror}")
+        message = f"{error.filename}: {error.strerror}"
+        return CaseVerdict(name, Outcome.BAD_INPUT, cpu_s, missed=missed, message=message)
     passed = all(check.passed for check in checks)
     return CaseVerdict(name, Outcome.COMPLETED if passed else Outcome.CHECK_FAILED, cpu_s, checks)
 
@@ -107,11 +128,12 @@ def verify_document(verdicts: Sequence[CaseVerdict]) -> dict[str, Any]:
 
 
 def exit_code(verdicts: Sequence[CaseVerdict]) -> int:
-    """0 if every check of every case passed, 2 if an input is bad, else 1."""
-    outcomes = {verdict.outcome for verdict in verdicts}
-    if Outcome.BAD_INPUT in outcomes:
-        return int(Outcome.BAD_INPUT)
-    return 0 if outcomes <= {Outcome.COMPLETED} else int(Outcome.CHECK_FAILED)
+    """Exit code of ``verify``: the largest code among the cases.
+
+    0 only if every check of every case passed; 1 if all cases got to their checks and some failed; 2 if an input
+    is bad; the code of its outcome, all above 2, for a case that stopped before it got to its checks.
+    """
+    return max((int(verdict.outcome) for verdict in verdicts), default=0)
 
 
 def check_table(verdict: CaseVerdict) -> list[str]:
@@ -119,6 +141,9 @@ def check_table(verdict: CaseVerdict) -> list[str]:
     lines = [f"{verdict.case}: {verdict.outcome.text}, {verdict.cpu_s:.1f} s CPU"]
     if verdict.message:
         lines += [f"  {line}" for line in verdict.message.splitlines()]
+    if not verdict.checks and not verdict.missed and verdict.outcome is Outcome.COMPLETED:
+        lines.append("  no checks")
+    lines += [f"  {check.id}: not reached, FAILED" for check in verdict.missed]
     if verdict.checks:
         width = max(len(check.id) for check in verdict.checks)
         lines.append(

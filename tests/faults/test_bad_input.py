@@ -23,6 +23,11 @@ BRICK = np.array(
             "did you mean 'poisson_ratio'",
         ),
         ('"7800 kg/m^3"', '"steel"', "bodies.beam.material.density", "'steel' is not a number"),
+        ("count = 3", "count = -3", "bodies.beam.modes.count", "-3 is too small"),
+        ("count = 3", "count = true", "bodies.beam.modes.count", "True is not an integer"),
+        ('point = ["200 mm"', 'point = ["2 V"', "sensors.0.point.0", "measured in"),
+        ("relative = 1e-4", "relative = 2", "check.1.tolerance.relative", "2 is too large"),
+        ('motion = "fixed"', 'motion = "free"', "bodies.beam.modes.clamp", "holds nodes"),
         ('to = ["200 mm"', 'to = ["200 s"', "bodies.beam.geometry.add.0.to.0", "'200 s' is a time"),
         ('"210 GPa"', "inf", "bodies.beam.material.young_modulus", "not finite"),
         ('"7800 kg/m^3"', "-7800", "bodies.beam.material.density", "too small"),
@@ -39,6 +44,7 @@ def test_a_wrong_value_is_one_line_with_file_key_and_expectation(
     (line,) = [line for line in text.splitlines() if words in line]
     assert f"{small_case / 'case.toml'}: {key}: " in line
     assert "expected" in line
+    assert text.count("case.toml: ") == 1  # nothing that only follows from the mistake
     assert not (small_case / "out").exists()
 
 
@@ -81,6 +87,14 @@ def test_a_path_outside_the_case(heavylift, small_case, edit, how):
     assert f"{name!r} leaves the case folder" in result.error
 
 
+def test_a_sensor_off_the_body(heavylift, small_case, edit):
+    edit(small_case, ('point = ["200 mm"', 'point = ["200 cm"'))
+    result = heavylift("simulate", small_case)
+    assert result.code == 2
+    assert f"{small_case / 'case.toml'}: sensors.0.point: point (2000, 20, 10) mm is not on" in result.error
+    assert len(result.error.splitlines()) == 1
+
+
 def mesh_case(folder, edit, nodes, cells):
     """Make the geometry of a case a mesh file."""
     import meshio
@@ -118,7 +132,8 @@ def test_more_modes_than_degrees_of_freedom(heavylift, small_case):
     assert result.code == 2
     assert "97 modes requested" in result.error
     assert "1 to 96" in result.error
-    assert "bodies.beam" in result.error
+    assert "bodies.beam.modes.count: 97" in result.error
+    assert len(result.error.splitlines()) == 1
 
 
 def four_files(folder, edit, entry):

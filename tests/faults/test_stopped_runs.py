@@ -73,6 +73,16 @@ def same(found, reference):
         assert np.array_equal(found[name], reference[name]), name
 
 
+def not_reached(row, outcome):
+    """A verdict on a case that did not get to its two checks."""
+    assert row["outcome"] == outcome
+    assert [check["id"] for check in row["checks"]] == ["mass", "ringdown_1"]
+    for check in row["checks"]:
+        assert list(check) == ["id", "value", "reference", "error", "tolerance", "unit", "source", "passed"]
+        assert check["value"] is None
+        assert check["passed"] is False
+
+
 def test_sigkill(heavylift, small_case, reference, slow_run):
     process = slow_run(small_case)
     os.kill(process.pid, signal.SIGKILL)
@@ -124,8 +134,8 @@ def test_two_runs_in_one_folder(heavylift, small_case, slow_run):
     assert process.poll() is None
     assert heavylift("mesh", small_case, "--out", small_case / "other").code == 0
     result = heavylift("verify", small_case, "--json")
-    assert result.code == 1
-    assert json.loads(result.out)["cases"][0]["outcome"] == "locked"
+    assert result.code == Outcome.LOCKED
+    not_reached(json.loads(result.out)["cases"][0], "locked")
 
 
 def test_a_full_disk_while_simulating(heavylift, small_case, reference, monkeypatch):
@@ -222,7 +232,15 @@ def test_a_run_that_stops_by_itself_keeps_its_results_and_is_not_repeated(heavyl
     assert again.code == Outcome.NOT_FINITE
     assert "unchanged, skipped" in again.out
     assert "body 'beam'" in again.error
-    assert heavylift("verify", small_case).code == 1
+    result = heavylift("verify", small_case, "--json")
+    assert result.code == Outcome.NOT_FINITE
+    not_reached(json.loads(result.out)["cases"][0], "not_finite")
+    result = heavylift("verify", small_case)
+    assert result.out.count("not reached, FAILED") == 2
+    result = heavylift("run", small_case)
+    assert result.code == Outcome.NOT_FINITE
+    assert "body 'beam'" in result.error
+    assert "Stopped: a value is not finite" in report_text(small_case)
     assert heavylift("simulate", small_case, "--force").code == 0
 
 
@@ -238,3 +256,82 @@ def test_energies_beyond_all_numbers_are_no_json_errors(heavylift, small_case):
     )
     document = json.loads(result.out, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
     assert document["energy_drift"] is None
+
+
+def report_text(folder):
+    return (folder / "out" / "report" / "report.md").read_text()
+
+
+def test_the_report_of_a_killed_run_is_made_anew_when_the_run_is_whole(heavylift, small_case, slow_run):
+    process = slow_run(small_case)
+    os.kill(process.pid, signal.SIGKILL)
+    process.communicate()
+    assert heavylift("report", small_case, *LONG).code == 0
+    assert "unfinished" in report_text(small_case)
+    assert "unchanged" in heavylift("report", small_case, *LONG).out
+    assert heavylift("simulate", small_case, *LONG).code == 0
+    assert "unchanged" not in heavylift("report", small_case, *LONG).out
+    assert "completed" in report_text(small_case)
+    assert "unfinished" not in report_text(small_case)
+    assert heavylift("run", small_case, *LONG).out.count("unchanged, skipped") == 4
+
+
+def test_a_run_killed_before_its_first_segment_says_that_it_restarts(heavylift, small_case, monkeypatch):
+    from heavylift.solver.simulation import Simulation
+
+    class KilledError(BaseException):
+        """Ends a process where it stands, as far as the disk is concerned."""
+
+    def killed(*_arguments):
+        raise KilledError
+
+    for method in ("warm_up", "advance"):
+        monkeypatch.setattr(Simulation, method, killed)
+        with pytest.raises(KilledError):
+            heavylift("simulate", small_case)
+        monkeypatch.undo()
+        result = heavylift("simulate", small_case, "--set", "simulate.duration=1 ms")
+        assert result.code == 0
+        assert "simulate: restarted from t = 0: nothing had been written" in result.out
+    result = heavylift("simulate", small_case, "--set", "simulate.duration=2 ms")
+    assert "restarted" not in result.out  # the run before was whole, this is another one
+
+
+def test_a_run_that_stops_before_its_first_step_has_no_speed_and_no_drift(heavylift, small_case, monkeypatch):
+    from heavylift.solver.simulation import Simulation
+
+    def nothing(self, _steps):
+        self.outcome, self.message = Outcome.NOT_FINITE, "not finite at t = 0 s, body 'beam'"
+        return np.empty(0), np.empty((0, self.column_count))
+
+    monkeypatch.setattr(Simulation, "advance", nothing)
+    result = heavylift("simulate", small_case, "--json")
+    document = json.loads(result.out)
+    assert result.code == Outcome.NOT_FINITE
+    assert (document["steps"], document["step_us"], document["energy_drift"]) == (0, None, None)
+    assert "0 steps, " in result.error
+    assert "us a step" not in result.error
+    assert "drift" not in result.error
+    result = heavylift("run", small_case)
+    assert result.code == Outcome.NOT_FINITE
+    assert "Stopped: a value is not finite" in report_text(small_case)
+
+
+def test_a_report_that_cannot_be_made_does_not_hide_how_the_run_ended(heavylift, small_case, monkeypatch):
+    from heavylift.numerics.outcome import InputError
+    from heavylift.pipeline import report
+    from heavylift.solver.simulation import Simulation
+
+    def nothing(self, _steps):
+        self.outcome, self.message = Outcome.NOT_FINITE, "not finite at t = 0 s, body 'beam'"
+        return np.empty(0), np.empty((0, self.column_count))
+
+    def refused(*_arguments):
+        raise InputError("no picture of this")
+
+    monkeypatch.setattr(Simulation, "advance", nothing)
+    monkeypatch.setattr(report, "write_report", refused)
+    result = heavylift("run", small_case)
+    assert result.code == Outcome.NOT_FINITE
+    assert "body 'beam'" in result.error
+    assert "report: no picture of this" in result.out

@@ -48,3 +48,13 @@ def test_fields_must_fit(body, key, value):
     fields = {name: getattr(body, name) for name in body.__dataclass_fields__} | {key: value}
     with pytest.raises(InputError, match="reduced body"):
         ReducedBody(**fields)
+
+
+def test_residuals_count_for_eigenmodes_only(body):
+    fields = {name: getattr(body, name) for name in body.__dataclass_fields__}
+    mixed = ReducedBody(**fields | {"residuals": np.array([3e-9, 0.8])})
+    assert mixed.eigenmode_mask.tolist() == [True, False]
+    assert mixed.largest_eigenmode_residual == 3e-9
+    none = ReducedBody(**fields | {"residuals": np.array([0.02, np.nan])})
+    assert none.eigenmode_mask.tolist() == [False, False]
+    assert none.largest_eigenmode_residual is None

@@ -59,6 +59,38 @@ def test_a_mixed_basis_gives_unit_mass_and_diagonal_stiffness(any_beam, clamp, m
     assert len(set(body.labels)) == body.mode_count == 8
 
 
+def test_a_mixture_does_not_bear_the_name_of_one_vector(any_beam, clamp):
+    modes = eigenmodes(any_beam, 4, fixed_nodes=clamp)
+    phi = modes.shapes
+    # the Ritz step finds modes 1 and 3 in two equal mixtures of them, mode 4 in itself with a little of mode 2
+    vectors = np.column_stack([phi[:, 0] + phi[:, 2], phi[:, 0] - phi[:, 2], phi[:, 3] + 0.1 * phi[:, 1]])
+    body = reduce_body(any_beam, vectors, ["sum", "difference", "fourth"], fixed_nodes=clamp, mean_axis=False)
+    assert body.labels == ("Ritz vector 1", "Ritz vector 2", "fourth")
+    # 0.8 and 0.6 of a vector are a mixture too, although one part is larger
+    vectors = np.column_stack([0.8 * phi[:, 0] + 0.6 * phi[:, 2], 0.6 * phi[:, 0] - 0.8 * phi[:, 2]])
+    body = reduce_body(any_beam, vectors, ["a", "b"], fixed_nodes=clamp, mean_axis=False)
+    assert body.labels == ("Ritz vector 1", "Ritz vector 2")
+
+
+def test_eigenmodes_keep_their_names_beside_static_vectors(any_beam, clamp, mixed):
+    body = reduce_body(any_beam, mixed.vectors, mixed.labels, fixed_nodes=clamp, mean_axis=False)
+    assert body.labels[:6] == tuple(f"eigenmode {k + 1}" for k in range(6))
+    assert body.eigenmode_mask[:6].all()
+    assert not body.eigenmode_mask[-1]
+
+
+def test_names_of_a_multiple_eigenvalue_are_kept():
+    # two equal springs: the Ritz step may turn the pair of vectors by any angle
+    turned = np.array([[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]])
+    from heavylift.modal.reduction import _matched
+
+    names = _matched(turned, np.array([4.0, 4.0, 9.0]), [0, 1, 2], ["a", "b", "c"])
+    assert sorted(names[:2]) == ["a", "b"]
+    assert names[2] == "c"
+    apart = _matched(turned, np.array([4.0, 5.0, 9.0]), [0, 1, 2], ["a", "b", "c"])
+    assert apart == ("Ritz vector 1", "Ritz vector 2", "c")
+
+
 def test_mean_axis_shapes_have_no_momentum(any_beam, clamp, mixed):
     body = reduce_body(
         any_beam, mixed.vectors, mixed.labels, fixed_nodes=clamp, origin=(0.4, -0.3, 0.2), mean_axis=True

@@ -73,6 +73,7 @@ def test_a_stopped_run_goes_on_bit_for_bit(tmp_path, fake_simulation, whole, kep
     second = Advancer(fake_simulation(), folder, "d", STEPS)
     done = second.resume()
     assert done == (written[kept - 1].header["step_index"] if kept else 0)
+    assert second.restart_reason == ("" if kept else "what an earlier run left is damaged")
     outcome, _ = second.run(StopRequest(), quiet)
     assert outcome is Outcome.COMPLETED
     times, records = history(folder)
@@ -85,6 +86,7 @@ def test_other_inputs_start_anew(tmp_path, fake_simulation, whole):
     Advancer(fake_simulation(), folder, "old", 500).run(StopRequest(), quiet)
     fresh = Advancer(fake_simulation(), folder, "d", STEPS)
     assert fresh.resume() == 0
+    assert "other inputs" in fresh.restart_reason
     fresh.run(StopRequest(), quiet)
     assert np.array_equal(history(folder)[1], whole[1])
 

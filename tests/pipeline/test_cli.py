@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import statistics
 import subprocess
 import sys
@@ -171,3 +172,81 @@ def test_importing_the_command_line_imports_no_library_it_does_not_need():
     code = f"import sys, heavylift.pipeline.cli; print(sorted({unwanted} & set(sys.modules)))"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "[]"
+
+
+SHORT = ("--set", "simulate.duration=1 ms")
+
+
+def test_the_report_follows_what_the_other_stages_have_left(heavylift, small_case):
+    report = small_case / "out" / "report" / "report.md"
+    heavylift("modes", small_case, *SHORT)
+    heavylift("report", small_case, *SHORT)
+    early = report.read_text()
+    _, out, _ = heavylift("run", small_case, *SHORT)
+    assert "report: unchanged" not in out
+    whole = report.read_text()
+    assert "1 ms" in whole
+    assert whole != early
+    results = small_case / "out" / "simulate" / "results.h5"
+    results.write_bytes(results.read_bytes()[:5000])
+    _, out, _ = heavylift("report", small_case, *SHORT)
+    assert "unchanged" not in out
+    assert "results.h5" in report.read_text()
+    _, out, _ = heavylift("run", small_case, *SHORT)
+    assert "report: unchanged" not in out
+    begin = time.perf_counter()
+    _, out, _ = heavylift("run", small_case, *SHORT)
+    assert time.perf_counter() - begin < 0.5
+    assert out.count("unchanged, skipped") == 4
+
+
+def test_progress_without_a_terminal_is_lines_on_standard_error(heavylift, small_case, monkeypatch):
+    from heavylift.pipeline import log
+
+    monkeypatch.setattr(log, "PROGRESS_SECONDS", 0.0)
+    code, out, error = heavylift("simulate", small_case)
+    assert code == 0
+    lines = [line for line in error.splitlines() if line.startswith("simulate: t = ")]
+    assert lines
+    assert all(re.fullmatch(r"simulate: t = \S+ s, \d+\.\d %, about \d+ s left", line) for line in lines)
+    assert "% " not in out
+    assert heavylift("simulate", small_case, "--force", "--quiet") == (0, "", "")
+
+
+@pytest.mark.parametrize("place", ["taken", "taken/below"])
+def test_an_output_folder_that_is_a_file(heavylift, small_case, place):
+    (small_case / "taken").write_text("mine")
+    for command in ("mesh", "verify", "report"):
+        code, out, error = heavylift(command, small_case, "--out", small_case / place)
+        assert code == 2
+        assert "taken is a file; expected a folder" in out + error
+        assert "--out" in out + error
+    assert (small_case / "taken").read_text() == "mine"
+
+
+def test_a_contradiction_that_an_override_made_names_the_override(heavylift, small_case):
+    file = small_case / "case.toml"
+    file.write_text(file.read_text().replace('"ringdown.beam.1"', '"ringdown.beam.3"'))
+    override = "bodies.beam.modes.count=2"
+    code, _, error = heavylift("mesh", small_case, *SHORT, "--set", override)
+    assert code == 2
+    assert "vector 3 of 2" in error
+    assert f"case.toml with --set {override}" in error
+    assert "duration" not in error
+    file.write_text(file.read_text().replace('"ringdown.beam.3"', '"ringdown.beam.7"'))
+    _, _, error = heavylift("mesh", small_case, *SHORT)
+    assert "vector 7 of 3" in error
+    assert "--set" not in error
+
+
+def test_a_case_without_checks_says_so(heavylift, small_case):
+    code, out, _ = heavylift("verify", small_case, "--set", "check=[]")
+    assert code == 0
+    assert "no checks" in out
+    assert "no checks" not in heavylift("verify", small_case)[1]
+
+
+def test_of_several_cases_the_largest_code_counts(heavylift, small_case):
+    code, out, _ = heavylift("verify", small_case, small_case / "none", "--json")
+    assert code == 2
+    assert [row["outcome"] for row in json.loads(out)["cases"]] == ["completed", "bad_input"]

@@ -46,6 +46,36 @@ def test_peaks_are_the_sinusoids_and_not_their_side_lobes():
     assert spectrum_peaks(amplitude_spectrum(np.ones(100), INTERVAL)) == []
 
 
+def test_noise_and_the_side_lobes_of_a_drift_are_no_peaks():
+    drift = amplitude_spectrum(TIMES**2 + np.sin(2.0 * np.pi * 2.2 * TIMES), INTERVAL)
+    assert spectrum_peaks(drift, floor=1e-9) == []
+    noise = np.random.default_rng(5).normal(size=len(TIMES))
+    assert spectrum_peaks(amplitude_spectrum(noise, INTERVAL)) == []
+    sine = 2.0 * np.sin(2.0 * np.pi * 431.0 * TIMES)
+    ((found, _),) = spectrum_peaks(amplitude_spectrum(sine + 0.5 * noise, INTERVAL))
+    assert found == pytest.approx(431.0, abs=0.1)
+    pair = sine + np.sin(2.0 * np.pi * 441.0 * TIMES)  # five widths apart
+    found = [f for f, _ in spectrum_peaks(amplitude_spectrum(pair, INTERVAL))]
+    np.testing.assert_allclose(found, [431.0, 441.0], atol=0.1)
+
+
+def test_an_aliased_curve_is_named_and_its_peaks_are_not_labelled(monkeypatch):
+    from matplotlib.axes import Axes
+
+    written, names = [], []
+    annotate, plot = Axes.annotate, Axes.plot
+    monkeypatch.setattr(
+        Axes, "annotate", lambda self, text, *a, **k: written.append(text) or annotate(self, text, *a, **k)
+    )
+    monkeypatch.setattr(
+        Axes, "plot", lambda self, *a, **k: names.append(k.get("label")) or plot(self, *a, **k)
+    )
+    slow, fast = (np.sin(2.0 * np.pi * f * TIMES) for f in (300.0, 9000.0))  # 9 kHz shows at 1 kHz
+    spectrum_plot(INTERVAL, [Series("a", slow), Series("b", fast, aliased=True)], title="t", unit="m")
+    assert written == ["300 Hz"]
+    assert "b (aliased)" in names
+
+
 def test_envelope_keeps_every_extreme_in_order():
     generator = np.random.default_rng(1)
     times = np.arange(100_003) * 0.01

@@ -1,5 +1,6 @@
 """The report: everything the stages left is in it, nothing that is missing stops it, no text breaks its markup."""
 
+import dataclasses
 import html.parser
 import json
 import re
@@ -15,6 +16,7 @@ from heavylift.pipeline import picture_render, report
 from heavylift.pipeline.case import load_case
 from heavylift.pipeline.model_io import write_model, write_reduced
 from heavylift.pipeline.report import write_report
+from heavylift.pipeline.report_bodies import body_sections
 from heavylift.pipeline.report_document import Document, Facts, Section, Table, Text, to_html, to_markdown
 from heavylift.pipeline.results import FORMAT
 from heavylift.pipeline.storage import OutputFolder, write_json
@@ -106,7 +108,7 @@ def write_bodies(out):
     return stages, reduced
 
 
-def write_results(out, last_finite=None):
+def write_results(out, last_finite=None, records=1001, **attributes):
     times = np.arange(1001) * 1e-3
     history = 1e-3 * np.column_stack([np.sin(2.0 * np.pi * f * times) for f in FREQUENCIES])
     if last_finite is not None:
@@ -124,10 +126,10 @@ def write_results(out, last_finite=None):
         target.attrs.update(
             {"format": FORMAT, "outcome": "completed", "channel_order": json.dumps(list(channels))}
         )
-        target.attrs.update({"steps": 1000, "cpu_s": 0.25, "message": ""})
-        target["time"] = times
+        target.attrs.update({"steps": 1000, "cpu_s": 0.25, "message": ""} | attributes)
+        target["time"] = times[:records]
         for name, (unit, components, data) in channels.items():
-            dataset = target.create_dataset(f"channels/{name}", data=data)
+            dataset = target.create_dataset(f"channels/{name}", data=data[:records])
             dataset.attrs.update({"unit": unit, "components": json.dumps(components), "column": 0})
 
 
@@ -258,6 +260,181 @@ def test_diverged_history_is_shown_up_to_its_last_finite_value(case, tmp_path, m
     assert "not finite from t = 0.301 s on" in text
     assert "301 records" in text
     assert "energy.png" in files
+
+
+@pytest.mark.parametrize("records", [0, 1, 301])
+def test_a_run_that_stopped_by_itself_is_the_verdict(case, tmp_path, monkeypatch, records):
+    monkeypatch.setattr(report, "_renderer", lambda: (None, ""))
+    out = tmp_path / "out"
+    stages, reduced = write_bodies(out)
+    write_reduced(stages.reduced("bar"), reduced, {})
+    message = "at t = 0.301 s the modal coordinates of bar are not finite"
+    write_results(out, records=records, outcome="not_finite", message=message)
+    files, _, text, markdown = read(write_report(case, out / "report", out))
+    page = files["report.html"].read_text(encoding="utf-8")
+    box = re.search(r'<p class="verdict failed">(.*?)</p>', page).group(1)
+    assert box.startswith(f"Stopped: a value is not finite. {message}.")
+    assert "Failed besides: second" in box
+    assert f"**{box}**" in markdown
+    assert "first" in text
+    assert "not_finite" in text
+
+
+def test_a_run_that_stopped_without_any_file_is_the_verdict(case, tmp_path, monkeypatch):
+    monkeypatch.setattr(report, "_renderer", lambda: (None, ""))
+    out = tmp_path / "out"
+    manifest = {"outcome": "step_too_large", "message": "bar turns 2 rad a step"}
+    write_json(OutputFolder(out).manifest("simulate"), manifest)
+    _, _, text, _ = read(write_report(case, out / "report", out))
+    assert "Stopped: the step is too large for the rotation speed. bar turns 2 rad a step." in text
+    manifest = {"outcome": "interrupted", "message": ""}
+    write_json(OutputFolder(out).manifest("simulate"), manifest)
+    files, *_ = read(write_report(case, out / "report", out))
+    assert '<p class="verdict open">Stopped: interrupted.' in files["report.html"].read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("fast", "warned"), [(95.0, False), (1095.0, True)])
+def test_frequencies_that_the_records_cannot_resolve_are_called_false(
+    case, tmp_path, monkeypatch, fast, warned
+):
+    """Sampled every millisecond, 1095 Hz and 95 Hz have the same records."""
+    monkeypatch.setattr(report, "_renderer", lambda: (None, ""))
+    out = tmp_path / "out"
+    stages, reduced = write_bodies(out)
+    eigenvalues = (2.0 * np.pi * np.array([40.0, fast])) ** 2
+    write_reduced(stages.reduced("bar"), dataclasses.replace(reduced, eigenvalues=eigenvalues), {})
+    write_results(out)
+    files, _, text, _ = read(write_report(case, out / "report", out))
+    page = files["report.html"].read_text(encoding="utf-8")
+    warning = [words for words in re.findall(r'<p class="warning">(.*?)</p>', page) if "aliasing" in words]
+    assert len(warning) == int(warned)
+    assert ("Aliased: mode 2; natural frequencies above 500 Hz" in text) == warned
+    if warned:
+        assert "1 natural frequency exceeds 500 Hz" in warning[0]
+        assert "mode 2 is excited" in warning[0]
+
+
+def test_only_eigenmodes_have_a_residual(case, tmp_path):
+    stages, reduced = write_bodies(tmp_path / "out")
+    for residuals, cells in (
+        ([1e-9, 2e-9], ["1.0e-09", "2.0e-09"]),
+        ([1e-9, 0.7], ["1.0e-09", "not an eigenmode"]),
+    ):
+        body = dataclasses.replace(reduced, residuals=np.array(residuals))
+        write_reduced(stages.reduced("bar"), body, {})
+        section = body_sections(case, "bar", case.bodies["bar"], stages, None, None, None)[1]
+        assert [row[-1] for row in section.items[0].rows] == cells
+        notes = [item.text for item in section.items if isinstance(item, Text)]
+        assert len(notes) == cells.count("not an eigenmode")
+        assert all("no eigenmode of the full model" in note for note in notes)
+
+
+@pytest.mark.parametrize(("wanted", "drawn_count"), [(2, 30), (33, 33)])
+def test_the_contact_sheet_is_limited(case, tmp_path, wanted, drawn_count):
+    from heavylift.pipeline.report_bodies import _mode_figures
+
+    class Sheets:
+        has_outline = True
+
+        def resized(self, *_):
+            return self
+
+        def mode(self, *_, **__):
+            return b""
+
+        def contact_sheet(self, shapes, labels, **_):
+            assert len(shapes) == len(labels) == drawn_count
+            return b""
+
+    _, reduced = write_bodies(tmp_path / "out")
+    many = dataclasses.replace(
+        reduced,
+        eigenvalues=np.arange(1.0, 41.0),
+        mode_shapes=np.repeat(reduced.mode_shapes, 20, axis=0),
+        labels=("vector",) * 40,
+        residuals=np.zeros(40),
+    )
+    modes = tuple(range(1, wanted + 1))
+    asked = case.model_copy(update={"report": case.report.model_copy(update={"modes": modes})})
+    figures = _mode_figures(asked, "bar", many, Sheets(), report.Album(tmp_path))
+    assert figures[0].caption == f"The first {drawn_count} of 40 shapes of bar."
+
+
+INPUTS = """
+[gravity]
+acceleration = ["0 m/s^2", "0 m/s^2", "-9.81 m/s^2"]
+[[forces]]
+name = "push"
+body = "bar"
+point = ["400 mm", "0 mm", "0 mm"]
+times = ["0 s", "20 ms"]
+forces = [["0 N", "0 N", "0 N"], ["0 N", "12 N", "-3 N"]]
+frame = "body"
+[[forces]]
+name = "weight"
+body = "rotor"
+point = ["0 mm", "0 mm", "0 mm"]
+force = ["0 N", "0 N", "-5 kN"]
+[[sensors]]
+name = "tip"
+body = "bar"
+point = ["400 mm", "50 mm", "50 mm"]
+[bodies.bar.initial]
+modal_velocity = ["0.2 m/s", "0.1 m/s"]
+[bodies.rotor]
+type = "rigid"
+mass = "2.5 kg"
+inertia = ["1 kg m^2", "2 kg m^2", "2.5 kg m^2"]
+[bodies.rotor.frame]
+motion = "driven"
+axis = [0, 1, 0]
+angle = { harmonics = [{ amplitude = "0.3 rad", frequency = "5 Hz" }] }
+x = { times = ["0 s", "2 s"], values = ["0 m", "0.7 m"] }
+[bodies.free]
+type = "rigid"
+mass = "3 kg"
+inertia = [[2.0, 0.1, 0.0], [0.1, 2.0, 0.0], [0.0, 0.0, 2.0]]
+frame = { motion = "free" }
+[bodies.free.initial]
+position = ["1 m", "2 m", "3 m"]
+orientation = { axis = [0, 0, 1], angle = "0.5 rad" }
+velocity = ["4 m/s", "0 m/s", "0 m/s"]
+angular_velocity = ["0 rad/s", "7 rad/s", "0 rad/s"]
+"""
+
+
+def test_all_inputs_are_in_the_report(tmp_path, monkeypatch):
+    monkeypatch.setattr(report, "_renderer", lambda: (None, ""))
+    folder = tmp_path / "full"
+    folder.mkdir()
+    (folder / "case.toml").write_text(CASE + INPUTS)
+    full = load_case(folder, ["simulate.step=0.5 ms", "bodies.bar.mesh.formulation=reduced"])
+    out = tmp_path / "out"
+    write_bodies(out)
+    _, _, _, markdown = read(write_report(full, out / "report", out))
+    for row in (
+        "| gravity | (0, 0, -9.81) m/s^2 |",
+        "| time integration | dele2: step 500 µs, output interval 1 ms, duration 1 s |",
+        "| override (--set) | simulate.step=0.5 ms |",
+        "| push | bar | (400, 0, 0) mm | body | table of 2 points, 0 to 20 ms; smallest (0, 0, -3) N, ",
+        "largest (0, 12, 0) N |",
+        "| weight | rotor | (0, 0, 0) m | world | constant (0, 0, -5) kN |",
+        "| tip | bar | (400, 50, 50) mm |",
+        "| initial modal velocity | (200, 100) mm/s, shapes of largest component 1 |",
+        "| geometry | blocks: 1 added |",
+        "| element size | 100 mm |",
+        "| element | hex8, reduced integration with hourglass stiffness |",
+        "| mass | 2.5 kg |",
+        "| inertia about the centre of mass | diagonal (1, 2, 2.5) kg m^2 |",
+        "| inertia about the centre of mass | xx, yy, zz, xy, xz, yz: (2, 2, 2, 0.1, 0, 0) kg m^2 |",
+        "| driven along x | table of 2 points, 0 to 2 s: 0 to 700 mm |",
+        "| driven rotation | 300 mrad sine at 5 Hz, phase 0 rad; axis (0, 1, 0) through (0, 0, 0) m |",
+        "| initial position | (1, 2, 3) m |",
+        "| initial orientation | 0.5 rad about (0, 0, 1) |",
+        "| initial velocity | (4, 0, 0) m/s |",
+        "| initial angular velocity | (0, 7, 0) rad/s |",
+    ):
+        assert row.replace("_", r"\_") in markdown, row
 
 
 def test_pictures_of_an_earlier_report_are_removed_and_other_files_kept(case, tmp_path, monkeypatch):

@@ -1,0 +1,92 @@
+"""The JSON Schema for editors: it takes what the project takes and refuses what the project refuses."""
+
+from __future__ import annotations
+
+import copy
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from heavylift.pipeline.schema import case_schema
+
+jsonschema = pytest.importorskip("jsonschema")
+
+FOLDER = Path(__file__).parent
+FILES = [*sorted((FOLDER.parents[1] / "cases").glob("*/case.toml")), FOLDER / "small_beam.toml"]
+
+
+def validator() -> Any:
+    """Validator of case files."""
+    schema = case_schema()
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+def document(file: Path = FOLDER / "small_beam.toml", **changes: Any) -> dict[str, Any]:
+    """A case file with some values changed; ``__`` parts the keys."""
+    result = copy.deepcopy(tomllib.loads(file.read_text(encoding="utf-8")))
+    for path, value in changes.items():
+        *above, last = (int(key) if key.isdecimal() else key for key in path.split("__"))
+        node: Any = result
+        for key in above:
+            node = node[key]
+        node[last] = value
+    return result
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: f"{file.parent.name}/{file.name}")
+def test_every_case_of_the_project_is_valid(file):
+    assert [error.message for error in validator().iter_errors(document(file))] == []
+
+
+GOOD = [
+    {"bodies__beam__initial__modal_position": ["1 mm", 0.0]},
+    {"bodies__beam__modes__damping_ratio": 0.01},
+    {"bodies__beam__modes__damping_ratio": [0.01, "2 %", 0]},
+    {"check__0__reference": 0.312},
+    {"check__0__tolerance": {"absolute": "1 mg"}},
+    {"converge__reference": {"run": "0.5 us"}},
+    {"converge__reference": "50 Hz"},
+    {"gravity": {"acceleration": [0, 0, "-9.81 m/s^2"]}},
+]
+BAD = [
+    {"bodies__beam__material__densty": "7800 kg/m^3"},
+    {"bodies__beam__material__density": True},
+    {"bodies__beam__material__density": "steel"},
+    {"bodies__beam__material__density": -7800},
+    {"bodies__beam__modes__count": "3"},
+    {"bodies__beam__modes__damping_ratio": "high"},
+    {"bodies__beam__initial__modal_velocity": "0.1 m/s"},
+    {"bodies__beam__initial__modal_velocity": [True]},
+    {"bodies__beam__initial__modal_velocity": ["fast"]},
+    {"bodies__beam__frame__motion": "loose"},
+    {"bodies__beam__geometry__add": []},
+    {"check__0__reference": True},
+    {"check__0__reference": "heavy"},
+    {"check__0__reference": {"run": 1}},
+    {"check__1__reference": {"quantty": "modes.beam.frequency.1"}},
+    {"check__0__tolerance": {"absolute": True}},
+    {"check__0__tolerance": {"absolute": -1.0}},
+    {"check__0__tolerance": {"relative": 1.0}},
+    {"check__0__source": ""},
+    {"simulate__integrator": "euler"},
+    {"title": 3},
+]
+
+
+@pytest.mark.parametrize("changes", GOOD, ids=str)
+def test_what_a_case_may_hold_is_valid(changes):
+    assert [error.message for error in validator().iter_errors(document(**changes))] == []
+
+
+@pytest.mark.parametrize("changes", BAD, ids=str)
+def test_what_a_case_may_not_hold_is_invalid(changes):
+    assert not validator().is_valid(document(**changes))
+
+
+def test_a_missing_key_is_invalid():
+    case = document()
+    del case["simulate"]["step"]
+    assert not validator().is_valid(case)
