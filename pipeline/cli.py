@@ -5,6 +5,7 @@ Only what is needed to read the command line is imported here; each command impo
 
 # cyclopts evaluates the annotations of the commands, so the imports below are needed at run time.
 
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -58,7 +59,12 @@ Json = Annotated[
 
 def main() -> None:
     """Entry point of the ``heavylift`` command."""
-    app()
+    try:
+        app()
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader has enough, as in `heavylift schema | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(141)
 
 
 @app.command

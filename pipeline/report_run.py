@@ -97,7 +97,7 @@ def run_section(case: Case, stages: OutputFolder, results: Results | None) -> li
         value = next((known[key] for key in keys if isinstance(known.get(key), (int, float))), None)
         if value is not None and math.isfinite(value):
             rows.append((label, words.format(value)))
-    if results is not None and len(results.time) and "energy.balance" in results:
+    if results is not None and len(results.time) > 1 and "energy.balance" in results:
         rows.append(("largest drift of the energy balance", f"{energy_drift(results):.2e}, relative"))
     return [Section("Simulation", (Facts(tuple(row for row in rows if row[1])),))]
 

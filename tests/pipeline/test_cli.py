@@ -250,3 +250,10 @@ def test_of_several_cases_the_largest_code_counts(heavylift, small_case):
     code, out, _ = heavylift("verify", small_case, small_case / "none", "--json")
     assert code == 2
     assert [row["outcome"] for row in json.loads(out)["cases"]] == ["completed", "bad_input"]
+
+
+def test_a_reader_that_closes_early_sees_no_traceback() -> None:
+    command = f"{sys.executable} -c 'from heavylift.pipeline.cli import main; main()' schema | head -n 1"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
+    assert done.stdout.startswith("{")
+    assert done.stderr == ""
