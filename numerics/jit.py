@@ -115,8 +115,7 @@ def kernel(
         Allow sums to be added in another order, so that dot products use vector
         instructions. Changes rounding only; NaN and infinity stay visible.
     internal
-        The function is called from kernels only: no wrapper for Python and no machine code of its own
-        are made, which saves a third of its compile time.
+        The function is called from kernels only: it gets no wrapper for Python, which saves compile time.
     """
 
     def decorate(python_function: F) -> F:
