@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import sparray, spmatrix
 
-__all__ = ["ShapeIntegrals", "shape_integrals", "transformed"]
+__all__ = ["ShapeIntegrals", "shape_integrals"]
 
 _BLOCK_MODES = 16  # modes multiplied by the mass matrix at once: bounds the memory, keeps BLAS busy
 _BLOCK_NODES = 8192
@@ -122,13 +122,3 @@ def _gram(
             gram[3 * first :, columns] += left.T @ inertial[rows]
     lower = np.tril(gram)
     return lower + np.tril(gram, -1).T
-
-
-def transformed(integrals: ShapeIntegrals, combination: NDArray[np.float64]) -> ShapeIntegrals:
-    """Shape integrals of the shapes ``Phi C`` from those of ``Phi``; ``combination`` C is (nf, new nf)."""
-    C = np.asarray(combination, dtype=np.float64)
-    return integrals._replace(
-        modal_translation=integrals.modal_translation @ C,
-        position_mode=integrals.position_mode @ C,
-        mode_mode=np.ascontiguousarray(C.T @ integrals.mode_mode @ C),
-    )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -134,9 +133,10 @@ def _initial(initial: RigidInitialSection, origin: NDArray[np.float64]) -> dict[
     """Initial state of a frame; by default the body is where its geometry was drawn."""
     orientation = np.array([1.0, 0.0, 0.0, 0.0])
     if initial.orientation is not None:
+        from heavylift.numerics.rotation import quaternion_from_rotation_vector
+
         axis: NDArray[np.float64] = np.array(initial.orientation.axis)
-        half = 0.5 * initial.orientation.angle
-        orientation = np.array([math.cos(half), *(math.sin(half) * axis / np.linalg.norm(axis))])
+        orientation = quaternion_from_rotation_vector(initial.orientation.angle * axis / np.linalg.norm(axis))
     return {
         "position": origin.copy() if initial.position is None else np.array(initial.position),
         "orientation": orientation,

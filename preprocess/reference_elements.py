@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = [
-    "CORNER_COUNT",
     "FACES",
     "FACE_CORNER_COUNT",
     "FACE_TRIANGLES",
@@ -32,7 +31,6 @@ __all__ = [
 ]
 
 NODE_COUNT = {"hex8": 8, "tet10": 10}
-CORNER_COUNT = {"hex8": 8, "tet10": 4}
 FACE_CORNER_COUNT = {"hex8": 4, "tet10": 3}
 
 FACES: dict[str, NDArray[np.int64]] = {

@@ -19,7 +19,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.scene import PointForce
 
-__all__ = ["PointForces", "marker_count", "pack_point_forces"]
+__all__ = ["PointForces", "pack_point_forces"]
 
 
 class PointForces(NamedTuple):
@@ -36,11 +36,6 @@ class PointForces(NamedTuple):
 
     table: NDArray[np.int64]
     values: NDArray[np.float64]
-
-
-def marker_count(force: PointForce) -> int:
-    """Markers an entry needs: its point, and the three body axes if it follows the body."""
-    return 4 if force.frame == "body" else 1
 
 
 def pack_point_forces(entries: Sequence[PointForce], first_markers: Sequence[int]) -> PointForces:
