@@ -13,46 +13,75 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.kinds import generic
+from heavylift.solver.kinds import generic, optional
 
 __all__ = [
+    "ACCELERATIONS",
     "ANGULAR_MOMENTUM",
+    "CHANGED",
+    "CONTROL_COUNT",
     "DISSIPATED",
     "DRIVE_WORK",
     "ELASTIC",
     "ENERGY_NAMES",
+    "ERROR",
     "EXTERNAL_WORK",
     "FIELD",
+    "FORCES",
     "KINETIC",
+    "LAST_STEP",
     "LINEAR_MOMENTUM",
+    "MARKER_WIDTH",
+    "NEXT_STEP",
     "POINT",
+    "POINT_BIAS",
     "POINT_FORCE",
     "POINT_VELOCITY",
     "POTENTIAL",
+    "RECORD",
+    "ROWS",
+    "STATUS_BLOCK",
     "STATUS_BODY",
     "STATUS_OUTCOME",
+    "STEP_COUNT",
     "SUM_COUNT",
     "Workspace",
     "add_forces",
     "add_totals",
     "advance",
+    "apply_inverse",
     "check",
     "correct",
+    "end_velocity",
+    "estimate_error",
     "factor",
+    "fill_bias",
     "fill_markers",
+    "fill_rows",
     "finish",
     "predict",
     "record",
+    "record_joints",
+    "relinearise",
+    "set_targets",
+    "set_velocity",
     "start",
     "thesis_advance",
     "thesis_velocity",
+    "update_rows",
 ]
 
-STATUS_OUTCOME, STATUS_BODY = 0, 1
-"""Places of `Workspace.status`: an `Outcome`, and the number of the body it concerns."""
+STATUS_OUTCOME, STATUS_BODY, STATUS_BLOCK = 0, 1, 2
+"""Places of `Workspace.status`: an `Outcome`, and the number of the body or block of rows it concerns."""
 
-POINT, POINT_VELOCITY, POINT_FORCE = 0, 3, 6
-"""Columns of `Workspace.markers`."""
+NEXT_STEP, LAST_STEP, ERROR, STEP_COUNT, CHANGED, CONTROL_COUNT = range(6)
+"""Places of `Workspace.control`, and its length."""
+
+POINT, POINT_VELOCITY, POINT_FORCE, POINT_BIAS, MARKER_WIDTH = 0, 3, 6, 9, 12
+"""Columns of `Workspace.markers`, and their number."""
+
+ROWS, FORCES, RECORD, ACCELERATIONS = range(4)
+"""What markers are filled for: rows only; forces too; records too; all of it, with rates and second rates."""
 
 FIELD = 0
 """Place of the acceleration of gravity in `Workspace.sums`."""
@@ -75,26 +104,31 @@ class Workspace(NamedTuple):
         Generalised velocities of the stage, of all bodies [m/s, rad/s, modal], shape (dof_count,).
     markers
         Marker vectors in world axes (positions [m] or unit directions), their rates at the predicted
-        midpoint velocity, and the forces on them [N]; shape (marker_count, 9).
+        midpoint velocity, the forces on them [N], and their second rates without accelerations of the
+        body; shape (marker_count, 12). Rates and forces of markers that serve joints only are not kept.
     jacobian
         Derivatives of the vectors by the velocities of their own body, shape (marker_count, 3, widest
         window).
     sums
         Acceleration of gravity [m/s2], energies [J], linear momentum [kg m/s] and angular momentum
         about the world origin [kg m2/s], shape (15,).
+    control
+        Step control, carried: step that is tried next and last step [s], error estimate [m], steps done,
+        laws that changed in the last iteration; shape (5,).
     status
-        Outcome of the step and the body that caused it, shape (2,).
+        Outcome of the step, the body and the block of rows that caused it, shape (3,).
     """
 
     velocity: NDArray[np.float64]
     markers: NDArray[np.float64]
     jacobian: NDArray[np.float64]
     sums: NDArray[np.float64]
+    control: NDArray[np.float64]
     status: NDArray[np.int64]
 
 
 @generic
-def start(kinds: Any, time: float) -> None:
+def start(kinds: Any, time: float, work: Workspace) -> None:
     """Bodies: complete the start state: driven frames, products, momenta."""
 
 
@@ -104,8 +138,8 @@ def predict(kinds: Any, time: float, step: float) -> None:
 
 
 @generic
-def fill_markers(kinds: Any, at_midpoint: bool, work: Workspace) -> None:
-    """Bodies: vectors, rates and Jacobian windows of their markers, at the midpoint or at the carried state."""
+def fill_markers(kinds: Any, at_midpoint: bool, level: int, work: Workspace) -> None:
+    """Bodies: vectors, rates and Jacobian windows of the markers that a level needs, at midpoint or carried state."""
 
 
 @generic
@@ -118,7 +152,7 @@ def factor(kinds: Any, step: float, work: Workspace) -> None:
     """Bodies: gather forces, factor the own step matrix, write the velocity of the stage."""
 
 
-@generic
+@optional
 def correct(kinds: Any, step: float, work: Workspace) -> None:
     """Bodies with quadratic velocity forces: re-evaluate these at the velocity found, solve with the same factor."""
 
@@ -131,6 +165,58 @@ def check(kinds: Any, step: float, work: Workspace) -> None:
 @generic
 def advance(kinds: Any, time: float, step: float, work: Workspace) -> None:
     """Bodies: configuration and momenta to the end of the step, work of the forces."""
+
+
+@optional
+def estimate_error(kinds: Any, step: float, work: Workspace) -> None:
+    """Bodies: raise `work.control[ERROR]` to how far [m] the midpoint velocity leads from its prediction."""
+
+
+@generic
+def end_velocity(kinds: Any, step: float, work: Workspace) -> None:
+    """Bodies: write the velocities at the end of the step, before the projection, into the workspace."""
+
+
+@generic
+def set_velocity(kinds: Any, step: float, work: Workspace) -> None:
+    """Bodies: take the projected velocities; momenta follow them."""
+
+
+@optional
+def apply_inverse(kinds: Any, at_midpoint: bool, system: Any) -> None:
+    """Bodies with a factor of their own: ``X = A^-1 G^T`` of their attachments, A of the stage or M at the end."""
+
+
+@generic
+def fill_rows(kinds: Any, with_residual: bool, work: Workspace, system: Any) -> None:
+    """Joints: rows from the markers; residuals of the position if asked for."""
+
+
+@optional
+def set_targets(
+    kinds: Any, time: float, step: float, at_midpoint: bool, work: Workspace, system: Any
+) -> None:
+    """Joints that are driven or compliant in their own way: targets and softness of their rows."""
+
+
+@optional
+def relinearise(kinds: Any, time: float, step: float, work: Workspace, system: Any) -> None:
+    """Laws (ropes, stops, friction): fit rows to the velocity found; count in `CHANGED` if they move."""
+
+
+@generic
+def fill_bias(kinds: Any, time: float, work: Workspace, system: Any) -> None:
+    """Joints: targets of their rows as accelerations: ``G a = -gamma``, from rates and second rates of the markers."""
+
+
+@optional
+def update_rows(kinds: Any, time: float, step: float, work: Workspace, system: Any) -> None:
+    """Joints with a memory: what they carry over the step, from the midpoint velocity."""
+
+
+@generic
+def record_joints(kinds: Any, time: float, work: Workspace, system: Any, row: NDArray[np.float64]) -> None:
+    """Joints: reactions, angles, travels into their columns of a record; energies into the totals."""
 
 
 @generic

@@ -18,9 +18,14 @@ from typing import Any
 
 from numba.extending import overload
 
-__all__ = ["generic", "implement"]
+__all__ = ["generic", "implement", "optional"]
 
 _IMPLEMENTATIONS: dict[Callable[..., None], dict[type, Callable[..., Any]]] = {}
+
+
+def optional(contract: Callable[..., None]) -> Callable[..., None]:
+    """As `generic`, but kinds that do not implement the function are passed over."""
+    return _serving(contract, needed=False)
 
 
 def generic(contract: Callable[..., None]) -> Callable[..., None]:
@@ -42,11 +47,16 @@ def generic(contract: Callable[..., None]) -> Callable[..., None]:
     TypeError
         When a kind has no implementation; a kernel that meets one does not compile.
     """
+    return _serving(contract, needed=True)
+
+
+def _serving(contract: Callable[..., None], *, needed: bool) -> Callable[..., None]:
     implementations: dict[type, Callable[..., Any]] = {}
 
     def serve(kinds: tuple[Any, ...], *arguments: Any) -> None:
         for kind in kinds:
-            _chosen(contract, implementations, type(kind))(kind, *arguments)
+            if needed or type(kind) in implementations:
+                _chosen(contract, implementations, type(kind))(kind, *arguments)
 
     update_wrapper(serve, contract)
     _IMPLEMENTATIONS[serve] = implementations
@@ -54,9 +64,13 @@ def generic(contract: Callable[..., None]) -> Callable[..., None]:
     names = list(inspect.signature(contract).parameters)
 
     def resolve(kinds: Any) -> Callable[..., None]:
-        kernels = [_chosen(contract, implementations, kind.instance_class) for kind in kinds]
-        calls = [f"kernel_{i}({names[0]}[{i}], {', '.join(names[1:])})" for i in range(len(kernels))]
-        return _function(names, calls, {f"kernel_{i}": kernel for i, kernel in enumerate(kernels)})
+        kernels = {
+            f"kernel_{i}": _chosen(contract, implementations, kind.instance_class)
+            for i, kind in enumerate(kinds)
+            if needed or kind.instance_class in implementations
+        }
+        calls = [f"{name}({names[0]}[{name[7:]}], {', '.join(names[1:])})" for name in kernels]
+        return _function(names, calls, kernels)
 
     # Numba wants the very parameter names in the resolver too
     resolver = _function(names, [f"return resolve({names[0]})"], {"resolve": resolve})

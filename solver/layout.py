@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.interface import ENERGY_NAMES, SUM_COUNT, Workspace
+from heavylift.solver.connections import GROUND
+from heavylift.solver.interface import (
+    CONTROL_COUNT,
+    ENERGY_NAMES,
+    FORCES,
+    MARKER_WIDTH,
+    POINT,
+    SUM_COUNT,
+    Workspace,
+)
+from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.markers import BodyMarkers
+from heavylift.solver.rows import DIAGONAL, FACTORED, PRESCRIBED, Attachment
 from heavylift.solver.scene import Fixed, FlexibleBody, Free, Gravity, PointForce, RigidBody, Scene, Sensor
 
 __all__ = ["Channel", "Layout", "pack_scene"]
@@ -44,8 +56,8 @@ class Layout:
 
     Attributes
     ----------
-    bodies, forces
-        Tuples of kinds; only kinds that have members.
+    bodies, forces, joints, systems
+        Tuples of kinds; only kinds that have members. The system of the rows is there if there are joints.
     work
         Shared arrays.
     channels
@@ -58,6 +70,8 @@ class Layout:
 
     bodies: tuple[Any, ...]
     forces: tuple[Any, ...]
+    joints: tuple[Any, ...]
+    systems: tuple[Any, ...]
     work: Workspace
     channels: tuple[Channel, ...]
     column_count: int
@@ -83,42 +97,47 @@ def pack_scene(scene: Scene) -> Layout:
     channels: list[Channel] = []
     column = 0
     for body in ordered:
-        column = _body_channels(body, channels, column)
+        column = _add_channels(body.name, _body_channels(body), channels, column)
     sensors: dict[str, list[tuple[int, Any]]] = {body.name: [] for body in ordered}
     for sensor in scene.sensors:
         sensors[sensor.body].append((column, np.asarray(sensor.point, dtype=np.float64)))
-        channels += [
-            Channel(f"{sensor.name}.position", "m", _XYZ, column),
-            Channel(f"{sensor.name}.velocity", "m/s", _XYZ, column + 3),
-        ]
-        column += 6
-    for name in (*ENERGY_NAMES, "balance"):
-        channels.append(Channel(f"energy.{name}", "J", (name,), column))
-        column += 1
-    channels += [
-        Channel("momentum.linear", "kg m/s", _XYZ, column),
-        Channel("momentum.angular", "kg m^2/s", _XYZ, column + 3),
-    ]
-    column += 6
-
-    markers: dict[str, list[tuple[int, Any, bool]]] = {body.name: [] for body in ordered}
+        entries = [("position", "m", _XYZ), ("velocity", "m/s", _XYZ)]
+        column = _add_channels(sensor.name, entries, channels, column)
+    book = MarkerBook()
     first_markers: list[int] = []
-    marker_total = 0
     for force in points:
-        first_markers.append(marker_total)
-        markers[force.body].append((marker_total, np.asarray(force.point, dtype=np.float64), False))
+        first_markers.append(book.point(force.body, force.point, FORCES))
         if force.frame == "body":
-            markers[force.body] += [(marker_total + 1 + k, np.eye(3)[k], True) for k in range(3)]
-        marker_total += 4 if force.frame == "body" else 1
+            for axis in np.eye(3):
+                book.direction(force.body, axis, FORCES)
+    joints: tuple[Any, ...] = ()
+    systems: tuple[Any, ...] = ()
+    dofs = _first_dofs(ordered)
+    if scene.joints:
+        from heavylift.solver.joints.registry import joint_channels, pack_joints
+
+        columns = []
+        for joint in scene.joints:
+            columns.append(column)
+            column = _add_channels(joint.name, joint_channels(joint), channels, column)
+        joints, make_system = pack_joints(
+            scene.joints, columns, book, _attachments(ordered, dofs), _scales(ordered)
+        )
+        systems = (make_system(_inverse_mass(ordered), column),)
+        entries = [("violation", "1", ("violation",)), ("pivot", "1", ("pivot",))]
+        column = _add_channels("monitor", entries, channels, column)
+    for name in (*ENERGY_NAMES, "balance"):
+        column = _add_channels("energy", [(name, "J", (name,))], channels, column)
+    entries = [("linear", "kg m/s", _XYZ), ("angular", "kg m^2/s", _XYZ)]
+    column = _add_channels("momentum", entries, channels, column)
 
     bodies: list[Any] = []
-    number = dof = start = 0
+    number = start = 0
     for group, pack in _groups(scene):
-        bodies.append(pack(group, number, dof, start, _of(markers, group), _of_sensors(sensors, group)))
+        names = [body.name for body in group]
+        bodies.append(pack(group, number, dofs[names[0]], start, book.of(names), _of_sensors(sensors, group)))
         number += len(group)
-        dof += sum(6 + _mode_count(body) for body in group)
         start += sum(_width(body) for body in group)
-    window = 6 + max(map(_mode_count, ordered))
     forces: list[Any] = []
     if gravity:
         from heavylift.solver.forces.gravity import pack_gravity
@@ -129,14 +148,77 @@ def pack_scene(scene: Scene) -> Layout:
 
         forces.append(pack_point_forces(points, first_markers))
     work = Workspace(
-        velocity=np.zeros(dof),
-        markers=np.zeros((marker_total, 9)),
-        jacobian=np.zeros((marker_total, 3, window)),
+        velocity=np.zeros(sum(6 + _mode_count(body) for body in ordered)),
+        markers=np.zeros((book.count, MARKER_WIDTH)),
+        jacobian=np.zeros((book.count, 3, 6 + max(map(_mode_count, ordered)))),
         sums=np.zeros(SUM_COUNT),
-        status=np.zeros(2, dtype=np.int64),
+        control=np.zeros(CONTROL_COUNT),
+        status=np.zeros(3, dtype=np.int64),
     )
-    names = tuple(body.name for body in ordered)
-    return Layout(tuple(bodies), tuple(forces), work, tuple(channels), column, names)
+    for marker, vector in book.fixed:
+        work.markers[marker, POINT : POINT + 3] = vector
+    names = [body.name for body in ordered]
+    return Layout(tuple(bodies), tuple(forces), joints, systems, work, tuple(channels), column, tuple(names))
+
+
+def _add_channels(
+    owner: str, entries: Sequence[tuple[str, str, tuple[str, ...]]], channels: list[Channel], column: int
+) -> int:
+    """Append channels; returns the next free column."""
+    for name, unit, components in entries:
+        channels.append(Channel(f"{owner}.{name}", unit, components, column))
+        column += len(components)
+    return column
+
+
+def _first_dofs(bodies: Sequence[FlexibleBody | RigidBody]) -> dict[str, int]:
+    """Place of the velocities of each body."""
+    widths = [6 + _mode_count(body) for body in bodies]
+    starts = np.concatenate([[0], np.cumsum(widths)])
+    return {body.name: int(start) for body, start in zip(bodies, starts[:-1], strict=True)}
+
+
+def _attachments(
+    bodies: Sequence[FlexibleBody | RigidBody], dofs: dict[str, int]
+) -> Callable[[str], Attachment]:
+    """Where the rows on a body go, by its name."""
+    found = {GROUND: Attachment(-1, -1, 0, PRESCRIBED)}
+    for number, body in enumerate(bodies):
+        holder = PRESCRIBED if not isinstance(body.motion, Free) else DIAGONAL
+        if isinstance(body, FlexibleBody):
+            holder = FACTORED
+        found[body.name] = Attachment(number, dofs[body.name], 6 + _mode_count(body), holder)
+    return found.__getitem__
+
+
+def _inverse_mass(bodies: Sequence[FlexibleBody | RigidBody]) -> NDArray[np.float64]:
+    """Of the velocities of free rigid bodies in their principal axes; zero elsewhere."""
+    blocks: list[NDArray[np.float64]] = []
+    for body in bodies:
+        block = np.zeros(6 + _mode_count(body))
+        if isinstance(body, RigidBody) and isinstance(body.motion, Free):
+            block[:3] = 1.0 / body.mass
+            block[3:] = 1.0 / np.linalg.eigvalsh(body.inertia)
+        blocks.append(block)
+    return np.concatenate(blocks)
+
+
+def _scales(bodies: Sequence[FlexibleBody | RigidBody]) -> Callable[[str], tuple[float, float]]:
+    """Inverse mass and smallest inverse inertia by name; zero for prescribed motion."""
+    by_name = {body.name: body for body in bodies}
+
+    def scales(name: str) -> tuple[float, float]:
+        body = by_name[name]
+        if isinstance(body, FlexibleBody):
+            integrals = body.reduced.integrals
+            largest = float(np.linalg.eigvalsh(integrals.inertia_kl)[1:].sum())
+            held = not isinstance(body.motion, Free) and body.reduced.mode_count == 0
+            return (0.0, 0.0) if held else (1.0 / integrals.mass, 1.0 / largest)
+        if not isinstance(body.motion, Free):
+            return 0.0, 0.0
+        return 1.0 / body.mass, 1.0 / float(np.linalg.eigvalsh(body.inertia)[2])
+
+    return scales
 
 
 def _groups(scene: Scene) -> list[tuple[list[Any], Callable[..., Any]]]:
@@ -220,8 +302,8 @@ def _check_body(body: FlexibleBody | RigidBody) -> None:
         raise InputError("length zero", source=body.name, key="orientation", expected="a quaternion")
 
 
-def _body_channels(body: FlexibleBody | RigidBody, channels: list[Channel], column: int) -> int:
-    """Append the channels of a body; returns the next free column."""
+def _body_channels(body: FlexibleBody | RigidBody) -> list[tuple[str, str, tuple[str, ...]]]:
+    """Name, unit and components of the channels of a body."""
     entries: list[tuple[str, str, tuple[str, ...]]] = [
         ("position", "m", _XYZ),
         ("orientation", "1", ("q0", "q1", "q2", "q3")),
@@ -236,21 +318,7 @@ def _body_channels(body: FlexibleBody | RigidBody, channels: list[Channel], colu
         ]
     if not isinstance(body.motion, Free):
         entries += [("reaction_force", "N", _XYZ), ("reaction_moment", "N m", _XYZ)]
-    for name, unit, components in entries:
-        channels.append(Channel(f"{body.name}.{name}", unit, components, column))
-        column += len(components)
-    return column
-
-
-def _of(markers: dict[str, list[tuple[int, Any, bool]]], bodies: list[Any]) -> list[BodyMarkers]:
-    return [
-        BodyMarkers(
-            tuple(number for number, _, _ in markers[body.name]),
-            tuple(vector for _, vector, _ in markers[body.name]),
-            tuple(direction for _, _, direction in markers[body.name]),
-        )
-        for body in bodies
-    ]
+    return entries
 
 
 def _of_sensors(sensors: dict[str, list[tuple[int, Any]]], bodies: list[Any]) -> list[BodyMarkers]:

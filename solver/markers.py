@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.solver.interface import FORCES
+
 __all__ = ["BodyMarkers", "pack_markers"]
 
 
@@ -23,11 +25,14 @@ class BodyMarkers:
         Material points [m] or unit directions, in the body frame.
     directions
         Whether the vector is a direction.
+    levels
+        What each serves: `ROWS` of joints only, `FORCES`, or `RECORD` only.
     """
 
     numbers: tuple[int, ...] = ()
     vectors: tuple[NDArray[np.float64], ...] = ()
     directions: tuple[bool, ...] = ()
+    levels: tuple[int, ...] = ()
 
 
 def pack_markers(
@@ -49,14 +54,17 @@ def pack_markers(
     Returns
     -------
     ndarray
-        Number, row of the body, start of the data, 1 for directions; shape (m, 4).
+        Number, row of the body, start of the data, 1 for directions, level; shape (m, 5).
     """
-    rows: list[tuple[int, int, int, int]] = []
+    rows: list[tuple[int, int, int, int, int]] = []
     start = sum(map(len, constants))
     for row, (body, data_of) in enumerate(zip(markers, point_data, strict=True)):
-        for number, vector, direction in zip(body.numbers, body.vectors, body.directions, strict=True):
+        levels = body.levels or (FORCES,) * len(body.numbers)
+        for number, vector, direction, level in zip(
+            body.numbers, body.vectors, body.directions, levels, strict=True
+        ):
             block = np.asarray(vector, dtype=np.float64) if direction else data_of(vector)
-            rows.append((number, row, start, int(direction)))
+            rows.append((number, row, start, int(direction), level))
             constants.append(block)
             start += len(block)
-    return np.array(rows, dtype=np.int64).reshape(-1, 4)
+    return np.array(rows, dtype=np.int64).reshape(-1, 5)

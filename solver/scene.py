@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.modal.reduced import ReducedBody
+    from heavylift.solver.connections import Joint, JointMotor, JointSpring, Rope, Spring, SpringRope
 
 __all__ = [
     "Driven",
@@ -221,5 +222,7 @@ class Scene:
     """Everything that is simulated together."""
 
     bodies: tuple[FlexibleBody | RigidBody, ...]
-    forces: tuple[Gravity | PointForce, ...] = ()
+    forces: tuple[Gravity | PointForce | Spring | JointSpring | JointMotor, ...] = ()
     sensors: tuple[Sensor, ...] = ()
+    joints: tuple[Joint, ...] = ()
+    ropes: tuple[Rope | SpringRope, ...] = ()

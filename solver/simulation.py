@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.integrate.loop import start_scene, write_record
-from heavylift.solver.interface import STATUS_BODY, STATUS_OUTCOME
+from heavylift.solver.interface import NEXT_STEP, STATUS_BODY, STATUS_OUTCOME
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.scene import Scene
 
@@ -26,7 +26,7 @@ INTEGRATORS = {
 }
 """Integrators by name; each module has one compiled `run`."""
 
-_CARRIED = ("frame", "modal", "products")  # fields of body kinds that outlive a step
+_CARRIED = ("frame", "modal", "products", "rows", "state")  # fields of kinds that outlive a step
 
 
 class Simulation:
@@ -62,7 +62,13 @@ class Simulation:
     """
 
     def __init__(
-        self, scene: Scene, step: float, integrator: str = "dele2", *, record_every: int = 1
+        self,
+        scene: Scene,
+        step: float,
+        integrator: str = "dele2",
+        *,
+        record_every: int = 1,
+        tolerance: float = 0.0,
     ) -> None:
         if not (step > 0.0 and math.isfinite(step)):
             raise InputError(
@@ -75,6 +81,7 @@ class Simulation:
         if record_every < 1:
             raise InputError(f"{record_every}", source="simulation", key="record_every", expected="1 or more")
         self.step = float(step)
+        self.tolerance = float(tolerance)
         self.integrator = integrator
         self.record_every = int(record_every)
         self._layout = pack_scene(scene)
@@ -100,25 +107,24 @@ class Simulation:
         if self._warm:
             return
         begin = clock.thread_time()
-        layout = self._layout
         self._start()
         records = np.empty((0, self.column_count))
-        self._run(layout.bodies, layout.forces, layout.work, self.step, 0, 0, 1, records)
-        write_record(layout.bodies, layout.forces, layout.work, self.time, np.empty(self.column_count))
+        self._call(0, 0, 1, records)
+        self._write(np.empty(self.column_count))
         self.compile_seconds += clock.thread_time() - begin
         self._warm = True
 
     def _start(self) -> None:
         if not self._started:
-            start_scene(self._layout.bodies, 0.0)
+            start_scene(self._layout.bodies, self._layout.work, 0.0)
+            self._layout.work.control[NEXT_STEP] = self.step
             self._started = True
 
     def record(self) -> NDArray[np.float64]:
         """Record of the present state, shape (column_count,)."""
         self.warm_up()
         row = np.empty(self.column_count)
-        layout = self._layout
-        write_record(layout.bodies, layout.forces, layout.work, self.time, row)
+        self._write(row)
         return row
 
     def advance(self, steps: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -142,9 +148,8 @@ class Simulation:
         records = np.empty((last // every - first // every, self.column_count))
         if self.outcome is not Outcome.COMPLETED or steps <= 0:
             return np.empty(0), records[:0]
-        layout = self._layout
         begin = clock.thread_time()
-        done = self._run(layout.bodies, layout.forces, layout.work, self.step, first, last, every, records)
+        done = self._call(first, last, every, records)
         self.cpu_seconds += clock.thread_time() - begin
         self.step_index = int(done)
         if done < last:
@@ -152,6 +157,28 @@ class Simulation:
         count = int(done) // every - first // every
         times = (first // every + 1.0 + np.arange(count, dtype=np.float64)) * every * self.step
         return times, records[:count]
+
+    def _call(self, first: int, last: int, every: int, records: NDArray[np.float64]) -> int:
+        layout = self._layout
+        return int(
+            self._run(
+                layout.bodies,
+                layout.forces,
+                layout.joints,
+                layout.systems,
+                layout.work,
+                self.step,
+                self.tolerance,
+                first,
+                last,
+                every,
+                records,
+            )
+        )
+
+    def _write(self, row: NDArray[np.float64]) -> None:
+        layout = self._layout
+        write_record(layout.bodies, layout.forces, layout.joints, layout.systems, layout.work, self.time, row)
 
     def _stop(self) -> None:
         status = self._layout.work.status
@@ -181,6 +208,7 @@ class Simulation:
         InputError
             If the state belongs to another scene.
         """
+        self._start()  # what is derived from the start state and not carried
         shapes = {name: array.shape for name, array in self._arrays()}
         own = self._scene_digest
         for name, shape in {**shapes, "step_index": (), "cpu_seconds": (), "scene": own.shape}.items():
@@ -203,14 +231,16 @@ class Simulation:
     def _digest(self) -> NDArray[np.uint8]:
         """Digest of what the bodies were packed into: equal shapes do not make equal bodies. Loads may change."""
         digest = hashlib.blake2b(digest_size=16)
-        for kind in self._layout.bodies:
+        for kind in (*self._layout.bodies, *self._layout.joints):
             for array in kind:
                 digest.update(array.tobytes())
         return np.frombuffer(digest.digest(), dtype=np.uint8)
 
     def _arrays(self) -> Iterator[tuple[str, NDArray[Any]]]:
         """Arrays that the step writes, by kind and field."""
-        for kind in self._layout.bodies:
+        layout = self._layout
+        yield "control", layout.work.control
+        for kind in (*layout.bodies, *layout.joints, *layout.systems):
             for field, array in zip(kind._fields, kind, strict=True):
                 if isinstance(array, np.ndarray) and field in _CARRIED:
                     yield f"{type(kind).__name__}.{field}", array

@@ -68,7 +68,6 @@ from heavylift.solver.interface import (
     add_totals,
     advance,
     check,
-    correct,
     factor,
     fill_markers,
     finish,
@@ -103,7 +102,7 @@ def pack_fixed_frames(
 
 @implement(start, FixedFrameBodies)
 @kernel(internal=True)
-def start_fixed_frames(kind: FixedFrameBodies, time: float) -> None:
+def start_fixed_frames(kind: FixedFrameBodies, time: float, work: Workspace) -> None:
     """The pose of the stage is that of the frame, once and for all."""
     for body in range(kind.table.shape[0]):
         frame = kind.frame[body]
@@ -125,14 +124,14 @@ def predict_fixed_frames(kind: FixedFrameBodies, time: float, step: float) -> No
 
 @implement(fill_markers, FixedFrameBodies)
 @kernel(internal=True)
-def fill_fixed_frame_markers(kind: FixedFrameBodies, at_midpoint: bool, work: Workspace) -> None:
+def fill_fixed_frame_markers(kind: FixedFrameBodies, at_midpoint: bool, level: int, work: Workspace) -> None:
     """Markers on the fixed frame."""
     if kind.markers.shape[0] > 0:
         if not at_midpoint:
             for i in range(kind.modal.shape[1]):
                 kind.modal[MID_Q, i] = kind.modal[Q, i]
                 kind.modal[MID_RATE, i] = kind.modal[RATE, i]
-        write_markers(kind, work)
+        write_markers(kind, level, work)
 
 
 @kernel(internal=True)
@@ -167,12 +166,6 @@ def factor_fixed_frames(kind: FixedFrameBodies, step: float, work: Workspace) ->
             stiffness = modal[STIFFNESS, i]
             diagonal = 1.0 + half * (half * stiffness + modal[DAMPING, i])
             rates[i] = (modal[RATE, i] + half * (modal[ROW, i] - stiffness * modal[Q, i])) / diagonal
-
-
-@implement(correct, FixedFrameBodies)
-@kernel(internal=True)
-def correct_fixed_frames(kind: FixedFrameBodies, step: float, work: Workspace) -> None:
-    """Nothing to correct: a fixed frame has no velocity forces."""
 
 
 @implement(check, FixedFrameBodies)

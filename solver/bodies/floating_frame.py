@@ -106,9 +106,9 @@ class FloatingFrameBodies(NamedTuple):
         Stacked matrix products, shape (5, 8 x modes of all bodies).
     markers
         Points and directions that forces act on: number in the workspace, row of the body, start of the
-        data, 1 for a direction; shape (m, 4).
+        data, 1 for a direction, what it serves; shape (m, 5).
     sensors
-        Points that are recorded: first record column, then the same; shape (m, 4).
+        Points that are recorded: first record column, then the same; shape (m, 5).
     """
 
     table: NDArray[np.int64]

@@ -29,6 +29,7 @@ from heavylift.solver.interface import (
     POINT,
     POINT_FORCE,
     POINT_VELOCITY,
+    ROWS,
     Workspace,
 )
 
@@ -36,10 +37,12 @@ __all__ = ["gather_marker_forces", "write_markers", "write_sensor"]
 
 
 @kernel(internal=True)
-def write_markers(kind: FlexibleBodies, work: Workspace) -> None:
+def write_markers(kind: FlexibleBodies, level: int, work: Workspace) -> None:
     """Write vectors, rates and Jacobian windows ``[1, -R u~, R Phi]`` of all markers at the stage."""
     for marker in range(kind.markers.shape[0]):
-        number, body, start, direction = kind.markers[marker]
+        number, body, start, direction, serves = kind.markers[marker]
+        if serves > level:
+            continue
         n, first = kind.table[body, MODES], kind.table[body, MODAL]
         data = kind.constants[start:]
         R = stage_rotation(kind, body)
@@ -93,6 +96,8 @@ def gather_marker_forces(kind: FlexibleBodies, work: Workspace) -> None:
     for i in range(kind.modal.shape[1]):
         kind.modal[LOAD, i] = 0.0
     for marker in range(kind.markers.shape[0]):
+        if kind.markers[marker, 4] == ROWS:
+            continue
         number, body = kind.markers[marker, 0], kind.markers[marker, 1]
         n, first = kind.table[body, MODES], kind.table[body, MODAL]
         f1, f2, f3 = (
@@ -112,7 +117,7 @@ def gather_marker_forces(kind: FlexibleBodies, work: Workspace) -> None:
 @kernel(reassociate=True, internal=True)
 def write_sensor(kind: FlexibleBodies, sensor: int, row: NDArray[np.float64]) -> None:
     """World position and velocity of a sensor point; the stage holds the carried state."""
-    column, body, start, _ = kind.sensors[sensor]
+    column, body, start, _, _ = kind.sensors[sensor]
     n, first = kind.table[body, MODES], kind.table[body, MODAL]
     data = kind.constants[start:]
     frame, R = kind.frame[body], stage_rotation(kind, body)

@@ -72,7 +72,7 @@ __all__: list[str] = []
 
 @implement(start, FloatingFrameBodies)
 @kernel(internal=True)
-def start_floating_frames(kind: FloatingFrameBodies, time: float) -> None:
+def start_floating_frames(kind: FloatingFrameBodies, time: float, work: Workspace) -> None:
     """Place driven frames, evaluate products and momenta of the start state."""
     for body in range(kind.table.shape[0]):
         n, first = kind.table[body, MODES], kind.table[body, MODAL]

@@ -111,13 +111,15 @@ def stage_at_state(kind: FloatingFrameBodies, body: int, with_inertia: bool) -> 
 
 @implement(fill_markers, FloatingFrameBodies)
 @kernel(internal=True)
-def fill_floating_frame_markers(kind: FloatingFrameBodies, at_midpoint: bool, work: Workspace) -> None:
+def fill_floating_frame_markers(
+    kind: FloatingFrameBodies, at_midpoint: bool, level: int, work: Workspace
+) -> None:
     """Markers at the midpoint, which `predict` has set, or at the carried state."""
     if kind.markers.shape[0] > 0:
         if not at_midpoint:
             for body in range(kind.table.shape[0]):
                 stage_at_state(kind, body, False)
-        write_markers(kind, work)
+        write_markers(kind, level, work)
 
 
 @kernel(reassociate=True)

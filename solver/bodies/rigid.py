@@ -10,6 +10,7 @@ carries the spatial angular momentum ``L = R I w``, so no gyroscopic torque is e
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -38,7 +39,10 @@ MASS, PRINCIPAL, CENTRE, AXES = 24, 25, 28, 31
 # ... and the scratch of a step
 MID_POSITION, MID_VELOCITY, MID_SPIN, FORCE, MOMENT, PRESCRIBED, POSE = 35, 38, 41, 44, 47, 50, 62
 MID_ROTATION = 69  # rotation matrix of the stage, row by row
-FRAME_WIDTH = 78
+REACH = (
+    78  # constant: distance of what is attached from the centre of mass, at least the radius of gyration [m]
+)
+FRAME_WIDTH = 80
 
 
 class RigidBodies(NamedTuple):
@@ -51,9 +55,9 @@ class RigidBodies(NamedTuple):
     constants
         Drives and marker data: points from the centre of mass and directions, in principal axes.
     frame
-        State, constants and scratch of the step, shape (nb, 78).
+        State, constants and scratch of the step, shape (nb, 80).
     markers, sensors
-        As in the kind of floating frames, shapes (m, 4).
+        As in the kind of floating frames, shapes (m, 5).
     """
 
     table: NDArray[np.int64]
@@ -114,9 +118,18 @@ def pack_rigid_bodies(
                 for vector, direction in zip(entry.vectors, entry.directions, strict=True)
             ),
             entry.directions,
+            entry.levels,
         )
         for row, entry in enumerate(markers)
     ]
+    for row, body in enumerate(bodies):
+        arms = [
+            float(np.linalg.norm(vector - body.centre_of_mass))
+            for vector, direction in zip(markers[row].vectors, markers[row].directions, strict=True)
+            if not direction
+        ]
+        gyration = math.sqrt(frame[row, PRINCIPAL : PRINCIPAL + 3].max() / body.mass)
+        frame[row, REACH] = max([gyration, *arms])
     marker_index = pack_markers(turned, to_principal, constants)
     sensor_index = pack_markers(sensors, to_principal, constants)
     return RigidBodies(index, np.concatenate([np.zeros(0), *constants]), frame, marker_index, sensor_index)

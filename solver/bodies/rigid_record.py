@@ -76,7 +76,7 @@ def record_rigid_bodies(kind: RigidBodies, time: float, work: Workspace, row: ND
         if kind.table[body, MOTION] != FREE:
             _write_reaction(kind, body, work, arm, row[column + 13 : column + 19])
     for sensor in range(kind.sensors.shape[0]):
-        column, body, begin, _ = kind.sensors[sensor]
+        column, body, begin, _, _ = kind.sensors[sensor]
         frame, data = kind.frame[body], kind.constants[begin:]
         R = stage_rotation(kind, body)
         c = cross(frame[SPIN], frame[SPIN + 1], frame[SPIN + 2], data[0], data[1], data[2])

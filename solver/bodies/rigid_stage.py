@@ -36,10 +36,13 @@ from heavylift.solver.bodies.rigid import (
 )
 from heavylift.solver.drive import drive_pose, drive_velocity
 from heavylift.solver.interface import (
+    ACCELERATIONS,
     FIELD,
     POINT,
+    POINT_BIAS,
     POINT_FORCE,
     POINT_VELOCITY,
+    ROWS,
     Workspace,
     fill_markers,
     start,
@@ -104,8 +107,12 @@ def prescribe(kind: RigidBodies, body: int, time: float, out: NDArray[np.float64
 
 @implement(start, RigidBodies)
 @kernel(internal=True)
-def start_rigid_bodies(kind: RigidBodies, time: float) -> None:
-    """Place driven bodies; angular momenta of the start state."""
+def start_rigid_bodies(kind: RigidBodies, time: float, work: Workspace) -> None:
+    """Place driven bodies; angular momenta of the start state; the constant part of the marker windows."""
+    for marker in range(kind.markers.shape[0]):
+        number, direction = kind.markers[marker, 0], kind.markers[marker, 3]
+        for k in range(3):
+            work.jacobian[number, k, k] = 1.0 - direction
     for body in range(kind.table.shape[0]):
         if kind.table[body, MOTION] == DRIVEN:
             prescribe(kind, body, time, kind.frame[body, : SPIN_RATE + 3])
@@ -135,26 +142,36 @@ def stage_at_state(kind: RigidBodies) -> None:
 
 @implement(fill_markers, RigidBodies)
 @kernel(internal=True)
-def fill_rigid_markers(kind: RigidBodies, at_midpoint: bool, work: Workspace) -> None:
-    """Write vectors, rates and Jacobian windows ``[1, -R u~]`` of all markers."""
+def fill_rigid_markers(kind: RigidBodies, at_midpoint: bool, level: int, work: Workspace) -> None:
+    """Vectors, and the windows ``[1, -R u~]``, whose first half is written once, by `start`."""
     if not at_midpoint:
         stage_at_state(kind)
     for marker in range(kind.markers.shape[0]):
-        number, body, begin, direction = kind.markers[marker]
+        number, body, begin, direction, serves = kind.markers[marker]
+        if serves > level:
+            continue
         u1, u2, u3 = kind.constants[begin], kind.constants[begin + 1], kind.constants[begin + 2]
         stage, R = kind.frame[body], stage_rotation(kind, body)
-        c = cross(stage[MID_SPIN], stage[MID_SPIN + 1], stage[MID_SPIN + 2], u1, u2, u3)
-        point, rate = rotate(R, u1, u2, u3), rotate(R, c[0], c[1], c[2])
-        jacobian = work.jacobian[number]
         translation = 1.0 - direction
+        jacobian = work.jacobian[number]
+        point = rotate(R, u1, u2, u3)
         for k in range(3):
             work.markers[number, POINT + k] = point[k] + translation * stage[MID_POSITION + k]
-            work.markers[number, POINT_VELOCITY + k] = rate[k] + translation * stage[MID_VELOCITY + k]
-            for j in range(3):
-                jacobian[k, j] = translation if j == k else 0.0
             jacobian[k, 3] = R[3 * k + 2] * u2 - R[3 * k + 1] * u3
             jacobian[k, 4] = R[3 * k] * u3 - R[3 * k + 2] * u1
             jacobian[k, 5] = R[3 * k + 1] * u1 - R[3 * k] * u2
+        if serves == ROWS and level < ACCELERATIONS:
+            continue
+        w1, w2, w3 = stage[MID_SPIN], stage[MID_SPIN + 1], stage[MID_SPIN + 2]
+        c = cross(w1, w2, w3, u1, u2, u3)
+        rate = rotate(R, c[0], c[1], c[2])
+        for k in range(3):
+            work.markers[number, POINT_VELOCITY + k] = rate[k] + translation * stage[MID_VELOCITY + k]
+        if level == ACCELERATIONS:
+            b = cross(w1, w2, w3, c[0], c[1], c[2])
+            bias = rotate(R, b[0], b[1], b[2])
+            for k in range(3):
+                work.markers[number, POINT_BIAS + k] = bias[k]
 
 
 @kernel(internal=True)
@@ -164,6 +181,8 @@ def gather_marker_forces(kind: RigidBodies, work: Workspace) -> None:
         for j in range(6):
             kind.frame[body, FORCE + j] = 0.0
     for marker in range(kind.markers.shape[0]):
+        if kind.markers[marker, 4] == ROWS:
+            continue
         number, body = kind.markers[marker, 0], kind.markers[marker, 1]
         jacobian = work.jacobian[number]
         for j in range(6):

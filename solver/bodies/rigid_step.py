@@ -26,6 +26,7 @@ from heavylift.solver.bodies.rigid import (
     ORIENTATION,
     POSITION,
     PRINCIPAL,
+    REACH,
     SPIN,
     SPIN_RATE,
     VELOCITY,
@@ -40,16 +41,19 @@ from heavylift.solver.bodies.rigid_stage import (
     stage_rotation,
 )
 from heavylift.solver.interface import (
+    ERROR,
     FIELD,
     STATUS_BODY,
     STATUS_OUTCOME,
     Workspace,
     advance,
     check,
-    correct,
+    end_velocity,
+    estimate_error,
     factor,
     finish,
     predict,
+    set_velocity,
     thesis_advance,
     thesis_velocity,
 )
@@ -112,12 +116,6 @@ def factor_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None
                 work.velocity[dof + k] = 0.0  # driven bodies: the mean velocity follows in `advance`
 
 
-@implement(correct, RigidBodies)
-@kernel(internal=True)
-def correct_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
-    """Nothing to correct: the momentum form has no quadratic velocity force."""
-
-
 @implement(check, RigidBodies)
 @kernel(internal=True)
 def check_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
@@ -169,6 +167,64 @@ def advance_rigid_bodies(kind: RigidBodies, time: float, step: float, work: Work
         quaternion = rotate_by_exponential(orientation_of(kind, body), h * w1, h * w2, h * w3)
         for k in range(4):
             frame[ORIENTATION + k] = quaternion[k]
+
+
+@implement(end_velocity, RigidBodies)
+@kernel(internal=True)
+def end_velocity_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
+    """End velocities from the momenta; prescribed ones as they are."""
+    for body in range(kind.table.shape[0]):
+        frame = inertia = kind.frame[body]
+        dof = kind.table[body, DOF]
+        free = kind.table[body, MOTION] == FREE
+        q = orientation_of(kind, body)
+        w = rotate_by_quaternion(
+            (q[0], -q[1], -q[2], -q[3]),
+            frame[ANGULAR_MOMENTUM],
+            frame[ANGULAR_MOMENTUM + 1],
+            frame[ANGULAR_MOMENTUM + 2],
+        )
+        for k in range(3):
+            work.velocity[dof + k] = frame[VELOCITY + k]
+            work.velocity[dof + 3 + k] = w[k] / inertia[PRINCIPAL + k] if free else frame[SPIN + k]
+
+
+@implement(set_velocity, RigidBodies)
+@kernel(internal=True)
+def set_velocity_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
+    """Projected velocities, ``L = R I w``."""
+    for body in range(kind.table.shape[0]):
+        if kind.table[body, MOTION] != FREE:
+            continue
+        frame = inertia = kind.frame[body]
+        dof = kind.table[body, DOF]
+        L = rotate_by_quaternion(
+            orientation_of(kind, body),
+            inertia[PRINCIPAL] * work.velocity[dof + 3],
+            inertia[PRINCIPAL + 1] * work.velocity[dof + 4],
+            inertia[PRINCIPAL + 2] * work.velocity[dof + 5],
+        )
+        for k in range(3):
+            frame[ACCELERATION + k] += (work.velocity[dof + k] - frame[VELOCITY + k]) / step
+            frame[VELOCITY + k] = work.velocity[dof + k]
+            frame[ANGULAR_MOMENTUM + k] = L[k]
+
+
+@implement(estimate_error, RigidBodies)
+@kernel(internal=True)
+def estimate_rigid_error(kind: RigidBodies, step: float, work: Workspace) -> None:
+    """Distance of the midpoint velocity from its prediction, as a displacement [m] over the step."""
+    for body in range(kind.table.shape[0]):
+        if kind.table[body, MOTION] != FREE:
+            continue
+        frame = stage = kind.frame[body]
+        dof = kind.table[body, DOF]
+        moved = turned = 0.0
+        for k in range(3):
+            moved += (work.velocity[dof + k] - stage[MID_VELOCITY + k]) ** 2
+            turned += (work.velocity[dof + 3 + k] - stage[MID_SPIN + k]) ** 2
+        error = step * max(math.sqrt(moved), frame[REACH] * math.sqrt(turned))
+        work.control[ERROR] = max(work.control[ERROR], error)
 
 
 @implement(finish, RigidBodies)

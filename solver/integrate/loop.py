@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
+from heavylift.solver.integrate.row_stage import record_rows
 from heavylift.solver.interface import (
     DISSIPATED,
     DRIVE_WORK,
@@ -18,6 +19,7 @@ from heavylift.solver.interface import (
     LINEAR_MOMENTUM,
     POINT_FORCE,
     POTENTIAL,
+    RECORD,
     SUM_COUNT,
     Workspace,
     add_forces,
@@ -34,17 +36,22 @@ __all__ = ["TOTAL_COLUMNS", "evaluate_forces", "start_scene", "write_record"]
 
 
 @kernel
-def start_scene(bodies: tuple[Any, ...], time: float) -> None:
+def start_scene(bodies: tuple[Any, ...], work: Workspace, time: float) -> None:
     """Complete the start state of all bodies."""
-    start(bodies, time)
+    start(bodies, time, work)
 
 
 @kernel(internal=True)
 def evaluate_forces(
-    bodies: tuple[Any, ...], forces: tuple[Any, ...], work: Workspace, time: float, at_midpoint: bool
+    bodies: tuple[Any, ...],
+    forces: tuple[Any, ...],
+    work: Workspace,
+    time: float,
+    at_midpoint: bool,
+    level: int,
 ) -> None:
     """Markers of all bodies, then all forces, at the midpoint of the step or at the carried state."""
-    fill_markers(bodies, at_midpoint, work)
+    fill_markers(bodies, at_midpoint, level, work)
     for marker in range(work.markers.shape[0]):
         for k in range(3):
             work.markers[marker, POINT_FORCE + k] = 0.0
@@ -57,17 +64,20 @@ def evaluate_forces(
 def write_record(
     bodies: tuple[Any, ...],
     forces: tuple[Any, ...],
+    joints: tuple[Any, ...],
+    systems: tuple[Any, ...],
     work: Workspace,
     time: float,
     row: NDArray[np.float64],
 ) -> None:
     """Write the carried state, energies and momenta into a record; totals come last."""
-    evaluate_forces(bodies, forces, work, time, False)
+    evaluate_forces(bodies, forces, work, time, False, RECORD)
     record(bodies, time, work, row)
     sums = work.sums
     for i in range(KINETIC, SUM_COUNT):
         sums[i] = 0.0
     add_totals(bodies, work)
+    record_rows(systems, joints, work, time, row)
     end = row.shape[0] - TOTAL_COLUMNS
     for i in range(6):
         row[end + i] = sums[KINETIC + i]

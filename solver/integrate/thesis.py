@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.solver.integrate.loop import evaluate_forces, write_record
 from heavylift.solver.interface import (
+    FORCES,
     STATUS_OUTCOME,
     Workspace,
     check,
@@ -28,8 +29,11 @@ __all__ = ["run"]
 def run(
     bodies: tuple[Any, ...],
     forces: tuple[Any, ...],
+    joints: tuple[Any, ...],
+    systems: tuple[Any, ...],
     work: Workspace,
     step: float,
+    tolerance: float,
     first: int,
     last: int,
     every: int,
@@ -39,13 +43,13 @@ def run(
     row = 0
     for index in range(first, last):
         time = index * step
-        evaluate_forces(bodies, forces, work, time, False)
+        evaluate_forces(bodies, forces, work, time, False, FORCES)
         thesis_velocity(bodies, time, step, work)
         check(bodies, step, work)
         if work.status[STATUS_OUTCOME] != 0:
             return index
         thesis_advance(bodies, time, step, work)
         if (index + 1) % every == 0:
-            write_record(bodies, forces, work, (index + 1) * step, records[row])
+            write_record(bodies, forces, joints, systems, work, (index + 1) * step, records[row])
             row += 1
     return last

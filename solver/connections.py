@@ -1,0 +1,382 @@
+"""What a user says of the things between bodies: joints, ropes, springs, drives and motors, in SI units.
+
+Every joint has a *joint frame* on either side: a point and three axes, in the frame of the body (in
+world axes on the ground). The joint is closed when the two frames fit, each type in its own way.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.rotation import rotation_matrix
+from heavylift.solver.scene import Profile
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = [
+    "GROUND",
+    "Ball",
+    "Cylindrical",
+    "Distance",
+    "FixedJoint",
+    "Hinge",
+    "Joint",
+    "JointFrame",
+    "JointMotor",
+    "JointSpring",
+    "Limits",
+    "Planar",
+    "Rope",
+    "RopePoint",
+    "Slider",
+    "SliderHinge",
+    "Spring",
+    "SpringRope",
+    "Universal",
+    "Winch",
+    "axes_about",
+    "frame_in_body",
+]
+
+GROUND = "ground"
+"""Name of the world as a side of a joint, rope or spring; no body may take it."""
+
+
+@dataclass(frozen=True, eq=False)
+class JointFrame:
+    """Point [m], shape (3,), and axes x, y, z as columns, shape (3, 3), in the frame of a body."""
+
+    point: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    axes: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))
+
+
+def axes_about(
+    axis: NDArray[np.float64], reference: NDArray[np.float64] | None = None, *, source: str = "joint"
+) -> NDArray[np.float64]:
+    """Right-handed unit axes with z along `axis` and x as near to `reference` as possible, columns, shape (3, 3).
+
+    Parameters
+    ----------
+    axis
+        Any length, shape (3,).
+    reference
+        Shape (3,); chosen if None.
+    source
+        Name for the message.
+
+    Raises
+    ------
+    InputError
+        If the axis has length zero or is not finite, or the reference is parallel to it.
+    """
+    z = np.asarray(axis, dtype=np.float64)
+    length = float(np.linalg.norm(z))
+    if not (0.0 < length < np.inf):
+        raise InputError(
+            f"axis {z.tolist()}", source=source, key="axis", expected="a direction that is not zero"
+        )
+    z = z / length
+    given = np.eye(3)[np.argmin(np.abs(z))] if reference is None else np.asarray(reference, dtype=np.float64)
+    x = given - (given @ z) * z
+    if not np.linalg.norm(x) > 1e-9 * np.linalg.norm(given):
+        raise InputError(
+            f"reference {given.tolist()} is parallel to the axis",
+            source=source,
+            key="reference",
+            expected="a direction across the axis",
+        )
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])
+
+
+def frame_in_body(
+    point: NDArray[np.float64],
+    axes: NDArray[np.float64],
+    position: NDArray[np.float64],
+    orientation: NDArray[np.float64],
+) -> JointFrame:
+    """Joint frame of a body from a point [m] and axes in the world and the pose of the body."""
+    R = rotation_matrix(orientation)
+    return JointFrame(R.T @ (np.asarray(point, dtype=np.float64) - position), R.T @ axes)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Stops of an angle [rad] or travel [m]: a spring [N m/rad] or [N/m] and damper beyond each end."""
+
+    lower: float = -np.inf
+    upper: float = np.inf
+    stiffness: float = 0.0
+    damping: float = 0.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Joint:
+    """What all joints have.
+
+    Attributes
+    ----------
+    name
+        Prefix of its channels.
+    body_a, body_b
+        Names; one of them may be `GROUND`.
+    frame_a, frame_b
+        Joint frames on the two bodies.
+    compliance
+        Physical compliance of its rows (the ``epsilon`` of the thesis) [m/N] or [rad/(N m)]; 0 is rigid.
+    relaxation
+        Time in which a violation decays (its ``tau``) [s]; a compliant joint is damped by it.
+    """
+
+    name: str
+    body_a: str
+    body_b: str
+    frame_a: JointFrame = field(default_factory=JointFrame)
+    frame_b: JointFrame = field(default_factory=JointFrame)
+    compliance: float = 0.0
+    relaxation: float = 0.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Ball(Joint):
+    """The two points coincide: 3 rows."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Universal(Joint):
+    """The points coincide, and z of a stays square to z of b: 4 rows."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Hinge(Joint):
+    """The points and the z axes coincide: 5 rows. The angle turns x of a into x of b about z.
+
+    Attributes
+    ----------
+    drive
+        The angle as a function of time [rad]: one row more.
+    limits
+        Stops of the angle.
+    friction
+        Dry friction torque [N m].
+    """
+
+    drive: Profile | None = None
+    limits: Limits | None = None
+    friction: float = 0.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Cylindrical(Joint):
+    """The point of b slides along z of a, and the z axes are parallel: 4 rows."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Slider(Joint):
+    """The point of b slides along z of a without turning: 5 rows. The travel is measured along z of a.
+
+    Attributes
+    ----------
+    drive
+        The travel as a function of time [m]: one row more.
+    limits
+        Stops of the travel.
+    friction
+        Dry friction force [N].
+    """
+
+    drive: Profile | None = None
+    limits: Limits | None = None
+    friction: float = 0.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SliderHinge(Joint):
+    """The point of b slides along an axis of a, and b turns about z of a: 4 rows.
+
+    Attributes
+    ----------
+    slide_axis
+        Direction of the travel in the joint frame of a, any length, shape (3,).
+    """
+
+    slide_axis: NDArray[np.float64] = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FixedJoint(Joint):
+    """The two frames coincide: 6 rows."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Planar(Joint):
+    """The point of b stays in the plane of x and y of a, and the z axes are parallel: 3 rows."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Distance(Joint):
+    """The distance of the two points is kept: 1 row.
+
+    Attributes
+    ----------
+    length
+        [m]; the distance at the start if None.
+    """
+
+    length: float | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Spring:
+    """Spring and damper between two points, along their line.
+
+    Attributes
+    ----------
+    name, body_a, point_a, body_b, point_b
+        Ends: body (or `GROUND`) and point in its frame [m], shape (3,).
+    stiffness, damping
+        [N/m], [N s/m].
+    length
+        Unloaded length [m].
+    elongations, forces
+        A table in place of the stiffness: tension [N] over elongation [m], increasing, linear in between and
+        beyond the ends.
+    """
+
+    name: str
+    body_a: str
+    point_a: NDArray[np.float64]
+    body_b: str
+    point_b: NDArray[np.float64]
+    length: float
+    stiffness: float = 0.0
+    damping: float = 0.0
+    elongations: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JointSpring:
+    """Spring and damper on the angle of a hinge [rad] or the travel of a slider [m].
+
+    Attributes
+    ----------
+    name, joint
+        Its own name and that of the joint.
+    rest
+        Value without load.
+    stiffness, damping
+        [N m/rad], [N m s/rad] or [N/m], [N s/m].
+    deflections, loads
+        A table in place of the stiffness: restoring torque [N m] or force [N] over value less rest.
+    """
+
+    name: str
+    joint: str
+    rest: float = 0.0
+    stiffness: float = 0.0
+    damping: float = 0.0
+    deflections: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    loads: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JointMotor:
+    """Torque [N m] or force [N] of a on b along a hinge or slider, a table over time [s], linear in between."""
+
+    name: str
+    joint: str
+    times: NDArray[np.float64]
+    loads: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RopePoint:
+    """A place the rope passes: an end, an eye, or a pulley.
+
+    Attributes
+    ----------
+    body, point
+        Body (or `GROUND`) and point in its frame [m], shape (3,): of a pulley its centre.
+    radius
+        Of the pulley [m]; 0 for an end or an eye.
+    axis
+        Of the pulley in the frame of the body, any length, shape (3,). The rope runs about the pulley in the
+        sense of a turn about this axis.
+    """
+
+    body: str
+    point: NDArray[np.float64]
+    radius: float = 0.0
+    axis: NDArray[np.float64] = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+
+
+@dataclass(frozen=True, eq=False)
+class Winch:
+    """Speed of a winch over time, linear in between and held at the ends: hauls in if positive.
+
+    Attributes
+    ----------
+    times, speeds
+        [s], increasing; [m/s].
+    """
+
+    times: NDArray[np.float64]
+    speeds: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rope:
+    """A wire rope through any number of points, with one tension all along: it pulls and never pushes.
+
+    Attributes
+    ----------
+    name
+        Prefix of its channels.
+    path
+        Two and more points, from end to end.
+    axial_stiffness
+        ``EA`` [N].
+    length
+        Unstretched length between the ends at the start [m]; the length of the path if None.
+    damping
+        Tension per rate of elongation [N s/m], while it is taut.
+    winch
+        How its length changes.
+    """
+
+    name: str
+    path: tuple[RopePoint, ...]
+    axial_stiffness: float
+    length: float | None = None
+    damping: float = 0.0
+    winch: Winch | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SpringRope:
+    """The spring rope of the thesis, eq. 230: pulls with ``stiffness (distance - length)``, two ends.
+
+    Attributes
+    ----------
+    name, body_a, point_a, body_b, point_b
+        Ends, as in `Spring`.
+    length
+        Unloaded length [m].
+    stiffness, damping
+        [N/m], [N s/m].
+    """
+
+    name: str
+    body_a: str
+    point_a: NDArray[np.float64]
+    body_b: str
+    point_b: NDArray[np.float64]
+    length: float
+    stiffness: float
+    damping: float = 0.0

@@ -1,0 +1,199 @@
+"""Joints in a step: the midpoint system, and the exact projection of the velocities at its end.
+
+Regularised rows at the midpoint, solved for half impulses, as in "Integrated simulation ... (2018)", eq. 49,
+with the Jacobian of the middle of the step; then a projection of the velocities onto the rows of the end,
+without which closed loops fail and an inconsistent start rings for ever.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
+from heavylift.solver.integrate.row_solver import assemble, factor_rows, smallest_pivot, solve_rows
+from heavylift.solver.interface import (
+    CHANGED,
+    LAST_STEP,
+    ROWS,
+    STATUS_OUTCOME,
+    Workspace,
+    apply_inverse,
+    end_velocity,
+    fill_markers,
+    fill_rows,
+    record_joints,
+    relinearise,
+    set_targets,
+    set_velocity,
+    update_rows,
+)
+from heavylift.solver.kinds import generic, implement
+from heavylift.solver.rows import (
+    COMPLIANCE,
+    HALF_IMPULSE,
+    IMPULSE,
+    LAST_REACTION,
+    REACTION,
+    REGULARISATION,
+    RELAXATION,
+    RESIDUAL,
+    ROW_COLUMNS,
+    SCALE,
+    SOFTNESS,
+    TARGET,
+    LawRowSystem,
+    Rows,
+    RowSystem,
+)
+
+__all__ = ["project_end", "record_rows", "solve_midpoint"]
+
+ABSENT = 1e20
+"""Softness relative to the characteristic inverse mass that takes a row out of the system."""
+
+LAW_ITERATIONS = 50
+NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
+
+
+@generic
+def solve_midpoint(
+    systems: Any, bodies: Any, joints: Any, work: Workspace, time: float, step: float, nominal: float
+) -> None:
+    """Rows: velocities of the midpoint from free ones; the factor stays for `correct_impulses`."""
+
+
+@implement(solve_midpoint, RowSystem)
+@kernel(internal=True)
+def solve_midpoint_rows(
+    system: RowSystem, bodies: Any, joints: Any, work: Workspace, time: float, step: float, nominal: float
+) -> None:
+    """One solve."""
+    _start_midpoint(system, bodies, joints, work, time, step, nominal)
+    assemble(system)
+    factor_rows(system)
+    solve_rows(system, work.velocity)
+
+
+@implement(solve_midpoint, LawRowSystem)
+@kernel(internal=True)
+def solve_midpoint_laws(
+    system: LawRowSystem, bodies: Any, joints: Any, work: Workspace, time: float, step: float, nominal: float
+) -> None:
+    """Newton iteration: solve, fit the laws to the velocities found, solve for the rest.
+
+    Notes
+    -----
+    Laws are monotone and the system is positive definite, so linearising them again at each result finds the
+    solution in a few rounds; most steps need one, because only a law that changes its branch moves.
+    """
+    _start_midpoint(system, bodies, joints, work, time, step, nominal)
+    for _ in range(LAW_ITERATIONS):
+        assemble(system)
+        factor_rows(system)
+        solve_rows(system, work.velocity)
+        work.control[CHANGED] = 0.0
+        relinearise(joints, time, step, work, system)
+        if work.control[CHANGED] == 0.0:
+            return
+    work.status[STATUS_OUTCOME] = NOT_CONVERGED
+
+
+@kernel(internal=True)
+def _start_midpoint(
+    system: Rows, bodies: Any, joints: Any, work: Workspace, time: float, step: float, nominal: float
+) -> None:
+    """Rows of the midpoint with targets and softness. Positions are corrected over the nominal step."""
+    rows, lanes = len(system.shape[0]), len(system.shape[1])
+    fill_rows(joints, False, work, system)
+    for node in range(system.attachments.shape[0] // 2):
+        at = node * ROW_COLUMNS * lanes
+        for r in range(rows):
+            system.rows[at + IMPULSE * lanes + r] = 0.0
+            scale = system.rows[at + SCALE * lanes + r]
+            if scale > 0.0:
+                compliance = system.rows[at + COMPLIANCE * lanes + r]
+                relaxation = system.rows[at + RELAXATION * lanes + r]
+                delay = (nominal if compliance == 0.0 else 0.5 * nominal) + relaxation
+                system.rows[at + TARGET * lanes + r] = -system.rows[at + RESIDUAL * lanes + r] / delay
+                system.rows[at + SOFTNESS * lanes + r] = REGULARISATION * scale + 2.0 * compliance / (
+                    step * (0.5 * step + relaxation)
+                )
+    set_targets(joints, time, step, True, work, system)
+    apply_inverse(bodies, True, system)
+
+
+@generic
+def project_end(systems: Any, bodies: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+    """Rows: project the end velocities onto the rigid rows at the end of the step; reactions of the step."""
+
+
+@implement(project_end, RowSystem)
+@implement(project_end, LawRowSystem)
+@kernel(internal=True)
+def project_end_rows(
+    system: Rows, bodies: Any, joints: Any, work: Workspace, time: float, step: float
+) -> None:
+    """One factorisation more, of the rigid rows with the mass alone."""
+    shape = system.shape
+    rows, lanes = len(shape[0]), len(shape[1])
+    update_rows(joints, time, step, work, system)
+    end_velocity(bodies, step, work)
+    fill_markers(bodies, False, ROWS, work)
+    fill_rows(joints, True, work, system)
+    for node in range(system.attachments.shape[0] // 2):
+        at = node * ROW_COLUMNS * lanes
+        for r in range(rows):
+            scale = system.rows[at + SCALE * lanes + r]
+            if scale > 0.0:
+                rigid = system.rows[at + COMPLIANCE * lanes + r] == 0.0
+                system.rows[at + TARGET * lanes + r] = 0.0
+                system.rows[at + HALF_IMPULSE * lanes + r] = system.rows[at + IMPULSE * lanes + r]
+                system.rows[at + IMPULSE * lanes + r] = 0.0
+                system.rows[at + SOFTNESS * lanes + r] = (REGULARISATION if rigid else ABSENT) * scale
+    set_targets(joints, time + step, step, False, work, system)
+    apply_inverse(bodies, False, system)
+    assemble(system)
+    factor_rows(system)
+    solve_rows(system, work.velocity)
+    set_velocity(bodies, step, work)
+    last = work.control[LAST_STEP]
+    ahead = step / (step + last)
+    for node in range(system.attachments.shape[0] // 2):
+        at = node * ROW_COLUMNS * lanes
+        for r in range(rows):
+            # of second order in the middle of the step only, and only with the part of the projection
+            middle = (
+                2.0 * system.rows[at + HALF_IMPULSE * lanes + r] + system.rows[at + IMPULSE * lanes + r]
+            ) / step
+            before = system.rows[at + LAST_REACTION * lanes + r]
+            system.rows[at + REACTION * lanes + r] = middle + ahead * (middle - before)
+            system.rows[at + LAST_REACTION * lanes + r] = middle
+
+
+@generic
+def record_rows(systems: Any, joints: Any, work: Workspace, time: float, row: NDArray[np.float64]) -> None:
+    """Rows: joints into their columns, monitors into the last of them."""
+
+
+@implement(record_rows, RowSystem)
+@implement(record_rows, LawRowSystem)
+@kernel(internal=True)
+def record_row_system(
+    system: Rows, joints: Any, work: Workspace, time: float, row: NDArray[np.float64]
+) -> None:
+    """Largest violation of a rigid row, and smallest pivot of the last projection."""
+    rows, lanes = len(system.shape[0]), len(system.shape[1])
+    record_joints(joints, time, work, system, row)
+    violation = 0.0
+    for node in range(system.attachments.shape[0] // 2):
+        at = node * ROW_COLUMNS * lanes
+        for r in range(rows):
+            scale = system.rows[at + SCALE * lanes + r]
+            if scale > 0.0 and system.rows[at + COMPLIANCE * lanes + r] == 0.0:
+                violation = max(violation, abs(system.rows[at + RESIDUAL * lanes + r]))
+    row[system.monitor] = violation
+    row[system.monitor + 1] = smallest_pivot(system)

@@ -1,0 +1,64 @@
+"""Ball joints: the points of both sides coincide; 3 rows: "Integrated simulation ... (2018)", eqs. 163-164."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.connections import Ball
+from heavylift.solver.interface import Workspace, fill_rows, record_joints
+from heavylift.solver.joints.packing import JointPlace, MarkerBook
+from heavylift.solver.joints.row_writing import difference, put_point_rows, residuals, write_reaction
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import RowSystem
+
+__all__ = ["ROTATIONAL", "BallJoints", "pack"]
+
+ROTATIONAL = (False, False, False)
+
+
+class BallJoints(NamedTuple):
+    """Block, point markers of a and b, first record column; shape (n, 4)."""
+
+    table: NDArray[np.int64]
+
+
+def pack(joints: Sequence[Ball], places: Sequence[JointPlace], book: MarkerBook) -> BallJoints:
+    """Make the kind."""
+    rows = [
+        (
+            place.block,
+            book.point(joint.body_a, joint.frame_a.point),
+            book.point(joint.body_b, joint.frame_b.point),
+            place.column,
+        )
+        for joint, place in zip(joints, places, strict=True)
+    ]
+    return BallJoints(np.array(rows, dtype=np.int64))
+
+
+@implement(fill_rows, BallJoints)
+@kernel(internal=True)
+def fill_ball_rows(kind: BallJoints, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+    """``p_b - p_a``."""
+    for j in range(kind.table.shape[0]):
+        block, point_a, point_b, _ = kind.table[j]
+        put_point_rows(system, 2 * block, 0, work, point_a, -1.0)
+        put_point_rows(system, 2 * block + 1, 0, work, point_b, 1.0)
+        if with_residual:
+            g = residuals(system, block)
+            g[0], g[1], g[2] = difference(work, point_a, point_b)
+
+
+@implement(record_joints, BallJoints)
+@kernel(internal=True)
+def record_balls(
+    kind: BallJoints, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+) -> None:
+    """Reaction on b."""
+    for j in range(kind.table.shape[0]):
+        write_reaction(system, kind.table[j, 0], row, kind.table[j, 3])

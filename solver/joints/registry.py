@@ -1,0 +1,101 @@
+"""Which file serves which joint; a type without members in a scene is not imported."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.connections import GROUND, Ball, Hinge
+from heavylift.solver.joints.packing import JointPlace, MarkerBook
+from heavylift.solver.rows import COMPLIANCE, RELAXATION, ROW_COLUMNS, Attachment, RowSystem, pack_rows
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from heavylift.solver.connections import Joint
+
+__all__ = ["JOINT_MODULES", "joint_channels", "joint_module", "pack_joints"]
+
+JOINT_MODULES: dict[type, str] = {
+    Ball: "ball",
+    Hinge: "hinge",
+}
+"""Modules of `heavylift.solver.joints` by type of joint."""
+
+_XYZ = ("x", "y", "z")
+
+
+def joint_module(joint: Joint) -> Any:
+    """The module that serves a joint."""
+    return importlib.import_module(f"heavylift.solver.joints.{JOINT_MODULES[type(joint)]}")
+
+
+def joint_channels(joint: Joint) -> list[tuple[str, str, tuple[str, ...]]]:
+    """Name, unit and components of the channels of a joint, in the order of its columns."""
+    extra = getattr(joint_module(joint), "CHANNELS", ())
+    return [("reaction_force", "N", _XYZ), ("reaction_moment", "N m", _XYZ), *extra]
+
+
+def pack_joints(
+    joints: Sequence[Joint],
+    columns: Sequence[int],
+    book: MarkerBook,
+    attachment: Callable[[str], Attachment],
+    scales: Callable[[str], tuple[float, float]],
+) -> tuple[tuple[Any, ...], Callable[[Any, int], RowSystem]]:
+    """Make the kinds of all joints, and a function that makes their system.
+
+    Parameters
+    ----------
+    joints, columns
+        Joints and the first record column of each.
+    book
+        Receives the markers.
+    attachment
+        Where the rows of a body go; known once all bodies are counted.
+    scales
+        Inverse mass [1/kg] and smallest inverse inertia [1/(kg m2)] of a body, 0 if its motion is prescribed.
+    """
+    kinds: list[Any] = []
+    ordered: list[tuple[Joint, tuple[bool, ...]]] = []
+    for kind_type in JOINT_MODULES:
+        members = [
+            (joint, column) for joint, column in zip(joints, columns, strict=True) if type(joint) is kind_type
+        ]
+        if not members:
+            continue
+        module = joint_module(members[0][0])
+        places = [JointPlace(len(ordered) + i, column) for i, (_, column) in enumerate(members)]
+        ordered += [(joint, module.ROTATIONAL) for joint, _ in members]
+        kinds.append(module.pack([joint for joint, _ in members], places, book))
+
+    def system(inverse_mass: Any, monitor: int) -> RowSystem:
+        sides = [(attachment(joint.body_a), attachment(joint.body_b)) for joint, _ in ordered]
+        scale = [_scale(joint, rotational, scales) for joint, rotational in ordered]
+        made = pack_rows([len(r) for _, r in ordered], sides, scale, inverse_mass, monitor)
+        lanes = len(made.shape[1])
+        table = made.rows.reshape(-1, ROW_COLUMNS, lanes)
+        for block, (joint, rotational) in enumerate(ordered):
+            table[block, COMPLIANCE, : len(rotational)] = joint.compliance
+            table[block, RELAXATION, : len(rotational)] = joint.relaxation
+        return made
+
+    return tuple(kinds), system
+
+
+def _scale(joint: Joint, rotational: tuple[bool, ...], scales: Callable[[str], tuple[float, float]]) -> Any:
+    """Characteristic inverse mass of each row."""
+    none = (0.0, 0.0)
+    a = none if joint.body_a == GROUND else scales(joint.body_a)
+    b = none if joint.body_b == GROUND else scales(joint.body_b)
+    if a[0] + b[0] == 0.0:
+        raise InputError(
+            f"neither {joint.body_a!r} nor {joint.body_b!r} can move",
+            source=joint.name,
+            key="between",
+            expected="at least one free body",
+        )
+    return np.array([a[1] + b[1] if turns else a[0] + b[0] for turns in rotational])

@@ -1,0 +1,259 @@
+"""The rows of a scene: what joints, springs and ropes write, and the symmetric system that couples them.
+
+A *block* holds the rows of one joint on two *sides*; each side is attached to a body, or to the ground.
+With the panels ``G`` of all sides, the step matrices ``A`` of the bodies and the softness ``Z``::
+
+    ( G A^-1 G^T + Z ) P = target - G U,    U += A^-1 G^T P
+
+Bodies are eliminated first, which costs nothing for rigid ones, so the unknowns are the impulses P alone
+and the pattern is that of the joint graph. A body with many joints would make a clique of all of them:
+such *hubs* stay in the system as nodes of their own, with ``-A`` as their pivot. The system is then
+quasi-definite, and can be factored in any order without exchanging pivots (R. J. Vanderbei, SIAM J.
+Optimization 5, 1995).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations_with_replacement
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.elimination import eliminate
+from heavylift.numerics.lanes import block_shape
+
+__all__ = [
+    "REGULARISATION",
+    "Attachment",
+    "LawRowSystem",
+    "RowSystem",
+    "Rows",
+    "pack_rows",
+]
+
+REGULARISATION = 1e-7
+"""Softness of rigid rows relative to their characteristic inverse mass: lets redundant rows share."""
+
+HUB_ATTACHMENTS = 12
+"""Joints on one rigid body from which on it stays in the system as a node."""
+
+# columns of `rows`, one vector of lanes each
+RESIDUAL, TARGET, SOFTNESS, SCALE, COMPLIANCE, RELAXATION = range(6)
+IMPULSE, HALF_IMPULSE, REACTION, LAST_REACTION, SOLUTION = range(6, 11)
+ROW_COLUMNS = 11
+
+# columns of `attachments`
+DOF, WIDTH, PANEL, HOLDER = range(4)
+# how a body is held by its attachment: not at all (ground, prescribed motion), by its inverse masses, by its own
+# factor, or as a node of the system
+PRESCRIBED, DIAGONAL, FACTORED, HUB = range(4)
+
+# columns of `columns`: node, first and number of lower blocks, first update, place of the pivot
+NODE, LOWER, LOWER_COUNT, UPDATE, PIVOT = range(5)
+
+
+class RowSystem(NamedTuple):
+    """Rows of all joints and the factor of their system.
+
+    Attributes
+    ----------
+    shape
+        Block shape for `heavylift.numerics.lanes`.
+    attachments
+        First velocity (-1 on the ground), number of velocities, place of the panel, and holder of each
+        side of each block, shape (2 blocks, 4).
+    columns, lower, updates
+        The factor, column by column in the order of elimination: pivots; node and place of the blocks
+        below; places that each pair of them changes.
+    pairs
+        Place in `blocks`, place of X, place of G, number of velocities: the assembly, shape (n, 4).
+    hubs
+        Node, pivot and first velocity of each hub, -1, then node, place, panel and 1 if the hub comes
+        later, of each attachment on a hub; shape (n, 4).
+    panels
+        G of all attachments, then ``X = A^-1 G^T``, flat.
+    blocks
+        Blocks of the factor and one of scratch, flat.
+    rows
+        Vectors of lanes, by node and column; flat.
+    inverse_mass
+        Of each velocity of a free rigid body [1/kg, 1/(kg m2)]; 0 where motion is prescribed.
+    monitor
+        Record column of the largest violation; the smallest pivot follows it.
+    """
+
+    shape: Any
+    attachments: NDArray[np.int64]
+    columns: NDArray[np.int64]
+    lower: NDArray[np.int64]
+    updates: NDArray[np.int64]
+    pairs: NDArray[np.int64]
+    hubs: NDArray[np.int64]
+    panels: NDArray[np.float64]
+    blocks: NDArray[np.float64]
+    rows: NDArray[np.float64]
+    inverse_mass: NDArray[np.float64]
+    monitor: int
+
+
+class LawRowSystem(NamedTuple):
+    """Fields of `RowSystem`, for scenes with laws: ropes, stops, friction; their rows are fitted by iteration."""
+
+    shape: Any
+    attachments: NDArray[np.int64]
+    columns: NDArray[np.int64]
+    lower: NDArray[np.int64]
+    updates: NDArray[np.int64]
+    pairs: NDArray[np.int64]
+    hubs: NDArray[np.int64]
+    panels: NDArray[np.float64]
+    blocks: NDArray[np.float64]
+    rows: NDArray[np.float64]
+    inverse_mass: NDArray[np.float64]
+    monitor: int
+
+
+Rows = RowSystem | LawRowSystem
+
+
+@dataclass(frozen=True)
+class Attachment:
+    """One side of a block.
+
+    Attributes
+    ----------
+    body
+        Number of the body, -1 for the ground.
+    dof, width
+        First velocity of the body and how many it has; -1 and 0 for the ground.
+    holder
+        `PRESCRIBED`, `DIAGONAL` or `FACTORED`.
+    """
+
+    body: int
+    dof: int
+    width: int
+    holder: int
+
+
+def pack_rows(
+    row_counts: Sequence[int],
+    sides: Sequence[tuple[Attachment, Attachment]],
+    scales: Sequence[NDArray[np.float64]],
+    inverse_mass: NDArray[np.float64],
+    monitor: int,
+) -> RowSystem:
+    """Order the blocks and lay out the system.
+
+    Parameters
+    ----------
+    row_counts
+        Rows of each block.
+    sides
+        Of each block.
+    scales
+        Characteristic inverse mass of each row, ``1/m_a + 1/m_b`` or ``1/I_a + 1/I_b``; shape (rows,).
+    inverse_mass
+        As in `RowSystem`.
+    monitor
+        As in `RowSystem`.
+    """
+    count = len(row_counts)
+    on_body: dict[int, list[int]] = {}
+    for block, pair in enumerate(sides):
+        for side, end in enumerate(pair):
+            if end.holder != PRESCRIBED:
+                on_body.setdefault(end.body, []).append(2 * block + side)
+    ends = [end for pair in sides for end in pair]
+    hub_bodies = [
+        body
+        for body, held in on_body.items()
+        if len(held) >= HUB_ATTACHMENTS and ends[held[0]].holder == DIAGONAL
+    ]
+    hub_node = {body: count + i for i, body in enumerate(hub_bodies)}
+    rows = max([6 if hub_bodies else 1, *row_counts])
+    shape = block_shape(rows)
+    lanes = len(shape[1])
+    size = rows * lanes
+    window = max([6, *(end.width for end in ends)])
+
+    attachments = np.zeros((2 * count, 4), dtype=np.int64)
+    for i, end in enumerate(ends):
+        holder = HUB if end.body in hub_node else end.holder
+        attachments[i] = end.dof, end.width, i * window * lanes, holder
+
+    edges: set[tuple[int, int]] = set()
+    for body, held in on_body.items():
+        blocks = sorted({i // 2 for i in held})
+        if body in hub_node:
+            edges |= {(block, hub_node[body]) for block in blocks}
+        else:
+            edges |= {(a, b) for a in blocks for b in blocks if a < b}
+    node_count = count + len(hub_bodies)
+    elimination = eliminate(node_count, edges)
+    place_in_order = {node: i for i, node in enumerate(elimination.order)}
+    place: dict[tuple[int, int], int] = {}
+    for node, below in zip(elimination.order, elimination.below, strict=True):
+        for other in (node, *below):
+            place[other, node] = len(place) * size
+
+    columns, lower, updates = [], [], []
+    for node, below in zip(elimination.order, elimination.below, strict=True):
+        columns.append((node, len(lower), len(below), len(updates), place[node, node]))
+        lower += [(other, place[other, node]) for other in below]
+        updates += [place[k, l] for i, l in enumerate(below) for k in below[i:]]
+
+    half = len(ends) * window * lanes
+    pairs, hubs = [], []
+    for body, held in on_body.items():
+        if body in hub_node:
+            node = hub_node[body]
+            hubs.append((node, place[node, node], ends[held[0]].dof, -1))
+            for i in held:
+                later = place_in_order[node] > place_in_order[i // 2]
+                where = place[(node, i // 2) if later else (i // 2, node)]
+                hubs.append((i // 2, where, int(attachments[i, PANEL]), int(later)))
+            continue
+        for p, q in combinations_with_replacement(held, 2):
+            early, late = sorted((p, q), key=lambda i: place_in_order[i // 2])
+            pairs.append(_pair(place, attachments, early, late, half))
+            if p != q and p // 2 == q // 2:  # both sides on one body: the diagonal block needs both orders
+                pairs.append(_pair(place, attachments, late, early, half))
+
+    row_data = np.zeros((node_count, ROW_COLUMNS, lanes))
+    row_data[:, SOFTNESS] = 1.0  # of padding lanes, whose rows are empty
+    for block, (used, scale) in enumerate(zip(row_counts, scales, strict=True)):
+        row_data[block, SCALE, :used] = scale
+    return RowSystem(
+        shape=shape,
+        attachments=attachments,
+        columns=np.array(columns, dtype=np.int64).reshape(-1, 5),
+        lower=np.array(lower, dtype=np.int64).reshape(-1, 2),
+        updates=np.array(updates, dtype=np.int64),
+        pairs=np.array(pairs, dtype=np.int64).reshape(-1, 4),
+        hubs=np.array(hubs, dtype=np.int64).reshape(-1, 4),
+        panels=np.zeros(2 * half),
+        blocks=np.zeros((len(place) + 1) * size),
+        rows=row_data.ravel(),
+        inverse_mass=np.ascontiguousarray(inverse_mass, dtype=np.float64),
+        monitor=monitor,
+    )
+
+
+def _pair(
+    place: dict[tuple[int, int], int],
+    attachments: NDArray[np.int64],
+    early: int,
+    late: int,
+    half: int,
+) -> tuple[int, int, int, int]:
+    where = place[late // 2, early // 2]
+    return (
+        where,
+        half + int(attachments[early, PANEL]),
+        int(attachments[late, PANEL]),
+        int(attachments[early, WIDTH]),
+    )
