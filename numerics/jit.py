@@ -19,7 +19,7 @@ from typing import Any, TypeVar, overload
 
 import numba
 
-__all__ = ["cache_directory", "cache_root", "kernel", "source_digest"]
+__all__ = ["cache_directory", "cache_root", "kernel", "source_digest", "view"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -115,7 +115,9 @@ def kernel(
         Allow sums to be added in another order, so that dot products use vector
         instructions. Changes rounding only; NaN and infinity stay visible.
     internal
-        The function is called from kernels only: it gets no wrapper for Python, which saves compile time.
+        The function is called from kernels only: it gets no wrapper for Python, which saves compile time, and
+        counts no references, which in loops over views of arrays costs more than their arithmetic. It may
+        neither allocate nor return arrays; for views see `view`.
     """
 
     def decorate(python_function: F) -> F:
@@ -129,6 +131,7 @@ def kernel(
                 fastmath=flags,
                 forceinline=inline,
                 no_cpython_wrapper=internal,
+                _nrt=not internal,
                 no_cfunc_wrapper=True,
             )(python_function)
         if compiled is not python_function:
@@ -136,3 +139,13 @@ def kernel(
         return compiled
 
     return decorate if function is None else decorate(function)
+
+
+def view(function: F) -> F:
+    """Put a function that returns a part of an array into its callers, before they are compiled.
+
+    Compiled by itself it would have to count the references to what it returns.
+    """
+    inlined = numba.njit(inline="always", error_model="numpy")(function)
+    update_wrapper(inlined, function)
+    return inlined

@@ -54,7 +54,7 @@ def pack_markers(
     Returns
     -------
     ndarray
-        Number, row of the body, start of the data, 1 for directions, level; shape (m, 5).
+        Number, row of the body, start of the data, 1 for directions, level; shape (m, 5); in the order of their levels.
     """
     rows: list[tuple[int, int, int, int, int]] = []
     start = sum(map(len, constants))
@@ -67,4 +67,5 @@ def pack_markers(
             rows.append((number, row, start, int(direction), level))
             constants.append(block)
             start += len(block)
+    rows.sort(key=lambda row: row[4])
     return np.array(rows, dtype=np.int64).reshape(-1, 5)

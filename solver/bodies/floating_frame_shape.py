@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.jit import kernel
+from heavylift.numerics.jit import kernel, view
 from heavylift.solver.bodies.floating_frame import (
     MID_ROTATION,
     MODES,
@@ -17,7 +17,7 @@ from heavylift.solver.bodies.floating_frame import (
 __all__ = ["product_columns", "shape_of", "stage_rotation"]
 
 
-@kernel(inline=True, internal=True)
+@view
 def shape_of(kind: FlexibleBodies, body: int) -> NDArray[np.float64]:
     """Packed shape of a body, without the stacked matrices."""
     n = kind.table[body, MODES]
@@ -25,7 +25,7 @@ def shape_of(kind: FlexibleBodies, body: int) -> NDArray[np.float64]:
     return kind.constants[start : start + SHAPE_HEAD + 12 * n]
 
 
-@kernel(inline=True, internal=True)
+@view
 def product_columns(kind: FlexibleBodies, body: int) -> NDArray[np.float64]:
     """Stacked product matrices of a body, column after column, shape (n 8 n,)."""
     n = kind.table[body, MODES]
@@ -33,7 +33,7 @@ def product_columns(kind: FlexibleBodies, body: int) -> NDArray[np.float64]:
     return kind.constants[start : start + 8 * n * n]
 
 
-@kernel(inline=True, internal=True)
+@view
 def stage_rotation(kind: FlexibleBodies, body: int) -> NDArray[np.float64]:
     """Rotation matrix of the stage, row by row, a view of shape (9,)."""
     return kind.frame[body, MID_ROTATION : MID_ROTATION + 9]

@@ -42,7 +42,8 @@ MID_ROTATION = 69  # rotation matrix of the stage, row by row
 REACH = (
     78  # constant: distance of what is attached from the centre of mass, at least the radius of gyration [m]
 )
-FRAME_WIDTH = 80
+INVERSE_MASS, INVERSE_PRINCIPAL = 79, 80  # reciprocals of mass and principal inertias
+FRAME_WIDTH = 88  # whole cache lines
 
 
 class RigidBodies(NamedTuple):
@@ -55,7 +56,7 @@ class RigidBodies(NamedTuple):
     constants
         Drives and marker data: points from the centre of mass and directions, in principal axes.
     frame
-        State, constants and scratch of the step, shape (nb, 80).
+        State, constants and scratch of the step, shape (nb, 88).
     markers, sensors
         As in the kind of floating frames, shapes (m, 5).
     """
@@ -94,6 +95,7 @@ def pack_rigid_bodies(
             *body.centre_of_mass,
             *quaternion_from_matrix(axes),
         )
+        frame[row, INVERSE_MASS : INVERSE_PRINCIPAL + 3] = 1.0 / frame[row, MASS : PRINCIPAL + 3]
         motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
         index[row] = first_dof + 6 * row, motion, sum(map(len, constants)), column, first_number + row
         if isinstance(body.motion, Driven):

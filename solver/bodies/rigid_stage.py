@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.jit import kernel
+from heavylift.numerics.jit import kernel, view
 from heavylift.numerics.rotation import quaternion_product, rotate_by_quaternion, write_rotation_matrix
 from heavylift.numerics.small import cross, rotate
 from heavylift.solver.bodies.rigid import (
@@ -59,7 +59,7 @@ __all__ = [
 ]
 
 
-@kernel(inline=True, internal=True)
+@view
 def stage_rotation(kind: RigidBodies, body: int) -> NDArray[np.float64]:
     """Rotation matrix of the stage, row by row, a view of shape (9,)."""
     return kind.frame[body, MID_ROTATION : MID_ROTATION + 9]
@@ -147,19 +147,32 @@ def fill_rigid_markers(kind: RigidBodies, at_midpoint: bool, level: int, work: W
     if not at_midpoint:
         stage_at_state(kind)
     for marker in range(kind.markers.shape[0]):
-        number, body, begin, direction, serves = kind.markers[marker]
+        serves = kind.markers[marker, 4]
         if serves > level:
-            continue
+            break  # they are in this order
+        number, body, begin = kind.markers[marker, 0], kind.markers[marker, 1], kind.markers[marker, 2]
+        direction = kind.markers[marker, 3]
         u1, u2, u3 = kind.constants[begin], kind.constants[begin + 1], kind.constants[begin + 2]
         stage, R = kind.frame[body], stage_rotation(kind, body)
+        # everything is read before anything is written: the compiler must assume that the arrays overlap
+        r11, r12, r13, r21, r22, r23, r31, r32, r33 = R[0], R[1], R[2], R[3], R[4], R[5], R[6], R[7], R[8]
         translation = 1.0 - direction
-        jacobian = work.jacobian[number]
-        point = rotate(R, u1, u2, u3)
-        for k in range(3):
-            work.markers[number, POINT + k] = point[k] + translation * stage[MID_POSITION + k]
-            jacobian[k, 3] = R[3 * k + 2] * u2 - R[3 * k + 1] * u3
-            jacobian[k, 4] = R[3 * k] * u3 - R[3 * k + 2] * u1
-            jacobian[k, 5] = R[3 * k + 1] * u1 - R[3 * k] * u2
+        x1 = translation * stage[MID_POSITION]
+        x2 = translation * stage[MID_POSITION + 1]
+        x3 = translation * stage[MID_POSITION + 2]
+        out, jacobian = work.markers[number], work.jacobian[number]
+        out[POINT] = x1 + r11 * u1 + r12 * u2 + r13 * u3
+        out[POINT + 1] = x2 + r21 * u1 + r22 * u2 + r23 * u3
+        out[POINT + 2] = x3 + r31 * u1 + r32 * u2 + r33 * u3
+        jacobian[0, 3] = r13 * u2 - r12 * u3
+        jacobian[0, 4] = r11 * u3 - r13 * u1
+        jacobian[0, 5] = r12 * u1 - r11 * u2
+        jacobian[1, 3] = r23 * u2 - r22 * u3
+        jacobian[1, 4] = r21 * u3 - r23 * u1
+        jacobian[1, 5] = r22 * u1 - r21 * u2
+        jacobian[2, 3] = r33 * u2 - r32 * u3
+        jacobian[2, 4] = r31 * u3 - r33 * u1
+        jacobian[2, 5] = r32 * u1 - r31 * u2
         if serves == ROWS and level < ACCELERATIONS:
             continue
         w1, w2, w3 = stage[MID_SPIN], stage[MID_SPIN + 1], stage[MID_SPIN + 2]
@@ -180,9 +193,9 @@ def gather_marker_forces(kind: RigidBodies, work: Workspace) -> None:
     for body in range(kind.table.shape[0]):
         for j in range(6):
             kind.frame[body, FORCE + j] = 0.0
-    for marker in range(kind.markers.shape[0]):
+    for marker in range(kind.markers.shape[0] - 1, -1, -1):
         if kind.markers[marker, 4] == ROWS:
-            continue
+            break  # they come first
         number, body = kind.markers[marker, 0], kind.markers[marker, 1]
         jacobian = work.jacobian[number]
         for j in range(6):

@@ -16,7 +16,8 @@ from heavylift.solver.bodies.rigid import (
     FIXED,
     FORCE,
     FREE,
-    MASS,
+    INVERSE_MASS,
+    INVERSE_PRINCIPAL,
     MID_POSITION,
     MID_SPIN,
     MID_VELOCITY,
@@ -108,9 +109,11 @@ def factor_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None
             )
             for k in range(3):
                 work.velocity[dof + k] = frame[VELOCITY + k] + 0.5 * h * (
-                    stage[FORCE + k] / inertia[MASS] + work.sums[FIELD + k]
+                    stage[FORCE + k] * inertia[INVERSE_MASS] + work.sums[FIELD + k]
                 )
-                work.velocity[dof + 3 + k] = (L[k] + 0.5 * h * stage[MOMENT + k]) / inertia[PRINCIPAL + k]
+                work.velocity[dof + 3 + k] = (
+                    L[k] + 0.5 * h * stage[MOMENT + k]
+                ) * inertia[INVERSE_PRINCIPAL + k]
         else:
             for k in range(6):
                 work.velocity[dof + k] = 0.0  # driven bodies: the mean velocity follows in `advance`
@@ -186,7 +189,7 @@ def end_velocity_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -
         )
         for k in range(3):
             work.velocity[dof + k] = frame[VELOCITY + k]
-            work.velocity[dof + 3 + k] = w[k] / inertia[PRINCIPAL + k] if free else frame[SPIN + k]
+            work.velocity[dof + 3 + k] = w[k] * inertia[INVERSE_PRINCIPAL + k] if free else frame[SPIN + k]
 
 
 @implement(set_velocity, RigidBodies)
@@ -241,7 +244,7 @@ def finish_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None
             back, frame[ANGULAR_MOMENTUM], frame[ANGULAR_MOMENTUM + 1], frame[ANGULAR_MOMENTUM + 2]
         )
         for k in range(3):
-            w = L[k] / inertia[PRINCIPAL + k]
+            w = L[k] * inertia[INVERSE_PRINCIPAL + k]
             frame[SPIN_RATE + k] = (w - frame[SPIN + k]) / step
             frame[SPIN + k] = w
 
@@ -266,7 +269,7 @@ def thesis_velocity_rigid_bodies(kind: RigidBodies, time: float, step: float, wo
         )
         for k in range(3):
             work.velocity[dof + k] = frame[VELOCITY + k] + h * (
-                stage[FORCE + k] / inertia[MASS] + work.sums[FIELD + k]
+                stage[FORCE + k] * inertia[INVERSE_MASS] + work.sums[FIELD + k]
             )
             work.velocity[dof + 3 + k] = (
                 frame[SPIN + k] + h * (stage[MOMENT + k] - gyroscopic[k]) / inertia[PRINCIPAL + k]
