@@ -23,6 +23,7 @@ class Outcome(IntEnum):
     DISK_FULL = 6
     LOCKED = 7
     NOT_CONVERGED = 8
+    NOT_CLOSED = 9
 
     @property
     def text(self) -> str:
@@ -40,6 +41,7 @@ _TEXTS = {
     Outcome.DISK_FULL: "stopped: the disk is full",
     Outcome.LOCKED: "another run works in this folder",
     Outcome.NOT_CONVERGED: "stopped: an iteration did not converge",
+    Outcome.NOT_CLOSED: "stopped: a joint came apart",
 }
 
 

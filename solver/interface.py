@@ -20,6 +20,7 @@ __all__ = [
     "ANGULAR_MOMENTUM",
     "CHANGED",
     "CONTROL_COUNT",
+    "CORNER",
     "DISSIPATED",
     "DRIVE_WORK",
     "ELASTIC",
@@ -30,6 +31,7 @@ __all__ = [
     "FORCES",
     "KINETIC",
     "LAST_STEP",
+    "LIMIT",
     "LINEAR_MOMENTUM",
     "MARKER_WIDTH",
     "NEXT_STEP",
@@ -51,6 +53,7 @@ __all__ = [
     "advance",
     "apply_inverse",
     "check",
+    "collect_load",
     "correct",
     "end_velocity",
     "estimate_error",
@@ -59,22 +62,26 @@ __all__ = [
     "fill_markers",
     "fill_rows",
     "finish",
+    "move",
     "predict",
+    "put_velocity",
     "record",
     "record_joints",
     "relinearise",
     "set_targets",
     "set_velocity",
     "start",
+    "survey",
     "thesis_advance",
     "thesis_velocity",
     "update_rows",
+    "write_velocity",
 ]
 
 STATUS_OUTCOME, STATUS_BODY, STATUS_BLOCK = 0, 1, 2
 """Places of `Workspace.status`: an `Outcome`, and the number of the body or block of rows it concerns."""
 
-NEXT_STEP, LAST_STEP, ERROR, STEP_COUNT, CHANGED, CONTROL_COUNT = range(6)
+NEXT_STEP, LAST_STEP, ERROR, STEP_COUNT, CHANGED, CORNER, LIMIT, CONTROL_COUNT = range(8)
 """Places of `Workspace.control`, and its length."""
 
 POINT, POINT_VELOCITY, POINT_FORCE, POINT_BIAS, MARKER_WIDTH = 0, 3, 6, 9, 12
@@ -114,7 +121,10 @@ class Workspace(NamedTuple):
         about the world origin [kg m2/s], shape (15,).
     control
         Step control, carried: step that is tried next and last step [s], error estimate [m], steps done,
-        laws that changed in the last iteration; shape (5,).
+        laws that changed in the last iteration, number of the next corner, largest violation of a joint that
+        is still a mechanism [m, rad]; shape (7,).
+    corners
+        Times at which an adaptive step must end [s].
     status
         Outcome of the step, the body and the block of rows that caused it, shape (3,).
     """
@@ -124,6 +134,7 @@ class Workspace(NamedTuple):
     jacobian: NDArray[np.float64]
     sums: NDArray[np.float64]
     control: NDArray[np.float64]
+    corners: NDArray[np.float64]
     status: NDArray[np.int64]
 
 
@@ -165,6 +176,11 @@ def check(kinds: Any, step: float, work: Workspace) -> None:
 @generic
 def advance(kinds: Any, time: float, step: float, work: Workspace) -> None:
     """Bodies: configuration and momenta to the end of the step, work of the forces."""
+
+
+@generic
+def write_velocity(kinds: Any, work: Workspace) -> None:
+    """Bodies: velocities of the carried state into the workspace."""
 
 
 @optional
@@ -242,3 +258,76 @@ def record(kinds: Any, time: float, work: Workspace, row: NDArray[np.float64]) -
 @generic
 def add_totals(kinds: Any, work: Workspace) -> None:
     """Bodies: add energies, works and momenta of the carried state to the totals."""
+
+
+# ---- of the accurate integrator, whose state is a vector: velocities, then configurations, then works ----
+
+
+@generic
+def load_state(kinds: Any, values: NDArray[np.float64], at: int, work: Workspace) -> None:
+    """Bodies: write the carried state into the state vector that begins at a place of a flat array."""
+
+
+@generic
+def begin_stage(
+    kinds: Any, time: float, values: NDArray[np.float64], at: int, rate: int, work: Workspace
+) -> None:
+    """Bodies: take the state vector at `at`; prescribed motion is written into it, the rates of the configuration
+    into the vector at `rate`; markers are filled with rates and second rates."""
+
+
+@generic
+def free_acceleration(kinds: Any, values: NDArray[np.float64], at: int, work: Workspace) -> None:
+    """Bodies: accelerations without joints into `work.velocity`; powers [W] of forces and drives into the energies of
+    `work.sums`."""
+
+
+@generic
+def displace(kinds: Any, values: NDArray[np.float64], at: int, work: Workspace) -> None:
+    """Bodies: displace the configuration by `work.velocity`, as if it were a velocity over one second."""
+
+
+@generic
+def complete_rates(
+    kinds: Any, values: NDArray[np.float64], at: int, rate: int, second: int, work: Workspace
+) -> None:
+    """Bodies: rates of the configuration at a state vector, and second rates from these and the accelerations."""
+
+
+@generic
+def measure_error(kinds: Any, values: NDArray[np.float64], fifth: int, third: int, work: Workspace) -> None:
+    """Bodies: raise `work.control[ERROR]` to the largest velocity [m/s] of a point, of two vectors of velocity errors."""
+
+
+@generic
+def store_state(
+    kinds: Any, time: float, values: NDArray[np.float64], at: int, rate: int, work: Workspace
+) -> None:
+    """Bodies: carried state, and velocities of the state vector, from a configuration and its rates."""
+
+
+@generic
+def survey(
+    kinds: Any, places: NDArray[np.float64], inertia: NDArray[np.float64], velocity: NDArray[np.float64]
+) -> None:
+    """Bodies, in Python before the start: where they are, how heavy, how fast.
+
+    Into the row of each body of `places`, shape (bodies, 8): its first velocity, the point [m] whose velocity
+    that is, and the quaternion of the axes of its spin. Into `inertia`, by velocity: a characteristic mass
+    [kg, kg m2, 1], 0 if it is prescribed. Into `velocity`: the carried velocities.
+    """
+
+
+@generic
+def move(kinds: Any, increment: NDArray[np.float64]) -> None:
+    """Bodies, in Python before the start: displace by a vector in velocity coordinates, along the exponential map."""
+
+
+@generic
+def put_velocity(kinds: Any, velocity: NDArray[np.float64]) -> None:
+    """Bodies, in Python before the start: take velocities, forget accelerations; `start` completes the state."""
+
+
+@generic
+def collect_load(kinds: Any, work: Workspace, load: NDArray[np.float64]) -> None:
+    """Bodies, in Python before the start: add gravity, marker forces and own elasticity at rest, shape (dof_count,)."""

@@ -7,14 +7,21 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND
+from heavylift.solver.coordinates import (
+    attachments,
+    body_size,
+    first_dofs,
+    inverse_masses,
+    inverse_scales,
+    mode_count,
+)
+from heavylift.solver.corners import scene_corners
 from heavylift.solver.interface import (
     CONTROL_COUNT,
     ENERGY_NAMES,
     FORCES,
+    LIMIT,
     MARKER_WIDTH,
     POINT,
     SUM_COUNT,
@@ -22,8 +29,8 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.markers import BodyMarkers
-from heavylift.solver.rows import DIAGONAL, FACTORED, PRESCRIBED, Attachment
-from heavylift.solver.scene import Fixed, FlexibleBody, Free, Gravity, PointForce, RigidBody, Scene, Sensor
+from heavylift.solver.scene import Fixed, FlexibleBody, Free, Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene_checks import check_scene
 
 __all__ = ["Channel", "Layout", "pack_scene"]
 
@@ -64,8 +71,8 @@ class Layout:
         Meaning of the columns of a record.
     column_count
         Length of a record.
-    body_names
-        Names by body number, for messages.
+    body_names, block_names
+        Names by number of the body and of the block of rows, for messages.
     """
 
     bodies: tuple[Any, ...]
@@ -76,20 +83,31 @@ class Layout:
     channels: tuple[Channel, ...]
     column_count: int
     body_names: tuple[str, ...]
+    block_names: tuple[str, ...]
 
 
 _XYZ = ("x", "y", "z")
 
+OPEN_JOINT = 0.1
+"""Violation of a joint, relative to the size of the smallest body, at which a run has failed."""
 
-def pack_scene(scene: Scene) -> Layout:
+
+def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
     """Turn a scene into kinds. A kind without members is not imported, not compiled and not run.
+
+    Parameters
+    ----------
+    scene
+        What the user said.
+    integrator
+        Name of the integrator: only the default one takes springs as rows of its step.
 
     Raises
     ------
     InputError
         If names repeat, a force or sensor names a body that is not there, or a value does not fit.
     """
-    _check_names(scene)
+    check_scene(scene)
     ordered = [body for group, _ in _groups(scene) for body in group]
     gravity = [force for force in scene.forces if isinstance(force, Gravity)]
     points = [force for force in scene.forces if isinstance(force, PointForce)]
@@ -112,7 +130,8 @@ def pack_scene(scene: Scene) -> Layout:
                 book.direction(force.body, axis, FORCES)
     joints: tuple[Any, ...] = ()
     systems: tuple[Any, ...] = ()
-    dofs = _first_dofs(ordered)
+    block_names: tuple[str, ...] = ()
+    dofs = first_dofs(ordered)
     if scene.joints:
         from heavylift.solver.joints.registry import joint_channels, pack_joints
 
@@ -121,9 +140,9 @@ def pack_scene(scene: Scene) -> Layout:
             columns.append(column)
             column = _add_channels(joint.name, joint_channels(joint), channels, column)
         joints, make_system = pack_joints(
-            scene.joints, columns, book, _attachments(ordered, dofs), _scales(ordered)
+            scene.joints, columns, book, attachments(ordered, dofs), inverse_scales(ordered), ordered
         )
-        systems = (make_system(_inverse_mass(ordered), column),)
+        systems = (make_system(inverse_masses(ordered), column),)
         entries = [("violation", "1", ("violation",)), ("pivot", "1", ("pivot",))]
         column = _add_channels("monitor", entries, channels, column)
     for name in (*ENERGY_NAMES, "balance"):
@@ -148,17 +167,28 @@ def pack_scene(scene: Scene) -> Layout:
 
         forces.append(pack_point_forces(points, first_markers))
     work = Workspace(
-        velocity=np.zeros(sum(6 + _mode_count(body) for body in ordered)),
+        velocity=np.zeros(sum(6 + mode_count(body) for body in ordered)),
         markers=np.zeros((book.count, MARKER_WIDTH)),
-        jacobian=np.zeros((book.count, 3, 6 + max(map(_mode_count, ordered)))),
+        jacobian=np.zeros((book.count, 3, 6 + max(map(mode_count, ordered)))),
         sums=np.zeros(SUM_COUNT),
         control=np.zeros(CONTROL_COUNT),
+        corners=scene_corners(scene),
         status=np.zeros(3, dtype=np.int64),
     )
     for marker, vector in book.fixed:
         work.markers[marker, POINT : POINT + 3] = vector
-    names = [body.name for body in ordered]
-    return Layout(tuple(bodies), tuple(forces), joints, systems, work, tuple(channels), column, tuple(names))
+    work.control[LIMIT] = OPEN_JOINT * min(map(body_size, ordered))
+    return Layout(
+        bodies=tuple(bodies),
+        forces=tuple(forces),
+        joints=joints,
+        systems=systems,
+        work=work,
+        channels=tuple(channels),
+        column_count=column,
+        body_names=tuple(body.name for body in ordered),
+        block_names=block_names,
+    )
 
 
 def _add_channels(
@@ -169,56 +199,6 @@ def _add_channels(
         channels.append(Channel(f"{owner}.{name}", unit, components, column))
         column += len(components)
     return column
-
-
-def _first_dofs(bodies: Sequence[FlexibleBody | RigidBody]) -> dict[str, int]:
-    """Place of the velocities of each body."""
-    widths = [6 + _mode_count(body) for body in bodies]
-    starts = np.concatenate([[0], np.cumsum(widths)])
-    return {body.name: int(start) for body, start in zip(bodies, starts[:-1], strict=True)}
-
-
-def _attachments(
-    bodies: Sequence[FlexibleBody | RigidBody], dofs: dict[str, int]
-) -> Callable[[str], Attachment]:
-    """Where the rows on a body go, by its name."""
-    found = {GROUND: Attachment(-1, -1, 0, PRESCRIBED)}
-    for number, body in enumerate(bodies):
-        holder = PRESCRIBED if not isinstance(body.motion, Free) else DIAGONAL
-        if isinstance(body, FlexibleBody):
-            holder = FACTORED
-        found[body.name] = Attachment(number, dofs[body.name], 6 + _mode_count(body), holder)
-    return found.__getitem__
-
-
-def _inverse_mass(bodies: Sequence[FlexibleBody | RigidBody]) -> NDArray[np.float64]:
-    """Of the velocities of free rigid bodies in their principal axes; zero elsewhere."""
-    blocks: list[NDArray[np.float64]] = []
-    for body in bodies:
-        block = np.zeros(6 + _mode_count(body))
-        if isinstance(body, RigidBody) and isinstance(body.motion, Free):
-            block[:3] = 1.0 / body.mass
-            block[3:] = 1.0 / np.linalg.eigvalsh(body.inertia)
-        blocks.append(block)
-    return np.concatenate(blocks)
-
-
-def _scales(bodies: Sequence[FlexibleBody | RigidBody]) -> Callable[[str], tuple[float, float]]:
-    """Inverse mass and smallest inverse inertia by name; zero for prescribed motion."""
-    by_name = {body.name: body for body in bodies}
-
-    def scales(name: str) -> tuple[float, float]:
-        body = by_name[name]
-        if isinstance(body, FlexibleBody):
-            integrals = body.reduced.integrals
-            largest = float(np.linalg.eigvalsh(integrals.inertia_kl)[1:].sum())
-            held = not isinstance(body.motion, Free) and body.reduced.mode_count == 0
-            return (0.0, 0.0) if held else (1.0 / integrals.mass, 1.0 / largest)
-        if not isinstance(body.motion, Free):
-            return 0.0, 0.0
-        return 1.0 / body.mass, 1.0 / float(np.linalg.eigvalsh(body.inertia)[2])
-
-    return scales
 
 
 def _groups(scene: Scene) -> list[tuple[list[Any], Callable[..., Any]]]:
@@ -243,63 +223,9 @@ def _groups(scene: Scene) -> list[tuple[list[Any], Callable[..., Any]]]:
     return groups
 
 
-def _mode_count(body: FlexibleBody | RigidBody) -> int:
-    return body.reduced.mode_count if isinstance(body, FlexibleBody) else 0
-
-
 def _width(body: FlexibleBody | RigidBody) -> int:
     """Record columns of a body: pose 7, velocities 6, modal 2 nf, reaction 6 unless it is free."""
-    return 13 + 2 * _mode_count(body) + (0 if isinstance(body.motion, Free) else 6)
-
-
-def _check_names(scene: Scene) -> None:
-    seen: set[str] = set()
-    for thing in (*scene.bodies, *scene.sensors):
-        if thing.name in seen or thing.name in ("energy", "momentum", "time"):
-            raise InputError(
-                f"the name {thing.name!r} is taken", source="scene", expected="a name of its own for each"
-            )
-        seen.add(thing.name)
-    if not scene.bodies:
-        raise InputError("no body", source="scene", expected="at least one")
-    for part in (*scene.bodies, *scene.forces):
-        if not isinstance(part, (FlexibleBody, RigidBody, Gravity, PointForce)):
-            raise InputError(
-                f"a {type(part).__name__}", source="scene", expected="bodies and forces of `solver.scene`"
-            )
-    for body in scene.bodies:
-        _check_body(body)
-    names = {body.name for body in scene.bodies}
-    users: list[Sensor | PointForce] = [*scene.sensors]
-    users += [force for force in scene.forces if isinstance(force, PointForce)]
-    for user in users:
-        if user.body not in names:
-            raise InputError(
-                f"there is no body {user.body!r}",
-                source="scene",
-                key=user.name,
-                expected=f"one of {', '.join(sorted(names))}",
-            )
-
-
-def _check_body(body: FlexibleBody | RigidBody) -> None:
-    """Refuse start values of the wrong length or not finite: no later check would see a lost position."""
-    shapes: dict[str, tuple[int, ...]] = {"position": (3,), "orientation": (4,)}
-    shapes |= {"velocity": (3,), "angular_velocity": (3,)}
-    if isinstance(body, RigidBody):
-        shapes |= {"centre_of_mass": (3,), "inertia": (3, 3)}
-    else:
-        for key in ("modal_position", "modal_velocity", "damping_ratio"):
-            if np.size(getattr(body, key)):
-                shapes[key] = (body.reduced.mode_count,)
-    for key, shape in shapes.items():
-        value = np.asarray(getattr(body, key), dtype=np.float64)
-        if value.shape != shape or not np.all(np.isfinite(value)):
-            raise InputError(
-                f"{value.tolist()}", source=body.name, key=key, expected=f"finite numbers, shape {shape}"
-            )
-    if not np.any(body.orientation):
-        raise InputError("length zero", source=body.name, key="orientation", expected="a quaternion")
+    return 13 + 2 * mode_count(body) + (0 if isinstance(body.motion, Free) else 6)
 
 
 def _body_channels(body: FlexibleBody | RigidBody) -> list[tuple[str, str, tuple[str, ...]]]:

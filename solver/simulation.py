@@ -7,26 +7,40 @@ import importlib
 import math
 import time as clock
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.solver.integrate.choice import check_integrator, choose_integrator
 from heavylift.solver.integrate.loop import start_scene, write_record
-from heavylift.solver.interface import NEXT_STEP, STATUS_BODY, STATUS_OUTCOME
+from heavylift.solver.integrate.probe import take_rates
+from heavylift.solver.interface import NEXT_STEP, STATUS_BLOCK, STATUS_BODY, STATUS_OUTCOME, STEP_COUNT
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.scene import Scene
+
+if TYPE_CHECKING:
+    from heavylift.solver.integrate.diagnosis import Diagnosis
 
 __all__ = ["INTEGRATORS", "Simulation"]
 
 INTEGRATORS = {
     "dele2": "heavylift.solver.integrate.dele2",
+    "accurate": "heavylift.solver.integrate.accurate",
     "thesis": "heavylift.solver.integrate.thesis",
 }
 """Integrators by name; each module has one compiled `run`."""
 
+DEFAULT_TOLERANCES = {"dele2": 1e-5, "accurate": 1e-7}
+"""[m]; of the displacement in a step."""
+
 _CARRIED = ("frame", "modal", "products", "rows", "state")  # fields of kinds that outlive a step
+
+FIRST_STEP = 1e-3
+"""Of the output interval: the first step that is tried with a tolerance."""
+PROBE_STEP, SMALLEST_PROBE = 1e-4, 1e-8
+"""Length of the probe that finds the first accelerations and reactions: relative to the step, and least [s]."""
 
 
 class Simulation:
@@ -37,20 +51,30 @@ class Simulation:
     scene
         What is simulated.
     step
-        Time step [s].
+        Time step [s]; with a tolerance, the time between records.
     integrator
-        A key of `INTEGRATORS`.
+        A key of `INTEGRATORS`, or ``"auto"``: see `choice`.
     record_every
         Steps between two records.
+    tolerance
+        Of the displacement in a step [m]: the step is then chosen by the integrator, and `step_index` counts
+        records. None: the step is `step`; the accurate integrator always has a tolerance.
+    start
+        ``"check"``: joints that do not close at the start are an error; ``"project"``: they are closed;
+        ``"equilibrium"``: the scene is brought to rest in static equilibrium first.
 
     Attributes
     ----------
     channels, column_count
         Meaning of the columns of a record.
+    integrator, choice
+        Name of the integrator, and a sentence that says why if it was chosen here.
+    diagnosis
+        Degrees of freedom, redundant joints and free motions; None without joints.
     step_index
-        Steps done; time is this count times the step, so it never drifts.
+        Steps or records done; time is this count times the step, so it never drifts.
     outcome, message
-        How it stands; the message says when and which body if it stopped by itself. The state is then
+        How it stands; the message says when and which part if it stopped by itself. The state is then
         that of the last good step.
     cpu_seconds, compile_seconds
         CPU time of all `advance` calls, and of compiling or loading the kernels.
@@ -58,7 +82,8 @@ class Simulation:
     Raises
     ------
     InputError
-        If the step is not positive, the integrator is unknown, or the scene does not fit together.
+        If the step is not positive, the integrator is unknown or does not suit the scene, or the scene does
+        not fit together.
     """
 
     def __init__(
@@ -68,26 +93,50 @@ class Simulation:
         integrator: str = "dele2",
         *,
         record_every: int = 1,
-        tolerance: float = 0.0,
+        tolerance: float | None = None,
+        start: Literal["check", "project", "equilibrium"] = "check",
     ) -> None:
-        if not (step > 0.0 and math.isfinite(step)):
+        _check_positive("step", step, "a positive time [s]")
+        if integrator not in {*INTEGRATORS, "auto"}:
             raise InputError(
-                f"step {step!r}", source="simulation", key="step", expected="a positive time [s]"
-            )
-        if integrator not in INTEGRATORS:
-            raise InputError(
-                f"{integrator!r}", source="simulation", key="integrator", expected=" or ".join(INTEGRATORS)
+                f"{integrator!r}",
+                source="simulation",
+                key="integrator",
+                expected=" or ".join([*INTEGRATORS, "auto"]),
             )
         if record_every < 1:
             raise InputError(f"{record_every}", source="simulation", key="record_every", expected="1 or more")
+        self.choice = ""
+        if integrator == "auto":
+            integrator, self.choice = choose_integrator(scene, step * record_every)
+            if integrator == "accurate":
+                step, record_every, tolerance = (
+                    step * record_every,
+                    1,
+                    tolerance or DEFAULT_TOLERANCES["accurate"],
+                )
+        check_integrator(scene, integrator)
+        if integrator == "accurate" and tolerance is None:
+            tolerance = DEFAULT_TOLERANCES["accurate"]
+        if tolerance is not None:
+            _check_positive("tolerance", tolerance, "a positive length [m]")
+            if integrator == "thesis" or record_every != 1:
+                raise InputError(
+                    f"{tolerance}",
+                    source="simulation",
+                    key="tolerance",
+                    expected="an integrator with step control, and a record at every interval",
+                )
         self.step = float(step)
-        self.tolerance = float(tolerance)
         self.integrator = integrator
         self.record_every = int(record_every)
-        self._layout = pack_scene(scene)
+        self.tolerance = float(tolerance or 0.0)
+        self._layout = pack_scene(scene, integrator)
+        self._start_mode = start
         self._run = importlib.import_module(INTEGRATORS[integrator]).run
         self.channels: tuple[Channel, ...] = self._layout.channels
         self.column_count: int = self._layout.column_count
+        self.diagnosis: Diagnosis | None = None
         self.step_index = 0
         self.outcome = Outcome.COMPLETED
         self.message = ""
@@ -115,10 +164,36 @@ class Simulation:
         self._warm = True
 
     def _start(self) -> None:
-        if not self._started:
-            start_scene(self._layout.bodies, self._layout.work, 0.0)
-            self._layout.work.control[NEXT_STEP] = self.step
-            self._started = True
+        if self._started:
+            return
+        self._started = True
+        layout = self._layout
+        start_scene(layout.bodies, layout.work, 0.0)
+        layout.work.control[NEXT_STEP] = FIRST_STEP * self.step if self.tolerance else self.step
+        if layout.systems and self.integrator == "dele2":
+            self._probe()
+
+    def _probe(self) -> None:
+        """Accelerations and reactions at the start, from one tiny step that is taken back."""
+        layout = self._layout
+        before = {name: array.copy() for name, array in self._arrays()}
+        length = max(PROBE_STEP * self.step, min(self.step, SMALLEST_PROBE))
+        self._run(
+            layout.bodies, layout.forces, layout.joints, layout.systems, layout.work,
+            length, 0.0, 0, 1, 2, np.empty((0, self.column_count)),
+        )  # fmt: skip
+        found = {name: array.copy() for name, array in self._arrays()}
+        failed = layout.work.status[STATUS_OUTCOME] != 0
+        layout.work.status[:] = 0
+        for name, array in self._arrays():
+            array[...] = before[name]
+            if not failed and name in {"RigidBodies.frame", "RowSystem.rows", "LawRowSystem.rows"}:
+                take_rates(layout, name, array, found[name])
+
+    @property
+    def solver_steps(self) -> int:
+        """Steps that were taken, whatever `step_index` counts."""
+        return int(self._layout.work.control[STEP_COUNT])
 
     def record(self) -> NDArray[np.float64]:
         """Record of the present state, shape (column_count,)."""
@@ -148,12 +223,14 @@ class Simulation:
         records = np.empty((last // every - first // every, self.column_count))
         if self.outcome is not Outcome.COMPLETED or steps <= 0:
             return np.empty(0), records[:0]
+        before = self.state()
         begin = clock.thread_time()
         done = self._call(first, last, every, records)
         self.cpu_seconds += clock.thread_time() - begin
         self.step_index = int(done)
         if done < last:
             self._stop()
+            self._back_to(before, done, records)
         count = int(done) // every - first // every
         times = (first // every + 1.0 + np.arange(count, dtype=np.float64)) * every * self.step
         return times, records[:count]
@@ -181,15 +258,27 @@ class Simulation:
         write_record(layout.bodies, layout.forces, layout.joints, layout.systems, layout.work, self.time, row)
 
     def _stop(self) -> None:
-        status = self._layout.work.status
+        layout = self._layout
+        status = layout.work.status
         self.outcome = Outcome(int(status[STATUS_OUTCOME]))
-        body = self._layout.body_names[int(status[STATUS_BODY])]
-        remedy = {
-            Outcome.NOT_FINITE: "a smaller step, or loads and initial values of a sensible size",
-            Outcome.STEP_TOO_LARGE: "a smaller step: the body turns too far in one step",
-        }.get(self.outcome, "")
+        remedy, part = {
+            Outcome.NOT_FINITE: ("a smaller step, or loads and initial values of a sensible size", "body"),
+            Outcome.STEP_TOO_LARGE: ("a smaller step: the body turns too far in one step", "body"),
+            Outcome.NOT_CLOSED: ("a smaller step or tolerance, or loads of a sensible size", "joint"),
+            Outcome.NOT_CONVERGED: ("a smaller step, or softer stops and ropes", "joint"),
+        }[self.outcome]
+        names = layout.body_names if part == "body" else layout.block_names
+        number = int(status[STATUS_BODY if part == "body" else STATUS_BLOCK])
         when = f"t = {self.time:.9g} s (step {self.step_index})"
-        self.message = f"{self.outcome.text} at {when}, body {body!r}; try {remedy}"
+        self.message = f"{self.outcome.text} at {when}, {part} {names[number]!r}; try {remedy}"
+
+    def _back_to(self, before: dict[str, NDArray[Any]], done: int, records: NDArray[np.float64]) -> None:
+        """Repeat what was good: a step that fails at its end leaves no good state behind it."""
+        outcome, message, cpu = self.outcome, self.message, self.cpu_seconds
+        self.restore(before)
+        self._call(self.step_index, done, self.record_every, records)
+        self._layout.work.status[:] = 0
+        self.step_index, self.outcome, self.message, self.cpu_seconds = done, outcome, message, cpu
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Everything that a continuation needs, bit for bit: arrays by name, copied."""
@@ -244,3 +333,8 @@ class Simulation:
             for field, array in zip(kind._fields, kind, strict=True):
                 if isinstance(array, np.ndarray) and field in _CARRIED:
                     yield f"{type(kind).__name__}.{field}", array
+
+
+def _check_positive(key: str, value: float, expected: str) -> None:
+    if not (value > 0.0 and math.isfinite(value)):
+        raise InputError(f"{key} {value!r}", source="simulation", key=key, expected=expected)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.jit import kernel, view
+from heavylift.numerics.jit import view
 from heavylift.solver.bodies.floating_frame import (
     MID_ROTATION,
     MODES,

@@ -57,6 +57,7 @@ from heavylift.solver.interface import (
     set_velocity,
     thesis_advance,
     thesis_velocity,
+    write_velocity,
 )
 from heavylift.solver.kinds import implement
 
@@ -111,9 +112,9 @@ def factor_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None
                 work.velocity[dof + k] = frame[VELOCITY + k] + 0.5 * h * (
                     stage[FORCE + k] * inertia[INVERSE_MASS] + work.sums[FIELD + k]
                 )
-                work.velocity[dof + 3 + k] = (
-                    L[k] + 0.5 * h * stage[MOMENT + k]
-                ) * inertia[INVERSE_PRINCIPAL + k]
+                work.velocity[dof + 3 + k] = (L[k] + 0.5 * h * stage[MOMENT + k]) * inertia[
+                    INVERSE_PRINCIPAL + k
+                ]
         else:
             for k in range(6):
                 work.velocity[dof + k] = 0.0  # driven bodies: the mean velocity follows in `advance`
@@ -190,6 +191,16 @@ def end_velocity_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -
         for k in range(3):
             work.velocity[dof + k] = frame[VELOCITY + k]
             work.velocity[dof + 3 + k] = w[k] * inertia[INVERSE_PRINCIPAL + k] if free else frame[SPIN + k]
+
+
+@implement(write_velocity, RigidBodies)
+@kernel(internal=True)
+def write_rigid_velocities(kind: RigidBodies, work: Workspace) -> None:
+    """Velocities of the centres of mass, spins in principal axes."""
+    for body in range(kind.table.shape[0]):
+        dof = kind.table[body, DOF]
+        for k in range(6):  # the spin follows the velocity
+            work.velocity[dof + k] = kind.frame[body, VELOCITY + k]
 
 
 @implement(set_velocity, RigidBodies)

@@ -21,6 +21,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.integrate.loop import evaluate_forces, write_record
 from heavylift.solver.integrate.row_stage import project_end, solve_midpoint
 from heavylift.solver.interface import (
+    CORNER,
     ERROR,
     FORCES,
     LAST_STEP,
@@ -42,6 +43,16 @@ __all__ = ["run"]
 ACCEPTED, SAFETY, SMALLEST_FACTOR, LARGEST_FACTOR = 1.5, 0.85, 0.3, 2.0
 SMALLEST_STEP = 1e-9
 """Of the output interval, below which an adaptive run gives up."""
+
+
+@kernel(internal=True)
+def _to_corner(work: Workspace, time: float, close: float) -> float:
+    """Time to the next corner [s]; passes over those that lie behind."""
+    corner = int(work.control[CORNER])
+    while corner < work.corners.shape[0] and work.corners[corner] <= time + close:
+        corner += 1
+    work.control[CORNER] = corner
+    return work.corners[corner] - time if corner < work.corners.shape[0] else math.inf
 
 
 @kernel
@@ -87,11 +98,12 @@ def run(
     for index in range(first, last):
         done = 0.0
         while done < step:
-            rest = step - done
-            h = rest
-            if tolerance > 0.0:
-                h = rest / math.ceil(rest / control[NEXT_STEP] - 1e-6)
             time = index * step + done
+            interval = step - done
+            h = interval
+            if tolerance > 0.0:
+                rest = min(interval, _to_corner(work, time, 1e-12 * step))
+                h = rest / math.ceil(rest / control[NEXT_STEP] - 1e-6)
             predict(bodies, time, h)
             evaluate_forces(bodies, forces, work, time + 0.5 * h, True, FORCES)
             factor(bodies, h, work)
@@ -117,9 +129,11 @@ def run(
             advance(bodies, time, h, work)
             project_end(systems, bodies, joints, work, time, h)
             finish(bodies, h, work)
+            if work.status[STATUS_OUTCOME] != 0:
+                return index
             control[LAST_STEP] = h
             control[STEP_COUNT] += 1.0
-            done = step if h == rest else done + h
+            done = step if h == interval else done + h
         if (index + 1) % every == 0:
             write_record(bodies, forces, joints, systems, work, (index + 1) * step, records[row])
             row += 1

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import (
     add_dot,
@@ -37,14 +40,14 @@ from heavylift.solver.rows import (
     TARGET,
     UPDATE,
     WIDTH,
-    RowSystem,
+    Rows,
 )
 
-__all__ = ["assemble", "factor_rows", "smallest_pivot", "solve_rows"]
+__all__ = ["assemble", "factor_rows", "smallest_pivot", "solve_rows", "subtract_rates"]
 
 
 @kernel(inline=True, internal=True)
-def assemble(system: RowSystem) -> None:
+def assemble(system: Rows) -> None:
     """``X = A^-1 G^T`` of rigid bodies and ``S = G X + Z``; other bodies have written their X."""
     shape = system.shape
     rows, lanes = len(shape[0]), len(shape[1])
@@ -88,7 +91,7 @@ def assemble(system: RowSystem) -> None:
 
 
 @kernel(internal=True)
-def _assemble_hubs(system: RowSystem) -> None:
+def _assemble_hubs(system: Rows) -> None:
     """Pivots ``-A`` and couplings ``G`` of the bodies that stay in the system."""
     lanes = len(system.shape[1])
     for i in range(system.hubs.shape[0]):
@@ -106,7 +109,7 @@ def _assemble_hubs(system: RowSystem) -> None:
 
 
 @kernel(inline=True, internal=True)
-def factor_rows(system: RowSystem) -> None:
+def factor_rows(system: Rows) -> None:
     """Right-looking block factorisation ``S = L D L^T``."""
     shape = system.shape
     blocks = system.blocks
@@ -131,7 +134,24 @@ def factor_rows(system: RowSystem) -> None:
 
 
 @kernel(inline=True, internal=True)
-def solve_rows(system: RowSystem, velocity) -> None:  # type: ignore[no-untyped-def]
+def subtract_rates(system: Rows, velocity: NDArray[np.float64]) -> None:
+    """``SOLUTION -= G U`` of all rows."""
+    lanes = len(system.shape[1])
+    for i in range(system.attachments.shape[0]):
+        out = (i // 2 * ROW_COLUMNS + SOLUTION) * lanes
+        dof, count, panel = (
+            system.attachments[i, DOF],
+            system.attachments[i, WIDTH],
+            system.attachments[i, PANEL],
+        )
+        if count == 6:
+            subtract_rigid_rows(system.shape, system.rows, out, system.panels, panel, velocity, dof)
+        elif count > 0:
+            _subtract_wide_rows(system, out, panel, velocity, dof, count)
+
+
+@kernel(inline=True, internal=True)
+def solve_rows(system: Rows, velocity: NDArray[np.float64]) -> None:
     """Impulses that bring the rows to their targets: added to those there are, and to the velocities.
 
     ``S dP = target - Z P - G U``: the same call starts, corrects by another factor, and refines.
@@ -146,18 +166,7 @@ def solve_rows(system: RowSystem, velocity) -> None:  # type: ignore[no-untyped-
         softness, impulse = node * width + SOFTNESS * lanes, node * width + IMPULSE * lanes
         for r in range(lanes):
             rows[out + r] = rows[target + r] - rows[softness + r] * rows[impulse + r]
-        if 2 * node >= system.attachments.shape[0]:
-            continue  # a hub
-        for i in range(2 * node, 2 * node + 2):
-            dof, count, panel = (
-                system.attachments[i, DOF],
-                system.attachments[i, WIDTH],
-                system.attachments[i, PANEL],
-            )
-            if count == 6:
-                subtract_rigid_rows(shape, rows, out, system.panels, panel, velocity, dof)
-            else:
-                _subtract_wide_rows(system, out, panel, velocity, dof, count)
+    subtract_rates(system, velocity)
     for j in range(system.columns.shape[0]):
         z = system.columns[j, NODE] * width + SOLUTION * lanes
         first, count = system.columns[j, LOWER], system.columns[j, LOWER_COUNT]
@@ -207,7 +216,7 @@ def solve_rows(system: RowSystem, velocity) -> None:  # type: ignore[no-untyped-
 
 
 @kernel(internal=True)
-def _subtract_wide_rows(system: RowSystem, out: int, panel: int, velocity, dof: int, count: int) -> None:  # type: ignore[no-untyped-def]
+def _subtract_wide_rows(system: Rows, out: int, panel: int, velocity, dof: int, count: int) -> None:  # type: ignore[no-untyped-def]
     """``out -= G^T u`` over any number of velocities."""
     lanes = len(system.shape[1])
     for k in range(count):
@@ -216,7 +225,7 @@ def _subtract_wide_rows(system: RowSystem, out: int, panel: int, velocity, dof: 
 
 
 @kernel(internal=True)
-def smallest_pivot(system: RowSystem) -> float:
+def smallest_pivot(system: Rows) -> float:
     """Smallest pivot of the last factor relative to the scale of its row: small near a singular position."""
     rows, lanes = len(system.shape[0]), len(system.shape[1])
     smallest = 1e300

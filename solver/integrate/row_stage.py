@@ -18,7 +18,9 @@ from heavylift.solver.integrate.row_solver import assemble, factor_rows, smalles
 from heavylift.solver.interface import (
     CHANGED,
     LAST_STEP,
+    LIMIT,
     ROWS,
+    STATUS_BLOCK,
     STATUS_OUTCOME,
     Workspace,
     apply_inverse,
@@ -56,7 +58,7 @@ ABSENT = 1e20
 """Softness relative to the characteristic inverse mass that takes a row out of the system."""
 
 LAW_ITERATIONS = 50
-NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
+NOT_CONVERGED, NOT_CLOSED = int(Outcome.NOT_CONVERGED), int(Outcome.NOT_CLOSED)
 
 
 @generic
@@ -160,6 +162,7 @@ def project_end_rows(
     factor_rows(system)
     solve_rows(system, work.velocity)
     set_velocity(bodies, step, work)
+    _check_closed(system, work)
     last = work.control[LAST_STEP]
     ahead = step / (step + last)
     for node in range(system.attachments.shape[0] // 2):
@@ -172,6 +175,19 @@ def project_end_rows(
             before = system.rows[at + LAST_REACTION * lanes + r]
             system.rows[at + REACTION * lanes + r] = middle + ahead * (middle - before)
             system.rows[at + LAST_REACTION * lanes + r] = middle
+
+
+@kernel(internal=True)
+def _check_closed(system: Rows, work: Workspace) -> None:
+    """Refuse a step that leaves a joint apart, or anything that is not a number."""
+    rows, lanes = len(system.shape[0]), len(system.shape[1])
+    for node in range(system.attachments.shape[0] // 2):
+        at = node * ROW_COLUMNS * lanes
+        for r in range(rows):
+            rigid = system.rows[at + COMPLIANCE * lanes + r] == 0.0
+            if rigid and not abs(system.rows[at + RESIDUAL * lanes + r]) <= work.control[LIMIT]:
+                work.status[STATUS_OUTCOME] = NOT_CLOSED
+                work.status[STATUS_BLOCK] = node
 
 
 @generic
@@ -187,6 +203,7 @@ def record_row_system(
 ) -> None:
     """Largest violation of a rigid row, and smallest pivot of the last projection."""
     rows, lanes = len(system.shape[0]), len(system.shape[1])
+    fill_rows(joints, True, work, system)  # an integrator need not have left them at this instant
     record_joints(joints, time, work, system, row)
     violation = 0.0
     for node in range(system.attachments.shape[0] // 2):

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.integrate.loop import evaluate_forces, write_record
+from heavylift.solver.integrate.row_thesis import solve_thesis, start_thesis
 from heavylift.solver.interface import (
     FORCES,
     STATUS_OUTCOME,
@@ -44,7 +45,9 @@ def run(
     for index in range(first, last):
         time = index * step
         evaluate_forces(bodies, forces, work, time, False, FORCES)
+        start_thesis(systems, bodies, joints, work, step)
         thesis_velocity(bodies, time, step, work)
+        solve_thesis(systems, work, step)
         check(bodies, step, work)
         if work.status[STATUS_OUTCOME] != 0:
             return index

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import Ball
-from heavylift.solver.interface import Workspace, fill_rows, record_joints
-from heavylift.solver.joints.packing import JointPlace, MarkerBook
-from heavylift.solver.joints.row_writing import difference, put_point_rows, residuals, write_reaction
+from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
+from heavylift.solver.joints.packing import JointPlace, MarkerBook, point_markers
+from heavylift.solver.joints.reactions import write_reaction
+from heavylift.solver.joints.row_writing import difference, put_point_rows, residuals, write_point_bias
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import RowSystem
 
@@ -30,12 +31,7 @@ class BallJoints(NamedTuple):
 def pack(joints: Sequence[Ball], places: Sequence[JointPlace], book: MarkerBook) -> BallJoints:
     """Make the kind."""
     rows = [
-        (
-            place.block,
-            book.point(joint.body_a, joint.frame_a.point),
-            book.point(joint.body_b, joint.frame_b.point),
-            place.column,
-        )
+        (place.block, *point_markers(book, joint), place.column)
         for joint, place in zip(joints, places, strict=True)
     ]
     return BallJoints(np.array(rows, dtype=np.int64))
@@ -52,6 +48,15 @@ def fill_ball_rows(kind: BallJoints, with_residual: bool, work: Workspace, syste
         if with_residual:
             g = residuals(system, block)
             g[0], g[1], g[2] = difference(work, point_a, point_b)
+
+
+@implement(fill_bias, BallJoints)
+@kernel(internal=True)
+def fill_ball_bias(kind: BallJoints, time: float, work: Workspace, system: RowSystem) -> None:
+    """Centripetal accelerations of the points."""
+    for j in range(kind.table.shape[0]):
+        block, point_a, point_b, _ = kind.table[j]
+        write_point_bias(system, block, work, point_a, point_b)
 
 
 @implement(record_joints, BallJoints)

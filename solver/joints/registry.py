@@ -8,35 +8,74 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, Ball, Hinge
-from heavylift.solver.joints.packing import JointPlace, MarkerBook
+from heavylift.solver.connections import (
+    GROUND,
+    Ball,
+    Cylindrical,
+    Distance,
+    FixedJoint,
+    Hinge,
+    Planar,
+    Slider,
+    SliderHinge,
+    Universal,
+)
+from heavylift.solver.joints.packing import JointPlace, MarkerBook, start_frames
 from heavylift.solver.rows import COMPLIANCE, RELAXATION, ROW_COLUMNS, Attachment, RowSystem, pack_rows
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from heavylift.solver.connections import Joint
+    from heavylift.solver.scene import FlexibleBody, RigidBody
 
-__all__ = ["JOINT_MODULES", "joint_channels", "joint_module", "pack_joints"]
+__all__ = ["DRIVEN_MODULES", "JOINT_MODULES", "joint_channels", "joint_module", "pack_joints"]
 
 JOINT_MODULES: dict[type, str] = {
     Ball: "ball",
+    Universal: "universal",
     Hinge: "hinge",
+    Cylindrical: "slider_hinge",
+    Slider: "slider",
+    SliderHinge: "slider_hinge",
+    FixedJoint: "fixed",
+    Planar: "planar",
+    Distance: "distance",
 }
 """Modules of `heavylift.solver.joints` by type of joint."""
 
-_XYZ = ("x", "y", "z")
+DRIVEN_MODULES: dict[type, str] = {
+    Hinge: "driven_hinge",
+    Slider: "driven_slider",
+}
+"""Those for joints with a `drive`: a row more."""
 
 
 def joint_module(joint: Joint) -> Any:
-    """The module that serves a joint."""
-    return importlib.import_module(f"heavylift.solver.joints.{JOINT_MODULES[type(joint)]}")
+    """The module that serves a joint.
+
+    Raises
+    ------
+    InputError
+        If there is none for its type.
+    """
+    driven = getattr(joint, "drive", None) is not None
+    name = (DRIVEN_MODULES if driven else JOINT_MODULES).get(type(joint))
+    if name is None:
+        raise InputError(
+            f"a {type(joint).__name__}",
+            source=joint.name,
+            key="type",
+            expected="one of " + ", ".join(kind.__name__ for kind in JOINT_MODULES),
+        )
+    return importlib.import_module(f"heavylift.solver.joints.{name}")
 
 
 def joint_channels(joint: Joint) -> list[tuple[str, str, tuple[str, ...]]]:
     """Name, unit and components of the channels of a joint, in the order of its columns."""
+    xyz = ("x", "y", "z")
     extra = getattr(joint_module(joint), "CHANNELS", ())
-    return [("reaction_force", "N", _XYZ), ("reaction_moment", "N m", _XYZ), *extra]
+    return [("reaction_force", "N", xyz), ("reaction_moment", "N m", xyz), *extra]
 
 
 def pack_joints(
@@ -45,6 +84,7 @@ def pack_joints(
     book: MarkerBook,
     attachment: Callable[[str], Attachment],
     scales: Callable[[str], tuple[float, float]],
+    bodies: Sequence[FlexibleBody | RigidBody] = (),
 ) -> tuple[tuple[Any, ...], Callable[[Any, int], RowSystem]]:
     """Make the kinds of all joints, and a function that makes their system.
 
@@ -58,17 +98,26 @@ def pack_joints(
         Where the rows of a body go; known once all bodies are counted.
     scales
         Inverse mass [1/kg] and smallest inverse inertia [1/(kg m2)] of a body, 0 if its motion is prescribed.
+    bodies
+        Whose start poses tell the branch of a joint; without them it is not checked.
+
+    Raises
+    ------
+    InputError
+        If a joint names a body that is not there, holds nothing that can move, or starts on the wrong branch.
     """
+    groups: dict[Any, list[tuple[Joint, int]]] = {}
+    for joint, column in zip(joints, columns, strict=True):
+        groups.setdefault(joint_module(joint), []).append((joint, column))
     kinds: list[Any] = []
     ordered: list[tuple[Joint, tuple[bool, ...]]] = []
-    for kind_type in JOINT_MODULES:
-        members = [
-            (joint, column) for joint, column in zip(joints, columns, strict=True) if type(joint) is kind_type
+    # in an order of their own, so that scenes with the same kinds share compiled code
+    for module in sorted(groups, key=lambda module: module.__name__):
+        members = groups[module]
+        places = [
+            JointPlace(len(ordered) + i, column, start_frames(joint, bodies) if bodies else None)
+            for i, (joint, column) in enumerate(members)
         ]
-        if not members:
-            continue
-        module = joint_module(members[0][0])
-        places = [JointPlace(len(ordered) + i, column) for i, (_, column) in enumerate(members)]
         ordered += [(joint, module.ROTATIONAL) for joint, _ in members]
         kinds.append(module.pack([joint for joint, _ in members], places, book))
 

@@ -1,0 +1,77 @@
+"""Where the velocities of bodies are, and how rows of joints see the bodies they hold."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.solver.connections import GROUND
+from heavylift.solver.rows import DIAGONAL, FACTORED, PRESCRIBED, Attachment
+from heavylift.solver.scene import FlexibleBody, Free, RigidBody
+
+__all__ = ["attachments", "body_size", "first_dofs", "inverse_masses", "inverse_scales", "mode_count"]
+
+
+def mode_count(body: FlexibleBody | RigidBody) -> int:
+    """Flexible coordinates of a body."""
+    return body.reduced.mode_count if isinstance(body, FlexibleBody) else 0
+
+
+def first_dofs(bodies: Sequence[FlexibleBody | RigidBody]) -> dict[str, int]:
+    """Place of the velocities of each body."""
+    widths = [6 + mode_count(body) for body in bodies]
+    starts = np.concatenate([[0], np.cumsum(widths)])
+    return {body.name: int(start) for body, start in zip(bodies, starts[:-1], strict=True)}
+
+
+def attachments(
+    bodies: Sequence[FlexibleBody | RigidBody], dofs: dict[str, int]
+) -> Callable[[str], Attachment]:
+    """Where the rows on a body go, by its name."""
+    found = {GROUND: Attachment(-1, -1, 0, PRESCRIBED)}
+    for number, body in enumerate(bodies):
+        holder = PRESCRIBED if not isinstance(body.motion, Free) else DIAGONAL
+        if isinstance(body, FlexibleBody):
+            holder = FACTORED
+        found[body.name] = Attachment(number, dofs[body.name], 6 + mode_count(body), holder)
+    return found.__getitem__
+
+
+def inverse_masses(bodies: Sequence[FlexibleBody | RigidBody]) -> NDArray[np.float64]:
+    """Of the velocities of free rigid bodies in their principal axes; zero elsewhere."""
+    blocks: list[NDArray[np.float64]] = []
+    for body in bodies:
+        block = np.zeros(6 + mode_count(body))
+        if isinstance(body, RigidBody) and isinstance(body.motion, Free):
+            block[:3] = 1.0 / body.mass
+            block[3:] = 1.0 / np.linalg.eigvalsh(body.inertia)
+        blocks.append(block)
+    return np.concatenate(blocks)
+
+
+def inverse_scales(bodies: Sequence[FlexibleBody | RigidBody]) -> Callable[[str], tuple[float, float]]:
+    """Inverse mass and smallest inverse inertia by name; zero for prescribed motion."""
+    by_name = {body.name: body for body in bodies}
+
+    def scales(name: str) -> tuple[float, float]:
+        body = by_name[name]
+        if isinstance(body, FlexibleBody):
+            integrals = body.reduced.integrals
+            largest = float(np.linalg.eigvalsh(integrals.inertia_kl)[1:].sum())
+            held = not isinstance(body.motion, Free) and body.reduced.mode_count == 0
+            return (0.0, 0.0) if held else (1.0 / integrals.mass, 1.0 / largest)
+        if not isinstance(body.motion, Free):
+            return 0.0, 0.0
+        return 1.0 / body.mass, 1.0 / float(np.linalg.eigvalsh(body.inertia)[2])
+
+    return scales
+
+
+def body_size(body: FlexibleBody | RigidBody) -> float:
+    """Largest radius of gyration of a rigid body, extent of a flexible one [m]."""
+    if isinstance(body, FlexibleBody):
+        return float(np.ptp(body.reduced.nodes, axis=0).max())
+    return math.sqrt(float(np.linalg.eigvalsh(body.inertia)[2]) / body.mass)

@@ -1,0 +1,30 @@
+"""Instants at which something in a scene changes its slope: adaptive steps end there, or they lose their order."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.solver.connections import JointMotor, Rope
+from heavylift.solver.scene import Driven, PointForce, Profile, Scene
+
+__all__ = ["scene_corners"]
+
+
+def scene_corners(scene: Scene) -> NDArray[np.float64]:
+    """Positive times [s], increasing: rows of load, motor and winch tables, ends of the tables of drives."""
+    times: list[float] = []
+    for force in scene.forces:
+        if isinstance(force, (PointForce, JointMotor)):
+            times += list(np.ravel(force.times))
+    for rope in scene.ropes:
+        if isinstance(rope, Rope) and rope.winch is not None:
+            times += list(rope.winch.times)
+    profiles: list[Profile | None] = [getattr(joint, "drive", None) for joint in scene.joints]
+    for body in scene.bodies:
+        if isinstance(body.motion, Driven):
+            profiles += [*body.motion.translation, body.motion.angle]
+    for profile in profiles:
+        if profile is not None and len(profile.times):
+            times += [profile.times[0], profile.times[-1]]
+    return np.unique([time for time in times if time > 0.0])

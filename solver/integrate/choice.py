@@ -1,0 +1,120 @@
+"""Which integrator suits a scene: the accurate one for what is smooth and not stiff, the default for the rest."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.connections import GROUND, Hinge, JointSpring, Spring
+from heavylift.solver.coordinates import inverse_scales
+from heavylift.solver.scene import FlexibleBody, Scene
+
+__all__ = ["check_integrator", "choose_integrator"]
+
+LARGEST_RATE = 60.0
+"""Fastest spring or damper, times the output interval, that an explicit integrator still follows cheaply."""
+
+
+def choose_integrator(scene: Scene, interval: float) -> tuple[str, str]:
+    """Name of the integrator for a scene and a sentence that says why.
+
+    Parameters
+    ----------
+    scene
+        What is simulated.
+    interval
+        Time between outputs [s]: what takes many steps an output is stiff.
+    """
+    reason = _not_smooth(scene) or _stiff(scene, interval)
+    if reason:
+        return "dele2", f"dele2, because {reason}"
+    return "accurate", "accurate, because everything in the scene is smooth and nothing is stiff"
+
+
+def check_integrator(scene: Scene, name: str) -> None:
+    """Refuse a scene that an integrator cannot serve.
+
+    Raises
+    ------
+    InputError
+        Names the integrator, what stands in its way, and what to choose instead.
+    """
+    reason = ""
+    if name == "accurate":
+        reason = _not_smooth(scene)
+    elif name == "thesis":
+        reason = _rope_or_law(scene)
+        driven = [joint.name for joint in scene.joints if getattr(joint, "drive", None) is not None]
+        if not reason and driven:
+            reason = f"joint {driven[0]!r} is driven"
+        flexible = [body.name for body in scene.bodies if isinstance(body, FlexibleBody)]
+        if not reason and flexible and scene.joints:
+            reason = f"joints hold the flexible body {flexible[0]!r}"
+    if reason:
+        raise InputError(
+            f"{name!r}, but {reason}",
+            source="simulation",
+            key="integrator",
+            expected="'dele2' for such a scene",
+        )
+
+
+def _rope_or_law(scene: Scene) -> str:
+    """The first thing whose force has corners, as words; empty if none."""
+    if scene.ropes:
+        return f"rope {scene.ropes[0].name!r} can go slack"
+    for joint in scene.joints:
+        if getattr(joint, "limits", None) is not None:
+            return f"joint {joint.name!r} has stops"
+        if getattr(joint, "friction", 0.0) != 0.0:
+            return f"joint {joint.name!r} has dry friction"
+    return ""
+
+
+def _not_smooth(scene: Scene) -> str:
+    """The first thing that an explicit integrator of high order cannot serve, as words; empty if none."""
+    flexible = [body.name for body in scene.bodies if isinstance(body, FlexibleBody)]
+    if flexible:
+        return f"body {flexible[0]!r} is flexible"
+    reason = _rope_or_law(scene)
+    if reason:
+        return reason
+    compliant = [joint.name for joint in scene.joints if joint.compliance > 0.0]
+    return f"joint {compliant[0]!r} is compliant" if compliant else ""
+
+
+def _stiff(scene: Scene, interval: float) -> str:
+    """The first spring or damper that is too fast, as words; empty if none."""
+    scales = inverse_scales(scene.bodies)
+
+    def of(name: str, turns: bool) -> float:
+        return 0.0 if name == GROUND else scales(name)[1 if turns else 0]
+
+    joints = {joint.name: joint for joint in scene.joints}
+    for force in scene.forces:
+        if isinstance(force, Spring):
+            inverse = of(force.body_a, False) + of(force.body_b, False)
+        elif isinstance(force, JointSpring):
+            joint = joints[force.joint]
+            turns = isinstance(joint, Hinge)
+            inverse = of(joint.body_a, turns) + of(joint.body_b, turns)
+        else:
+            continue
+        stiffness = max([force.stiffness, *_slopes(force)])
+        rate = max(math.sqrt(stiffness * inverse), force.damping * inverse)
+        if rate * interval > LARGEST_RATE:
+            return (
+                f"{force.name!r} has a rate of {rate:.3g} 1/s, {rate * interval:.0f} times that of the output"
+            )
+    return ""
+
+
+def _slopes(force: Spring | JointSpring) -> list[float]:
+    """Slopes of the table of a spring."""
+    if isinstance(force, Spring):
+        x, y = force.elongations, force.forces
+    else:
+        x, y = force.deflections, force.loads
+    return [float(value) for value in np.diff(y) / np.diff(x)] if len(x) > 1 else []

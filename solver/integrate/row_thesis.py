@@ -1,0 +1,88 @@
+"""Joints in the first-order scheme of "Integrated simulation ... (2018)", eq. 49, signs and impulses as corrected.
+
+With ``Gamma = 1 / (1 + 4 tau/h)``, all matrices at the start of the step and the impulse as unknown::
+
+    G v+ + (4 Gamma eps / h^2) P = -(4 Gamma / h) g + Gamma G v
+
+The scheme is stable for relaxation times of two steps and more, critically damped at two, which is taken
+where a joint says less.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.integrate.row_solver import assemble, factor_rows, solve_rows, subtract_rates
+from heavylift.solver.interface import Workspace, fill_rows, write_velocity
+from heavylift.solver.kinds import generic, implement
+from heavylift.solver.rows import (
+    COMPLIANCE,
+    IMPULSE,
+    REACTION,
+    REGULARISATION,
+    RELAXATION,
+    RESIDUAL,
+    ROW_COLUMNS,
+    SCALE,
+    SOFTNESS,
+    SOLUTION,
+    TARGET,
+    RowSystem,
+)
+
+__all__ = ["solve_thesis", "start_thesis"]
+
+
+@generic
+def start_thesis(systems: Any, bodies: Any, joints: Any, work: Workspace, step: float) -> None:
+    """Rows: targets and softness from the carried state, whose velocities pass through the workspace."""
+
+
+@implement(start_thesis, RowSystem)
+@kernel(internal=True)
+def start_thesis_rows(system: RowSystem, bodies: Any, joints: Any, work: Workspace, step: float) -> None:
+    """Markers are filled at the carried state."""
+    rows, lanes = len(system.shape[0]), len(system.shape[1])
+    blocks = system.attachments.shape[0] // 2
+    fill_rows(joints, True, work, system)
+    write_velocity(bodies, work)
+    for node in range(blocks):
+        for r in range(lanes):
+            system.rows[(node * ROW_COLUMNS + SOLUTION) * lanes + r] = 0.0
+    subtract_rates(system, work.velocity)
+    for node in range(blocks):
+        at = node * ROW_COLUMNS * lanes
+        for r in range(rows):
+            system.rows[at + IMPULSE * lanes + r] = 0.0
+            scale = system.rows[at + SCALE * lanes + r]
+            if scale > 0.0:
+                tau = max(system.rows[at + RELAXATION * lanes + r], 2.0 * step)
+                gamma = 1.0 / (1.0 + 4.0 * tau / step)
+                rate = -system.rows[at + SOLUTION * lanes + r]
+                system.rows[at + TARGET * lanes + r] = (
+                    gamma * rate - 4.0 * gamma / step * system.rows[at + RESIDUAL * lanes + r]
+                )
+                system.rows[at + SOFTNESS * lanes + r] = (
+                    REGULARISATION * scale
+                    + 4.0 * gamma / (step * step) * system.rows[at + COMPLIANCE * lanes + r]
+                )
+
+
+@generic
+def solve_thesis(systems: Any, work: Workspace, step: float) -> None:
+    """Rows: end velocities from free ones, reactions."""
+
+
+@implement(solve_thesis, RowSystem)
+@kernel(internal=True)
+def solve_thesis_rows(system: RowSystem, work: Workspace, step: float) -> None:
+    """One linear solve."""
+    rows, lanes = len(system.shape[0]), len(system.shape[1])
+    assemble(system)
+    factor_rows(system)
+    solve_rows(system, work.velocity)
+    for node in range(system.attachments.shape[0] // 2):
+        at = node * ROW_COLUMNS * lanes
+        for r in range(rows):
+            system.rows[at + REACTION * lanes + r] = system.rows[at + IMPULSE * lanes + r] / step

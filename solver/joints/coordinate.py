@@ -1,0 +1,160 @@
+"""The scalars on which springs, stops, friction and motors act: a distance, the angle or the travel of a joint.
+
+Each is a function of three markers; loads are its derivatives by these, so a load times the rate of the scalar
+is exactly the power of the forces on the markers. On a direction marker e a force f acts as the torque e x f.
+"""
+
+from __future__ import annotations
+
+import math
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.connections import (
+    Cylindrical,
+    Hinge,
+    Joint,
+    JointMotor,
+    JointSpring,
+    Slider,
+    SliderHinge,
+    Spring,
+)
+from heavylift.solver.interface import POINT_FORCE, Workspace
+from heavylift.solver.joints.packing import MarkerBook, angle_markers, travel_markers
+from heavylift.solver.joints.row_writing import (
+    Vector,
+    angle_row,
+    difference,
+    dot,
+    hinge_angle,
+    hinge_rate,
+    minus,
+    put_direction_row,
+    rate,
+    travel,
+    travel_rate,
+    travel_row,
+    vector,
+)
+from heavylift.solver.rows import LawRowSystem
+
+__all__ = [
+    "ANGLE",
+    "DISTANCE",
+    "TRAVEL",
+    "add_load",
+    "coordinate_rate",
+    "coordinate_row",
+    "coordinate_value",
+    "joint_coordinate",
+    "joint_markers",
+    "spring_markers",
+]
+
+DISTANCE, ANGLE, TRAVEL = range(3)
+"""Distance of two points (the third marker is not used), angle of a hinge, travel of a slider."""
+
+
+def joint_coordinate(joint: Joint, user: JointSpring | JointMotor | Joint) -> int:
+    """`ANGLE` or `TRAVEL`: what springs, motors, stops and friction of a joint act on.
+
+    Raises
+    ------
+    InputError
+        If the joint has neither, or both.
+    """
+    if isinstance(joint, Hinge):
+        return ANGLE
+    if isinstance(joint, Slider):
+        return TRAVEL
+    both = " (it has two)" if isinstance(joint, (Cylindrical, SliderHinge)) else ""
+    raise InputError(
+        f"joint {joint.name!r} is a {type(joint).__name__}, which has no single angle or travel{both}",
+        source=user.name,
+        key="joint",
+        expected="a hinge or a slider",
+    )
+
+
+def joint_markers(book: MarkerBook, joint: Joint, coordinate: int, level: int) -> tuple[int, int, int]:
+    """Markers of the angle or travel of a joint."""
+    return angle_markers(book, joint, level) if coordinate == ANGLE else travel_markers(book, joint, level)
+
+
+def spring_markers(book: MarkerBook, spring: Spring, level: int) -> tuple[int, int, int]:
+    """Markers of the two ends of a spring."""
+    a = book.point(spring.body_a, spring.point_a, level)
+    return a, book.point(spring.body_b, spring.point_b, level), a
+
+
+@kernel(inline=True, internal=True)
+def _line(work: Workspace, a: int, b: int) -> tuple[float, Vector]:
+    """Distance [m] and unit direction from a to b; no direction where they coincide."""
+    r = difference(work, a, b)
+    size = math.sqrt(dot(r, r))
+    inverse = 1.0 / size if size > 0.0 else 0.0
+    return size, (inverse * r[0], inverse * r[1], inverse * r[2])
+
+
+@kernel(internal=True)
+def coordinate_value(work: Workspace, coordinate: int, a: int, b: int, c: int) -> float:
+    """The scalar [m] or [rad]; angles in (-pi, pi]."""
+    if coordinate == DISTANCE:
+        return _line(work, a, b)[0]
+    if coordinate == ANGLE:
+        return hinge_angle(work, a, b, c)
+    return travel(work, a, b, c)
+
+
+@kernel(internal=True)
+def coordinate_rate(work: Workspace, coordinate: int, a: int, b: int, c: int) -> float:
+    """Its rate from the rates of the markers."""
+    if coordinate == DISTANCE:
+        return dot(_line(work, a, b)[1], minus(rate(work, b), rate(work, a)))
+    if coordinate == ANGLE:
+        return hinge_rate(work, a, b, c)
+    return travel_rate(work, a, b, c)
+
+
+@kernel(internal=True)
+def coordinate_row(
+    system: LawRowSystem, block: int, work: Workspace, coordinate: int, a: int, b: int, c: int
+) -> float:
+    """Write its derivative as the first row of a block; the scalar."""
+    if coordinate == DISTANCE:
+        size, e = _line(work, a, b)
+        put_direction_row(system, 2 * block, 0, work, a, (-e[0], -e[1], -e[2]))
+        put_direction_row(system, 2 * block + 1, 0, work, b, e)
+        return size
+    if coordinate == ANGLE:
+        return angle_row(system, block, 0, work, a, b, c)
+    return travel_row(system, block, 0, work, a, b, c)
+
+
+@kernel(inline=True, internal=True)
+def _add_force(work: Workspace, marker: int, s: float, v: Vector) -> None:
+    for k in range(3):
+        work.markers[marker, POINT_FORCE + k] += s * v[k]
+
+
+@kernel(internal=True)
+def add_load(work: Workspace, coordinate: int, a: int, b: int, c: int, load: float) -> None:
+    """Forces on the markers whose power is the load times the rate: positive loads drive the scalar up."""
+    if coordinate == DISTANCE:
+        e = _line(work, a, b)[1]
+        _add_force(work, a, -load, e)
+        _add_force(work, b, load, e)
+    elif coordinate == ANGLE:  # as in `angle_row`
+        x, x2, y2 = vector(work, a), vector(work, b), vector(work, c)
+        s, q = -dot(y2, x), dot(x2, x)
+        scale = -load / (s * s + q * q)
+        _add_force(work, a, scale * q, y2)
+        _add_force(work, a, scale * s, x2)
+        _add_force(work, c, scale * q, x)
+        _add_force(work, b, scale * s, x)
+    else:
+        e = vector(work, c)
+        _add_force(work, a, -load, e)
+        _add_force(work, b, load, e)
+        _add_force(work, c, load, difference(work, a, b))

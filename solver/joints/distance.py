@@ -1,0 +1,145 @@
+"""Distance joints: the distance of the two points is kept, a weightless rod; 1 row.
+
+::
+
+    |p_b - p_a| - l = 0
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.connections import Distance
+from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
+from heavylift.solver.joints.packing import JointPlace, MarkerBook, point_markers
+from heavylift.solver.joints.reactions import clear_reaction, reactions
+from heavylift.solver.joints.row_writing import (
+    Vector,
+    bias,
+    difference,
+    dot,
+    minus,
+    put_direction_row,
+    rate,
+    residuals,
+    targets,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import RowSystem
+
+__all__ = ["ROTATIONAL", "Distances", "pack"]
+
+ROTATIONAL = (False,)
+
+
+class Distances(NamedTuple):
+    """All distance joints of a scene.
+
+    Attributes
+    ----------
+    table
+        Block, point markers of a and b, first record column; shape (n, 4).
+    lengths
+        [m], shape (n,).
+    """
+
+    table: NDArray[np.int64]
+    lengths: NDArray[np.float64]
+
+
+def pack(joints: Sequence[Distance], places: Sequence[JointPlace], book: MarkerBook) -> Distances:
+    """Make the kind.
+
+    Raises
+    ------
+    InputError
+        If a length is not positive, or the two points coincide at the start: a distance has no direction there.
+    """
+    rows = [
+        (place.block, *point_markers(book, joint), place.column)
+        for joint, place in zip(joints, places, strict=True)
+    ]
+    lengths = [_length(joint, place) for joint, place in zip(joints, places, strict=True)]
+    return Distances(np.array(rows, dtype=np.int64), np.array(lengths))
+
+
+def _length(joint: Distance, place: JointPlace) -> float:
+    """Length that is kept [m]."""
+    given = joint.length
+    if given is not None and not 0.0 < given < math.inf:
+        raise InputError(
+            f"length {given} m",
+            source=joint.name,
+            key="length",
+            expected="a positive length; or a ball joint",
+        )
+    if place.frames is None:
+        if given is None:
+            raise InputError("no length", source=joint.name, key="length", expected="a positive length")
+        return float(given)
+    start = float(np.linalg.norm(place.frames[1].point - place.frames[0].point))
+    if not start > 1e-9 * (given or 1.0):
+        raise InputError(
+            f"the points are {start:.3g} m apart at the start",
+            source=joint.name,
+            key="points",
+            expected="points apart; or a ball joint",
+        )
+    return start if given is None else float(given)
+
+
+@kernel(inline=True, internal=True)
+def _line(work: Workspace, point_a: int, point_b: int) -> tuple[float, Vector]:
+    """Distance [m] and unit direction from a to b."""
+    r = difference(work, point_a, point_b)
+    size = math.sqrt(dot(r, r))
+    return size, (r[0] / size, r[1] / size, r[2] / size)
+
+
+@implement(fill_rows, Distances)
+@kernel(internal=True)
+def fill_distance_rows(kind: Distances, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+    """Rows from the markers."""
+    for j in range(kind.table.shape[0]):
+        block, point_a, point_b, _ = kind.table[j]
+        size, e = _line(work, point_a, point_b)
+        put_direction_row(system, 2 * block, 0, work, point_a, (-e[0], -e[1], -e[2]))
+        put_direction_row(system, 2 * block + 1, 0, work, point_b, e)
+        if with_residual:
+            residuals(system, block)[0] = size - kind.lengths[j]
+
+
+@implement(fill_bias, Distances)
+@kernel(internal=True)
+def fill_distance_bias(kind: Distances, time: float, work: Workspace, system: RowSystem) -> None:
+    """``gamma = e . b + (|r'|^2 - (e . r')^2) / |r|`` with the second rate b of ``r = p_b - p_a``."""
+    for j in range(kind.table.shape[0]):
+        block, point_a, point_b, _ = kind.table[j]
+        size, e = _line(work, point_a, point_b)
+        moving = minus(rate(work, point_b), rate(work, point_a))
+        along = dot(e, moving)
+        across = dot(moving, moving) - along * along
+        gamma = dot(e, minus(bias(work, point_b), bias(work, point_a))) + across / size
+        targets(system, block)[0] = -gamma
+
+
+@implement(record_joints, Distances)
+@kernel(internal=True)
+def record_distances(
+    kind: Distances, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+) -> None:
+    """Reaction on b: along the line, positive if it pushes."""
+    for j in range(kind.table.shape[0]):
+        block, point_a, point_b, column = kind.table[j]
+        _, e = _line(work, point_a, point_b)
+        clear_reaction(row, column)
+        force = reactions(system, block)[0]
+        for k in range(3):
+            row[column + k] = force * e[k]

@@ -1,0 +1,132 @@
+"""Hinges whose angle is a function of time: the rows of a hinge and that of its angle; 6 rows.
+
+``phi`` turns x of a into x of b about z; the sixth row is ``phi - l(t) = 0``. Its reaction is the torque of
+the drive on b, and part of the reaction moment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.connections import Hinge
+from heavylift.solver.drive import profile_value
+from heavylift.solver.interface import (
+    DRIVE_WORK,
+    Workspace,
+    fill_bias,
+    fill_rows,
+    record_joints,
+    set_targets,
+)
+from heavylift.solver.joints import hinge
+from heavylift.solver.joints.driving import PRESCRIBED, aim, drive_work, pack_profiles
+from heavylift.solver.joints.hinge import (
+    BLOCK,
+    COLUMN,
+    X_B,
+    Y_B,
+    Z_A,
+    Hinges,
+    fill_hinge_bias,
+    fill_hinge_rows,
+    record_hinges,
+)
+from heavylift.solver.joints.packing import JointPlace, MarkerBook
+from heavylift.solver.joints.reactions import ANGLE_STATE, REACTION_WIDTH, add_torque
+from heavylift.solver.joints.row_writing import angle_bias, angle_row, near_angle, residuals, targets
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import RowSystem
+
+__all__ = ["CHANNELS", "ROTATIONAL", "DrivenHinges", "pack"]
+
+ROTATIONAL = (*hinge.ROTATIONAL, True)
+CHANNELS = hinge.CHANNELS
+
+ROW = 5
+X_A, PROFILE = 10, 11
+DRIVE = ANGLE_STATE
+
+
+class DrivenHinges(NamedTuple):
+    """All driven hinges of a scene.
+
+    Attributes
+    ----------
+    table
+        Columns of `Hinges`, direction marker x of a, start of the profile; shape (n, 12).
+    state
+        Whole turns as in `Hinges`, then the drive; shape (n, 6).
+    profiles
+        Packed, one after the other.
+    """
+
+    table: NDArray[np.int64]
+    state: NDArray[np.float64]
+    profiles: NDArray[np.float64]
+
+
+def pack(joints: Sequence[Hinge], places: Sequence[JointPlace], book: MarkerBook) -> DrivenHinges:
+    """Make the kind."""
+    made = hinge.pack(joints, places, book)
+    x_a = [book.direction(joint.body_a, joint.frame_a.axes[:, 0]) for joint in joints]
+    profiles, starts, drives = pack_profiles([joint.drive for joint in joints])
+    table, state = np.column_stack([made.table, x_a, starts]), np.hstack([made.state, drives])
+    return DrivenHinges(np.ascontiguousarray(table), np.ascontiguousarray(state), profiles)
+
+
+@implement(fill_rows, DrivenHinges)
+@kernel(internal=True)
+def fill_driven_hinge_rows(
+    kind: DrivenHinges, with_residual: bool, work: Workspace, system: RowSystem
+) -> None:
+    """Rows of the hinge and of its angle."""
+    fill_hinge_rows(Hinges(kind.table, kind.state), with_residual, work, system)
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
+        angle = angle_row(system, entry[BLOCK], ROW, work, entry[X_A], entry[X_B], entry[Y_B])
+        if with_residual:
+            off = angle - kind.state[j, DRIVE + PRESCRIBED]
+            residuals(system, entry[BLOCK])[ROW] = near_angle(off, 0.0)
+
+
+@implement(set_targets, DrivenHinges)
+@kernel(internal=True)
+def aim_driven_hinges(
+    kind: DrivenHinges, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowSystem
+) -> None:
+    """Follow the profile."""
+    for j in range(kind.table.shape[0]):
+        entry, state = kind.table[j], kind.state[j, DRIVE:]
+        aim(system, entry[BLOCK], ROW, kind.profiles, entry[PROFILE], state, time, step, at_midpoint)
+
+
+@implement(fill_bias, DrivenHinges)
+@kernel(internal=True)
+def fill_driven_hinge_bias(kind: DrivenHinges, time: float, work: Workspace, system: RowSystem) -> None:
+    """Quadratic velocity terms and the prescribed acceleration."""
+    fill_hinge_bias(Hinges(kind.table, kind.state), time, work, system)
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
+        gamma = angle_bias(work, entry[X_A], entry[X_B], entry[Y_B])
+        targets(system, entry[BLOCK])[ROW] = profile_value(kind.profiles, entry[PROFILE], time)[2] - gamma
+
+
+@implement(record_joints, DrivenHinges)
+@kernel(internal=True)
+def record_driven_hinges(
+    kind: DrivenHinges, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+) -> None:
+    """As a hinge, with the torque and the work of the drive."""
+    record_hinges(Hinges(kind.table, kind.state), time, work, system, row)
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
+        block, column = entry[BLOCK], entry[COLUMN]
+        add_torque(system, block, ROW, work, entry[Z_A], row, column)
+        prescribed = profile_value(kind.profiles, entry[PROFILE], time)[0]
+        row[column + REACTION_WIDTH] = near_angle(row[column + REACTION_WIDTH], prescribed)
+        work.sums[DRIVE_WORK] += drive_work(system, block, ROW, kind.state[j, DRIVE:])

@@ -1,0 +1,75 @@
+"""A row that follows a function of time: its targets, and the work of what drives it.
+
+With the coordinate ``s`` of the joint, an angle or a travel, and its prescribed value ``l(t)``::
+
+    s - l(t) = 0,    G v = (l(t+h) - l(t))/h - g/h  in the middle of a step,    G v = l'(t)  at its end
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.drive import pack_profile, profile_value
+from heavylift.solver.joints.row_writing import residuals, targets
+from heavylift.solver.rows import LAST_REACTION, ROW_COLUMNS, RowSystem
+from heavylift.solver.scene import Profile
+
+__all__ = ["DRIVE_STATE", "PRESCRIBED", "aim", "drive_work", "pack_profiles"]
+
+PRESCRIBED, ADVANCE, WORK, DRIVE_STATE = range(4)
+"""State of a drive: value at the end of the last step, by how much it grew in it, and the work [J] before it."""
+
+
+def pack_profiles(
+    profiles: Sequence[Profile | None],
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
+    """Flat data of profiles, where each begins, and the states of their drives at time zero."""
+    blocks = [pack_profile(profile) for profile in profiles]
+    starts = np.concatenate([[0], np.cumsum([len(block) for block in blocks])[:-1]]).astype(np.int64)
+    data = np.concatenate(blocks)
+    state = np.zeros((len(blocks), DRIVE_STATE))
+    state[:, PRESCRIBED] = [profile_value(data, int(start), 0.0)[0] for start in starts]
+    return data, starts, state
+
+
+@kernel(internal=True)
+def aim(
+    system: RowSystem,
+    block: int,
+    row: int,
+    profiles: NDArray[np.float64],
+    start: int,
+    state: NDArray[np.float64],
+    time: float,
+    step: float,
+    at_midpoint: bool,
+) -> None:
+    """Target of a driven row; its residual at the end of a step."""
+    target = targets(system, block)
+    if at_midpoint:
+        # the force of a step is known after its projection, so its work is booked when the next one begins
+        state[WORK] += _last_reaction(system, block, row) * state[ADVANCE]
+        state[ADVANCE] = 0.0
+        target[row] += (profile_value(profiles, start, time + step)[0] - state[PRESCRIBED]) / step
+    else:
+        now, speed, _ = profile_value(profiles, start, time)
+        residuals(system, block)[row] += state[PRESCRIBED] - now
+        state[ADVANCE] += now - state[PRESCRIBED]
+        state[PRESCRIBED] = now
+        target[row] = speed
+
+
+@kernel(internal=True)
+def drive_work(system: RowSystem, block: int, row: int, state: NDArray[np.float64]) -> float:
+    """Work of the drive up to now [J]: in each step, force in the middle times advance."""
+    return state[WORK] + _last_reaction(system, block, row) * state[ADVANCE]
+
+
+@kernel(inline=True, internal=True)
+def _last_reaction(system: RowSystem, block: int, row: int) -> float:
+    """Reaction in the middle of the last step."""
+    return system.rows[(block * ROW_COLUMNS + LAST_REACTION) * len(system.shape[1]) + row]

@@ -1,0 +1,100 @@
+"""Fixed joints: the frames of both sides coincide; 6 rows.
+
+::
+
+    p_b - p_a = 0,    z_a . x_b = 0,    z_a . y_b = 0,    x_a . y_b = 0
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.connections import FixedJoint
+from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
+from heavylift.solver.joints.packing import JointPlace, MarkerBook, point_markers, refuse_opposite
+from heavylift.solver.joints.reactions import add_moment, write_reaction
+from heavylift.solver.joints.row_writing import (
+    difference,
+    put_point_rows,
+    residuals,
+    square_bias,
+    square_row,
+    targets,
+    write_point_bias,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import RowSystem
+
+__all__ = ["ROTATIONAL", "FixedJoints", "pack"]
+
+ROTATIONAL = (False, False, False, True, True, True)
+
+
+class FixedJoints(NamedTuple):
+    """Block, point markers of a and b, direction markers x, z of a and x, y of b, record column; shape (n, 8)."""
+
+    table: NDArray[np.int64]
+
+
+def pack(joints: Sequence[FixedJoint], places: Sequence[JointPlace], book: MarkerBook) -> FixedJoints:
+    """Make the kind."""
+    rows = []
+    for joint, place in zip(joints, places, strict=True):
+        refuse_opposite(joint, place, (0, 1, 2))
+        axes = (
+            book.direction(joint.body_a, joint.frame_a.axes[:, 0]),
+            book.direction(joint.body_a, joint.frame_a.axes[:, 2]),
+            book.direction(joint.body_b, joint.frame_b.axes[:, 0]),
+            book.direction(joint.body_b, joint.frame_b.axes[:, 1]),
+        )
+        rows.append((place.block, *point_markers(book, joint), *axes, place.column))
+    return FixedJoints(np.array(rows, dtype=np.int64))
+
+
+@implement(fill_rows, FixedJoints)
+@kernel(internal=True)
+def fill_fixed_rows(kind: FixedJoints, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+    """Rows from the markers."""
+    for j in range(kind.table.shape[0]):
+        block, point_a, point_b, x_a, z_a, x_b, y_b, _ = kind.table[j]
+        put_point_rows(system, 2 * block, 0, work, point_a, -1.0)
+        put_point_rows(system, 2 * block + 1, 0, work, point_b, 1.0)
+        zx = square_row(system, block, 3, work, z_a, x_b)
+        zy = square_row(system, block, 4, work, z_a, y_b)
+        xy = square_row(system, block, 5, work, x_a, y_b)
+        if with_residual:
+            g = residuals(system, block)
+            g[0], g[1], g[2] = difference(work, point_a, point_b)
+            g[3], g[4], g[5] = zx, zy, xy
+
+
+@implement(fill_bias, FixedJoints)
+@kernel(internal=True)
+def fill_fixed_bias(kind: FixedJoints, time: float, work: Workspace, system: RowSystem) -> None:
+    """Quadratic velocity terms."""
+    for j in range(kind.table.shape[0]):
+        block, point_a, point_b, x_a, z_a, x_b, y_b, _ = kind.table[j]
+        write_point_bias(system, block, work, point_a, point_b)
+        target = targets(system, block)
+        target[3] = -square_bias(work, z_a, x_b)
+        target[4] = -square_bias(work, z_a, y_b)
+        target[5] = -square_bias(work, x_a, y_b)
+
+
+@implement(record_joints, FixedJoints)
+@kernel(internal=True)
+def record_fixed_joints(
+    kind: FixedJoints, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+) -> None:
+    """Reaction on b."""
+    for j in range(kind.table.shape[0]):
+        block, _, _, x_a, z_a, x_b, y_b, column = kind.table[j]
+        write_reaction(system, block, row, column)
+        add_moment(system, block, 3, work, x_b, z_a, row, column)
+        add_moment(system, block, 4, work, y_b, z_a, row, column)
+        add_moment(system, block, 5, work, y_b, x_a, row, column)

@@ -1,0 +1,109 @@
+"""Rows with a law: their force depends on their own rate, and the row is fitted to it by iteration.
+
+A law says the force ``F(u)`` against the rate u of a row in the middle of the step, growing with u. About
+a rate u it is the row of a spring and a damper::
+
+    F(u) + F'(u) (G v - u) = -(2/h) P     so    Z = 2/(h F'),    target = u - F/F'
+
+and where the force does not change, a softness beyond all others makes P independent of the velocity.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.interface import CHANGED, Workspace
+from heavylift.solver.rows import (
+    DOF,
+    IMPULSE,
+    PANEL,
+    REGULARISATION,
+    RESIDUAL,
+    ROW_COLUMNS,
+    SCALE,
+    SOFTNESS,
+    TARGET,
+    WIDTH,
+    LawRowSystem,
+)
+
+__all__ = ["FREE_SOFTNESS", "RETURN", "fit_law", "law_impulse", "put_law", "put_residual", "put_stick", "row_rate"]
+
+FREE_SOFTNESS = 1e20
+"""Softness relative to the characteristic inverse mass of a row whose force is given."""
+
+RETURN = 0.01
+"""Part of the drift of a carried elongation that goes back each step.
+
+Elongations are carried by the rate of the row, because only then their energy is that of the step; they
+leave the geometry slowly, with the third power of the step. Returning within a hundred steps keeps
+them there and is too slow to feed a vibration.
+"""
+
+FITTED = 1e-10
+"""Relative miss of a force or a row that counts as fitted."""
+
+
+@kernel(inline=True, internal=True)
+def row_rate(system: LawRowSystem, first: int, last: int, velocity: NDArray[np.float64]) -> float:
+    """``G v`` of the first row of the attachments first ... last - 1."""
+    lanes = len(system.shape[1])
+    u = 0.0
+    for i in range(first, last):
+        dof, panel = system.attachments[i, DOF], system.attachments[i, PANEL]
+        for k in range(system.attachments[i, WIDTH]):
+            u += system.panels[panel + k * lanes] * velocity[dof + k]
+    return u
+
+
+@kernel(inline=True, internal=True)
+def _row(system: LawRowSystem, block: int, column: int) -> int:
+    return (block * ROW_COLUMNS + column) * len(system.shape[1])
+
+
+@kernel(inline=True, internal=True)
+def put_residual(system: LawRowSystem, block: int, value: float) -> None:
+    """Residual of the first row of a block."""
+    system.rows[_row(system, block, RESIDUAL)] = value
+
+
+@kernel(inline=True, internal=True)
+def law_impulse(system: LawRowSystem, block: int) -> float:
+    """Impulse of the first row of a block in the stage."""
+    return system.rows[_row(system, block, IMPULSE)]
+
+
+@kernel(internal=True)
+def put_law(system: LawRowSystem, block: int, h: float, u: float, force: float, slope: float) -> None:
+    """Fit the first row of a block to a force and its derivative at a rate u."""
+    softest = FREE_SOFTNESS * system.rows[_row(system, block, SCALE)]
+    softness, target = softest, -0.5 * h * force * softest
+    if 0.5 * h * slope * softest > 1.0:
+        softness, target = 2.0 / (h * slope), u - force / slope
+    system.rows[_row(system, block, SOFTNESS)] = softness
+    system.rows[_row(system, block, TARGET)] = target
+
+
+@kernel(internal=True)
+def put_stick(system: LawRowSystem, block: int) -> None:
+    """Make the first row of a block a rigid one whose rate is zero."""
+    system.rows[_row(system, block, SOFTNESS)] = REGULARISATION * system.rows[_row(system, block, SCALE)]
+    system.rows[_row(system, block, TARGET)] = 0.0
+
+
+@kernel(internal=True)
+def fit_law(
+    system: LawRowSystem, block: int, h: float, u: float, force: float, slope: float, work: Workspace
+) -> None:
+    """As `put_law`, if impulse and row do not fit the law yet; counts it."""
+    softness, target = _row(system, block, SOFTNESS), _row(system, block, TARGET)
+    miss = abs(law_impulse(system, block) + 0.5 * h * force)
+    if miss <= FITTED * 0.5 * h * (abs(force) + slope * abs(u)):
+        return
+    old_softness, old_target = system.rows[softness], system.rows[target]
+    put_law(system, block, h, u, force, slope)
+    moved = abs(system.rows[softness] - old_softness) > FITTED * old_softness
+    if moved or abs(system.rows[target] - old_target) > FITTED * (abs(old_target) + abs(u)):
+        work.control[CHANGED] += 1.0

@@ -1,0 +1,94 @@
+"""Planar joints: the point of b stays in the plane of x and y of a, and the z axes are parallel; 3 rows.
+
+::
+
+    z_a . (p_b - p_a) = 0,    z_a . x_b = 0,    z_a . y_b = 0
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.connections import Planar
+from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
+from heavylift.solver.joints.packing import JointPlace, MarkerBook, point_markers, refuse_opposite
+from heavylift.solver.joints.reactions import add_force, add_moment, clear_reaction
+from heavylift.solver.joints.row_writing import (
+    residuals,
+    square_bias,
+    square_row,
+    targets,
+    travel_bias,
+    travel_row,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import RowSystem
+
+__all__ = ["ROTATIONAL", "PlanarJoints", "pack"]
+
+ROTATIONAL = (False, True, True)
+
+
+class PlanarJoints(NamedTuple):
+    """Block, point markers of a and b, direction markers z of a, x and y of b, record column; shape (n, 7)."""
+
+    table: NDArray[np.int64]
+
+
+def pack(joints: Sequence[Planar], places: Sequence[JointPlace], book: MarkerBook) -> PlanarJoints:
+    """Make the kind."""
+    rows = []
+    for joint, place in zip(joints, places, strict=True):
+        refuse_opposite(joint, place, (2,))
+        axes = (
+            book.direction(joint.body_a, joint.frame_a.axes[:, 2]),
+            book.direction(joint.body_b, joint.frame_b.axes[:, 0]),
+            book.direction(joint.body_b, joint.frame_b.axes[:, 1]),
+        )
+        rows.append((place.block, *point_markers(book, joint), *axes, place.column))
+    return PlanarJoints(np.array(rows, dtype=np.int64))
+
+
+@implement(fill_rows, PlanarJoints)
+@kernel(internal=True)
+def fill_planar_rows(kind: PlanarJoints, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+    """Rows from the markers."""
+    for j in range(kind.table.shape[0]):
+        block, point_a, point_b, z_a, x_b, y_b, _ = kind.table[j]
+        height = travel_row(system, block, 0, work, point_a, point_b, z_a)
+        zx = square_row(system, block, 1, work, z_a, x_b)
+        zy = square_row(system, block, 2, work, z_a, y_b)
+        if with_residual:
+            g = residuals(system, block)
+            g[0], g[1], g[2] = height, zx, zy
+
+
+@implement(fill_bias, PlanarJoints)
+@kernel(internal=True)
+def fill_planar_bias(kind: PlanarJoints, time: float, work: Workspace, system: RowSystem) -> None:
+    """Quadratic velocity terms."""
+    for j in range(kind.table.shape[0]):
+        block, point_a, point_b, z_a, x_b, y_b, _ = kind.table[j]
+        target = targets(system, block)
+        target[0] = -travel_bias(work, point_a, point_b, z_a)
+        target[1] = -square_bias(work, z_a, x_b)
+        target[2] = -square_bias(work, z_a, y_b)
+
+
+@implement(record_joints, PlanarJoints)
+@kernel(internal=True)
+def record_planar_joints(
+    kind: PlanarJoints, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+) -> None:
+    """Reaction on b."""
+    for j in range(kind.table.shape[0]):
+        block, _, _, z_a, x_b, y_b, column = kind.table[j]
+        clear_reaction(row, column)
+        add_force(system, block, 0, work, z_a, row, column)
+        add_moment(system, block, 1, work, x_b, z_a, row, column)
+        add_moment(system, block, 2, work, y_b, z_a, row, column)

@@ -1,0 +1,152 @@
+"""What joints record: the reaction on b at its anchor, and the angle and travel of the two sides."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel, view
+from heavylift.numerics.small import cross
+from heavylift.solver.interface import Workspace
+from heavylift.solver.joints.row_writing import (
+    hinge_angle,
+    hinge_rate,
+    near_angle,
+    travel,
+    travel_rate,
+    vector,
+)
+from heavylift.solver.rows import REACTION, ROW_COLUMNS, RowSystem
+
+__all__ = [
+    "ANGLE_CHANNELS",
+    "ANGLE_STATE",
+    "REACTION_WIDTH",
+    "TRAVEL_CHANNELS",
+    "add_force",
+    "add_moment",
+    "add_torque",
+    "clear_reaction",
+    "reactions",
+    "record_angle",
+    "record_travel",
+    "write_reaction",
+]
+
+REACTION_WIDTH = 6
+"""Columns of the reaction, before those of angle and travel."""
+
+ANGLE_CHANNELS = (("angle", "rad", ("angle",)), ("angular_rate", "rad/s", ("angular_rate",)))
+TRAVEL_CHANNELS = (("travel", "m", ("travel",)), ("travel_rate", "m/s", ("travel_rate",)))
+
+ANGLE_STATE = 3
+"""Width of the state that counts whole turns: angle [rad], rate [rad/s] and time [s] of the last record."""
+
+
+@view
+def reactions(system: RowSystem, block: int) -> NDArray[np.float64]:
+    """Reactions of the rows of a block at the end of the last step [N] or [N m], a view."""
+    lanes = len(system.shape[1])
+    begin = (block * ROW_COLUMNS + REACTION) * lanes
+    return system.rows[begin : begin + lanes]
+
+
+@kernel(internal=True)
+def write_reaction(system: RowSystem, block: int, row: NDArray[np.float64], column: int) -> None:
+    """Force on b of three point rows; the moment, after it, is set to zero."""
+    force = reactions(system, block)
+    for k in range(3):
+        row[column + k] = force[k]
+        row[column + 3 + k] = 0.0
+
+
+@kernel(internal=True)
+def clear_reaction(row: NDArray[np.float64], column: int) -> None:
+    """Set force and moment to zero."""
+    for k in range(REACTION_WIDTH):
+        row[column + k] = 0.0
+
+
+@kernel(internal=True)
+def add_force(
+    system: RowSystem,
+    block: int,
+    index: int,
+    work: Workspace,
+    axis: int,
+    row: NDArray[np.float64],
+    column: int,
+) -> None:
+    """Force on b, at its point, of a row ``e . (p_b - p_a)`` with a direction marker e."""
+    force, e = reactions(system, block)[index], vector(work, axis)
+    for k in range(3):
+        row[column + k] += force * e[k]
+
+
+@kernel(internal=True)
+def add_moment(
+    system: RowSystem,
+    block: int,
+    index: int,
+    work: Workspace,
+    marker: int,
+    partner: int,
+    row: NDArray[np.float64],
+    column: int,
+) -> None:
+    """Moment ``e x c`` on b of a row ``c . e``, with `marker` e on b and c on a, times its reaction."""
+    e, c = vector(work, marker), vector(work, partner)
+    moment = reactions(system, block)[index]
+    turn = cross(e[0], e[1], e[2], c[0], c[1], c[2])
+    for k in range(3):
+        row[column + 3 + k] += moment * turn[k]
+
+
+@kernel(internal=True)
+def add_torque(
+    system: RowSystem,
+    block: int,
+    index: int,
+    work: Workspace,
+    axis: int,
+    row: NDArray[np.float64],
+    column: int,
+) -> None:
+    """Moment on b of the row of an angle about a direction marker."""
+    moment, e = reactions(system, block)[index], vector(work, axis)
+    for k in range(3):
+        row[column + 3 + k] += moment * e[k]
+
+
+@kernel(internal=True)
+def record_angle(
+    work: Workspace,
+    x_a: int,
+    x_b: int,
+    y_b: int,
+    state: NDArray[np.float64],
+    time: float,
+    row: NDArray[np.float64],
+    column: int,
+) -> None:
+    """Angle, whole turns included, and its rate.
+
+    Notes
+    -----
+    Of the angles that fit, it is the one nearest to the last recorded one plus the mean of the two rates
+    times the time between, so it counts right while that is less than half a turn wrong.
+    """
+    speed = hinge_rate(work, x_a, x_b, y_b)
+    expected = state[0] + 0.5 * (state[1] + speed) * (time - state[2])
+    angle = near_angle(hinge_angle(work, x_a, x_b, y_b), expected)
+    state[0], state[1], state[2] = angle, speed, time
+    row[column], row[column + 1] = angle, speed
+
+
+@kernel(internal=True)
+def record_travel(
+    work: Workspace, point_a: int, point_b: int, axis: int, row: NDArray[np.float64], column: int
+) -> None:
+    """Travel and its rate."""
+    row[column] = travel(work, point_a, point_b, axis)
+    row[column + 1] = travel_rate(work, point_a, point_b, axis)

@@ -1,0 +1,143 @@
+"""Slider hinges: the point of b slides along a direction e of a, and b turns about z of a; 4 rows.
+
+A cylindrical joint is the slider hinge that slides along its own z axis, so this file serves both. With
+two directions m, n of a, square to e and to each other::
+
+    m . (p_b - p_a) = 0,    n . (p_b - p_a) = 0,    z_a . x_b = 0,    z_a . y_b = 0
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.connections import Cylindrical, SliderHinge, axes_about
+from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
+from heavylift.solver.joints.packing import (
+    JointPlace,
+    MarkerBook,
+    angle_markers,
+    point_markers,
+    refuse_opposite,
+    travel_direction,
+    travel_markers,
+)
+from heavylift.solver.joints.reactions import (
+    ANGLE_CHANNELS,
+    ANGLE_STATE,
+    REACTION_WIDTH,
+    TRAVEL_CHANNELS,
+    add_force,
+    add_moment,
+    clear_reaction,
+    record_angle,
+    record_travel,
+)
+from heavylift.solver.joints.row_writing import (
+    residuals,
+    square_bias,
+    square_row,
+    targets,
+    travel_bias,
+    travel_row,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import RowSystem
+
+__all__ = ["CHANNELS", "ROTATIONAL", "SliderHinges", "pack"]
+
+ROTATIONAL = (False, False, True, True)
+CHANNELS = (*ANGLE_CHANNELS, *TRAVEL_CHANNELS)
+
+BLOCK, POINT_A, POINT_B, M_A, N_A, Z_A, X_B, Y_B, COLUMN, ANGLE, TRAVEL = (*range(10), 12)
+
+
+class SliderHinges(NamedTuple):
+    """All slider hinges and cylindrical joints of a scene.
+
+    Attributes
+    ----------
+    table
+        Block, point markers of a and b, direction markers m, n, z of a, x and y of b, first record column,
+        markers of the recorded angle (3) and travel (3); shape (n, 15).
+    state
+        Whole turns, see `record_angle`; shape (n, 3).
+    """
+
+    table: NDArray[np.int64]
+    state: NDArray[np.float64]
+
+
+def pack(
+    joints: Sequence[SliderHinge | Cylindrical], places: Sequence[JointPlace], book: MarkerBook
+) -> SliderHinges:
+    """Make the kind."""
+    rows = []
+    for joint, place in zip(joints, places, strict=True):
+        refuse_opposite(joint, place, (2,))
+        across = joint.frame_a.axes @ axes_about(travel_direction(joint), source=joint.name)
+        axes = (
+            book.direction(joint.body_a, across[:, 0]),
+            book.direction(joint.body_a, across[:, 1]),
+            book.direction(joint.body_a, joint.frame_a.axes[:, 2]),
+            book.direction(joint.body_b, joint.frame_b.axes[:, 0]),
+            book.direction(joint.body_b, joint.frame_b.axes[:, 1]),
+        )
+        recorded = (*angle_markers(book, joint, RECORD), *travel_markers(book, joint, RECORD))
+        rows.append((place.block, *point_markers(book, joint), *axes, place.column, *recorded))
+    return SliderHinges(np.array(rows, dtype=np.int64), np.zeros((len(rows), ANGLE_STATE)))
+
+
+@implement(fill_rows, SliderHinges)
+@kernel(internal=True)
+def fill_slider_hinge_rows(
+    kind: SliderHinges, with_residual: bool, work: Workspace, system: RowSystem
+) -> None:
+    """Rows from the markers."""
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
+        block, point_a, point_b = entry[BLOCK], entry[POINT_A], entry[POINT_B]
+        m = travel_row(system, block, 0, work, point_a, point_b, entry[M_A])
+        n = travel_row(system, block, 1, work, point_a, point_b, entry[N_A])
+        zx = square_row(system, block, 2, work, entry[Z_A], entry[X_B])
+        zy = square_row(system, block, 3, work, entry[Z_A], entry[Y_B])
+        if with_residual:
+            g = residuals(system, block)
+            g[0], g[1], g[2], g[3] = m, n, zx, zy
+
+
+@implement(fill_bias, SliderHinges)
+@kernel(internal=True)
+def fill_slider_hinge_bias(kind: SliderHinges, time: float, work: Workspace, system: RowSystem) -> None:
+    """Quadratic velocity terms."""
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
+        target = targets(system, entry[BLOCK])
+        target[0] = -travel_bias(work, entry[POINT_A], entry[POINT_B], entry[M_A])
+        target[1] = -travel_bias(work, entry[POINT_A], entry[POINT_B], entry[N_A])
+        target[2] = -square_bias(work, entry[Z_A], entry[X_B])
+        target[3] = -square_bias(work, entry[Z_A], entry[Y_B])
+
+
+@implement(record_joints, SliderHinges)
+@kernel(internal=True)
+def record_slider_hinges(
+    kind: SliderHinges, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+) -> None:
+    """Reaction on b, angle, travel."""
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
+        block, column = entry[BLOCK], entry[COLUMN]
+        clear_reaction(row, column)
+        add_force(system, block, 0, work, entry[M_A], row, column)
+        add_force(system, block, 1, work, entry[N_A], row, column)
+        add_moment(system, block, 2, work, entry[X_B], entry[Z_A], row, column)
+        add_moment(system, block, 3, work, entry[Y_B], entry[Z_A], row, column)
+        x_a, x_b, y_b = entry[ANGLE], entry[ANGLE + 1], entry[ANGLE + 2]
+        record_angle(work, x_a, x_b, y_b, kind.state[j], time, row, column + REACTION_WIDTH)
+        point_a, point_b, axis = entry[TRAVEL], entry[TRAVEL + 1], entry[TRAVEL + 2]
+        record_travel(work, point_a, point_b, axis, row, column + REACTION_WIDTH + 2)

@@ -1,0 +1,107 @@
+"""Universal joints: the points of both sides coincide, and z of a stays square to z of b; 4 rows.
+
+"Integrated simulation ... (2018)", section 2.4.3: a ball joint and ``z_a . z_b = 0``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.connections import Universal
+from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
+from heavylift.solver.joints.packing import JointPlace, MarkerBook, point_markers
+from heavylift.solver.joints.reactions import add_moment, write_reaction
+from heavylift.solver.joints.row_writing import (
+    difference,
+    put_point_rows,
+    residuals,
+    square_bias,
+    square_row,
+    targets,
+    write_point_bias,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import RowSystem
+
+__all__ = ["ROTATIONAL", "UniversalJoints", "pack"]
+
+ROTATIONAL = (False, False, False, True)
+
+LARGEST_COSINE = 0.9
+"""Of the angle between the two axes at the start: the row vanishes when they are parallel."""
+
+
+class UniversalJoints(NamedTuple):
+    """Block, point markers of a and b, direction markers z of a and of b, record column; shape (n, 6)."""
+
+    table: NDArray[np.int64]
+
+
+def pack(joints: Sequence[Universal], places: Sequence[JointPlace], book: MarkerBook) -> UniversalJoints:
+    """Make the kind.
+
+    Raises
+    ------
+    InputError
+        If the two axes are nearly parallel at the start.
+    """
+    rows = []
+    for joint, place in zip(joints, places, strict=True):
+        if place.frames is not None:
+            cosine = float(place.frames[0].axes[:, 2] @ place.frames[1].axes[:, 2])
+            if not abs(cosine) < LARGEST_COSINE:
+                raise InputError(
+                    f"the axes are {np.degrees(np.arccos(min(abs(cosine), 1.0))):.1f} deg apart at the start",
+                    source=joint.name,
+                    key="axes",
+                    expected="two axes square to each other",
+                )
+        z_a = book.direction(joint.body_a, joint.frame_a.axes[:, 2])
+        z_b = book.direction(joint.body_b, joint.frame_b.axes[:, 2])
+        rows.append((place.block, *point_markers(book, joint), z_a, z_b, place.column))
+    return UniversalJoints(np.array(rows, dtype=np.int64))
+
+
+@implement(fill_rows, UniversalJoints)
+@kernel(internal=True)
+def fill_universal_rows(
+    kind: UniversalJoints, with_residual: bool, work: Workspace, system: RowSystem
+) -> None:
+    """Rows from the markers."""
+    for j in range(kind.table.shape[0]):
+        block, point_a, point_b, z_a, z_b, _ = kind.table[j]
+        put_point_rows(system, 2 * block, 0, work, point_a, -1.0)
+        put_point_rows(system, 2 * block + 1, 0, work, point_b, 1.0)
+        zz = square_row(system, block, 3, work, z_a, z_b)
+        if with_residual:
+            g = residuals(system, block)
+            g[0], g[1], g[2] = difference(work, point_a, point_b)
+            g[3] = zz
+
+
+@implement(fill_bias, UniversalJoints)
+@kernel(internal=True)
+def fill_universal_bias(kind: UniversalJoints, time: float, work: Workspace, system: RowSystem) -> None:
+    """Quadratic velocity terms."""
+    for j in range(kind.table.shape[0]):
+        block, point_a, point_b, z_a, z_b, _ = kind.table[j]
+        write_point_bias(system, block, work, point_a, point_b)
+        targets(system, block)[3] = -square_bias(work, z_a, z_b)
+
+
+@implement(record_joints, UniversalJoints)
+@kernel(internal=True)
+def record_universal_joints(
+    kind: UniversalJoints, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+) -> None:
+    """Reaction on b."""
+    for j in range(kind.table.shape[0]):
+        block, _, _, z_a, z_b, column = kind.table[j]
+        write_reaction(system, block, row, column)
+        add_moment(system, block, 3, work, z_b, z_a, row, column)

@@ -1,0 +1,131 @@
+"""What a scene must fulfil before it is packed: names, references between its parts, start values."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.connections import GROUND, Joint, JointMotor, JointSpring, Rope, Spring, SpringRope
+from heavylift.solver.scene import FlexibleBody, Gravity, PointForce, RigidBody, Scene
+
+__all__ = ["check_scene"]
+
+RESERVED = ("energy", "momentum", "monitor", "time", GROUND)
+"""First parts of channel names that nothing in a scene may take."""
+
+
+def check_scene(scene: Scene) -> None:
+    """Names, references and start values.
+
+    Raises
+    ------
+    InputError
+        The first thing that does not fit together.
+    """
+    if not scene.bodies:
+        raise InputError("no body", source="scene", expected="at least one")
+    kinds = (
+        (scene.bodies, (FlexibleBody, RigidBody), "bodies"),
+        (scene.forces, (Gravity, PointForce, Spring, JointSpring, JointMotor), "forces"),
+        (scene.joints, (Joint,), "joints"),
+        (scene.ropes, (Rope, SpringRope), "ropes"),
+    )
+    for parts, types, what in kinds:
+        for part in parts:
+            if not isinstance(part, types):
+                raise InputError(f"a {type(part).__name__}", source="scene", key=what, expected=what)
+    _check_names(scene)
+    for body in scene.bodies:
+        _check_body(body)
+    for joint in scene.joints:
+        _check_joint(joint)
+
+
+def _check_names(scene: Scene) -> None:
+    """Every name once, and every reference to something that is there."""
+    named = [force for force in scene.forces if not isinstance(force, Gravity)]
+    seen: set[str] = set()
+    for thing in (*scene.bodies, *scene.sensors, *scene.joints, *scene.ropes, *named):
+        if thing.name in seen or thing.name in RESERVED:
+            raise InputError(
+                f"the name {thing.name!r} is taken", source="scene", expected="a name of its own for each"
+            )
+        seen.add(thing.name)
+    names = {body.name for body in scene.bodies}
+    joints = {joint.name for joint in scene.joints}
+    for thing in (*scene.sensors, *scene.joints, *scene.ropes, *named):
+        for body, may_be_ground in _bodies_of(thing):
+            if body not in names and not (may_be_ground and body == GROUND):
+                ground = f" or {GROUND}" if may_be_ground else ""
+                raise InputError(
+                    f"there is no body {body!r}",
+                    source="scene",
+                    key=thing.name,
+                    expected=f"one of {', '.join(sorted(names))}{ground}",
+                )
+        if isinstance(thing, (JointSpring, JointMotor)) and thing.joint not in joints:
+            raise InputError(
+                f"there is no joint {thing.joint!r}",
+                source="scene",
+                key=thing.name,
+                expected=f"one of {', '.join(sorted(joints))}",
+            )
+
+
+def _bodies_of(thing: Any) -> list[tuple[str, bool]]:
+    """Names of the bodies that something refers to, and whether each may be the ground."""
+    if isinstance(thing, Rope):
+        return [(point.body, True) for point in thing.path]
+    if isinstance(thing, (Joint, Spring, SpringRope)):
+        return [(thing.body_a, True), (thing.body_b, True)]
+    if isinstance(thing, (JointSpring, JointMotor)):
+        return []
+    return [(thing.body, False)]
+
+
+def _check_joint(joint: Joint) -> None:
+    """Two different sides, proper joint frames, compliance and relaxation that are not negative."""
+    if joint.body_a == joint.body_b:
+        raise InputError(
+            f"both sides are {joint.body_a!r}",
+            source=joint.name,
+            key="between",
+            expected="two different bodies",
+        )
+    for key, frame in (("frame_a", joint.frame_a), ("frame_b", joint.frame_b)):
+        point = np.asarray(frame.point, dtype=np.float64)
+        axes = np.asarray(frame.axes, dtype=np.float64)
+        good = point.shape == (3,) and axes.shape == (3, 3) and np.all(np.isfinite(point))
+        if not (good and np.allclose(axes.T @ axes, np.eye(3), atol=1e-9) and np.linalg.det(axes) > 0.0):
+            raise InputError(
+                f"point {point.tolist()}, axes {axes.tolist()}",
+                source=joint.name,
+                key=key,
+                expected="a finite point and three unit axes at right angles, right-handed",
+            )
+    for key in ("compliance", "relaxation"):
+        value = getattr(joint, key)
+        if not 0.0 <= value < np.inf:
+            raise InputError(f"{value}", source=joint.name, key=key, expected="0 or more")
+
+
+def _check_body(body: FlexibleBody | RigidBody) -> None:
+    """Refuse start values of the wrong length or not finite: no later check would see a lost position."""
+    shapes: dict[str, tuple[int, ...]] = {"position": (3,), "orientation": (4,)}
+    shapes |= {"velocity": (3,), "angular_velocity": (3,)}
+    if isinstance(body, RigidBody):
+        shapes |= {"centre_of_mass": (3,), "inertia": (3, 3)}
+    else:
+        for key in ("modal_position", "modal_velocity", "damping_ratio"):
+            if np.size(getattr(body, key)):
+                shapes[key] = (body.reduced.mode_count,)
+    for key, shape in shapes.items():
+        value = np.asarray(getattr(body, key), dtype=np.float64)
+        if value.shape != shape or not np.all(np.isfinite(value)):
+            raise InputError(
+                f"{value.tolist()}", source=body.name, key=key, expected=f"finite numbers, shape {shape}"
+            )
+    if not np.any(body.orientation):
+        raise InputError("length zero", source=body.name, key="orientation", expected="a quaternion")
