@@ -33,8 +33,8 @@ __all__ = [
     "block_shape",
     "factor_pivot",
     "forward_pivot",
+    "put_rigid_product",
     "scale_block",
-    "scale_rigid_panel",
     "solve_off_diagonal",
     "subtract_backward",
     "subtract_forward",
@@ -200,19 +200,36 @@ def subtract_product(typingctx, shape, target, target_at, left, left_at, right, 
 
 
 @intrinsic
-def add_rigid_product(typingctx, shape, target, target_at, left, left_at, right, right_at):  # type: ignore[no-untyped-def]
-    """``T += X^T G`` over the six coordinates of a rigid body: `left` the panel X, `right` the panel G."""
+def put_rigid_product(  # type: ignore[no-untyped-def]
+    typingctx, shape, target, target_at, left, left_at, right, right_at, factors, first
+):
+    """``T := F^T D G`` over the six coordinates of a rigid body, D diagonal: its inverse masses."""
+    return _vector_code(
+        shape, (target, target_at, left, left_at, right, right_at, factors, first), _rigid_product(add=False)
+    )
 
-    def write(code: _Code, T: Any, X: Any, G: Any) -> None:
-        rows = [code.load(G, k) for k in range(6)]
+
+@intrinsic
+def add_rigid_product(  # type: ignore[no-untyped-def]
+    typingctx, shape, target, target_at, left, left_at, right, right_at, factors, first
+):
+    """``T += F^T D G`` over the six coordinates of a rigid body, D diagonal: its inverse masses."""
+    return _vector_code(
+        shape, (target, target_at, left, left_at, right, right_at, factors, first), _rigid_product(add=True)
+    )
+
+
+def _rigid_product(*, add: bool) -> Callable[..., None]:
+    def write(code: _Code, T: Any, F: Any, G: Any, D: Any) -> None:
+        rows = [code.multiply(code.load(G, k), code.spread(code.number(D, k))) for k in range(6)]
         for c in range(code.rows):
-            total = code.load(T, c)
+            total = code.load(T, c) if add else None
             for k in range(6):
-                factor = code.spread(code.number(X, k * code.lanes + c))
-                total = code.add(total, code.multiply(rows[k], factor))
+                term = code.multiply(rows[k], code.spread(code.number(F, k * code.lanes + c)))
+                total = term if total is None else code.add(total, term)
             code.store(total, T, c)
 
-    return _vector_code(shape, (target, target_at, left, left_at, right, right_at), write)
+    return write
 
 
 @intrinsic
@@ -329,23 +346,13 @@ def backward_pivot(typingctx, shape, vector, at, pivot, pivot_at):  # type: igno
 
 
 @intrinsic
-def scale_rigid_panel(typingctx, shape, out, out_at, panel, at, factors, first):  # type: ignore[no-untyped-def]
-    """``X = diag(factors) G`` over the six coordinates of a rigid body."""
+def add_rigid_dots(typingctx, shape, out, out_at, panel, at, lanes, lanes_at, factors, first):  # type: ignore[no-untyped-def]
+    """``u += D G P`` over the six velocities of a rigid body, D diagonal: its inverse masses."""
 
-    def write(code: _Code, X: Any, G: Any, factors: Any) -> None:
-        for k in range(6):
-            code.store(code.multiply(code.load(G, k), code.spread(code.number(factors, k))), X, k)
-
-    return _vector_code(shape, (out, out_at, panel, at, factors, first), write)
-
-
-@intrinsic
-def add_rigid_dots(typingctx, shape, out, out_at, panel, at, lanes, lanes_at):  # type: ignore[no-untyped-def]
-    """``u += X P`` over the six velocities of a rigid body."""
-
-    def write(code: _Code, u: Any, X: Any, P: Any) -> None:
+    def write(code: _Code, u: Any, G: Any, P: Any, D: Any) -> None:
         weights = code.load(P, 0)
         for k in range(6):
-            code.put(code.add(code.number(u, k), code.dot(code.load(X, k), weights)), u, k)
+            change = code.multiply(code.number(D, k), code.dot(code.load(G, k), weights))
+            code.put(code.add(code.number(u, k), change), u, k)
 
-    return _vector_code(shape, (out, out_at, panel, at, lanes, lanes_at), write)
+    return _vector_code(shape, (out, out_at, panel, at, lanes, lanes_at, factors, first), write)

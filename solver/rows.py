@@ -69,7 +69,11 @@ class RowSystem(NamedTuple):
         The factor, column by column in the order of elimination: pivots; node and place of the blocks
         below; places that each pair of them changes.
     pairs
-        Place in `blocks`, place of X, place of G, number of velocities: the assembly, shape (n, 4).
+        The assembly: place in `blocks`, place of the earlier panel (of X for bodies with a factor of their own),
+        place of the later panel, number of velocities, first velocity of a rigid body or -1, 1 for the first
+        entry of its block; shape (n, 6).
+    fill
+        Places of blocks that no such entry starts.
     hubs
         Node, pivot and first velocity of each hub, -1, then node, place, panel and 1 if the hub comes
         later, of each attachment on a hub; shape (n, 4).
@@ -91,6 +95,7 @@ class RowSystem(NamedTuple):
     lower: NDArray[np.int64]
     updates: NDArray[np.int64]
     pairs: NDArray[np.int64]
+    fill: NDArray[np.int64]
     hubs: NDArray[np.int64]
     panels: NDArray[np.float64]
     blocks: NDArray[np.float64]
@@ -108,6 +113,7 @@ class LawRowSystem(NamedTuple):
     lower: NDArray[np.int64]
     updates: NDArray[np.int64]
     pairs: NDArray[np.int64]
+    fill: NDArray[np.int64]
     hubs: NDArray[np.int64]
     panels: NDArray[np.float64]
     blocks: NDArray[np.float64]
@@ -219,10 +225,11 @@ def pack_rows(
             continue
         for p, q in combinations_with_replacement(held, 2):
             early, late = sorted((p, q), key=lambda i: place_in_order[i // 2])
-            pairs.append(_pair(place, attachments, early, late, half))
+            pairs.append((place[late // 2, early // 2], early, late))
             if p != q and p // 2 == q // 2:  # both sides on one body: the diagonal block needs both orders
-                pairs.append(_pair(place, attachments, late, early, half))
+                pairs.append((place[late // 2, early // 2], late, early))
 
+    table = _assembly(pairs, attachments, half)
     row_data = np.zeros((node_count, ROW_COLUMNS, lanes))
     row_data[:, SOFTNESS] = 1.0  # of padding lanes, whose rows are empty
     for block, (used, scale) in enumerate(zip(row_counts, scales, strict=True)):
@@ -233,7 +240,8 @@ def pack_rows(
         columns=np.array(columns, dtype=np.int64).reshape(-1, 5),
         lower=np.array(lower, dtype=np.int64).reshape(-1, 2),
         updates=np.array(updates, dtype=np.int64),
-        pairs=np.array(pairs, dtype=np.int64).reshape(-1, 4),
+        pairs=table,
+        fill=np.array(sorted(set(place.values()) - set(table[table[:, 5] == 1, 0])), dtype=np.int64),
         hubs=np.array(hubs, dtype=np.int64).reshape(-1, 4),
         panels=np.zeros(2 * half),
         blocks=np.zeros((len(place) + 1) * size),
@@ -243,17 +251,25 @@ def pack_rows(
     )
 
 
-def _pair(
-    place: dict[tuple[int, int], int],
-    attachments: NDArray[np.int64],
-    early: int,
-    late: int,
-    half: int,
-) -> tuple[int, int, int, int]:
-    where = place[late // 2, early // 2]
-    return (
-        where,
-        half + int(attachments[early, PANEL]),
-        int(attachments[late, PANEL]),
-        int(attachments[early, WIDTH]),
-    )
+def _assembly(
+    pairs: Sequence[tuple[int, int, int]], attachments: NDArray[np.int64], half: int
+) -> NDArray[np.int64]:
+    """Rows of `RowSystem.pairs`; those of one block stand together, rigid ones first, because they can start it."""
+    rows = []
+    started: set[int] = set()
+    diagonal = attachments[:, HOLDER] == DIAGONAL
+    for place, early, late in sorted(pairs, key=lambda pair: (pair[0], not diagonal[pair[1]])):
+        rigid = bool(diagonal[early])
+        rows.append(
+            (
+                place,
+                int(attachments[early, PANEL]) + (0 if rigid else half),
+                int(attachments[late, PANEL]),
+                int(attachments[early, WIDTH]),
+                int(attachments[early, DOF]) if rigid else -1,
+                int(rigid and place not in started),
+            )
+        )
+        if rigid:
+            started.add(place)
+    return np.array(rows, dtype=np.int64).reshape(-1, 6)

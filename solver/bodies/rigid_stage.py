@@ -42,6 +42,7 @@ from heavylift.solver.interface import (
     POINT_BIAS,
     POINT_FORCE,
     POINT_VELOCITY,
+    RECORD,
     ROWS,
     Workspace,
     fill_markers,
@@ -194,6 +195,8 @@ def gather_marker_forces(kind: RigidBodies, work: Workspace) -> None:
         for j in range(6):
             kind.frame[body, FORCE + j] = 0.0
     for marker in range(kind.markers.shape[0] - 1, -1, -1):
+        if kind.markers[marker, 4] == RECORD:
+            continue
         if kind.markers[marker, 4] == ROWS:
             break  # they come first
         number, body = kind.markers[marker, 0], kind.markers[marker, 1]

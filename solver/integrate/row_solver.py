@@ -14,8 +14,8 @@ from heavylift.numerics.lanes import (
     backward_pivot,
     factor_pivot,
     forward_pivot,
+    put_rigid_product,
     scale_block,
-    scale_rigid_panel,
     solve_off_diagonal,
     subtract_backward,
     subtract_forward,
@@ -48,34 +48,16 @@ __all__ = ["assemble", "factor_rows", "smallest_pivot", "solve_rows", "subtract_
 
 @kernel(inline=True, internal=True)
 def assemble(system: Rows) -> None:
-    """``X = A^-1 G^T`` of rigid bodies and ``S = G X + Z``; other bodies have written their X."""
+    """``S = G A^-1 G^T + Z``; of rigid bodies from G and the inverse masses, of others from their X."""
     shape = system.shape
     rows, lanes = len(shape[0]), len(shape[1])
-    half = system.panels.shape[0] // 2
-    for i in range(system.attachments.shape[0]):
-        if system.attachments[i, HOLDER] == DIAGONAL:
-            at = system.attachments[i, PANEL]
-            scale_rigid_panel(
-                shape,
-                system.panels,
-                half + at,
-                system.panels,
-                at,
-                system.inverse_mass,
-                system.attachments[i, DOF],
-            )
-    for i in range(system.blocks.shape[0]):
-        system.blocks[i] = 0.0
-    for j in range(system.columns.shape[0]):
-        softness = (system.columns[j, NODE] * ROW_COLUMNS + SOFTNESS) * lanes
-        pivot = system.columns[j, PIVOT]
-        for r in range(rows):
-            system.blocks[pivot + r * (lanes + 1)] = system.rows[softness + r]
+    for i in range(system.fill.shape[0]):
+        for r in range(rows * lanes):
+            system.blocks[system.fill[i] + r] = 0.0
     for i in range(system.pairs.shape[0]):
-        place, left, right, width = system.pairs[i]
-        if width == 6:
-            add_rigid_product(shape, system.blocks, place, system.panels, left, system.panels, right)
-        else:
+        place, left, right, width = system.pairs[i, 0], system.pairs[i, 1], system.pairs[i, 2], system.pairs[i, 3]
+        dof = system.pairs[i, 4]
+        if dof < 0:
             for k in range(width):
                 add_outer_product(
                     shape,
@@ -86,6 +68,19 @@ def assemble(system: Rows) -> None:
                     system.panels,
                     right + k * lanes,
                 )
+        elif system.pairs[i, 5] == 1:
+            put_rigid_product(
+                shape, system.blocks, place, system.panels, left, system.panels, right, system.inverse_mass, dof
+            )
+        else:
+            add_rigid_product(
+                shape, system.blocks, place, system.panels, left, system.panels, right, system.inverse_mass, dof
+            )
+    for j in range(system.columns.shape[0]):
+        softness = (system.columns[j, NODE] * ROW_COLUMNS + SOFTNESS) * lanes
+        pivot = system.columns[j, PIVOT]
+        for r in range(rows):
+            system.blocks[pivot + r * (lanes + 1)] += system.rows[softness + r]
     if system.hubs.shape[0] > 0:
         _assemble_hubs(system)
 
@@ -199,14 +194,14 @@ def solve_rows(system: Rows, velocity: NDArray[np.float64]) -> None:
         dof, count, panel = (
             system.attachments[i, DOF],
             system.attachments[i, WIDTH],
-            half + system.attachments[i, PANEL],
+            system.attachments[i, PANEL],
         )
         z = i // 2 * width + SOLUTION * lanes
-        if count == 6:
-            add_rigid_dots(shape, velocity, dof, system.panels, panel, rows, z)
+        if holder == DIAGONAL:
+            add_rigid_dots(shape, velocity, dof, system.panels, panel, rows, z, system.inverse_mass, dof)
         else:
             for k in range(count):
-                add_dot(shape, velocity, dof + k, system.panels, panel + k * lanes, rows, z)
+                add_dot(shape, velocity, dof + k, system.panels, half + panel + k * lanes, rows, z)
     for i in range(system.hubs.shape[0]):
         node, _, first, later = system.hubs[i]
         if later < 0:
