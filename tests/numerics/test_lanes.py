@@ -1,0 +1,97 @@
+"""Vector-register blocks against plain NumPy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from heavylift.numerics import lanes
+from heavylift.numerics.jit import kernel
+
+RNG = np.random.default_rng(5)
+
+
+def padded(matrix: np.ndarray, lane_count: int) -> np.ndarray:
+    """Flat array of a matrix whose rows are filled up with numbers that must not matter."""
+    rows, columns = matrix.shape
+    full = RNG.normal(size=(rows, lane_count))
+    full[:, :columns] = matrix
+    return full.ravel()
+
+
+@pytest.fixture(params=[1, 2, 3, 4, 5, 6])
+def size(request):
+    return request.param
+
+
+@kernel
+def factor_two(shape, A, B, C, scratch):
+    lanes.factor_pivot(shape, A, 0)
+    lanes.solve_off_diagonal(shape, B, 0, A, 0)
+    lanes.scale_block(shape, scratch, 0, B, 0, A, 0)
+    lanes.subtract_product(shape, C, 0, scratch, 0, B, 0)
+    lanes.factor_pivot(shape, C, 0)
+
+
+@kernel
+def solve_two(shape, A, B, C, x, y):
+    lanes.forward_pivot(shape, x, 0, A, 0)
+    lanes.subtract_forward(shape, y, 0, B, 0, x, 0)
+    lanes.forward_pivot(shape, y, 0, C, 0)
+    lanes.backward_pivot(shape, y, 0, C, 0)
+    lanes.subtract_backward(shape, x, 0, B, 0, A, 0, y, 0)
+    lanes.backward_pivot(shape, x, 0, A, 0)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0], ids=["definite", "quasi-definite"])
+def test_two_blocks_solve_like_numpy(size, sign):
+    """A block L D L^T, with a negative definite second pivot as that of a hub as well."""
+    shape = lanes.block_shape(size)
+    lane_count = len(shape[1])
+    root = RNG.normal(size=(size, size))
+    first = root @ root.T + np.eye(size)
+    root = RNG.normal(size=(size, size))
+    second = sign * (root @ root.T + 40.0 * size * np.eye(size))
+    coupling = RNG.normal(size=(size, size))  # rows of the second node, columns of the first
+    matrix = np.block([[first, coupling.T], [coupling, second]])
+    right = RNG.normal(size=2 * size)
+
+    A, B, C = padded(first, lane_count), padded(coupling.T, lane_count), padded(second, lane_count)
+    x = padded(right[None, :size], lane_count)
+    y = padded(right[None, size:], lane_count)
+    factor_two(shape, A, B, C, np.empty(size * lane_count))
+    solve_two(shape, A, B, C, x, y)
+
+    expected = np.linalg.solve(matrix, right)
+    np.testing.assert_allclose(np.r_[x[:size], y[:size]], expected, rtol=1e-11, atol=1e-12)
+
+
+@kernel
+def products(shape, T, F, G, D, u, P, r):
+    lanes.put_rigid_product(shape, T, 0, F, 0, G, 0, D, 0)
+    lanes.add_rigid_product(shape, T, 0, F, 0, G, 0, D, 0)
+    lanes.add_outer_product(shape, T, 0, F, 0, G, 0)
+    lanes.add_rigid_dots(shape, u, 0, G, 0, P, 0, D, 0)
+    lanes.subtract_rigid_rows(shape, r, 0, G, 0, u, 0)
+
+
+def test_products_over_the_coordinates_of_a_body(size):
+    shape = lanes.block_shape(size)
+    lane_count = len(shape[1])
+    F, G = RNG.normal(size=(2, 6, size))
+    D, u, P, r = RNG.normal(size=6), RNG.normal(size=6), RNG.normal(size=size), RNG.normal(size=size)
+    T = padded(np.zeros((size, size)), lane_count)
+    moved, rates = u.copy(), padded(r[None], lane_count)
+
+    products(
+        shape, T, padded(F, lane_count), padded(G, lane_count), D, moved, padded(P[None], lane_count), rates
+    )
+
+    expected = 2.0 * F.T @ np.diag(D) @ G + np.outer(F[0], G[0])
+    np.testing.assert_allclose(T.reshape(size, lane_count)[:, :size], expected, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(moved, u + D * (G @ P), rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(rates[:size], r - G.T @ moved, rtol=1e-12, atol=1e-12)
+
+
+def test_shape_has_a_power_of_two_lanes():
+    assert [len(lanes.block_shape(rows)[1]) for rows in range(1, 7)] == [1, 2, 4, 4, 8, 8]

@@ -1,0 +1,150 @@
+"""The system of all rows against a dense solution, for trees, loops and hubs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.integrate.row_solver import assemble, factor_rows, smallest_pivot, solve_rows
+from heavylift.solver.rows import (
+    DIAGONAL,
+    IMPULSE,
+    PRESCRIBED,
+    ROW_COLUMNS,
+    SCALE,
+    SOFTNESS,
+    TARGET,
+    Attachment,
+    pack_rows,
+)
+
+GROUND = -1
+
+
+@kernel
+def solve(system, velocity):
+    assemble(system)
+    factor_rows(system)
+    solve_rows(system, velocity)
+
+
+@kernel
+def solve_again(system, velocity):
+    solve_rows(system, velocity)
+
+
+@kernel
+def pivot_of(system):
+    return smallest_pivot(system)
+
+
+def packed(edges, counts, body_count, rng, held=()):
+    """A system with random rows, and its dense matrices."""
+    inverse_mass = rng.uniform(0.5, 3.0, size=6 * body_count)
+    for body in held:
+        inverse_mass[6 * body : 6 * body + 6] = 0.0
+
+    def attachment(body):
+        if body == GROUND:
+            return Attachment(GROUND, -1, 0, PRESCRIBED)
+        return Attachment(body, 6 * body, 6, PRESCRIBED if body in held else DIAGONAL)
+
+    sides = [(attachment(a), attachment(b)) for a, b in edges]
+    system = pack_rows(counts, sides, [np.ones(n) for n in counts], inverse_mass, 0)
+    lanes = len(system.shape[1])
+    rows = system.rows.reshape(-1, ROW_COLUMNS, lanes)
+    total = sum(counts)
+    G, Z, target = np.zeros((total, 6 * body_count)), np.zeros(total), np.zeros(total)
+    first = 0
+    for block, (pair, n) in enumerate(zip(edges, counts, strict=True)):
+        for side, body in enumerate(pair):
+            if body == GROUND:
+                continue
+            panel = rng.normal(size=(6, n))
+            at = system.attachments[2 * block + side, 2]
+            system.panels[at : at + 6 * lanes].reshape(6, lanes)[:, :n] = panel
+            G[first : first + n, 6 * body : 6 * body + 6] += panel.T
+        Z[first : first + n] = rows[block, SOFTNESS, :n] = rng.uniform(0.01, 0.1, size=n)
+        target[first : first + n] = rows[block, TARGET, :n] = rng.normal(size=n)
+        first += n
+    return system, G, np.diag(inverse_mass), Z, target
+
+
+def impulses(system, counts):
+    rows = system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))
+    return np.concatenate([rows[block, IMPULSE, :n] for block, n in enumerate(counts)])
+
+
+SCENES = {
+    "chain": [(GROUND, 0), (0, 1), (1, 2), (2, 3)],
+    "loops": [(GROUND, 0), (0, 1), (1, 2), (2, GROUND), (1, 3), (3, 0)],
+    "parallel joints on one pair": [(0, 1), (0, 1), (1, 2)],
+    "hub": [(GROUND, 0), *[(0, i) for i in range(1, 16)], (3, 4), (7, 8), (8, GROUND)],
+    "two hubs": [*[(0, i) for i in range(2, 16)], *[(1, i) for i in range(2, 16)], (0, 1)],
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("held", [(), (2,)], ids=["free", "one prescribed"])
+def test_solution_is_that_of_the_dense_system(name, held):
+    rng = np.random.default_rng(len(name) + len(held))
+    edges = SCENES[name]
+    counts = [int(n) for n in rng.choice([1, 3, 5, 6], size=len(edges))]
+    body_count = 1 + max(max(pair) for pair in edges)
+    system, G, W, Z, target = packed(edges, counts, body_count, rng, held)
+    velocity = rng.normal(size=6 * body_count)
+    moved = velocity.copy()
+    solve(system, moved)
+
+    expected = np.linalg.solve(G @ W @ G.T + np.diag(Z), target - G @ velocity)
+    np.testing.assert_allclose(impulses(system, counts), expected, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(moved, velocity + W @ G.T @ expected, rtol=1e-9, atol=1e-9)
+
+
+def test_a_second_solve_corrects_for_other_velocities():
+    rng = np.random.default_rng(7)
+    edges = SCENES["loops"]
+    counts = [5] * len(edges)
+    system, G, W, Z, target = packed(edges, counts, 4, rng)
+    velocity, change = rng.normal(size=(2, 24))
+    moved = velocity.copy()
+    solve(system, moved)
+    moved += change  # as a body does that re-evaluates its forces
+    solve_again(system, moved)
+
+    expected = np.linalg.solve(G @ W @ G.T + np.diag(Z), target - G @ (velocity + change))
+    np.testing.assert_allclose(impulses(system, counts), expected, rtol=1e-9, atol=1e-9)
+
+
+def test_a_hub_makes_no_clique():
+    """40 joints on one body: without a node for it the factor would hold 40 * 41 / 2 blocks."""
+    rng = np.random.default_rng(1)
+    edges = [(0, i) for i in range(1, 41)]
+    system, *_ = packed(edges, [3] * 40, 41, rng)
+    assert len(system.lower) == 40
+
+
+def test_chain_grows_in_proportion():
+    rng = np.random.default_rng(1)
+    sizes = []
+    for count in (100, 200):
+        edges = [(GROUND, 0), *[(i, i + 1) for i in range(count - 1)]]
+        system, *_ = packed(edges, [5] * count, count, rng)
+        sizes.append(len(system.blocks))
+    assert sizes[1] < 2.02 * sizes[0]
+
+
+def test_smallest_pivot_tells_a_redundant_row():
+    """Two equal rows: the second pivot is what the softness leaves."""
+    rng = np.random.default_rng(3)
+    system, *_ = packed([(GROUND, 0), (GROUND, 0)], [1, 1], 1, rng)
+    lanes = len(system.shape[1])
+    rows = system.rows.reshape(-1, ROW_COLUMNS, lanes)
+    at = [int(system.attachments[i, 2]) for i in (1, 3)]
+    for k in range(6):
+        system.panels[at[1] + k * lanes] = system.panels[at[0] + k * lanes]
+    rows[:, SOFTNESS] = 1e-7
+    rows[:, SCALE] = 1.0
+    solve(system, np.zeros(6))
+    assert pivot_of(system) == pytest.approx(2e-7, rel=1e-3)
