@@ -95,6 +95,8 @@ class Advancer:
         Digest of the inputs; segments with another one are not continued.
     step_count
         Steps of the whole run.
+    adaptive
+        Whether a step is an interval between records, whose cost nothing tells before the first one.
     restart_reason
         Set by `resume`: why it could not go on from what an earlier run left in the folder; empty if it did, or
         if nothing is there.
@@ -104,6 +106,7 @@ class Advancer:
     folder: Path
     digest: str
     step_count: int
+    adaptive: bool = False
     restart_reason: str = ""
     _index: int = 0
     _record_count: int = 0
@@ -154,14 +157,15 @@ class Advancer:
             self._keep(
                 np.array([simulation.step_index * simulation.step]), simulation.record()[np.newaxis, :]
             )
-        piece, flushed = FIRST_PIECE, time.monotonic()
+        piece, growth = (1, FIRST_PIECE) if self.adaptive else (FIRST_PIECE, 4)
+        flushed = time.monotonic()
         while (
             simulation.step_index < self.step_count and simulation.outcome is Outcome.COMPLETED and not stop
         ):
             begin = time.monotonic()
             self._keep(*simulation.advance(min(piece, self.step_count - simulation.step_index)))
             now = time.monotonic()
-            piece = _next_piece(piece, now - begin)
+            piece = _next_piece(piece, now - begin, growth)
             if now - flushed > SEGMENT_SECONDS or sum(r.nbytes for r in self._records) > SEGMENT_BYTES:
                 self._write()
                 flushed = now
@@ -221,6 +225,6 @@ class Advancer:
         self._records.clear()
 
 
-def _next_piece(piece: int, seconds: float) -> int:
-    """Steps of the next piece, so that it takes about `PIECE_SECONDS`; at most four times as many."""
-    return max(1, int(piece * min(4.0, PIECE_SECONDS / max(seconds, 1e-6))))
+def _next_piece(piece: int, seconds: float, growth: float = 4.0) -> int:
+    """Steps of the next piece, so that it takes about `PIECE_SECONDS`; at most `growth` times as many."""
+    return max(1, int(piece * min(growth, PIECE_SECONDS / max(seconds, 1e-6))))

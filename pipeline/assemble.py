@@ -72,7 +72,7 @@ def _in_case(case: Case, name: str, model_name: str = "") -> Iterator[None]:
         grouped = error.key.startswith("node group ") and case.bodies[name].geometry.type != "mesh"  # type: ignore[union-attr]
         if error.source not in {name, model_name, str(case.file), ""} and not grouped:
             raise
-        if error.source == str(case.file) and error.key.startswith("bodies."):
+        if error.source == str(case.file) and error.key.startswith(("bodies.", "repeat.")):
             raise
         problem, key = error.problem, ""
         for pattern, below in _CASE_KEYS:
@@ -86,7 +86,7 @@ def _in_case(case: Case, name: str, model_name: str = "") -> Iterator[None]:
         raise InputError(
             problem,
             source=case.file,
-            key=f"bodies.{name}.{key}".removesuffix("."),
+            key=case.place(f"bodies.{name}.{key}".removesuffix(".")),
             expected=error.expected,
         ) from None
 

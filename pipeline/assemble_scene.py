@@ -9,25 +9,32 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble import check_on_body
+from heavylift.pipeline.assemble_connections import (
+    assemble_joints,
+    assemble_loads,
+    assemble_ropes,
+    make_profile,
+    start_sides,
+)
 from heavylift.pipeline.model_io import read_header, read_model, read_reduced
 from heavylift.solver import scene as s
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from heavylift.modal.reduced import ReducedBody
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_bodies import (
         Frame,
         InitialSection,
-        ProfileSection,
         RigidBodySection,
         RigidInitialSection,
     )
-    from heavylift.pipeline.case_sections import PointForceSection
     from heavylift.pipeline.storage import OutputFolder
+    from heavylift.solver.connections import Joint
 
 __all__ = ["assemble_scene", "modal_coordinates"]
 
@@ -49,10 +56,9 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
             raise InputError(
                 f"{len(ratios)} values",
                 source=case.file,
-                key=f"bodies.{name}.modes.damping_ratio",
+                key=case.place(f"bodies.{name}.modes.damping_ratio"),
                 expected=f"1 or {reduced.mode_count}, one a vector of the basis",
             )
-        _check_points(case, name, reduced.nodes + origins[name], folder)
         bodies.append(
             s.FlexibleBody(
                 name=name,
@@ -64,28 +70,52 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
                 **_initial(body.initial, origins[name]),
             )
         )
-    forces: list[s.Gravity | s.PointForce] = []
-    if case.gravity is not None:
-        forces.append(s.Gravity(np.array(case.gravity.acceleration)))
-    forces += [_force(force, origins[force.body]) for force in case.forces]
+    sides = start_sides(bodies, origins)
+    forces: list[Any] = [] if case.gravity is None else [s.Gravity(np.array(case.gravity.acceleration))]
+    forces += assemble_loads(case, sides)
     sensors = tuple(
-        s.Sensor(sensor.name, sensor.body, np.array(sensor.point) - origins[sensor.body])
-        for sensor in case.sensors
+        s.Sensor(sensor.name, sensor.body, sides[sensor.body].local(sensor.point)) for sensor in case.sensors
     )
-    return s.Scene(tuple(bodies), tuple(forces), sensors)
+    joints = assemble_joints(case, sides)
+    for made in bodies:
+        if isinstance(made, s.FlexibleBody):
+            points = _points_on(case, joints, made.name, origins[made.name])
+            _check_points(case, points, folder.model(made.name), made.reduced.nodes + origins[made.name])
+    return s.Scene(tuple(bodies), tuple(forces), sensors, joints=joints, ropes=assemble_ropes(case, sides))
 
 
-def _check_points(case: Case, name: str, nodes: NDArray[np.float64], folder: OutputFolder) -> None:
-    """Loaded points and sensors of a flexible body must lie on it, or the nearest node would be far away."""
+def _points_on(
+    case: Case, joints: Sequence[Joint], name: str, origin: NDArray[np.float64]
+) -> list[tuple[str, ArrayLike]]:
+    """Points of a case that a body carries: dotted keys, and places in coordinates of its geometry [m]."""
+    found: list[tuple[str, str, ArrayLike]] = []
+    for i, sensor in enumerate(case.sensors):
+        found.append((f"sensors.{i}.point", sensor.body, sensor.point))
+    for i, force in enumerate(case.forces):
+        if force.type == "point":
+            found.append((f"forces.{i}.point", force.body, force.point))
+        elif force.type == "spring":
+            sides = zip(force.between, force.points, strict=True)
+            found += [(f"forces.{i}.points.{k}", side, point) for k, (side, point) in enumerate(sides)]
+    for i, joint in enumerate(joints):
+        at = getattr(case.joints[i], "at", None) is not None
+        ends = ((joint.body_a, joint.frame_a), (joint.body_b, joint.frame_b))
+        for k, (side, frame) in enumerate(ends):
+            found.append((f"joints.{i}.{'at' if at else f'points.{k}'}", side, frame.point + origin))
+    for i, rope in enumerate(case.ropes):
+        found += [(f"ropes.{i}.path.{k}.point", stop.body, stop.point) for k, stop in enumerate(rope.path)]
+    return [(case.place(key), point) for key, owner, point in found if owner == name]
+
+
+def _check_points(
+    case: Case, points: Sequence[tuple[str, ArrayLike]], model: Path, nodes: NDArray[np.float64]
+) -> None:
+    """Points that a flexible body carries must lie on it, or the nearest node would be far away."""
     mesh, looked = None, False
-    points = [(f"forces.{i}.point", force.body, force.point) for i, force in enumerate(case.forces)]
-    points += [(f"sensors.{i}.point", sensor.body, sensor.point) for i, sensor in enumerate(case.sensors)]
-    for key, owner, point in points:
-        if owner != name:
-            continue
+    for key, point in points:
         near = np.linalg.norm(nodes - np.array(point), axis=1).min()
-        if not looked and near > 0.02 * np.ptp(nodes, axis=0).max() and folder.model(name).is_file():
-            mesh, looked = read_model(folder.model(name)).mesh, True  # only where the elements decide
+        if not looked and near > 0.02 * np.ptp(nodes, axis=0).max() and model.is_file():
+            mesh, looked = read_model(model).mesh, True  # only where the elements decide
         elements = None if mesh is None else mesh.elements
         check_on_body(point, nodes, elements, source=case.file, key=key)
 
@@ -103,7 +133,7 @@ def modal_coordinates(
         raise InputError(
             f"{len(given)} values",
             source=case.file,
-            key=f"bodies.{name}.initial.{key}",
+            key=case.place(f"bodies.{name}.initial.{key}"),
             expected=f"at most {reduced.mode_count}, one a vector of the basis",
         )
     values = np.zeros(reduced.mode_count)
@@ -151,27 +181,8 @@ def _motion(frame: Frame) -> s.Motion:
     if frame.motion == "fixed":
         return s.Fixed()
     return s.Driven(
-        translation=(_profile(frame.x), _profile(frame.y), _profile(frame.z)),
-        angle=_profile(frame.angle),
+        translation=(make_profile(frame.x), make_profile(frame.y), make_profile(frame.z)),
+        angle=make_profile(frame.angle),
         axis=frame.axis,
         pivot=frame.pivot,
-    )
-
-
-def _profile(profile: ProfileSection[Any] | None) -> s.Profile | None:
-    if profile is None:
-        return None
-    harmonics = tuple(s.Harmonic(h.amplitude, h.frequency, h.phase) for h in profile.harmonics)
-    return s.Profile(np.array(profile.times, dtype=float), np.array(profile.values, dtype=float), harmonics)
-
-
-def _force(force: PointForceSection, origin: NDArray[np.float64]) -> s.PointForce:
-    constant = force.force is not None
-    return s.PointForce(
-        name=force.name,
-        body=force.body,
-        point=np.array(force.point) - origin,
-        times=np.array([0.0]) if constant else np.array(force.times),
-        forces=np.array([force.force]) if constant else np.array(force.forces),
-        frame=force.frame,
     )

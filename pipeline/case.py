@@ -3,28 +3,26 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 import tomllib
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, PrivateAttr, ValidationError, model_validator
+from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, model_validator
 
 from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline.case_bodies import Body
+from heavylift.pipeline.case_checks import CheckSection, ConvergeSection, QuantityReference
 from heavylift.pipeline.case_errors import group_errors, input_errors
+from heavylift.pipeline.case_forces import Force, PointForceSection
+from heavylift.pipeline.case_joints import Joint
 from heavylift.pipeline.case_overrides import apply_overrides
-from heavylift.pipeline.case_sections import (
-    CheckSection,
-    ConvergeSection,
-    GravitySection,
-    PointForceSection,
-    QuantityReference,
-    ReportSection,
-    SensorSection,
-    SimulateSection,
-)
-from heavylift.pipeline.fields import CaseContext, Section, UniqueName, reject
+from heavylift.pipeline.case_reference import ReferenceSection, read_reference
+from heavylift.pipeline.case_repeat import Expansion, Parameters, RepeatSection, expand
+from heavylift.pipeline.case_ropes import Rope
+from heavylift.pipeline.case_sections import GravitySection, ReportSection, SensorSection
+from heavylift.pipeline.case_simulate import SimulateSection, multiple
+from heavylift.pipeline.channel_kinds import Declared, declared
+from heavylift.pipeline.fields import GROUND, CaseContext, Section, UniqueName, reject
 from heavylift.pipeline.quantity_names import QuantityName, parse_quantity_name
 
 __all__ = ["CASE_FILE", "Case", "load_case"]
@@ -39,14 +37,24 @@ class Case(Section):
     """One line that says what is simulated."""
     sources: tuple[str, ...] = ()
     """Where the numbers come from."""
+    parameters: Parameters = Field(default_factory=dict)
+    """Named numbers, for counts and for ``{...}`` in texts."""
+    repeat: tuple[RepeatSection, ...] = ()
+    """Blocks of tables that are copied with an index."""
     bodies: Annotated[dict[UniqueName, Body], Field(min_length=1)]
     """Bodies by name."""
     gravity: GravitySection | None = None
     """Uniform gravity; none if absent."""
-    forces: tuple[PointForceSection, ...] = ()
-    """Applied forces."""
+    joints: tuple[Joint, ...] = ()
+    """Joints between two bodies, or a body and the ground."""
+    ropes: tuple[Rope, ...] = ()
+    """Ropes."""
+    forces: tuple[Force, ...] = ()
+    """Applied forces, springs, motors."""
     sensors: tuple[SensorSection, ...] = ()
     """Material points whose motion is recorded."""
+    reference: tuple[ReferenceSection, ...] = ()
+    """Recorded histories to compare with."""
     simulate: SimulateSection | None = None
     """Time integration; a case without it ends with its modes."""
     report: ReportSection = Field(default_factory=ReportSection)
@@ -58,17 +66,19 @@ class Case(Section):
 
     _file: Path = PrivateAttr(default=Path(CASE_FILE))
     _document: dict[str, Any] = PrivateAttr(default_factory=dict)
+    _expansion: Expansion = PrivateAttr(default_factory=lambda: Expansion({}))
+    _names: Declared = PrivateAttr(default_factory=Declared)
     _overrides: tuple[str, ...] = PrivateAttr(default=())
 
     @model_validator(mode="after")
-    def _checks_can_be_computed(self) -> "Case":
+    def _checks_can_be_computed(self, info: ValidationInfo) -> "Case":
         """Modes and coordinates that checks name must exist, and a simulation if they need one."""
         for index, check in enumerate(self.check):
             texts = {f"check.{index}.quantity": check.quantity}
             if isinstance(check.reference, QuantityReference):
                 texts[f"check.{index}.reference.quantity"] = check.reference.quantity
             for key, text in texts.items():
-                quantity = parse_quantity_name(text)
+                quantity = self._parsed(text, info)
                 problem = self._missing_for(quantity)
                 if problem:
                     reject(f"{text!r} needs {problem}", "a quantity that the case has", key=key)
@@ -80,7 +90,13 @@ class Case(Section):
         """The drift of a momentum is an error of the integration only if nothing outside acts on the scene."""
         held = [name for name, body in self.bodies.items() if body.frame.motion != "free"]
         causes = [f"the {self.bodies[name].frame.motion} frame of {name!r}" for name in held]
-        causes += [f"force {force.name!r}" for force in self.forces]
+        for force in self.forces:
+            outside = isinstance(force, PointForceSection) or GROUND in getattr(force, "between", ())
+            causes += [f"force {force.name!r}"] if outside else []
+        causes += [f"joint {joint.name!r}" for joint in self.joints if GROUND in joint.between]
+        causes += [
+            f"rope {rope.name!r}" for rope in self.ropes if GROUND in {stop.body for stop in rope.path}
+        ]
         if self.gravity is not None and any(self.gravity.acceleration):
             causes.append("gravity")
         if causes:
@@ -89,6 +105,37 @@ class Case(Section):
                 "only free frames and no outer force, or 'drift.energy'",
                 key=key,
             )
+
+    @model_validator(mode="after")
+    def _references_fit(self, info: ValidationInfo) -> "Case":
+        """Reference files have the columns of their channels, and times that the simulation records."""
+        context = CaseContext.of(info)
+        for index, reference in enumerate(self.reference):
+            if context is None:
+                break
+            key = f"reference.{index}"
+            if self.simulate is None:
+                reject("needs a [simulate] section", "a history to compare with", key=key)
+            try:
+                times = read_reference(context.folder / reference.file, reference.components).times
+            except InputError as error:
+                where = f"{reference.file}: {error.key}: " if error.key else f"{reference.file}: "
+                reject(f"{where}{error.problem}", error.expected, key=f"{key}.file")
+            step, end = self.simulate.output_interval, self.simulate.duration
+            if abs(times[-1] - end) > 0.5 * step:
+                reject(
+                    f"{reference.file} ends at {times[-1]:.9g} s, the simulation at {end:.9g} s",
+                    "a history of the same duration",
+                    key=f"{key}.file",
+                )
+            odd = next((t for t in times if t != 0.0 and multiple(abs(t), step) is None), None)
+            if odd is not None or times[0] < 0.0:
+                reject(
+                    f"{reference.file} has t = {times[0] if odd is None else odd:.9g} s, which is not recorded",
+                    f"times that are multiples of output_interval = {step:.9g} s",
+                    key=f"{key}.file",
+                )
+        return self
 
     def _missing_for(self, quantity: QuantityName) -> str:
         """What a quantity needs and the case does not have; empty if nothing."""
@@ -102,6 +149,19 @@ class Case(Section):
             if quantity.component and count is not None and int(quantity.component) > count:
                 return f"vector {quantity.component} of {count}"
         return ""
+
+    @staticmethod
+    def _parsed(text: str, info: ValidationInfo) -> QuantityName:
+        context = CaseContext.of(info)
+        return parse_quantity_name(text, None if context is None else context.names)
+
+    def quantity(self, text: str) -> QuantityName:
+        """A quantity string taken apart, with the kind that it has in this case."""
+        return parse_quantity_name(text, self._names)
+
+    def place(self, key: str) -> str:
+        """Dotted key in the case file of a dotted key of this model: that of the block, if it was written out."""
+        return self._expansion.locate(key)[0]
 
     @property
     def file(self) -> Path:
@@ -142,7 +202,8 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
     path
         A case folder, or its ``case.toml``.
     overrides
-        Changes such as ``"simulate.step=0.1 us"``: dotted key, ``=``, a TOML value or plain text.
+        Changes such as ``"simulate.step=0.1 us"``: dotted key, ``=``, a TOML value or plain text; without a value
+        the key is removed.
 
     Raises
     ------
@@ -154,19 +215,29 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
     file = Path(path)
     if file.is_dir():
         file = file / CASE_FILE
-    document = read_document(file)
-    document, changed = apply_overrides(document, overrides, Case)
-    errors = group_errors(document, file)
+    document, changed = apply_overrides(read_document(file), overrides, Case)
+    expansion = expand(document, file)
+    names = declared(expansion.document)
+    errors = [*expansion.errors, *group_errors(expansion.document, file)]
     try:
-        case = Case.model_validate(document, context=_context(document, file.parent))
+        case = Case.model_validate(expansion.document, context=CaseContext(file.parent, names))
     except ValidationError as error:
-        errors = input_errors(error, document, Case, file, changed) + errors
+        errors += input_errors(error, expansion.document, Case, file)
+    # what is wrong with a block or a parameter is told alone: the rest would follow from it
+    errors = [*expansion.errors, *(e for e in errors if _in_block(e.key))] or errors
     if errors:
-        raise InputErrors(errors)
+        raise InputErrors(expansion.told(errors, changed))
     case._file = file  # noqa: SLF001
     case._document = document  # noqa: SLF001
+    case._expansion = expansion  # noqa: SLF001
+    case._names = names  # noqa: SLF001
     case._overrides = tuple(overrides)  # noqa: SLF001
     return case
+
+
+def _in_block(key: str) -> bool:
+    """Whether a key is that of the parameters, or of a block itself."""
+    return key.partition(".")[0] in {"parameters", "repeat"}
 
 
 def read_document(file: Path) -> dict[str, Any]:
@@ -183,21 +254,3 @@ def read_document(file: Path) -> dict[str, Any]:
         raise InputError(f"byte {error.start} is no UTF-8", source=file, expected="text in UTF-8") from None
     except tomllib.TOMLDecodeError as error:
         raise InputError(str(error), source=file, expected="TOML") from None
-
-
-def _context(document: dict[str, Any], folder: Path) -> CaseContext:
-    """Names that a document declares, whatever else may be wrong with it."""
-
-    def listed(key: str, name: str) -> list[str]:
-        rows = document.get(key, [])
-        found = [row.get(name) for row in rows if isinstance(row, dict)] if isinstance(rows, list) else []
-        return [value for value in found if isinstance(value, str)]
-
-    bodies = document.get("bodies", {})
-    bodies = list(bodies) if isinstance(bodies, dict) else []
-    return CaseContext(
-        folder=folder,
-        names=Counter([*bodies, *listed("sensors", "name"), *listed("forces", "name")]),
-        bodies=frozenset(bodies),
-        check_ids=Counter(listed("check", "id")),
-    )

@@ -6,7 +6,6 @@ from itertools import pairwise
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     Field,
     StringConstraints,
@@ -20,9 +19,9 @@ from heavylift.pipeline.case_geometry import Geometry, MaterialSection, MeshSect
 from heavylift.pipeline.case_inertia import Inertia
 from heavylift.pipeline.fields import (
     AngularVelocityVector,
+    Direction,
     LengthVector,
     Name,
-    NumberVector,
     Positive,
     Quantity,
     Section,
@@ -59,14 +58,6 @@ def _listed(value: Any) -> Any:
     return value if isinstance(value, (list, tuple)) else [value]
 
 
-def _nonzero(axis: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Refuse a direction of no length."""
-    if not any(axis):
-        reject("a direction of length zero", "three numbers that are not all zero")
-    return axis
-
-
-Direction = Annotated[NumberVector, AfterValidator(_nonzero)]
 ModalValues = Annotated[
     tuple[float, ...], WithJsonSchema({"type": "array", "items": quantity_schema()}, mode="validation")
 ]

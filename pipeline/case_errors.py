@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin
 from pydantic import BaseModel
 
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.fields import TAG
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -21,11 +22,7 @@ _MISSING = object()
 
 
 def input_errors(
-    error: ValidationError,
-    document: dict[str, Any],
-    root: type[BaseModel],
-    file: Path,
-    changed: Mapping[str, str],
+    error: ValidationError, document: dict[str, Any], root: type[BaseModel], file: Path
 ) -> list[InputError]:
     """Turn what pydantic found into one `InputError` a problem.
 
@@ -39,23 +36,13 @@ def input_errors(
         Its model.
     file
         Its file, for the messages.
-    changed
-        Dotted keys that overrides set, with the text of the override.
     """
     found = []
     for item in _causes(error.errors(include_url=False), document):
         keys, value = _place(document, item)
         path = ".".join([*(str(key) for key in keys), *filter(None, [item.get("ctx", {}).get("key", "")])])
-        override = next((text for key, text in changed.items() if _same_branch(key, path)), None)
         problem, expected = _words(item, value, _candidates(root, document, keys[:-1]))
-        found.append(
-            InputError(
-                problem,
-                source=f"--set {override}" if override else file,
-                key=path or "case",
-                expected=expected,
-            )
-        )
+        found.append(InputError(problem, source=file, key=path or "case", expected=expected))
     return found
 
 
@@ -83,10 +70,6 @@ def _causes(items: Sequence[Any], document: dict[str, Any]) -> list[Any]:
             continue  # it is there, misspelt
         kept.append(item)
     return kept
-
-
-def _same_branch(changed: str, path: str) -> bool:
-    return changed == path or path.startswith(f"{changed}.")
 
 
 def _place(document: Any, item: Mapping[str, Any]) -> tuple[list[str | int], Any]:
@@ -133,6 +116,11 @@ def _words(item: Mapping[str, Any], value: Any, candidates: Iterable[type[BaseMo
         hint = f"; did you mean {near[0]!r}?" if near else ""
         return f"unknown key{hint}", f"one of: {', '.join(sorted(keys))}" if keys else "no such key"
     if kind == "union_tag_invalid":
+        if context["tag"].startswith(TAG):  # a choice by `type_tag`
+            if not isinstance(value, dict):
+                return f"{value!r} is not a table", "a table"
+            expected = context["expected_tags"].replace(f"'{TAG}", "'")
+            return f"type = {context['tag'].removeprefix(TAG)!r}", f"one of {expected}"
         discriminator = context["discriminator"].strip("'")
         return f"{discriminator} = {context['tag']!r}", f"one of {context['expected_tags']}"
     if kind == "union_tag_not_found":
@@ -209,7 +197,7 @@ def _is_chosen(section: type[BaseModel], node: Any) -> bool:
     for name in ("type", "motion"):
         field = section.model_fields.get(name)
         if field is not None and get_origin(field.annotation) is Literal and isinstance(node, dict):
-            return node.get(name) in get_args(field.annotation)
+            return node.get(name, field.default) in get_args(field.annotation)
     return False
 
 

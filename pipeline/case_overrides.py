@@ -18,6 +18,10 @@ if TYPE_CHECKING:
 __all__ = ["apply_overrides", "override_text"]
 
 
+REMOVED = object()
+"""In place of a value: the key is to be removed."""
+
+
 def apply_overrides(
     document: dict[str, Any], overrides: Sequence[str], root: type[BaseModel]
 ) -> tuple[dict[str, Any], dict[str, str]]:
@@ -29,7 +33,7 @@ def apply_overrides(
         As read from TOML.
     overrides
         ``key=value`` with a dotted key (list elements by index from 0) and a TOML value; a value that is
-        no TOML is taken as text, so that a shell may swallow its quotes.
+        no TOML is taken as text, so that a shell may swallow its quotes. ``key=`` without a value removes the key.
     root
         Model of the document, which knows the keys that may be added.
 
@@ -48,16 +52,26 @@ def apply_overrides(
         key, sign, value = text.partition("=")
         if not sign or not key.strip():
             raise InputError(f"{text!r}", source="--set", expected='key=value, e.g. simulate.step="0.1 us"')
-        _assign(document, key.strip().split("."), _value(value.strip()), root, text)
+        given = _value(value.strip()) if value.strip() else REMOVED
+        _assign(document, key.strip().split("."), given, root, text)
         changed[key.strip()] = text
     return document, changed
 
 
 def override_text(key: str, value: Any) -> str:
-    """The override that sets a key to a value of a TOML document."""
+    """The override that sets a key to a value of a TOML document, or removes it if the value is the empty text."""
+    return f"{key}={value}" if isinstance(value, str) else f"{key}={_toml(value)}"
+
+
+def _toml(value: Any) -> str:
+    """A value as it is written in a TOML file, on one line."""
     import json
 
-    return f"{key}={json.dumps(value)}" if not isinstance(value, str) else f"{key}={value}"
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{json.dumps(key)} = {_toml(entry)}" for key, entry in value.items()) + "}"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(_toml(entry) for entry in value) + "]"
+    return repr(value) if isinstance(value, float) else json.dumps(value)
 
 
 def _value(text: str) -> Any:
@@ -68,7 +82,7 @@ def _value(text: str) -> Any:
 
 
 def _assign(document: dict[str, Any], keys: list[str], value: Any, root: type[BaseModel], text: str) -> None:
-    """Set one key, adding optional tables on the way."""
+    """Set or remove one key, adding optional tables on the way."""
     node: Any = document
     sections = {root}
     for depth, key in enumerate(keys):
@@ -81,7 +95,9 @@ def _assign(document: dict[str, Any], keys: list[str], value: Any, root: type[Ba
                     source=f"--set {text}",
                     expected=f"an index from 0 to {len(node) - 1}",
                 )
-            if last:
+            if last and value is REMOVED:
+                del node[int(key)]
+            elif last:
                 node[int(key)] = value
             else:
                 node = node[int(key)]
@@ -92,6 +108,8 @@ def _assign(document: dict[str, Any], keys: list[str], value: Any, root: type[Ba
                 source=f"--set {text}",
                 expected=f"{'.'.join(keys[:depth])} is a value",
             )
+        if keys[0] == "repeat" and depth == 2:  # the tables of a block have the keys of those they stand for
+            sections = sections | {root}
         below = sections_below(sections, key)
         if key not in node and key not in known_keys(sections):
             near = get_close_matches(key, [*node, *known_keys(sections)], 1)
@@ -100,6 +118,9 @@ def _assign(document: dict[str, Any], keys: list[str], value: Any, root: type[Ba
                 f"{path} does not exist{hint}", source=f"--set {text}", expected="a key of the case"
             )
         sections = below or sections
+        if value is REMOVED and (last or key not in node):
+            node.pop(key, None)
+            return
         if last:
             node[key] = value
         else:

@@ -45,7 +45,7 @@ Set = Annotated[
     tuple[str, ...],
     Parameter(
         name="--set",
-        help='Change one key of the case, e.g. simulate.step="0.1 us"; may be repeated.',
+        help='Change one key of the case, e.g. simulate.step="0.1 us"; simulate.step= removes it; may be repeated.',
         show_default=False,
         negative="",
     ),
@@ -183,7 +183,7 @@ def converge(
     quiet: Quiet = False,
     json: Json = False,
 ) -> int:
-    """Refine the parameter of the case's [converge] section; error against CPU time, observed order."""
+    """Refine the parameters of the case's [converge] section; error against CPU time, observed order."""
 
     def command(log: "Log") -> int:
         from heavylift.pipeline.converge import converge_case, study_table
@@ -239,7 +239,9 @@ def _stages(
         case = load_changed_case(path, overrides)
         if own == ("simulate",) and case.simulate is None:
             raise InputError(
-                "no [simulate] section", source=case.file, expected="step, output_interval, duration"
+                "no [simulate] section",
+                source=case.file,
+                expected="step or tolerance, output_interval, duration",
             )
         result = run_case(case, out=out, stages=stages, force=own if force else (), log=log)
         if result.outcome is not Outcome.COMPLETED:

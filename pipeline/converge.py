@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from itertools import pairwise
+from statistics import median
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.case import load_case
+from heavylift.pipeline.case_checks import QuantityReference, RunReference
 from heavylift.pipeline.case_overrides import override_text
-from heavylift.pipeline.case_sections import QuantityReference, RunReference
+from heavylift.pipeline.convergence import (
+    ConvergenceRow,
+    ConvergenceStudy,
+    WorkPrecision,
+    fitted_slope,
+    observed_order,
+    study_table,
+)
 from heavylift.pipeline.quantities import Quantities
 from heavylift.pipeline.stages import run_case
 from heavylift.pipeline.storage import StopError, write_json
@@ -25,68 +32,15 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.pipeline.case import Case
+    from heavylift.pipeline.case_checks import ConvergeSection
     from heavylift.pipeline.log import Log
 
-__all__ = ["ConvergenceRow", "ConvergenceStudy", "converge_case", "observed_order", "study_table"]
-
-CONSISTENT = 1.5
-"""Largest ratio of the orders from row to row within the asymptotic range."""
-
-
-@dataclass(frozen=True)
-class ConvergenceRow:
-    """One run of a study.
-
-    Attributes
-    ----------
-    value
-        Value of the parameter, SI if it is a quantity.
-    error
-        Distance of the quantity from its reference.
-    cpu_s
-        CPU time of the stages that make the quantity, without compiling [s].
-    """
-
-    value: Any
-    error: float
-    cpu_s: float
-
-
-@dataclass(frozen=True)
-class ConvergenceStudy:
-    """A parameter, its runs and what they show.
-
-    Attributes
-    ----------
-    case, parameter, quantity
-        Names.
-    relative
-        Whether errors are relative.
-    rows
-        Coarse to fine, as in the case.
-    order
-        Slope of log error over log value by least squares, over the rows in `fitted`; None if it cannot be told.
-    fitted
-        Numbers of the rows the order was taken from.
-    """
-
-    case: str
-    parameter: str
-    quantity: str
-    relative: bool
-    rows: tuple[ConvergenceRow, ...]
-    order: float | None
-    fitted: tuple[int, ...]
-
-    def document(self) -> dict[str, Any]:
-        """The document that ``converge --json`` prints."""
-        rows = [{"value": row.value, "error": row.error, "cpu_s": row.cpu_s} for row in self.rows]
-        return {"case": self.case, "parameter": self.parameter, "rows": rows, "order": self.order}
+__all__ = ["converge_case", "study_table"]
 
 
 def converge_case(
     path: Path, *, out: Path | None, overrides: Sequence[str], force: bool, log: Log
-) -> tuple[ConvergenceStudy, Path]:
+) -> tuple[ConvergenceStudy | WorkPrecision, Path]:
     """Run a case for every value of its ``[converge]`` section, and write the study and its plot.
 
     Returns
@@ -99,148 +53,190 @@ def converge_case(
     InputError
         If the case has no study, or a value does not fit the parameter.
     StopError
-        If a run does not complete.
+        If a run does not complete; one of several series goes on and tells so in its row.
     """
+    from heavylift.pipeline.converge_plot import plot_series, plot_study
+
     base = load_case(path, overrides)
     section = base.converge
     if section is None:
         raise InputError(
-            "no [converge] section", source=base.file, expected="parameter, values, quantity, reference"
+            "no [converge] section",
+            source=base.file,
+            expected="quantity, reference, and parameter and values or series",
         )
     root = out if out is not None else base.output_folder
-    texts = [section.quantity]
-    if isinstance(section.reference, QuantityReference):
-        texts.append(section.reference.quantity)
-    stages = needed_stages(texts)
+    runner = _Runner(base, section, root, force=force, log=log)
+    folder, plot = root / "converge", root / "converge" / "converge.png"
+    if section.series:
+        # every case is read before the first run: a value that does not fit is known at once
+        cases = [
+            [
+                _read(
+                    path,
+                    overrides,
+                    {**series.set, series.parameter: value},
+                    f"converge.series.{number}",
+                    base,
+                )
+                for value in series.values
+            ]
+            for number, series in enumerate(section.series)
+        ]
+        studies = [
+            runner.series(number, cases[number], series.parameter, series.name)
+            for number, series in enumerate(section.series)
+        ]
+        several = WorkPrecision(base.name, section.quantity, section.relative, tuple(studies))
+        write_json(folder / "converge.json", several.document())
+        plot_series(several, plot)
+        return several, plot
+    assert section.parameter is not None
+    assert section.values is not None
     runs = list(section.values)
     if isinstance(section.reference, RunReference):
         runs.append(section.reference.run)
-    # read every case before the first run: a value that does not fit is known at once
-    cases = [load_case(path, [*overrides, override_text(section.parameter, value)]) for value in runs]
-    values, costs = [], []
-    folders = [root / "converge" / str(number) for number in range(len(runs))]
-    references: list[NDArray[np.float64]] = []
-    for number, (case, folder) in enumerate(zip(cases, folders, strict=True)):
-        log.say(f"converge: {section.parameter} = {runs[number]}")
-        report = run_case(
-            case,
-            out=folder,
-            stages=stages,
-            force=stages if force else (),
-            log=log,
-            reuse=[root, *folders[:number]],
-        )
-        if report.outcome is not Outcome.COMPLETED:
-            raise StopError(report.outcome, f"{section.parameter} = {runs[number]}: {report.message}")
-        quantities = Quantities(case, folder)
-        values.append(quantities.evaluate(section.quantity))
-        if isinstance(section.reference, QuantityReference):
-            references.append(quantities.evaluate(section.reference.quantity))
-        last = report.stage(stages[-1])
-        costs.append(report.cpu_s if stages[-1] != "simulate" or last is None else last.cpu_s)
-    if isinstance(section.reference, RunReference):
-        references = [values[-1]] * len(section.values)
-    elif isinstance(section.reference, float):
-        references = [np.asarray(section.reference)] * len(section.values)
-    rows = tuple(
-        ConvergenceRow(
-            _parameter(cases[i], section.parameter),
-            _error(values[i], references[i], section.relative),
-            costs[i],
-        )
-        for i in range(len(section.values))
-    )
-    order, fitted = observed_order([row.value for row in rows], [row.error for row in rows])
-    study = ConvergenceStudy(
-        base.name, section.parameter, section.quantity, section.relative, rows, order, fitted
-    )
-    return study, _write(study, root / "converge")
-
-
-def _write(study: ConvergenceStudy, folder: Path) -> Path:
-    from heavylift.pipeline.converge_plot import plot_study
-
+    changed = [load_case(path, [*overrides, override_text(section.parameter, value)]) for value in runs]
+    study = runner.study(changed, section.parameter)
     write_json(
         folder / "converge.json", {**study.document(), "quantity": study.quantity, "fitted": study.fitted}
     )
-    plot = folder / "converge.png"
     plot_study(study, plot)
-    return plot
+    return study, plot
 
 
-def _parameter(case: Case, path: str) -> Any:
-    """Value of a dotted key in SI; the raw value if it is not part of the model under that name."""
+def _read(path: Path, overrides: Sequence[str], changes: dict[str, Any], key: str, base: Case) -> Case:
+    """The case of one run of a series; what does not fit is told at the series."""
+    texts = [override_text(name, value) for name, value in changes.items()]
+    try:
+        return load_case(path, [*overrides, *texts])
+    except InputError as error:
+        raise InputError(
+            f"{', '.join(texts)}: {error}",
+            source=base.file,
+            key=key,
+            expected="changes that make a sound case",
+        ) from None
+
+
+@dataclass(frozen=True)
+class _Run:
+    """Value of the quantity and of its reference (None if it is not of the same run), cost, steps, why it stopped."""
+
+    value: NDArray[np.float64] | None
+    reference: NDArray[np.float64] | None
+    cpu_s: float
+    steps: int | None
+    message: str = ""
+
+
+class _Runner:
+    """Runs cases of one study, each in its folder, and compares their quantities with the reference."""
+
+    def __init__(self, base: Case, section: ConvergeSection, root: Path, *, force: bool, log: Log) -> None:
+        self.base, self.section, self.root, self.force, self.log = base, section, root, force, log
+        self.done: list[Path] = [root]
+        texts = [section.quantity]
+        if isinstance(section.reference, QuantityReference):
+            texts.append(section.reference.quantity)
+        self.stages = needed_stages(texts)
+
+    def study(self, cases: Sequence[Case], parameter: str) -> ConvergenceStudy:
+        """The study of a single parameter; a last case without a row of its own is the reference."""
+        folder = self.root / "converge"
+        runs = [self._run(case, folder / str(i), parameter, strict=True) for i, case in enumerate(cases)]
+        assert self.section.values is not None
+        count = len(self.section.values)
+        return self._study(cases[:count], runs[:count], parameter, runs[-1].value)
+
+    def series(self, number: int, cases: Sequence[Case], parameter: str, name: str) -> ConvergenceStudy:
+        """One of several series; a run that does not complete leaves its row without an error."""
+        folder = self.root / "converge" / f"series_{number}"
+        self.log.say(f"converge: {name}")
+        runs = [self._run(case, folder / str(i), parameter, strict=False) for i, case in enumerate(cases)]
+        return self._study(cases, runs, parameter, None, name)
+
+    def _run(self, case: Case, folder: Path, parameter: str, *, strict: bool) -> _Run:
+        value = _parameter(case, parameter, raw=True)
+        self.log.say(f"converge: {parameter} = {value}")
+        repeated = self.section.runs > 1 and "simulate" in self.stages
+        costs, report = [], None
+        for turn in range(self.section.runs if repeated else 1):
+            force = self.stages if self.force and not turn else (("simulate",) if repeated else ())
+            report = run_case(
+                case, out=folder, stages=self.stages, force=force, log=self.log, reuse=self.done
+            )
+            last = report.stage(self.stages[-1])
+            costs.append(report.cpu_s if self.stages[-1] != "simulate" or last is None else last.cpu_s)
+            if report.outcome is not Outcome.COMPLETED:
+                break
+        assert report is not None
+        self.done.append(folder)
+        last = report.stage("simulate")
+        steps = None if last is None else last.details.get("steps")
+        if report.outcome is not Outcome.COMPLETED:
+            if strict or report.outcome in {Outcome.INTERRUPTED, Outcome.DISK_FULL, Outcome.LOCKED}:
+                raise StopError(report.outcome, f"{parameter} = {value}: {report.message}")
+            return _Run(None, None, median(costs), steps, report.message or report.outcome.text)
+        quantities = Quantities(case, folder)
+        reference = None
+        if isinstance(self.section.reference, QuantityReference):
+            reference = quantities.evaluate(self.section.reference.quantity)
+        return _Run(quantities.evaluate(self.section.quantity), reference, median(costs), steps)
+
+    def _study(
+        self,
+        cases: Sequence[Case],
+        runs: Sequence[_Run],
+        parameter: str,
+        finest: NDArray[np.float64] | None,
+        name: str = "",
+    ) -> ConvergenceStudy:
+        rows = tuple(
+            ConvergenceRow(
+                _parameter(case, parameter), self._error(run, finest), run.cpu_s, run.steps, run.message
+            )
+            for case, run in zip(cases, runs, strict=True)
+        )
+        fit = fitted_slope if parameter.rpartition(".")[2] == "tolerance" else observed_order
+        order, fitted = fit([row.value for row in rows], [row.error for row in rows])
+        section = self.section
+        return ConvergenceStudy(
+            self.base.name, parameter, section.quantity, section.relative, rows, order, fitted, name
+        )
+
+    def _error(self, run: _Run, finest: NDArray[np.float64] | None) -> float:
+        """Norm of the difference to the reference, divided by the norm of the reference if it is to be relative."""
+        if run.value is None:
+            return float("nan")
+        if isinstance(self.section.reference, float):
+            reference = np.asarray(self.section.reference)
+        else:
+            found = run.reference if run.reference is not None else finest
+            assert found is not None
+            reference = found
+        if run.value.shape != reference.shape:
+            raise InputError(
+                f"the quantity has shape {run.value.shape}, its reference {reference.shape}",
+                source="converge",
+                expected="a component, or a reference of the same shape",
+            )
+        scale = float(np.linalg.norm(reference)) if self.section.relative else 1.0
+        if scale == 0.0:
+            raise InputError("the reference is zero", source="converge", expected="relative = false")
+        return float(np.linalg.norm(run.value - reference)) / scale
+
+
+def _parameter(case: Case, path: str, *, raw: bool = False) -> Any:
+    """Value of a dotted key in SI; the raw value if asked for, or if it is not part of the model under that name."""
     node: Any = case
-    raw: Any = case.document
+    given: Any = case.document
     for key in path.split("."):
-        raw = raw[int(key)] if isinstance(raw, list) else raw[key]
+        given = given[int(key)] if isinstance(given, list) else given[key]
         if isinstance(node, (tuple, list)):
             node = node[int(key)]
         elif isinstance(node, dict):
             node = node.get(key)
         else:
             node = getattr(node, key, None)
-    return raw if node is None else node
-
-
-def _error(value: NDArray[np.float64], reference: NDArray[np.float64], relative: bool) -> float:
-    """Norm of the difference, divided by the norm of the reference if it is to be relative."""
-    if value.shape != reference.shape:
-        raise InputError(
-            f"the quantity has shape {value.shape}, its reference {reference.shape}",
-            source="converge",
-            expected="a component, or a reference of the same shape",
-        )
-    scale = float(np.linalg.norm(reference)) if relative else 1.0
-    if scale == 0.0:
-        raise InputError("the reference is zero", source="converge", expected="relative = false")
-    return float(np.linalg.norm(value - reference)) / scale
-
-
-def observed_order(values: Sequence[Any], errors: Sequence[float]) -> tuple[float | None, tuple[int, ...]]:
-    """Order of convergence: least-squares slope of log error over log parameter, in the asymptotic range.
-
-    The asymptotic range is the longest run of rows whose orders from row to row are positive and agree within
-    a factor of 1.5, the finest of equally long ones: coarse rows that do not converge yet and a plateau of
-    rounding are left out. A parameter that grows as it refines, such as a number of modes, gives the order in
-    its inverse.
-
-    Returns
-    -------
-    tuple
-        The order, or None if the error does not fall; and the numbers of the rows used.
-    """
-    pairs = [
-        (i, math.log(float(value)), math.log(error))
-        for i, (value, error) in enumerate(zip(values, errors, strict=True))
-        if isinstance(value, (int, float)) and value > 0.0 and error > 0.0 and math.isfinite(error)
-    ]
-    slopes = [abs(x1 - x0) and (y0 - y1) / abs(x1 - x0) for (_, x0, y0), (_, x1, y1) in pairwise(pairs)]
-    best = (0, 0)
-    for start in range(len(slopes)):
-        for end in range(start + 1, len(slopes) + 1):
-            run = slopes[start:end]
-            if min(run) > 0.0 and max(run) <= CONSISTENT * min(run) and end - start >= best[1] - best[0]:
-                best = (start, end)
-    if best == (0, 0):
-        return None, ()
-    used = pairs[best[0] : best[1] + 1]
-    slope = float(np.polyfit([x for _, x, _ in used], [y for _, _, y in used], 1)[0])
-    return abs(slope), tuple(i for i, _, _ in used)
-
-
-def study_table(study: ConvergenceStudy) -> list[str]:
-    """Lines of a table for a person."""
-    kind = "relative error" if study.relative else "error"
-    lines = [
-        f"{study.case}: {kind} of {study.quantity}",
-        f"  {study.parameter:>24} {'error':>12} {'CPU [s]':>10}",
-    ]
-    for i, row in enumerate(study.rows):
-        value = f"{row.value:.6g}" if isinstance(row.value, (int, float)) else str(row.value)
-        mark = "" if i in study.fitted else "  (not used for the order)"
-        lines.append(f"  {value:>24} {row.error:12.3e} {row.cpu_s:10.3f}{mark}")
-    order = (
-        "cannot be told" if study.order is None else f"{study.order:.2f}, least squares over the rows used"
-    )
-    return [*lines, f"  observed order: {order}"]
+    return given if raw or node is None else node

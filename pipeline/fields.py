@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
+import contextlib
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn
 
 from pydantic import (
     AfterValidator,
@@ -20,15 +20,23 @@ from pydantic import (
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.quantity_names import RESERVED_NAMES, parse_quantity_name
+from heavylift.pipeline.channel_kinds import RESERVED_NAMES, Declared
+from heavylift.pipeline.quantity_names import parse_quantity_name
 from heavylift.pipeline.units import KINDS, parse_quantity, with_article
 
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
 __all__ = [
+    "GROUND",
+    "TAG",
     "AccelerationVector",
     "AngularVelocityVector",
+    "AnyOf",
     "BodyName",
     "CaseContext",
     "CheckId",
+    "Direction",
     "ForceVector",
     "InFolder",
     "LengthVector",
@@ -37,12 +45,22 @@ __all__ = [
     "Positive",
     "Quantity",
     "QuantityString",
+    "ReferenceName",
     "Section",
+    "SideName",
     "UniqueName",
     "VelocityVector",
     "quantity_schema",
+    "refuse_unknown",
     "reject",
+    "type_tag",
 ]
+
+GROUND = "ground"
+"""Name of the world as a side of a joint, spring or rope."""
+TAG = "type "
+"""Beginning of the tags that `type_tag` gives."""
+_SHOWN = 20  # names of a list in a message at most
 
 
 class Section(BaseModel):
@@ -58,9 +76,7 @@ class CaseContext:
     """What field validators may know of the rest of the case: its folder and the names it declares."""
 
     folder: Path
-    names: Counter[str] = field(default_factory=Counter)
-    bodies: frozenset[str] = frozenset()
-    check_ids: Counter[str] = field(default_factory=Counter)
+    names: Declared = field(default_factory=Declared)
 
     @staticmethod
     def of(info: ValidationInfo) -> CaseContext | None:
@@ -81,6 +97,12 @@ def reject(problem: str, expected: str, *, key: str = "", kind: str = "case") ->
         ``"case"``, or ``"repeated"`` for a name that occurs again: told of its last occurrence only.
     """
     raise PydanticCustomError(kind, "{problem}", {"problem": problem, "expected": expected, "key": key})
+
+
+def type_tag(value: object, default: str) -> str:
+    """Tag of a union member by its ``type``: set apart by a word, because a type may be called like a key."""
+    given = value.get("type", default) if isinstance(value, dict) else getattr(value, "type", default)
+    return f"{TAG}{given}"
 
 
 @dataclass(frozen=True)
@@ -141,6 +163,30 @@ class Quantity:
         return quantity_schema(f"{self.kind}: number in {unit}, or a string with a unit", **number)
 
 
+@dataclass(frozen=True)
+class AnyOf:
+    """Annotation of a number in SI, or a string with a unit of one of two kinds; validates to the SI number."""
+
+    first: Quantity
+    second: Quantity
+
+    def parse(self, value: object) -> float:
+        """SI number of an input value; one that fits neither kind is told against the first."""
+        if isinstance(value, str):
+            with contextlib.suppress(InputError):
+                parse_quantity(value, KINDS[self.second.kind])
+                return self.second.parse(value)
+        return self.first.parse(value)
+
+    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.parse)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return self.first.__get_pydantic_json_schema__(schema, handler)
+
+
 def quantity_schema(description: str = "", **limits: float) -> dict[str, Any]:
     """JSON Schema of a number within limits, or a string that begins with a number."""
     text = {"type": "string", "pattern": r"^\s*[+-]?(\d|\.\d)"}
@@ -173,48 +219,79 @@ ForceVector = tuple[_Force, _Force, _Force]
 """Three quantities of kind force."""
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$", max_length=60)]
-"""Name of a body, group, force or sensor; without dots, because channel names are dotted paths."""
+"""Name of a body, group, joint, rope, force or sensor; without dots, because channel names are dotted paths."""
 
 
 def _unreserved(name: str, info: ValidationInfo) -> str:
     """Names share one space, because they are the first parts of channel names."""
     context = CaseContext.of(info)
     if name in RESERVED_NAMES:
-        reject(f"{name!r} is the name of a channel of the whole scene", "another name")
-    if context and context.names[name] > 1:
+        what = "the world" if name == GROUND else "a channel of the whole scene"
+        reject(f"{name!r} is the name of {what}", "another name")
+    if context and context.names.names[name] > 1:
         reject(
-            f"{name!r} occurs {context.names[name]} times",
-            "one body, force or sensor a name",
+            f"{name!r} occurs {context.names.names[name]} times",
+            "one body, joint, rope, force or sensor a name",
             kind="repeated",
         )
     return name
 
 
+def refuse_unknown(what: str, name: str, names: Collection[str]) -> None:
+    """Reject a name that is not among those known, with the nearest one as a hint."""
+    if name not in names:
+        known = sorted(names)
+        near = get_close_matches(name, known, 1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        more = f" and {len(known) - _SHOWN} more" if len(known) > _SHOWN else ""
+        reject(
+            f"{what} {name!r} does not exist{hint}", f"one of: {', '.join(known[:_SHOWN]) or 'none'}{more}"
+        )
+
+
 def _known_body(name: str, info: ValidationInfo) -> str:
     context = CaseContext.of(info)
-    if context and name not in context.bodies:
-        near = get_close_matches(name, context.bodies, 1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        reject(
-            f"body {name!r} does not exist{hint}", f"one of: {', '.join(sorted(context.bodies)) or 'none'}"
-        )
+    if context:
+        refuse_unknown("body", name, context.names.bodies)
     return name
+
+
+def _known_side(name: str, info: ValidationInfo) -> str:
+    context = CaseContext.of(info)
+    if context and name != GROUND:
+        refuse_unknown("body", name, context.names.bodies)
+    return name
+
+
+def _nonzero(axis: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Refuse a direction of no length."""
+    if not any(axis):
+        reject("a direction of length zero", "three numbers that are not all zero")
+    return axis
 
 
 def _unique_check(name: str, info: ValidationInfo) -> str:
     context = CaseContext.of(info)
-    if context and context.check_ids[name] > 1:
-        reject(f"{name!r} occurs {context.check_ids[name]} times", "one check an id", kind="repeated")
+    if context and context.names.check_ids[name] > 1:
+        reject(f"{name!r} occurs {context.names.check_ids[name]} times", "one check an id", kind="repeated")
+    return name
+
+
+def _unique_reference(name: str, info: ValidationInfo) -> str:
+    context = CaseContext.of(info)
+    if context and context.names.reference_names[name] > 1:
+        times = context.names.reference_names[name]
+        reject(f"{name!r} occurs {times} times", "one reference a name", kind="repeated")
     return name
 
 
 def _quantity_string(text: str, info: ValidationInfo) -> str:
+    context = CaseContext.of(info)
     try:
-        quantity = parse_quantity_name(text)
+        quantity = parse_quantity_name(text, None if context is None else context.names)
     except InputError as error:
         reject(error.problem, error.expected)
-    context = CaseContext.of(info)
-    owners = {} if context is None else context.names
+    owners = {} if context is None else context.names.names
     if owners and quantity.owner and quantity.owner not in owners:
         near = get_close_matches(quantity.owner, owners, 1)
         hint = f"; did you mean {near[0]!r}?" if near else ""
@@ -225,9 +302,15 @@ def _quantity_string(text: str, info: ValidationInfo) -> str:
 
 
 UniqueName = Annotated[Name, AfterValidator(_unreserved)]
-"""Name of a body, force or sensor that no other one has."""
+"""Name of a body, joint, rope, force or sensor that no other one has."""
 BodyName = Annotated[str, AfterValidator(_known_body)]
 """Name of a body that the case has."""
+SideName = Annotated[str, AfterValidator(_known_side)]
+"""Name of a body that the case has, or of the world."""
+ReferenceName = Annotated[Name, AfterValidator(_unique_reference)]
+"""Name of a reference history that no other one has."""
+Direction = Annotated[NumberVector, AfterValidator(_nonzero)]
+"""Three numbers that are not all zero."""
 CheckId = Annotated[
     str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_.-]*$"), AfterValidator(_unique_check)
 ]

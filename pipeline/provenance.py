@@ -24,7 +24,13 @@ PACKAGE = Path(__file__).resolve().parent.parent
 STAGE_SOURCES = {
     "mesh": ("numerics", "preprocess", "pipeline/assemble.py", "pipeline/model_io.py", "pipeline/stages.py"),
     "modes": ("modal", "pipeline/assemble.py", "pipeline/model_io.py", "pipeline/stages.py"),
-    "simulate": ("solver", "pipeline/assemble_scene.py", "pipeline/advance.py", "pipeline/stage_simulate.py"),
+    "simulate": (
+        "solver",
+        "pipeline/assemble_connections.py",
+        "pipeline/assemble_scene.py",
+        "pipeline/advance.py",
+        "pipeline/stage_simulate.py",
+    ),
     "report": ("pipeline",),
 }
 """Sources, below the package, whose change makes the outputs of a stage stale."""
@@ -115,7 +121,9 @@ def simulate_digest(case: Case) -> str:
             }
         else:
             bodies[name] = body.model_dump(mode="json")
-    scene = case.model_dump(mode="json", include={"gravity", "forces", "sensors", "simulate"})
+    scene = case.model_dump(
+        mode="json", include={"gravity", "joints", "ropes", "forces", "sensors", "simulate"}
+    )
     return _digest("simulate", {"bodies": bodies, **scene})
 
 
@@ -145,8 +153,16 @@ def report_digest(case: Case, folder: OutputFolder) -> str:
         },
         "files": [_identity(path) for path in (folder.results, *segments)],
     }
+    references = {entry.file: digest_file(case.folder / entry.file) for entry in case.reference}
     return _digest(
-        "report", {"current": current, "found": found, "document": case.document, "name": case.name}
+        "report",
+        {
+            "current": current,
+            "found": found,
+            "document": case.document,
+            "name": case.name,
+            "references": references,
+        },
     )
 
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline.model_io import open_hdf5
-from heavylift.pipeline.quantity_names import parse_quantity_name
 from heavylift.pipeline.results import Results, load_results
 from heavylift.pipeline.sinusoid import fit_sinusoid
 from heavylift.pipeline.storage import OutputFolder, read_json
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.pipeline.case import Case
-    from heavylift.pipeline.case_sections import CheckSection
+    from heavylift.pipeline.case_checks import CheckSection
     from heavylift.pipeline.quantity_names import QuantityName
 
 __all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_checks", "relative_drift"]
@@ -95,13 +94,14 @@ class Quantities:
         InputError
             If a mode, channel or component does not exist, or the results are missing.
         """
-        name = parse_quantity_name(text)
+        name = self._case.quantity(text)
         readers = {
             "mesh": self._mesh,
             "modes": self._modes,
             "ringdown": self._ringdown,
             "drift": self._drift,
             "channel": self._channel,
+            "deviation": self._deviation,
         }
         return np.asarray(readers[name.family](name), dtype=np.float64)
 
@@ -171,6 +171,13 @@ class Quantities:
         }
         return np.asarray(reductions[name.statistic](history))
 
+    def _deviation(self, name: QuantityName) -> float:
+        from heavylift.pipeline.deviation import deviation_history
+
+        reference = next(entry for entry in self._case.reference if entry.name == name.item)
+        _, distances = deviation_history(self._case, reference, self.results)
+        return float(distances.max())
+
     def _vector(self, name: QuantityName, count: int) -> int:
         if int(name.component) > count:
             raise self._missing(name, f"a number from 1 to {count}")
@@ -222,7 +229,7 @@ def evaluate_checks(case: Case, out: Path) -> list[CheckResult]:
     errors: list[InputError] = []
     for check in case.check:
         try:
-            found.append(_evaluate(check, quantities))
+            found.append(_evaluate(check, quantities, case.quantity(check.quantity).kind.unit))
         except InputErrors as error:
             errors += error.errors
         except InputError as error:
@@ -234,7 +241,7 @@ def evaluate_checks(case: Case, out: Path) -> list[CheckResult]:
     return found
 
 
-def _evaluate(check: CheckSection, quantities: Quantities) -> CheckResult:
+def _evaluate(check: CheckSection, quantities: Quantities, unit: str) -> CheckResult:
     value = quantities.number(check.quantity)
     reference = check.reference
     if not isinstance(reference, float):
@@ -250,7 +257,7 @@ def _evaluate(check: CheckSection, quantities: Quantities) -> CheckResult:
         error=error,
         tolerance=float(tolerance or 0.0),
         relative=relative,
-        unit=parse_quantity_name(check.quantity).kind.unit,
+        unit=unit,
         source=check.source,
         passed=bool(error <= float(tolerance or 0.0)),
     )

@@ -10,18 +10,25 @@
                                                from the initial value, relative
 ``channel.OWNER.KIND[.COMPONENT].STATISTIC``   ``end``, ``min``, ``max``, ``mean`` or ``rms`` of a recorded
                                                channel, e.g. ``channel.tip.position.y.max``
+``deviation.NAME``                             largest distance of a channel from the reference history
+                                               NAME, divided by its scale if it has one
 =============================================  ==========================================================
+
+What channels there are depends on the owner: a hinge has an ``angle``, a rope a ``tension``; see
+`heavylift.pipeline.channel_kinds`.
 """
 
 from __future__ import annotations
 
+import contextlib
 from difflib import get_close_matches
 from typing import NamedTuple
 
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.channel_kinds import ALL_CHANNELS, RESERVED_NAMES, SCENE_CHANNELS, Declared
 from heavylift.pipeline.units import KINDS, Kind
 
-__all__ = ["QuantityName", "parse_quantity_name"]
+__all__ = ["QuantityName", "channel_kind", "parse_quantity_name"]
 
 MESH_QUANTITIES = {
     "node_count": "number",
@@ -32,23 +39,6 @@ MESH_QUANTITIES = {
 }
 DRIFTS = ("energy", "momentum", "angular_momentum")
 STATISTICS = ("end", "min", "max", "mean", "rms")
-ENERGIES = ("kinetic", "elastic", "potential", "external_work", "drive_work", "dissipated", "balance")
-BODY_CHANNELS = {
-    "position": "length",
-    "orientation": "number",
-    "velocity": "velocity",
-    "angular_velocity": "angular velocity",
-    "modal_position": "modal coordinate",
-    "modal_velocity": "modal velocity",
-    "reaction_force": "force",
-    "reaction_moment": "moment or energy",
-}
-SCENE_CHANNELS = {f"energy.{name}": "moment or energy" for name in ENERGIES} | {
-    "momentum.linear": "momentum",
-    "momentum.angular": "angular momentum",
-}
-RESERVED_NAMES = frozenset({"energy", "momentum", "time"})
-"""First parts of channel names that no body or sensor may take."""
 
 
 class QuantityName(NamedTuple):
@@ -56,11 +46,11 @@ class QuantityName(NamedTuple):
 
     text: str
     family: str
-    """``mesh``, ``modes``, ``ringdown``, ``drift`` or ``channel``."""
+    """``mesh``, ``modes``, ``ringdown``, ``drift``, ``channel`` or ``deviation``."""
     owner: str
-    """Body or sensor; empty for quantities of the whole scene."""
+    """Body, sensor, joint, rope or force; empty for quantities of the whole scene."""
     item: str
-    """What of the owner, e.g. ``frequency`` or the channel name ``tip.position``."""
+    """What of the owner, e.g. ``frequency`` or the channel name ``tip.position``; the name of a reference."""
     component: str
     """One-based number of a vector, or component of a channel; may be empty."""
     statistic: str
@@ -74,26 +64,31 @@ class QuantityName(NamedTuple):
         return self.family if self.family in {"mesh", "modes"} else "simulate"
 
 
-def parse_quantity_name(text: str) -> QuantityName:
+def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityName:
     """Take a quantity string apart.
+
+    Parameters
+    ----------
+    text
+        As in the case file.
+    names
+        What the case declares. Without it any owner may have any channel, and the kinds of deviations and of
+        loads along joints are not known: a number, a moment.
 
     Raises
     ------
     InputError
-        If it is not one of the forms in the table above.
+        If it is not one of the forms in the table above, or its owner has no such channel.
     """
     parts = text.split(".")
-    readers = {
-        "mesh": _mesh,
-        "modes": _modes,
-        "ringdown": _ringdown,
-        "drift": _drift,
-        "channel": _channel,
-    }
+    if parts[0] == "channel":
+        return _channel(text, parts, names)
+    if parts[0] == "deviation":
+        return _deviation(text, parts, names)
+    readers = {"mesh": _mesh, "modes": _modes, "ringdown": _ringdown, "drift": _drift}
     if parts[0] not in readers:
-        raise InputError(
-            _unknown(text, parts[0], readers), expected=f"one of {', '.join(readers)} as first word"
-        )
+        known = [*readers, "channel", "deviation"]
+        raise InputError(_unknown(text, parts[0], known), expected=f"one of {', '.join(known)} as first word")
     return readers[parts[0]](text, parts)
 
 
@@ -134,21 +129,47 @@ def _drift(text: str, parts: list[str]) -> QuantityName:
     return QuantityName(text, "drift", "", parts[1], "", "", KINDS["number"])
 
 
-def _channel(text: str, parts: list[str]) -> QuantityName:
+def _channel(text: str, parts: list[str], names: Declared | None) -> QuantityName:
     if len(parts) not in {4, 5} or parts[-1] not in STATISTICS:
         raise InputError(
             f"quantity {text!r} is unknown",
             expected="channel.OWNER.KIND.STATISTIC or channel.OWNER.KIND.COMPONENT.STATISTIC with STATISTIC one of "
             + ", ".join(STATISTICS),
         )
-    name, component = f"{parts[1]}.{parts[2]}", parts[3] if len(parts) == 5 else ""
-    if parts[1] in RESERVED_NAMES:
-        known, key, owner = SCENE_CHANNELS, name, ""
-    else:
-        known, key, owner = BODY_CHANNELS, parts[2], parts[1]
+    component = parts[3] if len(parts) == 5 else ""
+    name = f"{parts[1]}.{parts[2]}"
+    owner = "" if parts[1] in RESERVED_NAMES else parts[1]
+    return QuantityName(text, "channel", owner, name, component, parts[-1], channel_kind(name, text, names))
+
+
+def channel_kind(name: str, text: str, names: Declared | None) -> Kind:
+    """Kind of a channel such as ``"tip.position"``; `text` is what a message says is unknown."""
+    owner, _, last = name.partition(".")
+    scene = owner in RESERVED_NAMES
+    known = SCENE_CHANNELS if scene else ALL_CHANNELS
+    if not scene and names is not None:
+        known = dict(names.channels.get(owner, ALL_CHANNELS))
+    key = name if scene else last
     if key not in known:
-        raise InputError(_unknown(text, key, known), expected="a channel: " + ", ".join(known))
-    return QuantityName(text, "channel", owner, name, component, parts[-1], KINDS[known[key]])
+        whose = "a channel" if scene else f"a channel of {owner!r}"
+        raise InputError(_unknown(text, key, known), expected=f"{whose}: {', '.join(known) or 'none'}")
+    return KINDS[known[key]]
+
+
+def _deviation(text: str, parts: list[str], names: Declared | None) -> QuantityName:
+    name = ".".join(parts[1:])
+    kind = KINDS["number"]
+    if names is not None:
+        if name not in names.references:
+            raise InputError(
+                _unknown(text, name, names.references),
+                expected=f"deviation.NAME with a [[reference]]: {', '.join(names.references) or 'none'}",
+            )
+        channel, scaled = names.references[name]
+        if not scaled:
+            with contextlib.suppress(InputError):  # what is wrong with the channel is told of the reference
+                kind = channel_kind(channel, text, names)
+    return QuantityName(text, "deviation", "", name, "", "", kind)
 
 
 def _is_index(text: str) -> bool:

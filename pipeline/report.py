@@ -20,7 +20,7 @@ from heavylift.pipeline.report_document import (
     to_html,
     to_markdown,
 )
-from heavylift.pipeline.report_inputs import input_section
+from heavylift.pipeline.report_inputs import input_section, rigid_sections
 from heavylift.pipeline.report_run import (
     history_section,
     load_finite_results,
@@ -92,10 +92,11 @@ def write_report(case: Case, folder: Path, out: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     before = _linked_pictures(folder / "report.md")
     results, problem = load_finite_results(case, out)
-    renderer, remedy = _renderer()
-    sections: list[Section] = []
+    flexible = {name: body for name, body in case.bodies.items() if body.type == "flexible"}
+    renderer, remedy = _renderer() if flexible else (None, "")
+    sections: list[Section] = rigid_sections(case)
     try:
-        for name, body in case.bodies.items():
+        for name, body in flexible.items():
             sections += body_sections(case, name, body, stages, results, renderer, album)
     finally:
         if renderer is not None:

@@ -1,4 +1,4 @@
-"""Sections of a report on its bodies: material, mesh, modes, and pictures of them."""
+"""Sections of a report on its flexible bodies: material, mesh, modes, and pictures of them."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def body_sections(
     renderer: Renderer | None,
     album: Album,
 ) -> list[Section]:
-    """Sections on one body, from whatever stages have run.
+    """Sections on one flexible body, from whatever stages have run.
 
     Parameters
     ----------
@@ -62,8 +62,6 @@ def body_sections(
     album
         Takes the pictures.
     """
-    if body.type != "flexible":
-        return [Section(f"Rigid body {name}", (Facts(tuple(body_input_rows(body))),))]
     title = f"Flexible body {name}"
     try:
         model = read_model(stages.model(name))

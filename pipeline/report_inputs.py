@@ -6,47 +6,76 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.pipeline.report_connections import connection_tables
 from heavylift.pipeline.report_document import Facts, Section, Table
-from heavylift.pipeline.signals import scaled_unit
+from heavylift.pipeline.report_words import number_words, numbers_words, profile_words, short_table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from heavylift.pipeline.case import Case
+    from heavylift.pipeline.case_simulate import SimulateSection
 
-__all__ = ["body_input_rows", "input_section", "mesh_input_rows"]
+__all__ = ["body_input_rows", "input_section", "integration_words", "mesh_input_rows", "rigid_sections"]
 
-_SHOWN = 12  # numbers of a list at most
+_SECTIONS = 4  # rigid bodies with a section of their own at most
 
 
 def input_section(case: Case) -> Section:
-    """Gravity, time integration, overrides, forces and sensors of a case."""
-    rows = [("gravity", _numbers(case.gravity.acceleration, "m/s^2") if case.gravity is not None else "none")]
+    """Gravity, time integration, overrides, joints, ropes, forces and sensors of a case."""
+    rows = [
+        ("gravity", numbers_words(case.gravity.acceleration, "m/s^2") if case.gravity is not None else "none")
+    ]
     if case.simulate is not None:
-        settings = case.simulate
-        times = ", ".join(
-            f"{key.replace('_', ' ')} {_number(getattr(settings, key), 's')}"
-            for key in ("step", "output_interval", "duration")
-        )
-        rows.append(("time integration", f"{settings.integrator}: {times}"))
+        rows.append(("time integration", integration_words(case.simulate)))
+    if case.parameters:
+        rows.append(("parameters", ", ".join(f"{key} = {value:g}" for key, value in case.parameters.items())))
     rows += [("override (--set)", text) for text in case.overrides]
-    items: list[Facts | Table] = [Facts(tuple(rows))]
-    if case.forces:
-        header = ("force", "body", "point", "axes", "value")
-        items.append(
-            Table(
-                header,
-                tuple((f.name, f.body, _numbers(f.point, "m"), f.frame, _force(f)) for f in case.forces),
-            )
-        )
+    items: list[Facts | Table] = [Facts(tuple(rows)), *connection_tables(case)]
     if case.sensors:
         items.append(
-            Table(
+            short_table(
                 ("sensor", "body", "point"),
-                tuple((s.name, s.body, _numbers(s.point, "m")) for s in case.sensors),
+                [(sensor.name, sensor.body, numbers_words(sensor.point, "m")) for sensor in case.sensors],
             )
         )
     return Section("Inputs", tuple(items))
+
+
+def integration_words(settings: SimulateSection) -> str:
+    """Integrator, step or tolerance, output interval and duration."""
+    words = []
+    if settings.step is not None:
+        words.append(f"step {number_words(settings.step, 's')}")
+    if settings.solver_tolerance is not None:
+        words.append(f"tolerance {settings.solver_tolerance:g}")
+    words.append(f"output interval {number_words(settings.output_interval, 's')}")
+    words.append(f"duration {number_words(settings.duration, 's')}")
+    start = {"check": "", "project": ", joints closed before", "equilibrium": ", from equilibrium"}
+    return f"{settings.integrator}: {', '.join(words)}{start[settings.start]}"
+
+
+def rigid_sections(case: Case) -> list[Section]:
+    """Sections on the rigid bodies of a case: one each, or one table of many."""
+    rigid = {name: body for name, body in case.bodies.items() if body.type == "rigid"}
+    if len(rigid) <= _SECTIONS:
+        return [
+            Section(f"Rigid body {name}", (Facts(tuple(body_input_rows(body))),))
+            for name, body in rigid.items()
+        ]
+    header = ("body", "mass [kg]", "centre of mass", "inertia about it", "frame", "initial state")
+    rows: list[tuple[str, ...]] = [
+        (
+            name,
+            f"{body.mass:.8g}",
+            numbers_words(body.centre_of_mass, "m"),
+            _inertia(body.inertia),
+            body.frame.motion,
+            "; ".join(f"{key.removeprefix('initial ')} {words}" for key, words in _initial(body.initial)),
+        )
+        for name, body in rigid.items()
+    ]
+    return [Section(f"{len(rigid)} rigid bodies", (short_table(header, rows, frozenset({1})),))]
 
 
 def body_input_rows(body: Any) -> list[tuple[str, str]]:
@@ -55,7 +84,7 @@ def body_input_rows(body: Any) -> list[tuple[str, str]]:
     if body.type == "rigid":
         rows += [
             ("mass", f"{body.mass:.8g} kg"),
-            ("centre of mass", _numbers(body.centre_of_mass, "m")),
+            ("centre of mass", numbers_words(body.centre_of_mass, "m")),
             ("inertia about the centre of mass", _inertia(body.inertia)),
         ]
     rows.append(("reference frame", f"{body.frame.motion}, origin: {body.frame.origin.replace('_', ' ')}"))
@@ -76,8 +105,10 @@ def mesh_input_rows(body: Any) -> list[tuple[str, str]]:
         return rows
     mesh = body.mesh
     if given.type != "mesh":
-        rows.append(("element size", _number(mesh.size, "m") if mesh.size else "from the smallest wall"))
-        rows += [("refined", f"{r.at}: {_number(r.size, 'm')}, growth {r.growth:g}") for r in mesh.refine]
+        rows.append(("element size", number_words(mesh.size, "m") if mesh.size else "from the smallest wall"))
+        rows += [
+            ("refined", f"{r.at}: {number_words(r.size, 'm')}, growth {r.growth:g}") for r in mesh.refine
+        ]
         if mesh.divisions:
             parts = (f"{axis}: {', '.join(map(str, mesh.divisions[axis]))}" for axis in mesh.divisions)
             rows.append(("divisions", "; ".join(parts)))
@@ -98,84 +129,42 @@ def _formulation(name: str) -> str:
     }[name]
 
 
-def _number(value: float, unit: str) -> str:
-    scaled = scaled_unit(unit, [np.array([value])])
-    return f"{value / scaled.divisor:.6g} {scaled.text}".strip()
-
-
-def _numbers(values: Sequence[float], unit: str) -> str:
-    """Components in brackets with one unit."""
-    scaled = scaled_unit(unit, [np.array(values, dtype=float)])
-    shown = ", ".join(f"{value / scaled.divisor + 0.0:.6g}" for value in values[:_SHOWN])
-    more = f", … {len(values) - _SHOWN} more" if len(values) > _SHOWN else ""
-    return f"({shown}{more}) {scaled.text}".strip()
-
-
-def _force(force: Any) -> str:
-    """A constant force, or the ranges of its table."""
-    if force.force is not None:
-        return f"constant {_numbers(force.force, 'N')}"
-    table = np.array(force.forces)
-    return (
-        f"table of {len(force.times)} points, {_range(force.times, 's')}; "
-        f"smallest {_numbers(table.min(axis=0).tolist(), 'N')}, largest {_numbers(table.max(axis=0).tolist(), 'N')}"
-    )
-
-
-def _range(values: Sequence[float], unit: str) -> str:
-    scaled = scaled_unit(unit, [np.array(values, dtype=float)])
-    return f"{min(values) / scaled.divisor:.6g} to {max(values) / scaled.divisor:.6g} {scaled.text}".strip()
-
-
 def _inertia(matrix: Sequence[Sequence[float]]) -> str:
     """Principal values of a diagonal tensor, else its six entries."""
     J = np.array(matrix)
     if not np.any(J - np.diag(np.diag(J))):
-        return f"diagonal {_numbers(np.diag(J).tolist(), 'kg m^2')}"
-    return f"xx, yy, zz, xy, xz, yz: {_numbers(J[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist(), 'kg m^2')}"
+        return f"diagonal {numbers_words(np.diag(J).tolist(), 'kg m^2')}"
+    return f"xx, yy, zz, xy, xz, yz: {numbers_words(J[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist(), 'kg m^2')}"
 
 
 def _drive(frame: Any) -> list[tuple[str, str]]:
     """Motion profile of a driven frame."""
     rows = [
-        (f"driven along {axis}", _profile(getattr(frame, axis), "m"))
+        (f"driven along {axis}", profile_words(getattr(frame, axis), "m"))
         for axis in ("x", "y", "z")
         if getattr(frame, axis) is not None
     ]
     if frame.angle is not None:
-        place = f"axis {_numbers(frame.axis, '')} through {_numbers(frame.pivot, 'm')}"
-        rows.append(("driven rotation", f"{_profile(frame.angle, 'rad')}; {place}"))
+        place = f"axis {numbers_words(frame.axis, '')} through {numbers_words(frame.pivot, 'm')}"
+        rows.append(("driven rotation", f"{profile_words(frame.angle, 'rad')}; {place}"))
     return rows or [("driven", "no profile: at rest")]
-
-
-def _profile(profile: Any, unit: str) -> str:
-    parts = []
-    if profile.times:
-        parts.append(
-            f"table of {len(profile.times)} points, {_range(profile.times, 's')}: {_range(profile.values, unit)}"
-        )
-    parts += [
-        f"{_number(h.amplitude, unit)} sine at {_number(h.frequency, 'Hz')}, phase {h.phase:.6g} rad"
-        for h in profile.harmonics
-    ]
-    return " + ".join(parts)
 
 
 def _initial(initial: Any) -> list[tuple[str, str]]:
     """Initial state as far as it is given; the rest is at rest where the geometry was drawn."""
     rows = [
-        (f"initial {key.replace('_', ' ')}", _numbers(value, unit))
+        (f"initial {key.replace('_', ' ')}", numbers_words(value, unit))
         for key, unit in (("position", "m"), ("velocity", "m/s"), ("angular_velocity", "rad/s"))
         if (value := getattr(initial, key)) is not None
     ]
     if initial.orientation is not None:
         turn = initial.orientation
-        rows.append(("initial orientation", f"{turn.angle:.6g} rad about {_numbers(turn.axis, '')}"))
+        rows.append(("initial orientation", f"{turn.angle:.6g} rad about {numbers_words(turn.axis, '')}"))
     by_mass = getattr(initial, "modal_scaling", "") == "mass"
     scaling = "mass-normalised shapes" if by_mass else "shapes of largest component 1"
     for key, unit in (("modal_position", "m"), ("modal_velocity", "m/s")):
         values = getattr(initial, key, ())
         if values:
             full = unit.replace("m", "m kg^0.5", 1) if by_mass else unit
-            rows.append((f"initial {key.replace('_', ' ')}", f"{_numbers(values, full)}, {scaling}"))
+            rows.append((f"initial {key.replace('_', ' ')}", f"{numbers_words(values, full)}, {scaling}"))
     return rows or [("initial state", "at rest, as drawn")]

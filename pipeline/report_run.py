@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.pipeline.deviation import deviation_history
 from heavylift.pipeline.plots import Series, energy_plot, history_plot, spectrum_plot
 from heavylift.pipeline.quantities import energy_drift
 from heavylift.pipeline.report_document import Facts, Figure, Section, Table, Text
+from heavylift.pipeline.report_inputs import integration_words
 from heavylift.pipeline.results import Results, load_results
 from heavylift.pipeline.signals import scaled_unit
 from heavylift.pipeline.storage import read_json
@@ -27,6 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = ["history_section", "load_finite_results", "provenance_section", "run_ending", "run_section"]
 
+_SENTENCES = 10  # of a diagnosis at most
 _STAGES = ("mesh", "modes", "simulate")
 _CURVES = 6  # modal coordinates in one plot at most
 _PLOTS = 8  # histories chosen at most
@@ -81,9 +85,9 @@ def run_section(case: Case, stages: OutputFolder, results: Results | None) -> li
     known: dict[str, Any] = {**manifest, **(_flat(results.metadata) if results is not None else {})}
     if not known:
         return []
-    settings = case.simulate
     rows = [("outcome", " ".join(str(known[key]) for key in ("outcome", "message") if known.get(key)))]
-    rows.append(("integrator", f"{settings.integrator}, step {_with_unit(settings.step, 's')}"))
+    rows.append(("integrator", integration_words(case.simulate)))
+    rows += _diagnosis_rows(known)
     if results is not None and len(results.time):
         rows.append(
             ("simulated time", f"{_with_unit(float(results.time[-1]), 's')}, {len(results.time)} records")
@@ -100,6 +104,24 @@ def run_section(case: Case, stages: OutputFolder, results: Results | None) -> li
     if results is not None and len(results.time) > 1 and "energy.balance" in results:
         rows.append(("largest drift of the energy balance", f"{energy_drift(results):.2e}, relative"))
     return [Section("Simulation", (Facts(tuple(row for row in rows if row[1])),))]
+
+
+def _diagnosis_rows(known: dict[str, Any]) -> list[tuple[str, str]]:
+    """What the solver said of the scene: chosen integrator, degrees of freedom, redundant joints, free motions."""
+    rows = [("choice", str(known.get("choice") or ""))]
+    for label, key in (
+        ("degrees of freedom", "degrees_of_freedom"),
+        ("redundant joints", "redundant"),
+        ("free motions", "free_motions"),
+    ):
+        value = known.get(key)
+        if isinstance(value, str) and value.startswith("["):  # a list, as attributes of a result file hold it
+            value = json.loads(value)
+        if isinstance(value, list):
+            more = [f"{len(value) - _SENTENCES} more"] if len(value) > _SENTENCES else []
+            value = "; ".join([*(str(text) for text in value[:_SENTENCES]), *more])
+        rows.append((label, "" if value is None else str(value)))
+    return rows
 
 
 def history_section(case: Case, stages: OutputFolder, results: Results | None, album: Album) -> list[Section]:
@@ -120,6 +142,7 @@ def history_section(case: Case, stages: OutputFolder, results: Results | None, a
         if name not in results
     ]
     items += [_history_figure(results, name, album) for name in wanted if name in results]
+    items += _deviation_items(case, results, album)
     fast = {name: _unresolved(results, name, stages) for name in case.bodies}
     items += [
         Text(_alias_words(name, *modes, _nyquist(results)), warning=bool(modes[1]))
@@ -184,7 +207,8 @@ def _flat(document: dict[str, Any]) -> dict[str, Any]:
     for value in document.values():
         if isinstance(value, dict):
             flat = {**_flat(value), **flat}
-    return {**flat, **{key: value for key, value in document.items() if isinstance(value, (str, int, float))}}
+    plain = (str, int, float, list)
+    return {**flat, **{key: value for key, value in document.items() if isinstance(value, plain)}}
 
 
 def _with_unit(value: float, unit: str) -> str:
@@ -193,14 +217,47 @@ def _with_unit(value: float, unit: str) -> str:
 
 
 def _chosen_channels(case: Case, results: Results) -> tuple[str, ...]:
-    """Modal coordinates, sensors, the motion of bodies that move, reactions of those that are held."""
-    owners = [f"{name}.modal_position" for name in case.bodies]
-    owners += [f"{sensor.name}.position" for sensor in case.sensors]
-    for name in case.bodies:
-        owners += [f"{name}.{kind}" for kind in ("position", "angular_velocity", "reaction_force")]
-    return tuple(name for name in owners if name in results and np.any(np.ptp(results[name], axis=0)))[
-        :_PLOTS
+    """Modal coordinates, sensors, ropes, what joints do, the motion of bodies that move, reactions of held ones.
+
+    With joints, bodies are shown by their sensors, if there are any, and by how well the joints are closed.
+    """
+    owners = [f"{sensor.name}.position" for sensor in case.sensors]
+    modal = [f"{name}.modal_position" for name in case.bodies]
+    owners = [*owners, *modal] if case.joints or case.ropes else [*modal, *owners]
+    owners += [f"{rope.name}.tension" for rope in case.ropes]
+    owners += [
+        f"{joint.name}.{kind}"
+        for joint in case.joints
+        if getattr(joint, "drive", None) is not None
+        for kind in ("angle", "travel")
     ]
+    if not (case.joints and case.sensors):
+        for name in case.bodies:
+            owners += [f"{name}.{kind}" for kind in ("position", "angular_velocity", "reaction_force")]
+    chosen = [name for name in owners if name in results and np.any(np.ptp(results[name], axis=0))]
+    monitor = ["monitor.violation"] if case.joints and "monitor.violation" in results else []
+    return (*chosen[: _PLOTS - len(monitor)], *monitor)
+
+
+def _deviation_items(case: Case, results: Results, album: Album) -> list[Figure | Text]:
+    """Plots of the distances from reference histories."""
+    items: list[Figure | Text] = []
+    for reference in case.reference:
+        try:
+            times, distances = deviation_history(case, reference, results)
+        except InputError as error:
+            items.append(Text(f"No deviation {reference.name!r}: {error}", warning=True))
+            continue
+        unit = "" if reference.scale else results.unit(reference.channel)
+        title = f"{reference.channel}: deviation from {reference.file}"
+        curve = Series(reference.name, distances)
+        content = history_plot(times, [curve], title=title, unit=unit)
+        largest = f"{distances.max():.3g} {unit}".strip()
+        caption = (
+            f"Distance of {reference.channel} from the reference {reference.file}; the largest is {largest}."
+        )
+        items.append(Figure(album.add(f"deviation_{reference.name}", content), caption))
+    return items
 
 
 def _curves(results: Results, name: str) -> list[Series]:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline.advance import Advancer, stop_requests
+from heavylift.pipeline.channel_descriptions import CHANNEL_DESCRIPTIONS
+from heavylift.pipeline.diagnosis import diagnosis, diagnosis_lines, steps_taken
 from heavylift.pipeline.provenance import simulate_digest, source_digest, versions
 from heavylift.pipeline.results import ChannelInfo, load_results, merge_segments
 from heavylift.pipeline.segments import remove_segments
@@ -17,27 +19,7 @@ from heavylift.pipeline.storage import StopError, read_json, write_json
 if TYPE_CHECKING:
     from heavylift.pipeline.stages import Work
 
-__all__ = ["CHANNEL_DESCRIPTIONS", "simulate_stage"]
-
-CHANNEL_DESCRIPTIONS = {
-    "position": "position in the world",
-    "orientation": "unit quaternion from body to world axes, scalar first",
-    "velocity": "velocity in world axes",
-    "angular_velocity": "angular velocity in body axes",
-    "modal_position": "coordinates of the mass-normalised mode shapes",
-    "modal_velocity": "speeds of the mass-normalised mode shapes",
-    "reaction_force": "force that holds or drives the frame",
-    "reaction_moment": "moment that holds or drives the frame",
-    "momentum.linear": "linear momentum, world axes",
-    "momentum.angular": "angular momentum about the world origin, world axes",
-    "energy.kinetic": "kinetic energy",
-    "energy.elastic": "elastic energy",
-    "energy.potential": "potential energy of gravity",
-    "energy.external_work": "work of applied forces",
-    "energy.drive_work": "work of driven frames",
-    "energy.dissipated": "energy lost to damping",
-    "energy.balance": "kinetic + elastic + potential - works + dissipated; constant in exact arithmetic",
-}
+__all__ = ["simulate_stage"]
 
 
 def simulate_stage(work: Work) -> StageReport:
@@ -70,43 +52,61 @@ def simulate_stage(work: Work) -> StageReport:
 def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     """Simulate; `cut_off` tells that an earlier run in this folder had begun and did not end."""
     from heavylift.pipeline.assemble_scene import assemble_scene
+    from heavylift.pipeline.case_places import in_case
     from heavylift.solver.simulation import Simulation
 
     section, folder, log = work.case.simulate, work.folder, work.log
     assert section is not None
     scene = assemble_scene(work.case, folder)
-    simulation = Simulation(scene, section.step, section.integrator, record_every=section.record_every)
+    options: dict[str, Any] = {"record_every": section.record_every}
+    if section.solver_tolerance is not None:
+        options["tolerance"] = section.solver_tolerance
+    if section.start != "check":
+        options["start"] = section.start
+    with in_case(work.case):
+        simulation = Simulation(scene, section.solver_step, section.integrator, **options)
     with contextlib.suppress(FileNotFoundError):
         folder.results.unlink()  # from here on it would belong to other inputs
     # before compiling, which may take long: a kill from here on leaves word that a run had begun
     _write_manifest(work, digest, "unfinished", "", finished=False, details={})
-    simulation.warm_up()
+    with in_case(work.case):
+        simulation.warm_up()
     compile_s = simulation.compile_seconds
-    advancer = Advancer(simulation, folder.segments, digest, section.step_count)
+    about = diagnosis(simulation)
+    for line in diagnosis_lines(about):
+        log.say(f"simulate: {line}")
+    # of the simulation, not of the case: an integrator that was chosen may take its steps itself
+    count = section.interval_count * simulation.record_every
+    adaptive = section.step is None or simulation.integrator == "accurate"
+    advancer = Advancer(simulation, folder.segments, digest, count, adaptive=adaptive)
     done = advancer.resume()
     if done:
-        log.say(f"simulate: resumed from the checkpoint at t = {done * section.step:.9g} s, step {done}")
+        where = "record" if adaptive else "step"
+        reached = done * simulation.step
+        log.say(f"simulate: resumed from the checkpoint at t = {reached:.9g} s, {where} {done}")
     elif advancer.restart_reason or cut_off:
         forced = "--force" if "simulate" in work.force else "nothing had been written"
         log.say(f"simulate: restarted from t = 0: {advancer.restart_reason or forced}")
     try:
-        with stop_requests() as stop, log.progress("simulate", section.step_count, done) as progress:
+        with stop_requests() as stop, log.progress("simulate", count, done) as progress:
             outcome, message = advancer.run(stop, progress)
     except StopError as error:
         with contextlib.suppress(StopError):
             _write_manifest(work, digest, error.outcome.name.lower(), str(error), finished=False, details={})
         raise
+    steps = steps_taken(simulation)
     details: dict[str, Any] = {
         "outcome": outcome.name.lower(),
-        "steps": simulation.step_index,
-        "step_us": 1e6 * simulation.cpu_seconds / simulation.step_index if simulation.step_index else None,
+        "steps": steps,
+        "step_us": 1e6 * simulation.cpu_seconds / steps if steps else None,
         "cpu_s": simulation.cpu_seconds,
         "compile_s": compile_s,
         "energy_drift": None,
+        **about,
     }
     finished = outcome is not Outcome.INTERRUPTED
     if finished:
-        _merge(work, advancer, digest, outcome, message)
+        _merge(work, advancer, digest, outcome, message, about)
     if simulation.step_index:
         drift = _energy_drift(work)
         details["energy_drift"] = drift if math.isfinite(drift) else None
@@ -130,7 +130,14 @@ def _words(details: dict[str, Any]) -> str:
     return ", ".join(words)
 
 
-def _merge(work: Work, advancer: Advancer, digest: str, outcome: Outcome, message: str) -> None:
+def _merge(
+    work: Work,
+    advancer: Advancer,
+    digest: str,
+    outcome: Outcome,
+    message: str,
+    about: dict[str, Any],
+) -> None:
     """Merge the segments into the result file."""
     channels = [
         ChannelInfo(c.name, c.unit, tuple(c.components), c.column) for c in advancer.simulation.channels
@@ -143,10 +150,11 @@ def _merge(work: Work, advancer: Advancer, digest: str, outcome: Outcome, messag
         "digest": digest,
         "outcome": outcome.name.lower(),
         "message": message,
-        "integrator": section.integrator,
-        "step": section.step,
+        "step": advancer.simulation.step,
+        "tolerance": section.solver_tolerance or 0.0,
         "output_interval": section.output_interval,
-        "steps": advancer.simulation.step_index,
+        "steps": steps_taken(advancer.simulation),
+        **about,
         "cpu_s": advancer.simulation.cpu_seconds,
         "sources": list(work.case.sources),
         "versions": versions("simulate"),

@@ -377,7 +377,7 @@ def _located(case: Case, name: str) -> Any:
             source=_with_overrides(
                 case.file, [text for text in case.overrides if text.startswith(f"bodies.{name}.")]
             ),
-            key=f"bodies.{name}",
+            key=case.place(f"bodies.{name}"),
             expected=error.expected,
         ) from None
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.pipeline.case_sections import QuantityReference
+from heavylift.pipeline.case_checks import QuantityReference
 from heavylift.pipeline.quantity_names import parse_quantity_name
 from heavylift.pipeline.storage import StopError
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from heavylift.pipeline.case import Case
-    from heavylift.pipeline.case_sections import CheckSection
+    from heavylift.pipeline.case_checks import CheckSection
     from heavylift.pipeline.log import Log
     from heavylift.pipeline.quantities import CheckResult
 
@@ -37,7 +37,7 @@ class CaseVerdict:
     checks
         Every check, if the case got to them.
     missed
-        Every check, if it did not: they have no value and count as not passed.
+        Every check with its unit, if it did not: they have no value and count as not passed.
     message
         Why, if it did not.
     """
@@ -46,7 +46,7 @@ class CaseVerdict:
     outcome: Outcome
     cpu_s: float
     checks: tuple[CheckResult, ...] = ()
-    missed: tuple[CheckSection, ...] = ()
+    missed: tuple[tuple[CheckSection, str], ...] = ()
     message: str = ""
 
     def row(self) -> dict[str, Any]:
@@ -55,12 +55,15 @@ class CaseVerdict:
             "case": self.case,
             "outcome": self.outcome.name.lower(),
             "cpu_s": self.cpu_s,
-            "checks": [*(check.row() for check in self.checks), *(_missed_row(c) for c in self.missed)],
+            "checks": [
+                *(check.row() for check in self.checks),
+                *(_missed_row(*entry) for entry in self.missed),
+            ],
         }
         return {**row, "message": self.message} if self.message else row
 
 
-def _missed_row(check: CheckSection) -> dict[str, Any]:
+def _missed_row(check: CheckSection, unit: str) -> dict[str, Any]:
     """A check that was not reached, with the keys of `CheckResult.row`."""
     tolerance = check.tolerance
     return {
@@ -69,7 +72,7 @@ def _missed_row(check: CheckSection) -> dict[str, Any]:
         "reference": None if isinstance(check.reference, QuantityReference) else check.reference,
         "error": None,
         "tolerance": tolerance.relative if tolerance.relative is not None else tolerance.absolute,
-        "unit": parse_quantity_name(check.quantity).kind.unit,
+        "unit": unit,
         "source": check.source,
         "passed": False,
     }
@@ -91,10 +94,10 @@ def verify_case(
 
     name = path.resolve().parent.name if path.suffix == ".toml" else path.resolve().name
     cpu_s = 0.0
-    missed: tuple[CheckSection, ...] = ()
+    missed: tuple[tuple[CheckSection, str], ...] = ()
     try:
         case = load_changed_case(path, overrides)
-        missed = case.check
+        missed = tuple((check, case.quantity(check.quantity).kind.unit) for check in case.check)
         stages = needed_stages(_quantities(case))
         report = run_case(case, out=out, stages=stages, force=stages if force else (), log=log)
         cpu_s = report.cpu_s
@@ -143,7 +146,7 @@ def check_table(verdict: CaseVerdict) -> list[str]:
         lines += [f"  {line}" for line in verdict.message.splitlines()]
     if not verdict.checks and not verdict.missed and verdict.outcome is Outcome.COMPLETED:
         lines.append("  no checks")
-    lines += [f"  {check.id}: not reached, FAILED" for check in verdict.missed]
+    lines += [f"  {check.id}: not reached, FAILED" for check, _ in verdict.missed]
     if verdict.checks:
         width = max(len(check.id) for check in verdict.checks)
         lines.append(

@@ -31,7 +31,7 @@ def history(folder):
 def many_segments(monkeypatch):
     monkeypatch.setattr(advance, "SEGMENT_SECONDS", 0.0)
     monkeypatch.setattr(advance, "FIRST_PIECE", 17)
-    monkeypatch.setattr(advance, "_next_piece", lambda _piece, _seconds: 31)
+    monkeypatch.setattr(advance, "_next_piece", lambda _piece, _seconds, _growth: 31)
 
 
 @pytest.fixture

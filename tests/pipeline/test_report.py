@@ -416,9 +416,9 @@ def test_all_inputs_are_in_the_report(tmp_path, monkeypatch):
         "| gravity | (0, 0, -9.81) m/s^2 |",
         "| time integration | dele2: step 500 µs, output interval 1 ms, duration 1 s |",
         "| override (--set) | simulate.step=0.5 ms |",
-        "| push | bar | (400, 0, 0) mm | body | table of 2 points, 0 to 20 ms; smallest (0, 0, -3) N, ",
+        "| push | force, body axes | bar | (400, 0, 0) mm | table of 2 points, 0 to 20 ms; smallest (0, 0, -3) N, ",
         "largest (0, 12, 0) N |",
-        "| weight | rotor | (0, 0, 0) m | world | constant (0, 0, -5) kN |",
+        "| weight | force, world axes | rotor | (0, 0, 0) m | constant (0, 0, -5) kN |",
         "| tip | bar | (400, 50, 50) mm |",
         "| initial modal velocity | (200, 100) mm/s, shapes of largest component 1 |",
         "| geometry | blocks: 1 added |",
@@ -463,3 +463,98 @@ def test_both_forms_say_the_same():
     assert r"| &lt;p&gt; | \*3\* |" in markdown
     assert "|---|---:|" in markdown
     assert '<tr class="failed">' in page
+
+
+LINKS = """
+title = "Links without a mesh"
+[[repeat]]
+count = 6
+shift = ["1 m", 0, 0]
+[repeat.bodies."link_{i}"]
+type = "rigid"
+mass = "2 kg"
+inertia = [1, 1, 1]
+frame = { motion = "free" }
+[[repeat.joints]]
+type = "hinge"
+name = "pin_{i}"
+between = ["ground", "link_{i}"]
+at = [0, 0, 0]
+axis = [0, 1, 0]
+limits = { lower = "-30 deg", stiffness = "1 kN m/rad" }
+[[ropes]]
+name = "fall"
+axial_stiffness = "1 MN"
+path = [{ body = "ground", point = [0, 0, "5 m"] }, { body = "link_0", point = [0, 0, 0] }]
+[[forces]]
+type = "motor"
+name = "drum"
+joint = "pin_1"
+load = "20 N m"
+[[sensors]]
+name = "tip"
+body = "link_5"
+point = [0, 0, 0]
+[[reference]]
+name = "tip"
+channel = "tip.position"
+file = "tip.csv"
+[simulate]
+integrator = "accurate"
+output_interval = "10 ms"
+duration = "1 s"
+"""
+
+
+def test_a_scene_of_rigid_bodies_only(tmp_path, monkeypatch):
+    folder = tmp_path / "links"
+    folder.mkdir()
+    (folder / "case.toml").write_text(LINKS)
+    (folder / "tip.csv").write_text("time,x\n0,0\n0.5,0.25\n1,1\n")
+    case = load_case(folder)
+    times = np.linspace(0.0, 1.0, 101)
+    channels = {
+        "tip.position": (np.column_stack([times**2, 0 * times, times]), "m", ("x", "y", "z")),
+        "fall.tension": (1e3 * times, "N", ("tension",)),
+        "link_0.position": (np.column_stack([times] * 3), "m", ("x", "y", "z")),
+        "monitor.violation": (1e-9 * times, "m", ("violation",)),
+        "energy.kinetic": (times, "J", ("kinetic",)),
+        "energy.elastic": (1 - times, "J", ("elastic",)),
+        "energy.balance": (np.ones(101), "J", ("balance",)),
+    }
+    out = folder / "out"
+    (out / "simulate").mkdir(parents=True)
+    with h5py.File(OutputFolder(out).results, "w") as file:
+        file.attrs.update(format=FORMAT, channel_order=json.dumps(list(channels)), outcome="completed")
+        file.attrs.update(degrees_of_freedom=1, redundant=json.dumps(["joint 'pin_3'"]), choice="auto: stiff")
+        file["time"] = times
+        for name, (values, unit, parts) in channels.items():
+            data = file.create_dataset(f"channels/{name}", data=values.reshape(101, -1))
+            data.attrs.update(unit=unit, components=json.dumps(parts), column=0)
+
+    def no_renderer():
+        raise AssertionError  # nothing to draw in three dimensions
+
+    monkeypatch.setattr(report, "_renderer", no_renderer)
+    write_report(case, out / "report", out)
+    markdown = (out / "report" / "report.md").read_text().replace("\\_", "_")
+    for text in (
+        "accurate: tolerance 1e-07, output interval 10 ms, duration 1 s",
+        "| degrees of freedom | 1 |",
+        "| redundant joints | joint 'pin_3' |",
+        "| pin_2 | hinge | ground – link_2 | (2, 0, 0) m | (0, 1, 0) | limits from -523.599 mrad, 1 kN m/rad |",
+        "| fall | wire | ground – link_0 | EA 1 MN | as drawn |",
+        "| drum | motor | pin_1 |  | constant 20 N m |",
+        "## 6 rigid bodies",
+        "| link_4 | 2 | (0, 0, 0) m | diagonal (1, 1, 1) kg m^2 | free | position (4, 0, 0) m |",
+        "Distance of tip.position from the reference tip.csv; the largest is 0 m.",
+    ):
+        assert text in markdown, text
+    pictures = re.findall(r"\]\(([A-Za-z0-9_-]+)\.png\)", markdown)
+    assert pictures == [
+        "energy",
+        "history_tip_position",
+        "history_fall_tension",
+        "history_monitor_violation",
+        "deviation_tip",
+    ]

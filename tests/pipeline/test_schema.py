@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -14,9 +15,14 @@ from heavylift.pipeline.schema import case_schema
 jsonschema = pytest.importorskip("jsonschema")
 
 FOLDER = Path(__file__).parent
-FILES = [*sorted((FOLDER.parents[1] / "cases").glob("*/case.toml")), FOLDER / "small_beam.toml"]
+FILES = [
+    *sorted((FOLDER.parents[1] / "cases").glob("*/case.toml")),
+    FOLDER / "small_beam.toml",
+    FOLDER / "linkage.toml",
+]
 
 
+@functools.cache
 def validator() -> Any:
     """Validator of case files."""
     schema = case_schema()
@@ -90,3 +96,51 @@ def test_a_missing_key_is_invalid():
     case = document()
     del case["simulate"]["step"]
     assert not validator().is_valid(case)
+
+
+LINKAGE = FOLDER / "linkage.toml"
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"joints__0__limits__lower": -0.5},
+        {"joints__0__compliance": "1e-9 rad/(N m)"},
+        {"forces__0__type": "point"},
+        {"ropes__0__type": "wire"},
+        {"simulate": {"integrator": "accurate", "output_interval": 0.1, "duration": 1}},
+        {"simulate": {"tolerance": 1e-5, "output_interval": 0.1, "duration": 1, "start": "project"}},
+        {"parameters": {"n": 3}, "repeat": [{"count": "n + 1", "bodies": {"link_{i}": {}}}]},
+        {
+            "converge": {
+                "quantity": "drift.energy",
+                "reference": 0,
+                "series": [{"name": "a", "parameter": "simulate.step", "values": [1], "set": {"a.b": ""}}],
+            }
+        },
+    ],
+    ids=str,
+)
+def test_joints_and_series_are_valid(changes):
+    assert [error.message for error in validator().iter_errors(document(LINKAGE, **changes))] == []
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"joints__0__type": "hing"},
+        {"joints__0__between": ["arm"]},
+        {"joints__0__friction": -1},
+        {"joints__2__at": [0, 0, 0]},
+        {"ropes__0__axial_stiffness": 0},
+        {"ropes__0__path": []},
+        {"forces__1__stiffness": -1},
+        {"simulate": {"output_interval": 0.1, "duration": 1}},
+        {"simulate": {"integrator": "thesis", "output_interval": 0.1, "duration": 1}},
+        {"converge": {"quantity": "drift.energy", "reference": 0}},
+        {"repeat": [{"bodies": {}}]},
+    ],
+    ids=str,
+)
+def test_wrong_joints_and_series_are_invalid(changes):
+    assert not validator().is_valid(document(LINKAGE, **changes))

@@ -1,0 +1,356 @@
+"""From the joints, ropes, springs and motors of a case to what the solver integrates.
+
+Points and directions of a case stand in coordinates of geometries or in the world at the start; the solver
+takes them in the frames of the bodies.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
+from heavylift.pipeline.fields import GROUND
+from heavylift.solver import connections as c
+from heavylift.solver import scene as s
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from heavylift.pipeline.case import Case
+    from heavylift.pipeline.case_bodies import ProfileSection
+    from heavylift.pipeline.case_forces import JointSpringSection, MotorSection, SpringForceSection
+    from heavylift.pipeline.case_ropes import PathPointSection, SpringRopeSection, WireRopeSection
+
+__all__ = ["Side", "assemble_joints", "assemble_loads", "assemble_ropes", "make_profile", "start_sides"]
+
+COINCIDENT = 1e-9
+"""Distance [m] below which two points are one."""
+LARGEST_STRAIN = 0.5
+"""Strain of a rope at the start beyond which its length is taken for a mistake."""
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """A body, or the world, where it is at the start.
+
+    Attributes
+    ----------
+    position
+        Of the frame, world [m], shape (3,).
+    rotation
+        From frame to world axes, shape (3, 3).
+    origin
+        Of the frame in coordinates of the geometry [m], shape (3,).
+    """
+
+    position: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    origin: NDArray[np.float64]
+
+    def local(self, point: ArrayLike) -> NDArray[np.float64]:
+        """Point in the frame of a point in coordinates of the geometry [m]."""
+        return np.asarray(point, dtype=np.float64) - self.origin
+
+    def from_world(self, point: ArrayLike) -> NDArray[np.float64]:
+        """Point in the frame of a point in the world [m]."""
+        inner: NDArray[np.float64] = self.rotation.T @ (np.asarray(point, dtype=np.float64) - self.position)
+        return inner
+
+    def to_world(self, point: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Point in the world of a point in the frame [m]."""
+        return self.position + self.rotation @ point
+
+
+def start_sides(
+    bodies: Sequence[s.FlexibleBody | s.RigidBody], origins: Mapping[str, NDArray[np.float64]]
+) -> dict[str, Side]:
+    """The bodies and the world where they are at time 0, by name; driven frames as far as they are driven then."""
+    sides = {GROUND: Side(np.zeros(3), np.eye(3), np.zeros(3))}
+    for body in bodies:
+        position, rotation = body.position, rotation_matrix(body.orientation)
+        if isinstance(body.motion, s.Driven):
+            motion, pivot = body.motion, np.asarray(body.motion.pivot, dtype=np.float64)
+            angle, axis = _start_value(motion.angle), np.asarray(motion.axis, dtype=np.float64)
+            if angle:
+                turn = rotation_matrix(quaternion_from_rotation_vector(angle * axis / np.linalg.norm(axis)))
+                position, rotation = pivot + turn @ (position - pivot), turn @ rotation
+            position = position + np.array([_start_value(profile) for profile in motion.translation])
+        sides[body.name] = Side(position, rotation, origins[body.name])
+    return sides
+
+
+def _start_value(profile: s.Profile | None) -> float:
+    """Value of a profile at time 0."""
+    if profile is None:
+        return 0.0
+    value = sum(h.amplitude * float(np.sin(h.phase)) for h in profile.harmonics)
+    if len(profile.times):
+        from scipy.interpolate import CubicSpline
+
+        spline = CubicSpline(profile.times, profile.values, bc_type="clamped")
+        value += float(spline(np.clip(0.0, profile.times[0], profile.times[-1])))
+    return value
+
+
+def make_profile(profile: ProfileSection[Any] | None) -> s.Profile | None:
+    """Function of time of a section."""
+    if profile is None:
+        return None
+    harmonics = tuple(s.Harmonic(h.amplitude, h.frequency, h.phase) for h in profile.harmonics)
+    return s.Profile(np.array(profile.times, dtype=float), np.array(profile.values, dtype=float), harmonics)
+
+
+def assemble_joints(case: Case, sides: Mapping[str, Side]) -> tuple[c.Joint, ...]:
+    """Joints of a case."""
+    found = []
+    for index, joint in enumerate(case.joints):
+        with _at(case, f"joints.{index}"):
+            found.append(_JOINTS[joint.type](joint, sides))
+    return tuple(found)
+
+
+@contextlib.contextmanager
+def _at(case: Case, key: str) -> Iterator[None]:
+    """Name the place in the case file in errors that know it not."""
+    try:
+        yield
+    except InputError as error:
+        place = case.place(f"{key}.{error.key}".removesuffix("."))
+        raise InputError(error.problem, source=case.file, key=place, expected=error.expected) from None
+
+
+def _common(joint: Any, a: Side, b: Side, axes_a: Any, axes_b: Any) -> dict[str, Any]:
+    """What all joints have, from the world axes of both joint frames at the start, columns, shape (3, 3)."""
+    if getattr(joint, "at", None) is not None:
+        points = a.from_world(joint.at), b.from_world(joint.at)
+    else:
+        points = a.local(joint.points[0]), b.local(joint.points[1])
+    return {
+        "name": joint.name,
+        "body_a": joint.between[0],
+        "body_b": joint.between[1],
+        "frame_a": c.JointFrame(points[0], a.rotation.T @ axes_a),
+        "frame_b": c.JointFrame(points[1], b.rotation.T @ axes_b),
+        "compliance": joint.compliance,
+        "relaxation": joint.relaxation,
+    }
+
+
+def _plain(joint: Any, sides: Mapping[str, Side]) -> dict[str, Any]:
+    """A joint without axis: both joint frames are upright in the world at the start."""
+    a, b = (sides[name] for name in joint.between)
+    return _common(joint, a, b, np.eye(3), np.eye(3))
+
+
+def _along_axis(joint: Any, sides: Mapping[str, Side], second: Any = None) -> dict[str, Any]:
+    """A joint with an axis; angle and travel are zero at the start where both sides fit.
+
+    The x axes of both frames are as near to the reference direction, or to that of a, as they can be.
+    """
+    a, b = (sides[name] for name in joint.between)
+    if joint.axes is not None:
+        z_a, z_b = a.rotation @ np.array(joint.axes[0]), b.rotation @ np.array(joint.axes[1])
+    else:
+        z_a = np.array(joint.axis)
+        z_b = z_a if second is None else np.array(second)
+    reference = None if joint.reference is None else np.array(joint.reference)
+    axes_a = c.axes_about(z_a, reference, source=joint.name)
+    if joint.type == "universal":
+        if np.linalg.norm(np.cross(z_a, z_b)) <= 1e-9 * np.linalg.norm(z_a) * np.linalg.norm(z_b):
+            raise InputError(
+                "the axes of its two sides are parallel", key="axes", expected="axes square to each other"
+            )
+        return _common(joint, a, b, axes_a, c.axes_about(z_b, source=joint.name))
+    try:
+        axes_b = c.axes_about(z_b, axes_a[:, 0], source=joint.name)
+    except InputError:
+        raise InputError(
+            "the axes of its two sides are square to each other", key="axes", expected="axes that agree"
+        ) from None
+    return _common(joint, a, b, axes_a, axes_b)
+
+
+def _limits(limits: Any) -> c.Limits | None:
+    if limits is None:
+        return None
+    return c.Limits(
+        lower=-np.inf if limits.lower is None else limits.lower,
+        upper=np.inf if limits.upper is None else limits.upper,
+        stiffness=limits.stiffness,
+        damping=limits.damping,
+    )
+
+
+def _driven(joint: Any) -> dict[str, Any]:
+    return {
+        "drive": make_profile(joint.drive),
+        "limits": _limits(joint.limits),
+        "friction": joint.friction,
+    }
+
+
+def _slider_hinge(joint: Any, sides: Mapping[str, Side]) -> c.SliderHinge:
+    parts = _along_axis(joint, sides)
+    to_frame = (sides[joint.between[0]].rotation @ parts["frame_a"].axes).T
+    return c.SliderHinge(**parts, slide_axis=to_frame @ np.array(joint.slide_axis))
+
+
+def _distance(joint: Any, sides: Mapping[str, Side]) -> c.Distance:
+    parts = _plain(joint, sides)
+    ends = [sides[name].to_world(parts[key].point) for name, key in zip(joint.between, _FRAMES, strict=True)]
+    if joint.length is None and np.linalg.norm(ends[0] - ends[1]) <= COINCIDENT:
+        raise InputError("the two points coincide", key="points", expected="two places, or a ball joint")
+    return c.Distance(**parts, length=joint.length)
+
+
+_FRAMES = ("frame_a", "frame_b")
+_JOINTS: dict[str, Any] = {
+    "ball": lambda joint, sides: c.Ball(**_plain(joint, sides)),
+    "fixed": lambda joint, sides: c.FixedJoint(**_plain(joint, sides)),
+    "distance": _distance,
+    "universal": lambda joint, sides: c.Universal(**_along_axis(joint, sides, joint.second_axis)),
+    "hinge": lambda joint, sides: c.Hinge(**_along_axis(joint, sides), **_driven(joint)),
+    "slider": lambda joint, sides: c.Slider(**_along_axis(joint, sides), **_driven(joint)),
+    "cylindrical": lambda joint, sides: c.Cylindrical(**_along_axis(joint, sides)),
+    "planar": lambda joint, sides: c.Planar(**_along_axis(joint, sides)),
+    "slider_hinge": _slider_hinge,
+}
+
+
+def assemble_ropes(case: Case, sides: Mapping[str, Side]) -> tuple[c.Rope | c.SpringRope, ...]:
+    """Ropes of a case."""
+    found: list[c.Rope | c.SpringRope] = []
+    for index, rope in enumerate(case.ropes):
+        with _at(case, f"ropes.{index}"):
+            found.append(_wire(rope, sides) if rope.type == "wire" else _spring_rope(rope, sides))
+    return tuple(found)
+
+
+def _wire(rope: WireRopeSection, sides: Mapping[str, Side]) -> c.Rope:
+    path = tuple(_rope_point(stop, sides) for stop in rope.path)
+    places = [sides[stop.body].to_world(stop.point) for stop in path]
+    # every place where the rope touches a pulley is within its radius of the centre, so the path is no shorter
+    shortest = float(sum(np.linalg.norm(q - p) for p, q in pairwise(places)))
+    shortest -= 2.0 * sum(stop.radius for stop in path)
+    if rope.length is not None:
+        _check_strain(shortest, rope.length)
+    elif shortest <= 0.0 and not any(stop.radius for stop in path):
+        raise InputError("all its points coincide", key="path", expected="a path with a length, or 'length'")
+    winch = None
+    if rope.winch is not None:
+        winch = c.Winch(np.array(rope.winch.times), np.array(rope.winch.speeds))
+    return c.Rope(
+        name=rope.name,
+        path=path,
+        axial_stiffness=rope.axial_stiffness,
+        length=rope.length,
+        damping=rope.damping,
+        winch=winch,
+    )
+
+
+def _rope_point(stop: PathPointSection, sides: Mapping[str, Side]) -> c.RopePoint:
+    axis = np.array([0.0, 0.0, 1.0] if stop.axis is None else stop.axis)
+    return c.RopePoint(stop.body, sides[stop.body].local(stop.point), stop.radius, axis)
+
+
+def _check_strain(path: float, length: float) -> None:
+    """Refuse a rope that its path stretches beyond reason."""
+    strain = path / length - 1.0
+    if strain > LARGEST_STRAIN:
+        raise InputError(
+            f"{length:.6g} m is shorter than the path of at least {path:.6g} m by {path - length:.6g} m, a strain "
+            f"of {100.0 * strain:.3g} % at the start",
+            key="length",
+            expected=f"a length of at least {path / (1.0 + LARGEST_STRAIN):.6g} m, or none for a rope as drawn",
+        )
+
+
+def _ends(
+    names: Sequence[str], points: Sequence[ArrayLike], sides: Mapping[str, Side]
+) -> tuple[dict[str, Any], float]:
+    """Ends of something between two points, and their distance at the start [m]."""
+    p, q = (sides[name].local(point) for name, point in zip(names, points, strict=True))
+    length = float(np.linalg.norm(sides[names[1]].to_world(q) - sides[names[0]].to_world(p)))
+    return {"body_a": names[0], "point_a": p, "body_b": names[1], "point_b": q}, length
+
+
+def _spring_rope(rope: SpringRopeSection, sides: Mapping[str, Side]) -> c.SpringRope:
+    ends, drawn = _ends([stop.body for stop in rope.path], [stop.point for stop in rope.path], sides)
+    return c.SpringRope(
+        name=rope.name,
+        **ends,
+        length=drawn if rope.length is None else rope.length,
+        stiffness=rope.stiffness,
+        damping=rope.damping,
+    )
+
+
+def assemble_loads(
+    case: Case, sides: Mapping[str, Side]
+) -> list[s.PointForce | c.Spring | c.JointSpring | c.JointMotor]:
+    """Forces, springs and motors of a case."""
+    return [_LOADS[force.type](force, sides) for force in case.forces]
+
+
+def _point_force(force: Any, sides: Mapping[str, Side]) -> s.PointForce:
+    constant = force.force is not None
+    return s.PointForce(
+        name=force.name,
+        body=force.body,
+        point=sides[force.body].local(force.point),
+        times=np.array([0.0]) if constant else np.array(force.times),
+        forces=np.array([force.force]) if constant else np.array(force.forces),
+        frame=force.frame,
+    )
+
+
+def _spring(force: SpringForceSection, sides: Mapping[str, Side]) -> c.Spring:
+    ends, drawn = _ends(force.between, force.points, sides)
+    return c.Spring(
+        name=force.name,
+        **ends,
+        length=drawn if force.length is None else force.length,
+        stiffness=force.stiffness or 0.0,
+        damping=force.damping,
+        elongations=np.array(force.elongations, dtype=float),
+        forces=np.array(force.forces, dtype=float),
+    )
+
+
+def _joint_spring(force: JointSpringSection, _sides: Mapping[str, Side]) -> c.JointSpring:
+    return c.JointSpring(
+        name=force.name,
+        joint=force.joint,
+        rest=force.rest,
+        stiffness=force.stiffness or 0.0,
+        damping=force.damping,
+        deflections=np.array(force.deflections, dtype=float),
+        loads=np.array(force.loads, dtype=float),
+    )
+
+
+def _motor(force: MotorSection, _sides: Mapping[str, Side]) -> c.JointMotor:
+    constant = force.load is not None
+    return c.JointMotor(
+        name=force.name,
+        joint=force.joint,
+        times=np.array([0.0]) if constant else np.array(force.times),
+        loads=np.array([force.load]) if constant else np.array(force.loads),
+    )
+
+
+_LOADS: dict[str, Any] = {
+    "point": _point_force,
+    "spring": _spring,
+    "joint_spring": _joint_spring,
+    "motor": _motor,
+}

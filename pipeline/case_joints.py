@@ -1,0 +1,291 @@
+"""Tables of a case file that describe joints, one a type, named by what they allow."""
+
+# Annotations are evaluated by pydantic, so the imports below are needed at run time.
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from heavylift.pipeline.case_bodies import ProfileSection
+from heavylift.pipeline.fields import (
+    GROUND,
+    AnyOf,
+    Direction,
+    LengthVector,
+    Positive,
+    Quantity,
+    Section,
+    SideName,
+    UniqueName,
+    reject,
+)
+
+__all__ = [
+    "AngleLimitsSection",
+    "AxisJointSection",
+    "BallJointSection",
+    "CylindricalJointSection",
+    "DistanceJointSection",
+    "FixedJointSection",
+    "HingeJointSection",
+    "Joint",
+    "JointSection",
+    "PlacedJointSection",
+    "PlanarJointSection",
+    "SliderHingeJointSection",
+    "SliderJointSection",
+    "TravelLimitsSection",
+    "UniversalJointSection",
+    "check_sides",
+]
+
+PARALLEL = 1e-9
+"""Sine of the angle below which two directions are parallel."""
+
+Sides = tuple[SideName, SideName]
+Pair = tuple[LengthVector, LengthVector]
+Axes = tuple[Direction, Direction]
+Compliance = Annotated[float, Quantity("compliance", minimum=0.0, closed=True)]
+AnyCompliance = Annotated[
+    float,
+    AnyOf(
+        Quantity("compliance", minimum=0.0, closed=True),
+        Quantity("angular compliance", minimum=0.0, closed=True),
+    ),
+]
+Angle = Annotated[float, Quantity("angle")]
+Length = Annotated[float, Quantity("length")]
+
+
+class AngleLimitsSection(Section):
+    """Stops of an angle: a spring and a damper beyond each."""
+
+    lower: Angle | None = None
+    """Smallest angle [rad]; none if absent."""
+    upper: Angle | None = None
+    """Largest angle [rad]; none if absent."""
+    stiffness: Annotated[float, Positive("angular stiffness")]
+    """Of the stops [N m/rad]."""
+    damping: Annotated[float, Quantity("angular damping", minimum=0.0, closed=True)] = 0.0
+    """Of the stops [N m s/rad]."""
+
+    @model_validator(mode="after")
+    def _is_a_range(self) -> "AngleLimitsSection":
+        _check_range(self.lower, self.upper, "rad")
+        return self
+
+
+class TravelLimitsSection(Section):
+    """Stops of a travel: a spring and a damper beyond each."""
+
+    lower: Length | None = None
+    """Smallest travel [m]; none if absent."""
+    upper: Length | None = None
+    """Largest travel [m]; none if absent."""
+    stiffness: Annotated[float, Positive("stiffness")]
+    """Of the stops [N/m]."""
+    damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
+    """Of the stops [N s/m]."""
+
+    @model_validator(mode="after")
+    def _is_a_range(self) -> "TravelLimitsSection":
+        _check_range(self.lower, self.upper, "m")
+        return self
+
+
+def _check_range(lower: float | None, upper: float | None, unit: str) -> None:
+    if lower is None and upper is None:
+        reject("neither 'lower' nor 'upper'", "one of them, or both")
+    if lower is not None and upper is not None and lower >= upper:
+        reject(f"lower = {lower:g} {unit} is not below upper = {upper:g} {unit}", "lower < upper")
+
+
+class JointSection(Section):
+    """What all joints have."""
+
+    name: UniqueName
+    """Name; the first part of its channels."""
+    between: Sides
+    """Its two sides a and b: names of bodies, or ``"ground"`` for the world."""
+    compliance: AnyCompliance = 0.0
+    """Physical compliance of its rows [m/N], and [rad/(N m)] with the same number; 0 is rigid."""
+    relaxation: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.0
+    """Time [s] in which a violation decays; a compliant joint is damped by it."""
+
+    @field_validator("between")
+    @classmethod
+    def _joins_two(cls, value: tuple[str, str]) -> tuple[str, str]:
+        check_sides(value)
+        return value
+
+
+class PlacedJointSection(JointSection):
+    """What all joints have whose two points coincide in some way."""
+
+    at: LengthVector | None = None
+    """Where it is at the start [m], in the world, for both sides."""
+    points: Pair | None = None
+    """In place of `at`, one point a side [m] in the coordinates of the geometry of the body; of the ground in the
+    world."""
+
+    @model_validator(mode="after")
+    def _has_a_place(self) -> "PlacedJointSection":
+        if (self.at is None) == (self.points is None):
+            reject(
+                "both 'at' and 'points'" if self.points else "neither 'at' nor 'points'",
+                "'at' (a point in the world), or 'points' (one a side, in coordinates of the bodies)",
+            )
+        return self
+
+
+def check_sides(between: tuple[str, str]) -> None:
+    """Two sides are two different bodies, or a body and the world."""
+    if between == (GROUND, GROUND):
+        reject("both sides are the ground", "at least one body")
+    if between[0] == between[1]:
+        reject(f"both sides are {between[0]!r}", "two different bodies, or a body and 'ground'")
+
+
+class AxisJointSection(PlacedJointSection):
+    """What all joints with an axis have."""
+
+    axis: Direction | None = None
+    """World direction of its axis at the start, any length, for both sides: z of the joint frames."""
+    axes: Axes | None = None
+    """In place of `axis`, one direction a side in the coordinates of the geometry of the body; of the ground in the
+    world."""
+    reference: Direction | None = None
+    """World direction of x of the joint frames at the start, where an angle is zero; chosen if absent."""
+
+    @model_validator(mode="after")
+    def _has_an_axis(self) -> "AxisJointSection":
+        if (self.axis is None) == (self.axes is None):
+            reject(
+                "both 'axis' and 'axes'" if self.axes else "neither 'axis' nor 'axes'",
+                "'axis' (a direction in the world), or 'axes' (one a side, in coordinates of the bodies)",
+            )
+        if self.axis is not None and self.reference is not None and is_parallel(self.axis, self.reference):
+            reject(
+                f"{_shown(self.reference)} is parallel to the axis",
+                "a direction across the axis",
+                key="reference",
+            )
+        return self
+
+
+def is_parallel(a: tuple[float, float, float], b: tuple[float, float, float]) -> bool:
+    """Whether two directions, neither zero, are parallel."""
+    across = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    return math.hypot(*across) <= PARALLEL * math.hypot(*a) * math.hypot(*b)
+
+
+def _shown(vector: tuple[float, float, float]) -> str:
+    return "[" + ", ".join(f"{entry:g}" for entry in vector) + "]"
+
+
+class BallJointSection(PlacedJointSection):
+    """The two points coincide."""
+
+    type: Literal["ball"]
+    compliance: Compliance = 0.0
+    """Physical compliance of its rows [m/N]; 0 is rigid."""
+
+
+class UniversalJointSection(AxisJointSection):
+    """The points coincide, and the axis of a stays square to the axis of b."""
+
+    type: Literal["universal"]
+    second_axis: Direction | None = None
+    """With `axis`, the axis of a: world direction of the axis of b at the start, any length."""
+
+    @model_validator(mode="after")
+    def _is_a_cross(self) -> "UniversalJointSection":
+        if self.axes is not None and self.second_axis is not None:
+            reject("both 'axes' and 'second_axis'", "'axis' and 'second_axis', or 'axes'")
+        if self.axis is not None and self.second_axis is None:
+            reject("'axis' without 'second_axis'", "the axis of b, square to that of a")
+        if (
+            self.axis is not None
+            and self.second_axis is not None
+            and is_parallel(self.axis, self.second_axis)
+        ):
+            problem = f"{_shown(self.second_axis)} is parallel to axis = {_shown(self.axis)}"
+            reject(problem, "a direction square to 'axis'", key="second_axis")
+        return self
+
+
+class HingeJointSection(AxisJointSection):
+    """The points and the axes coincide; b turns about the axis, by the angle."""
+
+    type: Literal["hinge"]
+    drive: ProfileSection[Angle] | None = None
+    """The angle as a function of time [rad]."""
+    limits: AngleLimitsSection | None = None
+    """Stops of the angle."""
+    friction: Annotated[float, Quantity("moment or energy", minimum=0.0, closed=True)] = 0.0
+    """Dry friction [N m]."""
+
+
+class CylindricalJointSection(AxisJointSection):
+    """The point of b slides along the axis, and b turns about it."""
+
+    type: Literal["cylindrical"]
+
+
+class SliderJointSection(AxisJointSection):
+    """The point of b slides along the axis without turning, by the travel."""
+
+    type: Literal["slider"]
+    drive: ProfileSection[Length] | None = None
+    """The travel as a function of time [m]."""
+    limits: TravelLimitsSection | None = None
+    """Stops of the travel."""
+    friction: Annotated[float, Quantity("force", minimum=0.0, closed=True)] = 0.0
+    """Dry friction [N]."""
+
+
+class SliderHingeJointSection(AxisJointSection):
+    """The point of b slides along one axis of a, and b turns about another."""
+
+    type: Literal["slider_hinge"]
+    slide_axis: Direction
+    """World direction of the travel at the start, any length; `axis` is that of the turn."""
+
+
+class FixedJointSection(PlacedJointSection):
+    """The two sides move as one."""
+
+    type: Literal["fixed"]
+
+
+class PlanarJointSection(AxisJointSection):
+    """The point of b stays in the plane across the axis of a, and the axes are parallel."""
+
+    type: Literal["planar"]
+
+
+class DistanceJointSection(JointSection):
+    """The distance of the two points is kept."""
+
+    type: Literal["distance"]
+    points: Pair
+    """One point a side [m] in the coordinates of the geometry of the body; of the ground in the world."""
+    length: Annotated[float, Positive("length")] | None = None
+    """Distance [m]; as at the start if absent."""
+    compliance: Compliance = 0.0
+    """Physical compliance [m/N]; 0 is rigid."""
+
+
+Joint = Annotated[
+    BallJointSection
+    | UniversalJointSection
+    | HingeJointSection
+    | CylindricalJointSection
+    | SliderJointSection
+    | SliderHingeJointSection
+    | FixedJointSection
+    | PlanarJointSection
+    | DistanceJointSection,
+    Field(discriminator="type"),
+]

@@ -1,0 +1,51 @@
+"""Where in a case file the things stand that the solver names."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import TYPE_CHECKING
+
+from heavylift.numerics.outcome import InputError, InputErrors
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from heavylift.pipeline.case import Case
+
+__all__ = ["in_case", "places"]
+
+
+def places(case: Case) -> dict[str, str]:
+    """Dotted keys in the case file of its bodies, joints, ropes, forces and sensors, by their names."""
+    found = {name: case.place(f"bodies.{name}") for name in case.bodies}
+    for section in ("joints", "ropes", "forces", "sensors"):
+        for index, entry in enumerate(getattr(case, section)):
+            found[entry.name] = case.place(f"{section}.{index}")
+    return found
+
+
+@contextlib.contextmanager
+def in_case(case: Case) -> Iterator[None]:
+    """Put the case file, and the place of what is named, into errors that know only names of the scene."""
+    try:
+        yield
+    except InputError as error:
+        if str(case.folder) in error.source:
+            raise
+        known = places(case)
+        parts = error.errors if isinstance(error, InputErrors) else [error]
+        told = [_placed(part, known, case) for part in parts]
+        raise told[0] if len(told) == 1 else InputErrors(told) from None
+
+
+def _placed(error: InputError, known: dict[str, str], case: Case) -> InputError:
+    """The error at a dotted key of the case file."""
+    problem = error.problem
+    if error.source in known:
+        key = f"{known[error.source]}.{error.key}".removesuffix(".")
+    elif error.key in known:
+        key = known[error.key]
+    else:
+        key = "simulate" if error.source == "simulation" else error.source
+        problem = f"{error.key}: {problem}" if error.key else problem
+    return InputError(problem, source=case.file, key=key, expected=error.expected)

@@ -1,0 +1,164 @@
+"""Recorded channels by what owns them: the last parts of their names, their kinds and components."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+__all__ = [
+    "ALL_CHANNELS",
+    "JOINT_TRAVELS",
+    "RESERVED_NAMES",
+    "SCENE_CHANNELS",
+    "Declared",
+    "channel_components",
+    "declared",
+    "load_kind",
+]
+
+ENERGIES = ("kinetic", "elastic", "potential", "external_work", "drive_work", "dissipated", "balance")
+SCENE_CHANNELS = {f"energy.{name}": "moment or energy" for name in ENERGIES} | {
+    "momentum.linear": "momentum",
+    "momentum.angular": "angular momentum",
+    "monitor.violation": "number",
+    "monitor.pivot": "number",
+}
+"""Channels of the whole scene: name to kind."""
+RESERVED_NAMES = frozenset({"energy", "momentum", "time", "monitor", "ground"})
+"""Names that nothing in a case may take: first parts of channels of the scene, and the world."""
+
+_POINT = {"position": "length", "velocity": "velocity"}
+_FRAME = _POINT | {"orientation": "number", "angular_velocity": "angular velocity"}
+_MODAL = {"modal_position": "modal coordinate", "modal_velocity": "modal velocity"}
+_REACTION = {"reaction_force": "force", "reaction_moment": "moment or energy"}
+_ANGLE = {"angle": "angle", "angular_rate": "angular velocity"}
+_TRAVEL = {"travel": "length", "travel_rate": "velocity"}
+_ROPE = {
+    "tension": "force",
+    "segment_tension": "force",
+    "length": "length",
+    "rest_length": "length",
+    "drift": "length",
+}
+_SPRING = {"force": "force", "length": "length"}
+_LOAD = {"load": "moment or energy"}
+
+JOINT_TRAVELS: dict[str, frozenset[str]] = {
+    "ball": frozenset(),
+    "universal": frozenset(),
+    "hinge": frozenset({"angle"}),
+    "cylindrical": frozenset({"angle", "travel"}),
+    "slider": frozenset({"travel"}),
+    "slider_hinge": frozenset({"angle", "travel"}),
+    "fixed": frozenset(),
+    "planar": frozenset(),
+    "distance": frozenset(),
+}
+"""Types of joints, and whether they have an angle or a travel."""
+
+ALL_CHANNELS = _FRAME | _MODAL | _REACTION | _ANGLE | _TRAVEL | _ROPE | _SPRING | _LOAD
+"""Every last part of a channel that a body, sensor, joint, rope or force may have: name to kind."""
+
+_VECTORS = frozenset({*_POINT, "angular_velocity", *_REACTION, "linear", "angular"})
+
+
+def channel_components(kind: str) -> tuple[str, ...] | None:
+    """Components of a channel by the last part of its name; of numbers that part; None if the scene decides."""
+    if kind in _VECTORS:
+        return ("x", "y", "z")
+    if kind == "orientation":
+        return ("q0", "q1", "q2", "q3")
+    return None if kind in {*_MODAL, "segment_tension"} else (kind,)
+
+
+def load_kind(joint_type: str) -> str:
+    """Kind of the load along a joint: a force where it slides, a moment where it turns."""
+    return "force" if JOINT_TRAVELS.get(joint_type) == {"travel"} else "moment or energy"
+
+
+@dataclass(frozen=True)
+class Declared:
+    """Names that a document declares, whatever else may be wrong with it.
+
+    Attributes
+    ----------
+    names
+        Bodies, sensors, forces, joints and ropes, with how often each occurs.
+    bodies
+        Names of the bodies.
+    joints
+        Types of the joints by name.
+    channels
+        By owner: last parts of its channels, and their kinds.
+    references
+        Reference histories by name: the channel, and whether the deviation is scaled.
+    reference_names, check_ids
+        How often each occurs.
+    """
+
+    names: Counter[str] = field(default_factory=Counter)
+    bodies: frozenset[str] = frozenset()
+    joints: Mapping[str, str] = field(default_factory=dict)
+    channels: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    references: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
+    reference_names: Counter[str] = field(default_factory=Counter)
+    check_ids: Counter[str] = field(default_factory=Counter)
+
+
+def declared(document: Mapping[str, Any]) -> Declared:
+    """Collect the names of a document as read from TOML, blocks written out."""
+    bodies = document.get("bodies", {})
+    bodies = bodies if isinstance(bodies, dict) else {}
+    channels: dict[str, Mapping[str, str]] = {}
+    for name, body in bodies.items():
+        channels[name] = _body_channels(body if isinstance(body, dict) else {})
+    joints: dict[str, str] = {}
+    for name, row in _named(document, "joints"):
+        joints.setdefault(name, str(row.get("type")))  # of a name that occurs again the first one counts
+    channels |= {name: _joint_channels(kind) for name, kind in joints.items()}
+    channels |= {name: _ROPE for name, _ in _named(document, "ropes")}
+    channels |= {name: _POINT for name, _ in _named(document, "sensors")}
+    channels |= {name: _force_channels(row, joints) for name, row in _named(document, "forces")}
+    lists = ("sensors", "forces", "joints", "ropes")
+    return Declared(
+        names=Counter([*bodies, *(name for key in lists for name, _ in _named(document, key))]),
+        bodies=frozenset(bodies),
+        joints=joints,
+        channels=channels,
+        references={
+            name: (str(row.get("channel")), row.get("scale") is not None)
+            for name, row in _named(document, "reference")
+        },
+        reference_names=Counter(name for name, _ in _named(document, "reference")),
+        check_ids=Counter(name for name, _ in _named(document, "check", "id")),
+    )
+
+
+def _named(document: Mapping[str, Any], key: str, name: str = "name") -> Iterator[tuple[str, dict[str, Any]]]:
+    """Entries of a list of tables that have a name."""
+    rows: Iterable[Any] = document.get(key, [])
+    for row in rows if isinstance(rows, list) else ():
+        if isinstance(row, dict) and isinstance(row.get(name), str):
+            yield row[name], row
+
+
+def _body_channels(body: Mapping[str, Any]) -> Mapping[str, str]:
+    frame = body.get("frame")
+    free = isinstance(frame, dict) and frame.get("motion") == "free"
+    return _FRAME | (_MODAL if body.get("type") == "flexible" else {}) | ({} if free else _REACTION)
+
+
+def _joint_channels(kind: str) -> Mapping[str, str]:
+    travels = JOINT_TRAVELS.get(kind, frozenset())
+    return _REACTION | (_ANGLE if "angle" in travels else {}) | (_TRAVEL if "travel" in travels else {})
+
+
+def _force_channels(row: Mapping[str, Any], joints: Mapping[str, str]) -> Mapping[str, str]:
+    kind = row.get("type", "point")
+    if kind in {"joint_spring", "motor"}:
+        return {"load": load_kind(joints.get(str(row.get("joint")), ""))}
+    return _SPRING if kind == "spring" else {}

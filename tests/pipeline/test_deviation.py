@@ -1,0 +1,91 @@
+"""The deviation from a reference history is the largest distance, over the components that the file has."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline import load_case
+from heavylift.pipeline.deviation import deviation_history
+from heavylift.pipeline.quantities import Quantities
+from heavylift.pipeline.results import ChannelInfo, Results
+
+TIMES = 0.01 * np.arange(101)
+CIRCLE = np.column_stack([np.cos(TIMES), np.sin(TIMES), 2.0 * TIMES])
+
+
+@pytest.fixture
+def folder(tmp_path):
+    folder = tmp_path / "linkage"
+    folder.mkdir()
+    shutil.copyfile(Path(__file__).parent / "linkage.toml", folder / "case.toml")
+    return folder
+
+
+def write(folder, columns, every=10):
+    names = "time," + ",".join(columns)
+    rows = np.column_stack([TIMES, *columns.values()])[::every]
+    lines = ["# made for tests", names, *(",".join(map(repr, row.tolist())) for row in rows)]
+    (folder / "history.csv").write_text("\n".join(lines) + "\n")
+
+
+def results_of(channels):
+    infos, columns, column = {}, {}, 0
+    for name, values in channels.items():
+        parts = ("x", "y", "z") if values.ndim == 2 else (name.partition(".")[2],)
+        infos[name] = ChannelInfo(name, "m", parts, column)
+        columns[name] = values.reshape(len(values), -1)
+        column += len(parts)
+    return Results(Path("results.h5"), TIMES[: len(next(iter(columns.values())))], infos, columns, {})
+
+
+def evaluate(folder, results, *overrides, channel="hook.position"):
+    reference = f'reference=[{{name="hook", channel="{channel}", file="history.csv"}}]'
+    case = load_case(folder, [reference, *overrides])
+    quantities = Quantities(case, folder / "out")
+    quantities.__dict__["results"] = results
+    return case, quantities.number("deviation.hook")
+
+
+def test_a_history_shifted_in_space_is_off_by_the_shift(folder):
+    off = CIRCLE + np.array([3e-3, 0, -4e-3])
+    write(folder, {"x": off[:, 0], "y": off[:, 1], "z": off[:, 2]})
+    results = results_of({"hook.position": CIRCLE})
+    case, value = evaluate(folder, results)
+    assert value == pytest.approx(5e-3, rel=1e-12)
+    assert case.quantity("deviation.hook").kind.unit == "m"
+    case, value = evaluate(folder, results, 'reference.0.scale="10 mm"')
+    assert value == pytest.approx(0.5, rel=1e-12)
+    assert case.quantity("deviation.hook").kind.unit == "1"
+
+
+def test_components_that_the_file_has_not_are_not_compared(folder):
+    write(folder, {"y": CIRCLE[:, 1], "x": CIRCLE[:, 0] + 1e-3})
+    assert evaluate(folder, results_of({"hook.position": CIRCLE}))[1] == pytest.approx(1e-3, rel=1e-9)
+
+
+@pytest.mark.parametrize("column", ["angle", "value"])
+def test_a_channel_of_numbers(folder, column):
+    write(folder, {column: TIMES**2})
+    _, value = evaluate(folder, results_of({"foot.angle": TIMES**2 + 1e-4 * TIMES}), channel="foot.angle")
+    assert value == pytest.approx(1e-4, rel=1e-9)
+
+
+def test_the_instant_of_the_largest_deviation(folder):
+    bump = CIRCLE.copy()
+    bump[40, 1] += 1e-2
+    write(folder, {"y": CIRCLE[:, 1]})
+    case, _ = evaluate(folder, results_of({"hook.position": CIRCLE}))
+    times, distances = deviation_history(case, case.reference[0], results_of({"hook.position": bump}))
+    assert times[np.argmax(distances)] == pytest.approx(0.4)
+    assert len(times) == 11
+
+
+def test_a_run_that_ended_early_has_no_deviation(folder):
+    write(folder, {"y": CIRCLE[:, 1]})
+    with pytest.raises(InputError, match=r"t = 0\.6 s is not recorded; the records end at 0\.5 s"):
+        evaluate(folder, results_of({"hook.position": CIRCLE[:51]}))
