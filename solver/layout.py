@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,6 +31,9 @@ from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.scene import Fixed, FlexibleBody, Free, Gravity, PointForce, RigidBody, Scene
 from heavylift.solver.scene_checks import check_scene
+
+if TYPE_CHECKING:
+    from heavylift.solver.joints.laws import PackedLaws
 
 __all__ = ["Channel", "Layout", "pack_scene"]
 
@@ -139,10 +142,36 @@ def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
         for joint in scene.joints:
             columns.append(column)
             column = _add_channels(joint.name, joint_channels(joint), channels, column)
-        joints, make_system = pack_joints(
+        joints, make_system, block_names = pack_joints(
             scene.joints, columns, book, attachments(ordered, dofs), inverse_scales(ordered), ordered
         )
-        systems = (make_system(inverse_masses(ordered), column),)
+    laws: PackedLaws | None = None
+    if _has_laws(scene):
+        from heavylift.solver.joints.laws import law_channels, law_owners, pack_laws
+
+        by_name = {joint.name: joint for joint in scene.joints}
+        places = {}
+        for owner in law_owners(scene):
+            places[owner.name] = column
+            column = _add_channels(owner.name, law_channels(owner, by_name), channels, column)
+        laws = pack_laws(
+            scene,
+            places,
+            book,
+            attachments(ordered, dofs),
+            inverse_scales(ordered),
+            first_block=len(scene.joints),
+            integrator=integrator,
+        )
+        joints += tuple(laws.joints)
+        block_names += laws.block_names
+    if scene.joints or laws is not None:
+        made = make_system(inverse_masses(ordered), column) if scene.joints else None
+        if laws is not None:
+            from heavylift.solver.joints.law_system import extend_system
+
+            made = extend_system(made, laws.blocks, inverse_masses(ordered), column, laws=laws.fitted)
+        systems = (made,)
         entries = [("violation", "1", ("violation",)), ("pivot", "1", ("pivot",))]
         column = _add_channels("monitor", entries, channels, column)
     for name in (*ENERGY_NAMES, "balance"):
@@ -166,6 +195,8 @@ def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
         from heavylift.solver.forces.point import pack_point_forces
 
         forces.append(pack_point_forces(points, first_markers))
+    if laws is not None:
+        forces += laws.forces
     work = Workspace(
         velocity=np.zeros(sum(6 + mode_count(body) for body in ordered)),
         markers=np.zeros((book.count, MARKER_WIDTH)),
@@ -189,6 +220,16 @@ def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
         body_names=tuple(body.name for body in ordered),
         block_names=block_names,
     )
+
+
+def _has_laws(scene: Scene) -> bool:
+    """Whether there is anything beside joints, gravity and point forces."""
+    plain = all(isinstance(force, (Gravity, PointForce)) for force in scene.forces)
+    cornered = any(
+        getattr(joint, "limits", None) is not None or getattr(joint, "friction", 0.0) != 0.0
+        for joint in scene.joints
+    )
+    return bool(scene.ropes) or not plain or cornered
 
 
 def _add_channels(

@@ -7,6 +7,7 @@ import importlib
 import math
 import time as clock
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -133,7 +134,12 @@ class Simulation:
         self.tolerance = float(tolerance or 0.0)
         self._layout = pack_scene(scene, integrator)
         self._start_mode = start
-        self._run = importlib.import_module(INTEGRATORS[integrator]).run
+        module = importlib.import_module(INTEGRATORS[integrator])
+        self._run = module.run
+        if integrator == "accurate":
+            layout = self._layout
+            own = module.make_integration(layout.bodies, layout.joints, layout.systems, layout.work)
+            self._layout = replace(layout, systems=(*layout.systems, own))
         self.channels: tuple[Channel, ...] = self._layout.channels
         self.column_count: int = self._layout.column_count
         self.diagnosis: Diagnosis | None = None

@@ -188,7 +188,7 @@ def step_sizes() -> Iterator[Row]:
         error = np.inf
         if not stopped:
             error = deviation(result, chain_tip(masses, result.times))
-        limit = max(1e-9, 40.0 * step**2) if step < 0.5 else np.inf  # more than a radian a step
+        limit = max(1e-9, 40.0 * step**2) if step < 0.05 else np.inf  # a radian a step
         yield Row(f"{step:g} s", "position error [m]", error, limit, stopped)
 
 
