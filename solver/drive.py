@@ -22,7 +22,7 @@ from heavylift.numerics.rotation import exponential_quaternion, quaternion_produ
 from heavylift.numerics.small import cross
 from heavylift.solver.scene import Driven, Profile
 
-__all__ = ["DRIVE_HEAD", "drive_pose", "drive_velocity", "pack_drive", "profile_value"]
+__all__ = ["DRIVE_HEAD", "drive_pose", "drive_velocity", "pack_drive", "pack_profile", "profile_value"]
 
 DRIVE_HEAD = 17
 """Numbers before the profiles: axis 3, pivot 3, start position 3, start quaternion 4, profile starts 4."""
@@ -51,7 +51,7 @@ def pack_drive(
         raise InputError(
             "the axis has length zero", source="driven frame", key="axis", expected="a direction"
         )
-    profiles = [_pack_profile(profile) for profile in (*drive.translation, drive.angle)]
+    profiles = [pack_profile(profile) for profile in (*drive.translation, drive.angle)]
     starts = DRIVE_HEAD + np.concatenate([[0], np.cumsum([len(block) for block in profiles])])[:4]
     axis = axis / length if length > 0.0 else axis
     start = np.asarray(orientation, dtype=np.float64) / np.linalg.norm(orientation)
@@ -59,7 +59,7 @@ def pack_drive(
     return np.concatenate([head, *profiles])
 
 
-def _pack_profile(profile: Profile | None) -> NDArray[np.float64]:
+def pack_profile(profile: Profile | None) -> NDArray[np.float64]:
     """Breaks, coefficients by falling power, then (amplitude, angular frequency, phase) of each harmonic."""
     if profile is None:
         return np.zeros(2)

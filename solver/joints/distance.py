@@ -80,10 +80,6 @@ def _length(joint: Distance, place: JointPlace) -> float:
             key="length",
             expected="a positive length; or a ball joint",
         )
-    if place.frames is None:
-        if given is None:
-            raise InputError("no length", source=joint.name, key="length", expected="a positive length")
-        return float(given)
     start = float(np.linalg.norm(place.frames[1].point - place.frames[0].point))
     if not start > 1e-9 * (given or 1.0):
         raise InputError(

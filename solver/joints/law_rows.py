@@ -29,20 +29,28 @@ from heavylift.solver.rows import (
     LawRowSystem,
 )
 
-__all__ = ["FREE_SOFTNESS", "RETURN", "fit_law", "law_impulse", "put_law", "put_residual", "put_stick", "row_rate"]
+__all__ = [
+    "FREE_SOFTNESS",
+    "fit_law",
+    "law_impulse",
+    "put_law",
+    "put_residual",
+    "put_stick",
+    "row_rate",
+]
 
 FREE_SOFTNESS = 1e20
 """Softness relative to the characteristic inverse mass of a row whose force is given."""
 
-RETURN = 0.01
-"""Part of the drift of a carried elongation that goes back each step.
+RETURN = 0.001
+"""Part of the drift of a carried elongation that goes back each step, where that takes energy and gives none.
 
 Elongations are carried by the rate of the row, because only then their energy is that of the step; they
-leave the geometry slowly, with the third power of the step. Returning within a hundred steps keeps
-them there and is too slow to feed a vibration.
+leave the geometry with the third power of the step. Without a return a rope that swings for hours and is
+never slack would creep.
 """
 
-FITTED = 1e-10
+FITTED = 1e-13
 """Relative miss of a force or a row that counts as fitted."""
 
 

@@ -38,12 +38,12 @@ class JointPlace:
     column
         First record column.
     frames
-        Joint frames of a and b in the world at the start; none if the bodies are not known.
+        Joint frames of a and b in the world at the start.
     """
 
     block: int
     column: int
-    frames: tuple[JointFrame, JointFrame] | None = None
+    frames: tuple[JointFrame, JointFrame]
 
 
 @dataclass
@@ -82,7 +82,7 @@ class MarkerBook:
     def of(self, bodies: Sequence[str]) -> list[BodyMarkers]:
         """Markers of each of some bodies."""
         return [
-            BodyMarkers(*map(tuple, zip(*self._bodies[name], strict=True)))  # type: ignore[arg-type]
+            BodyMarkers(*map(tuple, zip(*self._bodies[name], strict=True)))
             if name in self._bodies
             else BodyMarkers()
             for name in bodies
@@ -180,8 +180,6 @@ def refuse_opposite(joint: Joint, place: JointPlace, axes: Sequence[int]) -> Non
     InputError
         If an axis of b is nearer to the opposite of that of a than to it.
     """
-    if place.frames is None:
-        return
     frame_a, frame_b = place.frames
     for k in axes:
         a, b = frame_a.axes[:, k], frame_b.axes[:, k]

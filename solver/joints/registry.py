@@ -84,9 +84,9 @@ def pack_joints(
     book: MarkerBook,
     attachment: Callable[[str], Attachment],
     scales: Callable[[str], tuple[float, float]],
-    bodies: Sequence[FlexibleBody | RigidBody] = (),
-) -> tuple[tuple[Any, ...], Callable[[Any, int], RowSystem]]:
-    """Make the kinds of all joints, and a function that makes their system.
+    bodies: Sequence[FlexibleBody | RigidBody],
+) -> tuple[tuple[Any, ...], Callable[[Any, int], RowSystem], tuple[str, ...]]:
+    """Make the kinds of all joints, a function that makes their system, and the names of their blocks.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def pack_joints(
     scales
         Inverse mass [1/kg] and smallest inverse inertia [1/(kg m2)] of a body, 0 if its motion is prescribed.
     bodies
-        Whose start poses tell the branch of a joint; without them it is not checked.
+        Whose start poses tell the branch of a joint.
 
     Raises
     ------
@@ -115,7 +115,7 @@ def pack_joints(
     for module in sorted(groups, key=lambda module: module.__name__):
         members = groups[module]
         places = [
-            JointPlace(len(ordered) + i, column, start_frames(joint, bodies) if bodies else None)
+            JointPlace(len(ordered) + i, column, start_frames(joint, bodies))
             for i, (joint, column) in enumerate(members)
         ]
         ordered += [(joint, module.ROTATIONAL) for joint, _ in members]
@@ -132,7 +132,7 @@ def pack_joints(
             table[block, RELAXATION, : len(rotational)] = joint.relaxation
         return made
 
-    return tuple(kinds), system
+    return tuple(kinds), system, tuple(joint.name for joint, _ in ordered)
 
 
 def _scale(joint: Joint, rotational: tuple[bool, ...], scales: Callable[[str], tuple[float, float]]) -> Any:

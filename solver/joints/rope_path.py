@@ -88,8 +88,9 @@ def _straight(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[Vector, V
     n1, n2 = _axis(a), _axis(b)
     for _ in range(NEWTON_STEPS):
         D = _sum(_sum(_sum(_centre(b), -1.0, _centre(a)), r2, e2), -r1, e1)
-        t1, t2 = cross(n1[0], n1[1], n1[2], e1[0], e1[1], e1[2]), cross(
-            n2[0], n2[1], n2[2], e2[0], e2[1], e2[2]
+        t1, t2 = (
+            cross(n1[0], n1[1], n1[2], e1[0], e1[1], e1[2]),
+            cross(n2[0], n2[1], n2[2], e2[0], e2[1], e2[2]),
         )
         a11, a12, a21, a22 = dot(D, t1), r2 * dot(t2, e1), -r1 * dot(t1, e2), dot(D, t2)
         f1, f2 = dot(D, e1), dot(D, e2)

@@ -124,21 +124,30 @@ def put_point_rows(
                 system.panels[begin + k * lanes + r] = sign * J[r, k]
 
 
+@kernel(internal=True)
+def _put_product(
+    panels: NDArray[np.float64], begin: int, lanes: int, width: int, J: NDArray[np.float64], c: Vector
+) -> None:
+    for k in range(width):
+        panels[begin + k * lanes] = c[0] * J[0, k] + c[1] * J[1, k] + c[2] * J[2, k]
+
+
 @kernel(inline=True, internal=True)
 def put_direction_row(
     system: RowSystem, attachment: int, row: int, work: Workspace, marker: int, c: Vector
 ) -> None:
     """Write ``c . J[m]`` as one row."""
-    lanes = len(system.shape[1])
-    width = system.attachments[attachment, WIDTH]
     begin = system.attachments[attachment, PANEL] + row
-    J = work.jacobian[marker]
-    if width == 6:
-        for k in range(6):
-            system.panels[begin + k * lanes] = c[0] * J[0, k] + c[1] * J[1, k] + c[2] * J[2, k]
-    else:
-        for k in range(width):
-            system.panels[begin + k * lanes] = c[0] * J[0, k] + c[1] * J[1, k] + c[2] * J[2, k]
+    width, lanes = system.attachments[attachment, WIDTH], len(system.shape[1])
+    _put_product(system.panels, begin, lanes, width, work.jacobian[marker], c)
+
+
+@kernel(internal=True)
+def _add_product(
+    panels: NDArray[np.float64], begin: int, lanes: int, width: int, J: NDArray[np.float64], c: Vector
+) -> None:
+    for k in range(width):
+        panels[begin + k * lanes] += c[0] * J[0, k] + c[1] * J[1, k] + c[2] * J[2, k]
 
 
 @kernel(inline=True, internal=True)
@@ -146,11 +155,9 @@ def add_direction_row(
     system: RowSystem, attachment: int, row: int, work: Workspace, marker: int, c: Vector
 ) -> None:
     """Add ``c . J[m]`` to one row."""
-    lanes = len(system.shape[1])
     begin = system.attachments[attachment, PANEL] + row
-    J = work.jacobian[marker]
-    for k in range(system.attachments[attachment, WIDTH]):
-        system.panels[begin + k * lanes] += c[0] * J[0, k] + c[1] * J[1, k] + c[2] * J[2, k]
+    width, lanes = system.attachments[attachment, WIDTH], len(system.shape[1])
+    _add_product(system.panels, begin, lanes, width, work.jacobian[marker], c)
 
 
 @kernel(internal=True)

@@ -102,16 +102,15 @@ def _carry(kind: ScalarLaws, i: int, q: float) -> float:
 def _law(kind: ScalarLaws, i: int, u: float, h: float) -> tuple[float, float, float]:
     """Conservative force, force, and its derivative by the rate u, mean over a step; positive ones hold q back."""
     values = kind.values[i]
-    q0 = kind.state[i, VALUE]
-    q1 = q0 + h * u
+    q = kind.state[i, VALUE]
     c = values[DAMPING]
     if kind.table[i, LAW] == SPRING:
         first, count, rest = kind.table[i, FIRST], kind.table[i, COUNT], values[REST]
-        elastic, slope = mean_force(kind.curves, first, count, 0.0, q0 - rest, q1 - rest)
+        elastic, slope = mean_force(kind.curves, first, count, 0.0, q - rest, q - rest + h * u)
         return elastic, elastic + c * u, h * slope + c
     k = values[STIFFNESS]
-    high, above, slope = pull(q0 - values[UPPER], q1 - values[UPPER], k, c, h)
-    low, below, other = pull(values[LOWER] - q0, values[LOWER] - q1, k, c, h)
+    high, above, slope = pull(q - values[UPPER], q - values[UPPER] + h * u, k, c, h)
+    low, below, other = pull(values[LOWER] - q, values[LOWER] - q - h * u, k, c, h)
     return high - low, above - below, h * (slope + other)
 
 
@@ -124,6 +123,13 @@ def fill_scalar_rows(kind: ScalarLaws, with_residual: bool, work: Workspace, sys
         q = coordinate_row(system, block, work, coordinate, a, b, c)
         if with_residual:
             put_residual(system, block, _carry(kind, i, q))
+
+
+@kernel(inline=True, internal=True)
+def _rate(kind: ScalarLaws, i: int, work: Workspace, system: LawRowSystem) -> float:
+    """Rate of a row at the velocity of the stage."""
+    first = 2 * kind.table[i, BLOCK]
+    return row_rate(system, first, first + 2, work.velocity)
 
 
 @kernel(internal=True)
@@ -151,10 +157,9 @@ def set_scalar_targets(
                 state[LAST_RATE], state[LAST_FORCE], state[ROUNDS] = state[RATE], force, 0.0
         elif at_midpoint:
             _put_friction(kind, i, step, system)
-        elif state[FRESH] == 0.0:
-            if state[BRANCH] * row_rate(system, 2 * block, 2 * block + 2, work.velocity) <= 0.0:
-                state[BRANCH] = 0.0
-                put_stick(system, block)
+        elif state[FRESH] == 0.0 and state[BRANCH] * _rate(kind, i, work, system) <= 0.0:
+            state[BRANCH] = 0.0
+            put_stick(system, block)
 
 
 @implement(relinearise, ScalarLaws)
@@ -165,7 +170,7 @@ def relinearise_scalar_laws(
     """Fit the laws to the rates found."""
     for i in range(kind.table.shape[0]):
         block, state = kind.table[i, BLOCK], kind.state[i]
-        u = row_rate(system, 2 * block, 2 * block + 2, work.velocity)
+        u = _rate(kind, i, work, system)
         if kind.table[i, LAW] == FRICTION:
             P, limit = law_impulse(system, block), 0.5 * step * kind.values[i, LARGEST]
             branch = state[BRANCH]
@@ -193,13 +198,15 @@ def update_scalar_laws(
     """Carry the values over the step; energy lost."""
     for i in range(kind.table.shape[0]):
         block, state = kind.table[i, BLOCK], kind.state[i]
-        u = row_rate(system, 2 * block, 2 * block + 2, work.velocity)
+        u = _rate(kind, i, work, system)
         if kind.table[i, LAW] == FRICTION:
             state[LOSS] -= 2.0 * law_impulse(system, block) * u
         else:
             elastic, force, _ = _law(kind, i, u, step)
             state[LOSS] += step * (force - elastic) * u
-        state[VALUE] += step * u + RETURN * state[DRIFT]
+        state[VALUE] += step * u
+        if kind.table[i, LAW] != FRICTION and _law(kind, i, 0.0, step)[0] * state[DRIFT] <= 0.0:
+            state[VALUE] += RETURN * state[DRIFT]
         state[RATE] = u
         state[FRESH] = 0.0
 

@@ -53,15 +53,14 @@ def pack(joints: Sequence[Universal], places: Sequence[JointPlace], book: Marker
     """
     rows = []
     for joint, place in zip(joints, places, strict=True):
-        if place.frames is not None:
-            cosine = float(place.frames[0].axes[:, 2] @ place.frames[1].axes[:, 2])
-            if not abs(cosine) < LARGEST_COSINE:
-                raise InputError(
-                    f"the axes are {np.degrees(np.arccos(min(abs(cosine), 1.0))):.1f} deg apart at the start",
-                    source=joint.name,
-                    key="axes",
-                    expected="two axes square to each other",
-                )
+        cosine = abs(float(place.frames[0].axes[:, 2] @ place.frames[1].axes[:, 2]))
+        if not cosine < LARGEST_COSINE:
+            raise InputError(
+                f"the axes are {np.degrees(np.arccos(min(cosine, 1.0))):.1f} deg apart at the start",
+                source=joint.name,
+                key="axes",
+                expected="two axes square to each other",
+            )
         z_a = book.direction(joint.body_a, joint.frame_a.axes[:, 2])
         z_b = book.direction(joint.body_b, joint.frame_b.axes[:, 2])
         rows.append((place.block, *point_markers(book, joint), z_a, z_b, place.column))
