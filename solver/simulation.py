@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator
 from heavylift.solver.integrate.loop import start_scene, write_record
-from heavylift.solver.integrate.probe import take_rates
+from heavylift.solver.integrate.probe import FRAMES, take_rates
 from heavylift.solver.interface import NEXT_STEP, STATUS_BLOCK, STATUS_BODY, STATUS_OUTCOME, STEP_COUNT
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.scene import Scene
@@ -70,6 +70,8 @@ class Simulation:
         Meaning of the columns of a record.
     integrator, choice
         Name of the integrator, and a sentence that says why if it was chosen here.
+    start_text
+        What was done to the start, as a sentence; empty if nothing.
     diagnosis
         Degrees of freedom, redundant joints and free motions; None without joints.
     step_index
@@ -133,7 +135,12 @@ class Simulation:
         self.record_every = int(record_every)
         self.tolerance = float(tolerance or 0.0)
         self._layout = pack_scene(scene, integrator)
+        if start not in {"check", "project", "equilibrium"}:
+            raise InputError(
+                f"{start!r}", source="simulation", key="start", expected="check, project or equilibrium"
+            )
         self._start_mode = start
+        self.start_text = ""
         module = importlib.import_module(INTEGRATORS[integrator])
         self._run = module.run
         if integrator == "accurate":
@@ -176,8 +183,22 @@ class Simulation:
         layout = self._layout
         start_scene(layout.bodies, layout.work, 0.0)
         layout.work.control[NEXT_STEP] = FIRST_STEP * self.step if self.tolerance else self.step
-        if layout.systems and self.integrator == "dele2":
+        if layout.block_names:
+            self._fit_joints()
+        if layout.block_names and self.integrator == "dele2":
             self._probe()
+
+    def _fit_joints(self) -> None:
+        """Bring the joints to a start that fits, and find out what they leave free."""
+        from heavylift.solver.integrate.consistent_start import check_start, project_start
+        from heavylift.solver.integrate.diagnosis import diagnose
+        from heavylift.solver.integrate.start_rows import StartRows
+        from heavylift.solver.integrate.statics import find_equilibrium
+
+        rows = StartRows(self._layout)
+        ways = {"check": check_start, "project": project_start, "equilibrium": find_equilibrium}
+        self.start_text = ways[self._start_mode](rows).text
+        self.diagnosis = diagnose(rows)
 
     def _probe(self) -> None:
         """Accelerations and reactions at the start, from one tiny step that is taken back."""
@@ -193,7 +214,7 @@ class Simulation:
         layout.work.status[:] = 0
         for name, array in self._arrays():
             array[...] = before[name]
-            if not failed and name in {"RigidBodies.frame", "RowSystem.rows", "LawRowSystem.rows"}:
+            if not failed and name in {*FRAMES, "RowSystem.rows", "LawRowSystem.rows"}:
                 take_rates(layout, name, array, found[name])
 
     @property
