@@ -24,6 +24,7 @@ class Outcome(IntEnum):
     LOCKED = 7
     NOT_CONVERGED = 8
     NOT_CLOSED = 9
+    STEP_TOO_SMALL = 10
 
     @property
     def text(self) -> str:
@@ -42,6 +43,7 @@ _TEXTS = {
     Outcome.LOCKED: "another run works in this folder",
     Outcome.NOT_CONVERGED: "stopped: an iteration did not converge",
     Outcome.NOT_CLOSED: "stopped: a joint came apart",
+    Outcome.STEP_TOO_SMALL: "stopped: no step is small enough for the tolerance",
 }
 
 

@@ -24,12 +24,13 @@ def diagnosis(simulation: Any) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``integrator``, ``choice`` (why, if it was chosen), and of a scene with joints ``degrees_of_freedom``,
-        ``redundant`` and ``free_motions`` (sentences that name joints).
+        ``integrator``, ``choice`` (why, if it was chosen), ``start`` (what was done to it), and of a scene
+        with joints ``degrees_of_freedom``, ``redundant`` and ``free_motions`` (sentences that name joints).
     """
     found: dict[str, Any] = {
         "integrator": str(getattr(simulation, "integrator", "")),
         "choice": str(getattr(simulation, "choice", "") or ""),
+        "start": str(getattr(simulation, "start_text", "") or ""),
     }
     about = getattr(simulation, "diagnosis", None)
     if about is not None:
@@ -43,7 +44,7 @@ def diagnosis(simulation: Any) -> dict[str, Any]:
 
 def diagnosis_lines(found: Mapping[str, Any]) -> list[str]:
     """Lines for a person; none for a scene without joints whose integrator is the one asked for."""
-    lines = [found["choice"]] if found.get("choice") else []
+    lines = [found[key] for key in ("choice", "start") if found.get(key)]
     if "degrees_of_freedom" in found:
         count = found["degrees_of_freedom"]
         words = [f"{count} degree{'' if count == 1 else 's'} of freedom"]

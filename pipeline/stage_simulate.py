@@ -114,6 +114,8 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     if finished:
         remove_segments(folder.segments)
     log.say(f"simulate: {outcome.text}: {_words(details)}")
+    if simulation.warning:
+        log.say(f"simulate: {simulation.warning}")
     return StageReport(
         "simulate", outcome, skipped=False, cpu_s=details["cpu_s"], message=message, details=details
     )

@@ -254,7 +254,7 @@ def _groups(scene: Scene) -> list[tuple[list[Any], Callable[..., Any]]]:
 
         groups.append((floating, pack))
     if fixed:
-        from heavylift.solver.bodies.fixed_frame import pack_fixed_frames
+        from heavylift.solver.bodies.fixed_frame_kind import pack_fixed_frames
 
         groups.append((fixed, pack_fixed_frames))
     if rigid:

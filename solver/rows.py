@@ -46,7 +46,7 @@ IMPULSE, HALF_IMPULSE, REACTION, LAST_REACTION, SOLUTION = range(6, 11)
 ROW_COLUMNS = 11
 
 # columns of `attachments`
-DOF, WIDTH, PANEL, HOLDER = range(4)
+DOF, WIDTH, PANEL, HOLDER, OWNER = range(5)
 # how a body is held by its attachment: not at all (ground, prescribed motion), by its inverse masses, by its own
 # factor, or as a node of the system
 PRESCRIBED, DIAGONAL, FACTORED, HUB = range(4)
@@ -63,8 +63,8 @@ class RowSystem(NamedTuple):
     shape
         Block shape for `heavylift.numerics.lanes`.
     attachments
-        First velocity (-1 on the ground), number of velocities, place of the panel, and holder of each
-        side of each block, shape (2 blocks, 4).
+        First velocity (-1 on the ground), number of velocities, place of the panel, holder, and block with the
+        rows, of each side of each block; shape (2 blocks, 5).
     columns, lower, updates
         The factor, column by column in the order of elimination: pivots; node and place of the blocks
         below; places that each pair of them changes.
@@ -151,6 +151,7 @@ def pack_rows(
     scales: Sequence[NDArray[np.float64]],
     inverse_mass: NDArray[np.float64],
     monitor: int,
+    owners: Sequence[int] | None = None,
 ) -> RowSystem:
     """Order the blocks and lay out the system.
 
@@ -166,8 +167,13 @@ def pack_rows(
         As in `RowSystem`.
     monitor
         As in `RowSystem`.
+    owners
+        Block whose rows the two sides of each block belong to: a row on more than two bodies goes on in blocks
+        without rows of their own. Each block its own if None.
     """
     count = len(row_counts)
+    owner_of = np.arange(count) if owners is None else np.array(owners, dtype=np.int64)
+    block_of = [int(owner) for owner in np.repeat(owner_of, 2)]
     on_body: dict[int, list[int]] = {}
     for block, pair in enumerate(sides):
         for side, end in enumerate(pair):
@@ -186,14 +192,14 @@ def pack_rows(
     size = rows * lanes
     window = max([6, *(end.width for end in ends)])
 
-    attachments = np.zeros((2 * count, 4), dtype=np.int64)
+    attachments = np.zeros((2 * count, 5), dtype=np.int64)
     for i, end in enumerate(ends):
         holder = HUB if end.body in hub_node else end.holder
-        attachments[i] = end.dof, end.width, i * window * lanes, holder
+        attachments[i] = end.dof, end.width, i * window * lanes, holder, block_of[i]
 
     edges: set[tuple[int, int]] = set()
     for body, held in on_body.items():
-        blocks = sorted({i // 2 for i in held})
+        blocks = sorted({block_of[i] for i in held})
         if body in hub_node:
             edges |= {(block, hub_node[body]) for block in blocks}
         else:
@@ -219,15 +225,18 @@ def pack_rows(
             node = hub_node[body]
             hubs.append((node, place[node, node], ends[held[0]].dof, -1))
             for i in held:
-                later = place_in_order[node] > place_in_order[i // 2]
-                where = place[(node, i // 2) if later else (i // 2, node)]
-                hubs.append((i // 2, where, int(attachments[i, PANEL]), int(later)))
+                block = block_of[i]
+                later = place_in_order[node] > place_in_order[block]
+                where = place[(node, block) if later else (block, node)]
+                hubs.append((block, where, int(attachments[i, PANEL]), int(later)))
             continue
         for p, q in combinations_with_replacement(held, 2):
-            early, late = sorted((p, q), key=lambda i: place_in_order[i // 2])
-            pairs.append((place[late // 2, early // 2], early, late))
-            if p != q and p // 2 == q // 2:  # both sides on one body: the diagonal block needs both orders
-                pairs.append((place[late // 2, early // 2], late, early))
+            early, late = sorted((p, q), key=lambda i: place_in_order[block_of[i]])
+            pairs.append((place[block_of[late], block_of[early]], early, late))
+            if (
+                p != q and block_of[p] == block_of[q]
+            ):  # two sides on one body: the diagonal block needs both orders
+                pairs.append((place[block_of[late], block_of[early]], late, early))
 
     table = _assembly(pairs, attachments, half)
     row_data = np.zeros((node_count, ROW_COLUMNS, lanes))

@@ -183,7 +183,7 @@ class Simulation:
         layout = self._layout
         start_scene(layout.bodies, layout.work, 0.0)
         layout.work.control[NEXT_STEP] = FIRST_STEP * self.step if self.tolerance else self.step
-        if layout.block_names:
+        if layout.block_names or self._start_mode == "equilibrium":
             self._fit_joints()
         if layout.block_names and self.integrator == "dele2":
             self._probe()
@@ -198,7 +198,8 @@ class Simulation:
         rows = StartRows(self._layout)
         ways = {"check": check_start, "project": project_start, "equilibrium": find_equilibrium}
         self.start_text = ways[self._start_mode](rows).text
-        self.diagnosis = diagnose(rows)
+        if self._layout.block_names:
+            self.diagnosis = diagnose(rows)
 
     def _probe(self) -> None:
         """Accelerations and reactions at the start, from one tiny step that is taken back."""
@@ -291,6 +292,7 @@ class Simulation:
         remedy, part = {
             Outcome.NOT_FINITE: ("a smaller step, or loads and initial values of a sensible size", "body"),
             Outcome.STEP_TOO_LARGE: ("a smaller step: the body turns too far in one step", "body"),
+            Outcome.STEP_TOO_SMALL: ("a larger tolerance, or 'dele2' for a stiff scene", "body"),
             Outcome.NOT_CLOSED: ("a smaller step or tolerance, or loads of a sensible size", "joint"),
             Outcome.NOT_CONVERGED: ("a smaller step, or softer stops and ropes", "joint"),
         }[self.outcome]
@@ -306,6 +308,16 @@ class Simulation:
         self._call(self.step_index, done, self.record_every, records)
         self._layout.work.status[:] = 0
         self.step_index, self.outcome, self.message, self.cpu_seconds = done, outcome, message, cpu
+
+    @property
+    def warning(self) -> str:
+        """What the user should know of a run that went well otherwise; empty if nothing."""
+        if self.integrator == "accurate":
+            from heavylift.solver.integrate.integration import stiffness_seen
+
+            if stiffness_seen(self._layout.systems[-1]):
+                return "stability, not accuracy, limited the steps: integrator 'dele2' will be faster"
+        return ""
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Everything that a continuation needs, bit for bit: arrays by name, copied."""

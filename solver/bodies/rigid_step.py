@@ -63,7 +63,7 @@ from heavylift.solver.kinds import implement
 
 __all__ = ["LARGEST_TURN"]
 
-LARGEST_TURN = 0.5
+LARGEST_TURN = 1.0
 """Turn of a body in one step [rad] above which a run stops."""
 
 NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE)
@@ -238,7 +238,9 @@ def estimate_rigid_error(kind: RigidBodies, step: float, work: Workspace) -> Non
             moved += (work.velocity[dof + k] - stage[MID_VELOCITY + k]) ** 2
             turned += (work.velocity[dof + 3 + k] - stage[MID_SPIN + k]) ** 2
         error = step * max(math.sqrt(moved), frame[REACH] * math.sqrt(turned))
-        work.control[ERROR] = max(work.control[ERROR], error)
+        if not error <= work.control[ERROR]:
+            work.control[ERROR] = error
+            work.status[STATUS_BODY] = kind.table[body, NUMBER]
 
 
 @implement(finish, RigidBodies)

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
 from heavylift.solver.integrate.loop import evaluate_forces, write_record
 from heavylift.solver.integrate.row_stage import project_end, solve_midpoint
 from heavylift.solver.interface import (
@@ -32,6 +33,7 @@ from heavylift.solver.interface import (
     advance,
     check,
     correct,
+    correct_rows,
     estimate_error,
     factor,
     finish,
@@ -41,6 +43,7 @@ from heavylift.solver.interface import (
 __all__ = ["run"]
 
 ACCEPTED, SAFETY, SMALLEST_FACTOR, LARGEST_FACTOR = 1.5, 0.85, 0.3, 2.0
+STEP_TOO_SMALL = int(Outcome.STEP_TOO_SMALL)
 SMALLEST_STEP = 1e-9
 """Of the output interval, below which an adaptive run gives up."""
 
@@ -109,6 +112,7 @@ def run(
             factor(bodies, h, work)
             solve_midpoint(systems, bodies, joints, work, time, h, h)
             correct(bodies, h, work)
+            correct_rows(bodies, systems, joints, work, time, h)
             check(bodies, h, work)
             if tolerance > 0.0:
                 control[ERROR] = 0.0
@@ -124,6 +128,8 @@ def run(
                     work.status[STATUS_OUTCOME] = 0
                     continue
                 control[NEXT_STEP] = h * factor_of_step
+                if error > ACCEPTED and work.status[STATUS_OUTCOME] == 0:
+                    work.status[STATUS_OUTCOME] = STEP_TOO_SMALL  # `estimate_error` left the body
             if work.status[STATUS_OUTCOME] != 0:
                 return index
             advance(bodies, time, h, work)

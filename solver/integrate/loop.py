@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.integrate.row_stage import record_rows
+from heavylift.solver.integrate.row_stage import gather_rows, record_rows
 from heavylift.solver.interface import (
     DISSIPATED,
     DRIVE_WORK,
@@ -72,6 +72,7 @@ def write_record(
 ) -> None:
     """Write the carried state, energies and momenta into a record; totals come last."""
     evaluate_forces(bodies, forces, work, time, False, RECORD)
+    gather_rows(systems, bodies, joints, work)
     record(bodies, time, work, row)
     sums = work.sums
     for i in range(KINETIC, SUM_COUNT):

@@ -31,6 +31,7 @@ from heavylift.solver.rows import (
     LOWER,
     LOWER_COUNT,
     NODE,
+    OWNER,
     PANEL,
     PIVOT,
     ROW_COLUMNS,
@@ -55,7 +56,12 @@ def assemble(system: Rows) -> None:
         for r in range(rows * lanes):
             system.blocks[system.fill[i] + r] = 0.0
     for i in range(system.pairs.shape[0]):
-        place, left, right, width = system.pairs[i, 0], system.pairs[i, 1], system.pairs[i, 2], system.pairs[i, 3]
+        place, left, right, width = (
+            system.pairs[i, 0],
+            system.pairs[i, 1],
+            system.pairs[i, 2],
+            system.pairs[i, 3],
+        )
         dof = system.pairs[i, 4]
         if dof < 0:
             for k in range(width):
@@ -70,11 +76,27 @@ def assemble(system: Rows) -> None:
                 )
         elif system.pairs[i, 5] == 1:
             put_rigid_product(
-                shape, system.blocks, place, system.panels, left, system.panels, right, system.inverse_mass, dof
+                shape,
+                system.blocks,
+                place,
+                system.panels,
+                left,
+                system.panels,
+                right,
+                system.inverse_mass,
+                dof,
             )
         else:
             add_rigid_product(
-                shape, system.blocks, place, system.panels, left, system.panels, right, system.inverse_mass, dof
+                shape,
+                system.blocks,
+                place,
+                system.panels,
+                left,
+                system.panels,
+                right,
+                system.inverse_mass,
+                dof,
             )
     for j in range(system.columns.shape[0]):
         softness = (system.columns[j, NODE] * ROW_COLUMNS + SOFTNESS) * lanes
@@ -133,7 +155,7 @@ def subtract_rates(system: Rows, velocity: NDArray[np.float64]) -> None:
     """``SOLUTION -= G U`` of all rows."""
     lanes = len(system.shape[1])
     for i in range(system.attachments.shape[0]):
-        out = (i // 2 * ROW_COLUMNS + SOLUTION) * lanes
+        out = (system.attachments[i, OWNER] * ROW_COLUMNS + SOLUTION) * lanes
         dof, count, panel = (
             system.attachments[i, DOF],
             system.attachments[i, WIDTH],
@@ -196,7 +218,7 @@ def solve_rows(system: Rows, velocity: NDArray[np.float64]) -> None:
             system.attachments[i, WIDTH],
             system.attachments[i, PANEL],
         )
-        z = i // 2 * width + SOLUTION * lanes
+        z = system.attachments[i, OWNER] * width + SOLUTION * lanes
         if holder == DIAGONAL:
             add_rigid_dots(shape, velocity, dof, system.panels, panel, rows, z, system.inverse_mass, dof)
         else:

@@ -23,17 +23,20 @@ from heavylift.solver.interface import (
     STATUS_BLOCK,
     STATUS_OUTCOME,
     Workspace,
+    add_row_work,
     apply_inverse,
     end_velocity,
     fill_markers,
     fill_rows,
+    gather_reactions,
     record_joints,
     relinearise,
     set_targets,
     set_velocity,
+    solve_again,
     update_rows,
 )
-from heavylift.solver.kinds import generic, implement
+from heavylift.solver.kinds import generic, implement, optional
 from heavylift.solver.rows import (
     COMPLIANCE,
     HALF_IMPULSE,
@@ -52,7 +55,7 @@ from heavylift.solver.rows import (
     RowSystem,
 )
 
-__all__ = ["project_end", "record_rows", "solve_midpoint"]
+__all__ = ["gather_rows", "project_end", "record_rows", "solve_midpoint"]
 
 ABSENT = 1e20
 """Softness relative to the characteristic inverse mass that takes a row out of the system."""
@@ -93,15 +96,37 @@ def solve_midpoint_laws(
     solution in a few rounds; most steps need one, because only a law that changes its branch moves.
     """
     _start_midpoint(system, bodies, joints, work, time, step, nominal)
+    assemble(system)
+    factor_rows(system)
+    fit_laws(system, joints, work, time, step)
+
+
+@kernel(internal=True)
+def fit_laws(system: LawRowSystem, joints: Any, work: Workspace, time: float, step: float) -> None:
+    """Rounds of the Newton iteration, the first with the factor that is there."""
     for _ in range(LAW_ITERATIONS):
-        assemble(system)
-        factor_rows(system)
         solve_rows(system, work.velocity)
         work.control[CHANGED] = 0.0
         relinearise(joints, time, step, work, system)
         if work.control[CHANGED] == 0.0:
             return
+        assemble(system)
+        factor_rows(system)
     work.status[STATUS_OUTCOME] = NOT_CONVERGED
+
+
+@implement(solve_again, RowSystem)
+@kernel(internal=True)
+def solve_rows_again(system: RowSystem, joints: Any, work: Workspace, time: float, step: float) -> None:
+    """One solve more; it is incremental."""
+    solve_rows(system, work.velocity)
+
+
+@implement(solve_again, LawRowSystem)
+@kernel(internal=True)
+def solve_laws_again(system: LawRowSystem, joints: Any, work: Workspace, time: float, step: float) -> None:
+    """The same, and laws once more."""
+    fit_laws(system, joints, work, time, step)
 
 
 @kernel(internal=True)
@@ -143,6 +168,7 @@ def project_end_rows(
     shape = system.shape
     rows, lanes = len(shape[0]), len(shape[1])
     update_rows(joints, time, step, work, system)
+    add_row_work(bodies, 2.0, work, system)  # a row holds half impulses
     end_velocity(bodies, step, work)
     fill_markers(bodies, False, ROWS, work)
     fill_rows(joints, True, work, system)
@@ -161,6 +187,7 @@ def project_end_rows(
     assemble(system)
     factor_rows(system)
     solve_rows(system, work.velocity)
+    add_row_work(bodies, 1.0, work, system)
     set_velocity(bodies, step, work)
     _check_closed(system, work)
     last = work.control[LAST_STEP]
@@ -190,6 +217,20 @@ def _check_closed(system: Rows, work: Workspace) -> None:
                 work.status[STATUS_BLOCK] = node
 
 
+@optional
+def gather_rows(systems: Any, bodies: Any, joints: Any, work: Workspace) -> None:
+    """Rows at the carried state for a record: an integrator need not have left them there."""
+
+
+@implement(gather_rows, RowSystem)
+@implement(gather_rows, LawRowSystem)
+@kernel(internal=True)
+def gather_row_system(system: Rows, bodies: Any, joints: Any, work: Workspace) -> None:
+    """With their forces on bodies that are held."""
+    fill_rows(joints, True, work, system)
+    gather_reactions(bodies, system)
+
+
 @generic
 def record_rows(systems: Any, joints: Any, work: Workspace, time: float, row: NDArray[np.float64]) -> None:
     """Rows: joints into their columns, monitors into the last of them."""
@@ -203,7 +244,6 @@ def record_row_system(
 ) -> None:
     """Largest violation of a rigid row, and smallest pivot of the last projection."""
     rows, lanes = len(system.shape[0]), len(system.shape[1])
-    fill_rows(joints, True, work, system)  # an integrator need not have left them at this instant
     record_joints(joints, time, work, system, row)
     violation = 0.0
     for node in range(system.attachments.shape[0] // 2):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,8 +103,7 @@ def extend_system(
             scales.append(np.full(counts[-1], block.scale if block.scale > 0.0 else 1.0))
             sides.append((ends[2 * part], ends[2 * part + 1]))
             owners.append(starts[-1])
-    more: dict[str, Any] = {} if owners == list(range(len(owners))) else {"owners": owners}
-    made = pack_rows(counts, sides, scales, inverse_mass, monitor, **more)
+    made = pack_rows(counts, sides, scales, inverse_mass, monitor, owners)
     table = made.rows.reshape(-1, ROW_COLUMNS, len(made.shape[1]))
     for column in (COMPLIANCE, RELAXATION):
         width = min(old.shape[2], table.shape[2])

@@ -131,7 +131,9 @@ def pack_laws(
     """
     packing = _Packing(scene, columns, book, attachment, scales, first_block)
     made = packing.made
-    linear, tabulated, explicit = [], [], []
+    linear: list[tuple[Spring | JointSpring, NDArray[np.float64]]] = []
+    tabulated: list[tuple[Spring | JointSpring, NDArray[np.float64]]] = []
+    explicit: list[tuple[Spring | JointSpring, NDArray[np.float64]]] = []
     for force in scene.forces:
         if isinstance(force, (Spring, JointSpring)):
             table = _table(force)
@@ -145,21 +147,21 @@ def pack_laws(
     if explicit:
         from heavylift.solver.forces.spring import pack_springs
 
-        kind = pack_springs([(*_explicit(packing, force), table) for force, table in explicit])
-        made.forces.append(kind)
-        made.joints.append(kind)
+        springs = pack_springs([(*_explicit(packing, force), table) for force, table in explicit])
+        made.forces.append(springs)
+        made.joints.append(springs)
     motors = [force for force in scene.forces if isinstance(force, JointMotor)]
     if motors:
         from heavylift.solver.forces.motor import pack_motors
 
-        kind = pack_motors([(motor, *_motor(packing, motor)) for motor in motors])
-        made.forces.append(kind)
-        made.joints.append(kind)
+        driving = pack_motors([(motor, _motor(packing, motor)) for motor in motors])
+        made.forces.append(driving)
+        made.joints.append(driving)
     _pack_scalar_laws(packing, tabulated)
     if scene.ropes:
         from heavylift.solver.joints.rope_packing import pack_ropes
 
-        kind, blocks = pack_ropes(
+        ropes, blocks = pack_ropes(
             scene.ropes,
             [columns[rope.name] for rope in scene.ropes],
             first_block + packing.block_count,
@@ -168,7 +170,7 @@ def pack_laws(
             scales,
             scene.bodies,
         )
-        made.joints.append(kind)
+        made.joints.append(ropes)
         made.blocks += blocks
         made.fitted = True
     return made
@@ -339,10 +341,11 @@ def _pack_scalar_laws(packing: _Packing, tabulated: Sequence[tuple[Any, NDArray[
         ends = [end for end in (limits.lower, limits.upper) if np.isfinite(end)]
         expected.append(sum(ends) / len(ends) if ends else 0.0)
     for joint in rubbing:
-        if not 0.0 < joint.friction < np.inf:
-            raise InputError(f"{joint.friction}", source=joint.name, key="friction", expected="0 or more")
+        friction = float(getattr(joint, "friction", 0.0))
+        if not 0.0 < friction < np.inf:
+            raise InputError(f"{friction}", source=joint.name, key="friction", expected="0 or more")
         table.append((FRICTION, *_joint_row(packing, joint), -1, 0, 0))
-        values.append((joint.friction, 0.0, 0.0, 0.0))
+        values.append((friction, 0.0, 0.0, 0.0))
         expected.append(0.0)
     state = np.zeros((len(table), STATE_WIDTH))
     state[:, FRESH], state[:, VALUE] = 1.0, expected

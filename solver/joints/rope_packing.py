@@ -59,7 +59,12 @@ def pack_ropes(
         If a rope has fewer than two points, ends on a pulley, has coincident neighbours, no stiffness, or is
         shorter than its path by more than it can stretch.
     """
-    table, places, values, winches, paths, blocks = [], [], [], [], [], []
+    table: list[tuple[int, ...]] = []
+    places: list[tuple[int, int, int]] = []
+    values: list[tuple[float, ...]] = []
+    winches: list[tuple[float, float, float]] = []
+    paths: list[NDArray[np.float64]] = []
+    blocks: list[LawBlock] = []
     state: list[float] = []
     block = first_block
     for rope, column in zip(ropes, columns, strict=True):
@@ -81,15 +86,8 @@ def pack_ropes(
         rows = _winch_rows(rope) if isinstance(rope, Rope) else []
         table.append((block, len(held), first, len(points), len(winches), len(rows), column))
         winches += rows
-        wire = isinstance(rope, Rope)
-        values.append(
-            (
-                rope.axial_stiffness if wire else 0.0,
-                0.0 if wire else rope.stiffness,
-                rope.damping,
-                length,
-            )
-        )
+        stiffness = (rope.axial_stiffness, 0.0) if isinstance(rope, Rope) else (0.0, rope.stiffness)
+        values.append((*stiffness, rope.damping, length))
         start = np.zeros(STATE_WIDTH)
         start[FRESH], start[STRETCHED], start[REST] = 1.0, start_length(path), length
         state += list(start)

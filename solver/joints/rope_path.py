@@ -178,7 +178,9 @@ def path_length(
         if r > 0.0:
             n = _axis(places[i])
             s = cross(arrival[0], arrival[1], arrival[2], e1[0], e1[1], e1[2])
-            wraps[i] = near_angle(math.atan2(dot(n, s), dot(arrival, e1)), wraps[i])
-            total += r * wraps[i]
+            wrap = near_angle(math.atan2(dot(n, s), dot(arrival, e1)), wraps[i])
+            total += r * wrap
+            if math.isfinite(wrap):  # what has no path must not spoil the count of turns
+                wraps[i] = wrap
         arrival = e2
     return total

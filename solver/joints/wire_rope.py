@@ -14,7 +14,7 @@ shorter one slowly.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -148,7 +148,7 @@ def _compare(kind: Ropes, i: int, length: float) -> None:
 
 @implement(fill_rows, Ropes)
 @kernel(internal=True)
-def fill_rope_rows(kind: Ropes, with_residual: bool, work: Workspace, system: LawRowSystem) -> None:
+def fill_rope_rows(kind: Ropes, with_residual: bool, work: Workspace, system: Any) -> None:
     """``dl/dc . J + dl/dn . J_n`` of every place on the side of its body."""
     lanes = len(system.shape[1])
     for i in range(kind.table.shape[0]):

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from heavylift.numerics.rotation import quaternion_product, rotation_matrix
-from heavylift.solver.connections import GROUND, Hinge, Joint, JointFrame, axes_about
+from heavylift.solver.connections import GROUND, Hinge, Joint, JointFrame, Rope, RopePoint, axes_about
 from heavylift.solver.scene import Gravity, RigidBody, Scene, Sensor
 
 STANDARD_GRAVITY = 9.81
@@ -122,6 +122,43 @@ def bricard() -> Scene:
         for i in range(6)
     ]
     return Scene(tuple(rods), (DOWN,), (Sensor("tip", "rod 2", 0.5 * (P[3] - P[2])),), tuple(joints))
+
+
+def hanging_load(mass: float, length: float, stiffness: float, angle: float) -> tuple[Scene, np.ndarray]:
+    """A load on a rope from the origin, at rest aside, with the stretch that its weight along the rope needs."""
+    stretch = mass * STANDARD_GRAVITY * np.cos(angle) * length / stiffness
+    start = (length + stretch) * np.array([np.sin(angle), -np.cos(angle), 0.0])
+    load = RigidBody("load", mass, np.eye(3) * 0.1 * mass, position=start)
+    path = (RopePoint(GROUND, np.zeros(3)), RopePoint("load", np.zeros(3)))
+    rope = Rope(name="rope", path=path, axial_stiffness=stiffness, length=length)
+    tip = Sensor("tip", "load", np.zeros(3))
+    return Scene((load,), (DOWN,), (tip,), (), (rope,)), start
+
+
+def hanging_load_path(mass: float, length: float, stiffness: float, start, times):
+    """Path of `hanging_load` by an implicit Runge-Kutta method in polar coordinates; shape (times, 2)."""
+
+    def rate(_, y):
+        r, angle, speed, spin = y
+        tension = max(0.0, stiffness * (r - length) / length)
+        outward = r * spin**2 + STANDARD_GRAVITY * np.cos(angle) - tension / mass
+        return [speed, spin, outward, (-STANDARD_GRAVITY * np.sin(angle) - 2.0 * speed * spin) / r]
+
+    begin = [float(np.hypot(start[0], start[1])), float(np.arctan2(start[0], -start[1])), 0.0, 0.0]
+    tolerance = [1e-10, 1e-10, 1e-8, 1e-10]
+    found = solve_ivp(rate, (0.0, times[-1]), begin, "Radau", times, rtol=1e-9, atol=tolerance)
+    r, angle = found.y[0], found.y[1]
+    return np.column_stack([r * np.sin(angle), -r * np.cos(angle)])
+
+
+def dropped_load(mass: float, stiffness: float, drop: float) -> Scene:
+    """A load that falls by `drop` before its rope of 10 m and the stiffness [N/m] is taut."""
+    length = 10.0
+    load = RigidBody("load", mass, np.eye(3) * mass)
+    anchor = RopePoint(GROUND, np.array([0.0, length - drop, 0.0]))
+    path = (anchor, RopePoint("load", np.zeros(3)))
+    rope = Rope(name="rope", path=path, axial_stiffness=stiffness * length, length=length)
+    return Scene((load,), (DOWN,), (), (), (rope,))
 
 
 def moved(scene: Scene, shift, quaternion) -> Scene:

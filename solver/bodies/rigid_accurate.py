@@ -1,0 +1,346 @@
+"""Rigid bodies as ordinary differential equations, for the accurate integrator.
+
+State of a body: position of the centre of mass ``x``, quaternion ``q``, velocity ``v`` and body-axis spin
+``w``, all about principal axes::
+
+    x' = v,    q' = q o (0, w)/2,    v' = g + F/m,    I w' = t - w x I w
+
+The quaternion of a stage is normalised where it is used; its rate is that of the quaternion as it is, so
+its length is constant along the exact solution. Joints add their accelerations afterwards.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.rotation import quaternion_product, rotate_by_exponential, rotate_by_quaternion
+from heavylift.numerics.small import cross
+from heavylift.solver.bodies.rigid import (
+    ACCELERATION,
+    ANGULAR_MOMENTUM,
+    DOF,
+    DRIVEN,
+    FORCE,
+    FREE,
+    MASS,
+    MID_POSITION,
+    MID_ROTATION,
+    MID_SPIN,
+    MID_VELOCITY,
+    MOMENT,
+    MOTION,
+    NUMBER,
+    ORIENTATION,
+    POSITION,
+    PRINCIPAL,
+    REACH,
+    SPIN,
+    SPIN_RATE,
+    VELOCITY,
+    RigidBodies,
+)
+from heavylift.solver.bodies.rigid_stage import gather_marker_forces, prescribe
+from heavylift.solver.interface import (
+    DRIVE_WORK,
+    ERROR,
+    EXTERNAL_WORK,
+    FIELD,
+    POINT,
+    POINT_BIAS,
+    POINT_VELOCITY,
+    RECORD,
+    STATUS_BODY,
+    Workspace,
+    begin_stage,
+    complete_rates,
+    displace,
+    free_acceleration,
+    load_state,
+    measure_error,
+    store_state,
+)
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+WORLD_SPIN = MID_SPIN  # of a stage of this integrator: world axes
+
+
+@kernel(inline=True, internal=True)
+def _place(dof: int, work: Workspace) -> int:
+    """Place of position and quaternion in a state vector: seven numbers a body, after all velocities."""
+    return work.velocity.shape[0] + dof // 6 * 7
+
+
+@implement(load_state, RigidBodies)
+@kernel(internal=True)
+def load_rigid_state(kind: RigidBodies, values: NDArray[np.float64], at: int, work: Workspace) -> None:
+    """Columns of the carried state, in the order of the vector."""
+    for body in range(kind.table.shape[0]):
+        dof = kind.table[body, DOF]
+        frame, place = kind.frame[body], at + _place(dof, work)
+        for k in range(3):
+            values[at + dof + k] = frame[VELOCITY + k]
+            values[at + dof + 3 + k] = frame[SPIN + k]
+        for k in range(7):
+            values[place + k] = frame[POSITION + k]
+
+
+@kernel(internal=True)
+def _write_prescribed(
+    kind: RigidBodies, body: int, time: float, values: NDArray[np.float64], at: int, work: Workspace
+) -> None:
+    """Prescribed motion at a time into the carried columns and the state vector."""
+    dof = kind.table[body, DOF]
+    frame, place = kind.frame[body], at + _place(dof, work)
+    prescribe(kind, body, time, frame[: SPIN_RATE + 3])
+    for k in range(3):
+        values[at + dof + k] = frame[VELOCITY + k]
+        values[at + dof + 3 + k] = frame[SPIN + k]
+    for k in range(7):
+        values[place + k] = frame[POSITION + k]
+
+
+@implement(begin_stage, RigidBodies)
+@kernel(inline=True, internal=True)
+def begin_rigid_stage(
+    kind: RigidBodies, time: float, values: NDArray[np.float64], at: int, rate: int, work: Workspace
+) -> None:
+    """Rotation matrices and gyroscopic accelerations, then markers by the spin W in world axes: ``W x (W x r)``."""
+    for body in range(kind.table.shape[0]):
+        dof = kind.table[body, DOF]
+        if kind.table[body, MOTION] == DRIVEN:
+            _write_prescribed(kind, body, time, values, at, work)
+        frame, place = kind.frame[body], _place(dof, work)
+        speed, configuration, out = at + dof, at + place, rate + place
+        v1, v2, v3 = values[speed], values[speed + 1], values[speed + 2]
+        w1, w2, w3 = values[speed + 3], values[speed + 4], values[speed + 5]
+        x1, x2, x3 = values[configuration], values[configuration + 1], values[configuration + 2]
+        q0, q1, q2, q3 = (
+            values[configuration + 3],
+            values[configuration + 4],
+            values[configuration + 5],
+            values[configuration + 6],
+        )
+        i1, i2, i3 = frame[PRINCIPAL], frame[PRINCIPAL + 1], frame[PRINCIPAL + 2]
+        s = 2.0 / (q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
+        r11, r12, r13 = 1.0 - s * (q2 * q2 + q3 * q3), s * (q1 * q2 - q0 * q3), s * (q1 * q3 + q0 * q2)
+        r21, r22, r23 = s * (q1 * q2 + q0 * q3), 1.0 - s * (q1 * q1 + q3 * q3), s * (q2 * q3 - q0 * q1)
+        r31, r32, r33 = s * (q1 * q3 - q0 * q2), s * (q2 * q3 + q0 * q1), 1.0 - s * (q1 * q1 + q2 * q2)
+        values[out], values[out + 1], values[out + 2] = v1, v2, v3
+        values[out + 3] = -0.5 * (q1 * w1 + q2 * w2 + q3 * w3)
+        values[out + 4] = 0.5 * (q0 * w1 + q2 * w3 - q3 * w2)
+        values[out + 5] = 0.5 * (q0 * w2 + q3 * w1 - q1 * w3)
+        values[out + 6] = 0.5 * (q0 * w3 + q1 * w2 - q2 * w1)
+        work.velocity[dof] = work.velocity[dof + 1] = work.velocity[dof + 2] = 0.0
+        work.velocity[dof + 3] = (i2 - i3) / i1 * w2 * w3
+        work.velocity[dof + 4] = (i3 - i1) / i2 * w3 * w1
+        work.velocity[dof + 5] = (i1 - i2) / i3 * w1 * w2
+        R = frame[MID_ROTATION : MID_ROTATION + 9]
+        R[0], R[1], R[2], R[3], R[4], R[5], R[6], R[7], R[8] = r11, r12, r13, r21, r22, r23, r31, r32, r33
+        frame[MID_POSITION], frame[MID_POSITION + 1], frame[MID_POSITION + 2] = x1, x2, x3
+        frame[MID_VELOCITY], frame[MID_VELOCITY + 1], frame[MID_VELOCITY + 2] = v1, v2, v3
+        frame[WORLD_SPIN] = r11 * w1 + r12 * w2 + r13 * w3
+        frame[WORLD_SPIN + 1] = r21 * w1 + r22 * w2 + r23 * w3
+        frame[WORLD_SPIN + 2] = r31 * w1 + r32 * w2 + r33 * w3
+    for marker in range(kind.markers.shape[0]):
+        if kind.markers[marker, 4] == RECORD:
+            continue
+        number, body, begin = kind.markers[marker, 0], kind.markers[marker, 1], kind.markers[marker, 2]
+        frame, translation = kind.frame[body], 1.0 - kind.markers[marker, 3]
+        # everything is read before anything is written: the compiler must assume that the arrays overlap
+        u1, u2, u3 = kind.constants[begin], kind.constants[begin + 1], kind.constants[begin + 2]
+        R = frame[MID_ROTATION : MID_ROTATION + 9]
+        r11, r12, r13, r21, r22, r23, r31, r32, r33 = R[0], R[1], R[2], R[3], R[4], R[5], R[6], R[7], R[8]
+        x1 = translation * frame[MID_POSITION]
+        x2 = translation * frame[MID_POSITION + 1]
+        x3 = translation * frame[MID_POSITION + 2]
+        v1 = translation * frame[MID_VELOCITY]
+        v2 = translation * frame[MID_VELOCITY + 1]
+        v3 = translation * frame[MID_VELOCITY + 2]
+        w1, w2, w3 = frame[WORLD_SPIN], frame[WORLD_SPIN + 1], frame[WORLD_SPIN + 2]
+        p1 = r11 * u1 + r12 * u2 + r13 * u3
+        p2 = r21 * u1 + r22 * u2 + r23 * u3
+        p3 = r31 * u1 + r32 * u2 + r33 * u3
+        c1, c2, c3 = cross(w1, w2, w3, p1, p2, p3)
+        b1, b2, b3 = cross(w1, w2, w3, c1, c2, c3)
+        out, jacobian = work.markers[number], work.jacobian[number]
+        out[POINT], out[POINT + 1], out[POINT + 2] = x1 + p1, x2 + p2, x3 + p3
+        out[POINT_VELOCITY], out[POINT_VELOCITY + 1] = v1 + c1, v2 + c2
+        out[POINT_VELOCITY + 2] = v3 + c3
+        out[POINT_BIAS], out[POINT_BIAS + 1], out[POINT_BIAS + 2] = b1, b2, b3
+        jacobian[0, 3] = r13 * u2 - r12 * u3
+        jacobian[0, 4] = r11 * u3 - r13 * u1
+        jacobian[0, 5] = r12 * u1 - r11 * u2
+        jacobian[1, 3] = r23 * u2 - r22 * u3
+        jacobian[1, 4] = r21 * u3 - r23 * u1
+        jacobian[1, 5] = r22 * u1 - r21 * u2
+        jacobian[2, 3] = r33 * u2 - r32 * u3
+        jacobian[2, 4] = r31 * u3 - r33 * u1
+        jacobian[2, 5] = r32 * u1 - r31 * u2
+
+
+@implement(free_acceleration, RigidBodies)
+@kernel(inline=True, internal=True)
+def rigid_free_acceleration(kind: RigidBodies, values: NDArray[np.float64], at: int, work: Workspace) -> None:
+    """Gravity and marker forces on top of the gyroscopic part; of prescribed bodies their own accelerations."""
+    g1, g2, g3 = work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2]
+    held = False
+    for body in range(kind.table.shape[0]):
+        dof = kind.table[body, DOF]
+        if kind.table[body, MOTION] == FREE:
+            work.velocity[dof] += g1
+            work.velocity[dof + 1] += g2
+            work.velocity[dof + 2] += g3
+        else:
+            held = True
+    loaded = kind.markers.shape[0] > 0 and kind.markers[-1, 4] > 0
+    if held or loaded:
+        _add_loads(kind, values, at, work)
+
+
+@kernel(internal=True)
+def _add_loads(kind: RigidBodies, values: NDArray[np.float64], at: int, work: Workspace) -> None:
+    """Marker forces and their power; accelerations of prescribed bodies and the power of their drives."""
+    gather_marker_forces(kind, work)
+    for body in range(kind.table.shape[0]):
+        dof, motion = kind.table[body, DOF], kind.table[body, MOTION]
+        frame = stage = inertia = kind.frame[body]
+        speed = at + dof
+        power = weight = 0.0
+        for k in range(3):
+            power += stage[FORCE + k] * values[speed + k] + stage[MOMENT + k] * values[speed + 3 + k]
+            weight += inertia[MASS] * work.sums[FIELD + k] * values[speed + k]
+        work.sums[EXTERNAL_WORK] += power
+        if motion == FREE:
+            for k in range(3):
+                work.velocity[dof + k] += stage[FORCE + k] / inertia[MASS]
+                work.velocity[dof + 3 + k] += stage[MOMENT + k] / inertia[PRINCIPAL + k]
+            continue
+        for k in range(3):
+            driven = motion == DRIVEN
+            work.velocity[dof + k] = frame[ACCELERATION + k] if driven else 0.0
+            work.velocity[dof + 3 + k] = frame[SPIN_RATE + k] if driven else 0.0
+            work.sums[DRIVE_WORK] += inertia[MASS] * work.velocity[dof + k] * values[speed + k]
+            work.sums[DRIVE_WORK] += (
+                inertia[PRINCIPAL + k] * work.velocity[dof + 3 + k] * values[speed + 3 + k]
+            )
+        work.sums[DRIVE_WORK] -= power + weight
+
+
+@implement(displace, RigidBodies)
+@kernel(internal=True)
+def displace_rigid_bodies(kind: RigidBodies, values: NDArray[np.float64], at: int, work: Workspace) -> None:
+    """Along the exponential map; the quaternion comes back to unit length."""
+    for body in range(kind.table.shape[0]):
+        if kind.table[body, MOTION] != FREE:
+            continue
+        dof = kind.table[body, DOF]
+        move, place = work.velocity[dof : dof + 6], at + _place(dof, work)
+        p = values[place + 3 : place + 7]
+        length = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3])
+        q = rotate_by_exponential(
+            (p[0] / length, p[1] / length, p[2] / length, p[3] / length), move[3], move[4], move[5]
+        )
+        for k in range(3):
+            values[place + k] += move[k]
+        for k in range(4):
+            values[place + 3 + k] = q[k]
+
+
+@implement(complete_rates, RigidBodies)
+@kernel(internal=True)
+def complete_rigid_rates(
+    kind: RigidBodies, values: NDArray[np.float64], at: int, rate: int, second: int, work: Workspace
+) -> None:
+    """``x' = v``, ``x'' = v'``, ``q' = q o w/2``, ``q'' = (q' o w + q o w')/2``."""
+    for body in range(kind.table.shape[0]):
+        dof = kind.table[body, DOF]
+        place = _place(dof, work)
+        q = values[at + place + 3 : at + place + 7]
+        w = values[at + dof + 3 : at + dof + 6]
+        a = values[rate + dof + 3 : rate + dof + 6]
+        spin, spin_rate = (0.0, w[0], w[1], w[2]), (0.0, a[0], a[1], a[2])
+        quaternion = (q[0], q[1], q[2], q[3])
+        turn = quaternion_product(quaternion, spin)
+        half = (0.5 * turn[0], 0.5 * turn[1], 0.5 * turn[2], 0.5 * turn[3])
+        bend, drift = quaternion_product(half, spin), quaternion_product(quaternion, spin_rate)
+        for k in range(3):
+            values[rate + place + k] = values[at + dof + k]
+            values[second + place + k] = values[rate + dof + k]
+        for k in range(4):
+            values[rate + place + 3 + k] = half[k]
+            values[second + place + 3 + k] = 0.5 * (bend[k] + drift[k])
+
+
+@implement(measure_error, RigidBodies)
+@kernel(internal=True)
+def measure_rigid_error(
+    kind: RigidBodies,
+    values: NDArray[np.float64],
+    fifth: int,
+    third: int,
+    work: Workspace,
+) -> None:
+    """Of the point at the reach of the body: ``e5^2 / sqrt(e5^2 + e3^2/100)``, as of DOP853."""
+    for body in range(kind.table.shape[0]):
+        if kind.table[body, MOTION] != FREE:
+            continue
+        dof, reach = kind.table[body, DOF], kind.frame[body, REACH]
+        a, b = fifth + dof, third + dof
+        e5 = e3 = t5 = t3 = 0.0
+        for k in range(3):
+            e5 += values[a + k] ** 2
+            e3 += values[b + k] ** 2
+            t5 += values[a + 3 + k] ** 2
+            t3 += values[b + 3 + k] ** 2
+        e5 += reach * reach * t5
+        e3 += reach * reach * t3
+        error = e5 / math.sqrt(e5 + 0.01 * e3) if e5 > 0.0 else e5
+        if error > work.control[ERROR] or math.isnan(error):  # which stays
+            work.control[ERROR] = error
+            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+
+
+@implement(store_state, RigidBodies)
+@kernel(internal=True)
+def store_rigid_state(
+    kind: RigidBodies, time: float, values: NDArray[np.float64], at: int, rate: int, work: Workspace
+) -> None:
+    """``w = 2 q* o q'`` of the normalised quaternion; prescribed bodies as prescribed."""
+    for body in range(kind.table.shape[0]):
+        dof = kind.table[body, DOF]
+        frame = inertia = kind.frame[body]
+        place = _place(dof, work)
+        if kind.table[body, MOTION] == DRIVEN:
+            _write_prescribed(kind, body, time, values, at, work)
+        else:
+            p, r = values[at + place : at + place + 7], values[rate + place : rate + place + 7]
+            size = 1.0 / math.sqrt(p[3] * p[3] + p[4] * p[4] + p[5] * p[5] + p[6] * p[6])
+            q = (size * p[3], size * p[4], size * p[5], size * p[6])
+            back = (2.0 * size * q[0], -2.0 * size * q[1], -2.0 * size * q[2], -2.0 * size * q[3])
+            w = quaternion_product(back, (r[3], r[4], r[5], r[6]))
+            for k in range(3):
+                frame[POSITION + k] = p[k]
+                frame[VELOCITY + k] = values[at + dof + k] = r[k]
+                frame[SPIN + k] = values[at + dof + 3 + k] = w[1 + k]
+            for k in range(4):
+                frame[ORIENTATION + k] = values[at + place + 3 + k] = q[k]
+        orientation = (
+            frame[ORIENTATION],
+            frame[ORIENTATION + 1],
+            frame[ORIENTATION + 2],
+            frame[ORIENTATION + 3],
+        )
+        L = rotate_by_quaternion(
+            orientation,
+            inertia[PRINCIPAL] * frame[SPIN],
+            inertia[PRINCIPAL + 1] * frame[SPIN + 1],
+            inertia[PRINCIPAL + 2] * frame[SPIN + 2],
+        )
+        for k in range(3):
+            frame[ANGULAR_MOMENTUM + k] = L[k]

@@ -1,0 +1,164 @@
+"""Motors: a given torque about a hinge or force along a slider, of a on b, from a table over time.
+
+The load acts on the markers of the angle or travel, so that load times rate is exactly the power of the motor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.connections import JointMotor
+from heavylift.solver.interface import (
+    DRIVE_WORK,
+    EXTERNAL_WORK,
+    POINT_FORCE,
+    Workspace,
+    add_forces,
+    fill_bias,
+    fill_rows,
+    record_joints,
+    update_rows,
+)
+from heavylift.solver.joints.coordinate import ANGLE, add_load
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import RowSystem
+
+__all__ = ["Motors", "pack_motors"]
+
+COORDINATE, A, B, C, COLUMN, DOF_A, WIDTH_A, DOF_B, WIDTH_B, FIRST, COUNT = range(11)
+
+
+class Motors(NamedTuple):
+    """All motors of a scene.
+
+    Attributes
+    ----------
+    table
+        Coordinate, three markers, record column, first velocity and number of velocities of a and of b, first
+        row and rows of the load table; shape (n, 11).
+    loads
+        Time [s] and load [N m] or [N] of all tables, shape (m, 2).
+    state
+        Work done so far [J], shape (n,).
+    """
+
+    table: NDArray[np.int64]
+    loads: NDArray[np.float64]
+    state: NDArray[np.float64]
+
+
+def pack_motors(motors: Sequence[tuple[JointMotor, tuple[int, ...]]]) -> Motors:
+    """Make the kind from the entries of a scene and the first nine columns of the table of each.
+
+    Raises
+    ------
+    InputError
+        If a table is empty, does not fit, or its times do not increase.
+    """
+    table, loads = [], []
+    first = 0
+    for motor, place in motors:
+        times = np.atleast_1d(np.asarray(motor.times, dtype=np.float64))
+        values = np.atleast_1d(np.asarray(motor.loads, dtype=np.float64))
+        good = times.ndim == 1 and times.shape == values.shape and len(times) > 0
+        if not (good and np.all(np.diff(times) > 0.0) and np.all(np.isfinite(values))):
+            raise InputError(
+                f"{times.size} times and {values.size} loads",
+                source=motor.name,
+                key="times",
+                expected="one finite load a time, times increasing",
+            )
+        table.append((*place, first, len(times)))
+        loads.append(np.column_stack([times, values]))
+        first += len(times)
+    return Motors(np.array(table, dtype=np.int64), np.vstack(loads), np.zeros(len(table)))
+
+
+@kernel(internal=True)
+def motor_load(kind: Motors, i: int, time: float) -> float:
+    """Load at a time, linear between the rows and held at the ends."""
+    first, count = kind.table[i, FIRST], kind.table[i, COUNT]
+    low, high = first, first + count - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if kind.loads[middle, 0] <= time:
+            low = middle
+        else:
+            high = middle
+    span = kind.loads[high, 0] - kind.loads[low, 0]
+    part = min(max((time - kind.loads[low, 0]) / span, 0.0), 1.0) if span > 0.0 else 0.0
+    return kind.loads[low, 1] + part * (kind.loads[high, 1] - kind.loads[low, 1])
+
+
+@implement(add_forces, Motors)
+@kernel(internal=True)
+def add_motors(kind: Motors, time: float, work: Workspace) -> None:
+    """Loads on the markers, which no other force uses."""
+    for i in range(kind.table.shape[0]):
+        add_load(
+            work,
+            kind.table[i, COORDINATE],
+            kind.table[i, A],
+            kind.table[i, B],
+            kind.table[i, C],
+            motor_load(kind, i, time),
+        )
+
+
+@kernel(internal=True)
+def _power(work: Workspace, marker: int, dof: int, width: int) -> float:
+    """Power of the force on a marker at the velocity of the stage [W]."""
+    power = 0.0
+    for k in range(width):
+        J = work.jacobian[marker]
+        along = (
+            work.markers[marker, POINT_FORCE] * J[0, k]
+            + work.markers[marker, POINT_FORCE + 1] * J[1, k]
+            + work.markers[marker, POINT_FORCE + 2] * J[2, k]
+        )
+        power += along * work.velocity[dof + k]
+    return power
+
+
+@implement(update_rows, Motors)
+@kernel(internal=True)
+def update_motors(kind: Motors, time: float, step: float, work: Workspace, system: RowSystem) -> None:
+    """Work of the step; the third marker is on b for an angle and on a for a travel."""
+    for i in range(kind.table.shape[0]):
+        coordinate, a, b, c, _, dof_a, width_a, dof_b, width_b, _, _ = kind.table[i]
+        power = _power(work, a, dof_a, width_a) + _power(work, b, dof_b, width_b)
+        if coordinate == ANGLE:
+            power += _power(work, c, dof_b, width_b)
+        else:
+            power += _power(work, c, dof_a, width_a)
+        kind.state[i] += step * power
+
+
+@implement(fill_rows, Motors)
+@kernel(internal=True)
+def fill_no_rows(kind: Motors, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+    """A force has no rows."""
+
+
+@implement(fill_bias, Motors)
+@kernel(internal=True)
+def fill_no_bias(kind: Motors, time: float, work: Workspace, system: RowSystem) -> None:
+    """A force has no rows."""
+
+
+@implement(record_joints, Motors)
+@kernel(internal=True)
+def record_motors(
+    kind: Motors, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+) -> None:
+    """Load; its work moves from that of outer forces, where the bodies count it, to that of drives."""
+    for i in range(kind.table.shape[0]):
+        row[kind.table[i, COLUMN]] = motor_load(kind, i, time)
+        work.sums[DRIVE_WORK] += kind.state[i]
+        work.sums[EXTERNAL_WORK] -= kind.state[i]

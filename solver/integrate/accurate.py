@@ -1,0 +1,422 @@
+"""The accurate integrator: DOP853 on the accelerations of the constrained system, for smooth scenes.
+
+Bodies are ordinary differential equations of their positions, quaternions and velocities; joints are
+differentiated twice and add the accelerations that keep them (`accurate_rows`). After every step positions
+and velocities are projected back onto the joints. Steps follow the tolerance alone: records come from
+interpolation (`dense_output`), so the integrator is ahead of them, and what it carries between two calls lives
+in an `Integration`.
+
+A step is accepted if its estimated error is a displacement of no more than a tenth of the tolerance: the error
+of the velocity of any point of a body, out to its farthest joint, times the longest of the recent steps (times
+the step itself, short steps beside a singular position would be allowed any error). Steps end at the corners of
+loads and drives, behind which interpolation starts anew.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
+from heavylift.solver.integrate.accurate_rows import (
+    add_drive_power,
+    constrain,
+    correct_velocity,
+    find_displacement,
+    soften,
+)
+from heavylift.solver.integrate.combination import PART, combine_part
+from heavylift.solver.integrate.dense_output import choose_nodes, node_weights, quadrature_weights
+from heavylift.solver.integrate.dop853 import NODES, ORDER, STAGES, write_end, write_errors, write_stage
+from heavylift.solver.integrate.integration import (
+    AT_CORNER,
+    DRIVEN,
+    END,
+    END_RATE,
+    ERROR_BEFORE,
+    FIFTH,
+    HEAD,
+    LENGTH,
+    LOADED,
+    LOOSEST,
+    MEMORY,
+    NEEDED,
+    NODE,
+    NODE_ROWS,
+    NODES_FILLED,
+    QUADRATURES,
+    REJECTED,
+    REJECTIONS,
+    SECOND,
+    SLOTS,
+    SOFTENING,
+    SOLUTIONS,
+    STAGE,
+    STARTED,
+    THIRD,
+    TIMES,
+    VECTORS,
+    WORKS,
+    Integration,
+    make_integration,
+    stiffness_seen,
+    watch_stability,
+)
+from heavylift.solver.integrate.loop import write_record
+from heavylift.solver.interface import (
+    CORNER,
+    DISSIPATED,
+    DRIVE_WORK,
+    ERROR,
+    EXTERNAL_WORK,
+    FIELD,
+    LAST_STEP,
+    NEXT_STEP,
+    POINT_FORCE,
+    STATUS_OUTCOME,
+    STEP_COUNT,
+    Workspace,
+    add_forces,
+    begin_stage,
+    complete_rates,
+    displace,
+    free_acceleration,
+    load_state,
+    measure_error,
+    store_state,
+)
+
+__all__ = ["Integration", "make_integration", "run", "stiffness_seen"]
+
+SAFETY, SMALLEST_FACTOR, LARGEST_FACTOR = 0.8, 0.2, 2.0
+SHARE = 0.1
+"""Of the tolerance, that the error of one step may be: errors of many steps add up, and grow."""
+
+LEAST_ERROR = 1e-6
+MEMORY_DECAY = 0.9
+SHORTEST = 1e-13
+"""Shortest step, relative to the time or to the output interval."""
+
+NOT_FINITE, STEP_TOO_SMALL = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_SMALL)
+
+
+@kernel(internal=True)
+def _evaluate(
+    bodies: Any,
+    forces: Any,
+    joints: Any,
+    rows: Any,
+    work: Workspace,
+    integration: Integration,
+    stage: int,
+    rate: int,
+    time: float,
+    with_reactions: bool,
+) -> None:
+    """Rates of the state in one row of the vectors into another row."""
+    state, values, sums = integration.state, integration.vectors, work.sums
+    size = values.shape[0] // VECTORS
+    at, out, end = stage * size, rate * size, (rate + 1) * size - QUADRATURES
+    begin_stage(bodies, time, values, at, out, work)
+    if state[LOADED] != 0.0:
+        for marker in range(work.markers.shape[0]):
+            for k in range(3):
+                work.markers[marker, POINT_FORCE + k] = 0.0
+    sums[FIELD] = sums[FIELD + 1] = sums[FIELD + 2] = 0.0
+    sums[EXTERNAL_WORK] = sums[DRIVE_WORK] = sums[DISSIPATED] = 0.0
+    add_forces(forces, time, work)
+    free_acceleration(bodies, values, at, work)
+    driven = state[DRIVEN] != 0.0
+    constrain(rows, joints, work, time, state[SOLUTIONS], with_reactions or driven)
+    if driven:
+        add_drive_power(rows, values, at, work)
+    for i in range(work.velocity.shape[0]):
+        values[out + i] = work.velocity[i]
+    values[end], values[end + 1], values[end + 2] = sums[EXTERNAL_WORK], sums[DRIVE_WORK], sums[DISSIPATED]
+
+
+@kernel(internal=True)
+def _project(
+    bodies: Any, joints: Any, rows: Any, work: Workspace, integration: Integration, time: float
+) -> None:
+    """Close the joints of the state at the end: one Newton step of positions, and velocities by the same factor."""
+    values = integration.vectors
+    size = values.shape[0] // VECTORS
+    at = END * size
+    begin_stage(bodies, time, values, at, END_RATE * size, work)
+    for i in range(work.velocity.shape[0]):
+        work.velocity[i] = 0.0
+    find_displacement(rows, joints, work, time)
+    displace(bodies, values, at, work)
+    for i in range(work.velocity.shape[0]):
+        work.velocity[i] = values[at + i]
+    correct_velocity(rows, work)
+    for i in range(work.velocity.shape[0]):
+        values[at + i] = work.velocity[i]
+
+
+@kernel(internal=True)
+def _add_node(bodies: Any, work: Workspace, integration: Integration, time: float) -> None:
+    """Keep the state at the end with its rates as the newest node."""
+    state, values = integration.state, integration.vectors
+    size = values.shape[0] // VECTORS
+    complete_rates(bodies, values, END * size, END_RATE * size, SECOND * size, work)
+    slot = (int(state[NODE]) + 1) % SLOTS
+    state[NODE] = slot
+    state[NODES_FILLED] = min(state[NODES_FILLED] + 1.0, SLOTS)
+    state[TIMES + slot] = time
+    place = HEAD + slot * NODE_ROWS * size
+    for i in range(NODE_ROWS * size):
+        state[place + i] = values[END * size + i]
+
+
+@kernel(internal=True)
+def _begin(
+    bodies: Any, forces: Any, joints: Any, rows: Any, work: Workspace, integration: Integration, time: float
+) -> None:
+    """First node of the scene, closed, or first one behind a corner."""
+    state, values = integration.state, integration.vectors
+    size = values.shape[0] // VECTORS
+    if state[STARTED] == 0.0:
+        load_state(bodies, values, END * size, work)
+        _project(bodies, joints, rows, work, integration, time)
+    else:
+        place = HEAD + int(state[NODE]) * NODE_ROWS * size
+        for i in range(size):
+            values[END * size + i] = state[place + i]
+    _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, False)
+    state[NODES_FILLED] = 0.0
+    _add_node(bodies, work, integration, time)
+
+
+@kernel(internal=True)
+def _first_step(
+    bodies: Any, work: Workspace, integration: Integration, allowed: float, interval: float
+) -> float:
+    """A step whose error in order 8 is about as allowed [m], from how fast velocities change [s]."""
+    state, size = integration.state, integration.vectors.shape[0] // VECTORS
+    length = state[LENGTH]
+    work.control[ERROR] = 0.0
+    measure_error(bodies, integration.vectors, END_RATE * size, END_RATE * size, work)
+    acceleration = work.control[ERROR]
+    work.control[ERROR] = 0.0
+    measure_error(bodies, integration.vectors, END * size, END * size, work)
+    rate = max(math.sqrt(acceleration / length), work.control[ERROR] / length)
+    if not rate > 0.0:
+        return interval
+    return (allowed / length) ** (1.0 / (ORDER + 1)) / rate
+
+
+@kernel(internal=True)
+def _step(
+    bodies: Any,
+    forces: Any,
+    joints: Any,
+    rows: Any,
+    work: Workspace,
+    integration: Integration,
+    allowed: float,
+    interval: float,
+) -> bool:
+    """One accepted step; its end becomes the newest node. False if there is none, with the reason in the status."""
+    state, values, control = integration.state, integration.vectors, work.control
+    size = values.shape[0] // VECTORS
+    if state[STARTED] == 0.0 or state[AT_CORNER] != 0.0:
+        time = 0.0 if state[STARTED] == 0.0 else state[TIMES + int(state[NODE])]
+        _begin(bodies, forces, joints, rows, work, integration, time)
+        if state[STARTED] == 0.0:
+            control[NEXT_STEP] = _first_step(bodies, work, integration, allowed, interval)
+        state[STARTED] = 1.0
+        state[AT_CORNER] = 0.0
+    slot = int(state[NODE])
+    time = state[TIMES + slot]
+    place = HEAD + slot * NODE_ROWS * size
+    for i in range(2 * size):
+        values[i] = state[place + i]
+    shortest = SHORTEST * max(abs(time), interval)
+    corner = int(control[CORNER])
+    while corner < work.corners.shape[0] and work.corners[corner] <= time + shortest:
+        corner += 1
+    control[CORNER] = corner
+    ahead = work.corners[corner] - time if corner < work.corners.shape[0] else math.inf
+    # three nodes are needed between two corners
+    rest = 0.5 * ahead if state[NODES_FILLED] < 2.0 else ahead
+    while True:
+        h = control[NEXT_STEP]
+        at_corner = h >= rest
+        if at_corner:
+            h = rest
+        last = time + h
+        if at_corner and rest == ahead:
+            last -= 1e-12 * max(abs(last), h)  # what holds before the corner
+        for stage in range(2, STAGES + 1):
+            write_stage(values, size, STAGE, stage, h)
+            _evaluate(
+                bodies,
+                forces,
+                joints,
+                rows,
+                work,
+                integration,
+                STAGE,
+                stage,
+                min(time + NODES[stage - 1] * h, last),
+                False,
+            )
+        write_errors(values, size, FIFTH, THIRD)
+        control[ERROR] = 0.0
+        measure_error(bodies, values, FIFTH * size, THIRD * size, work)
+        error = h * max(h, state[MEMORY]) * control[ERROR] / allowed
+        if error <= 1.0:
+            break
+        factor = SMALLEST_FACTOR
+        if error < math.inf:
+            factor = max(SAFETY * error ** (-1.0 / ORDER), SMALLEST_FACTOR)
+        control[NEXT_STEP] = h * factor
+        state[REJECTED] = 1.0
+        state[REJECTIONS] += 1.0
+        if h * factor < shortest:
+            # `measure_error` left the body
+            work.status[STATUS_OUTCOME] = STEP_TOO_SMALL if error < math.inf else NOT_FINITE
+            return False
+    write_end(values, size, END, h)
+    _project(bodies, joints, rows, work, integration, last)
+    _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, last, False)
+    watch_stability(integration, h)
+    time += h
+    if at_corner and rest == ahead:
+        time = work.corners[corner]
+        state[AT_CORNER] = 1.0
+    _add_node(bodies, work, integration, time)
+    error = max(error, LEAST_ERROR)
+    factor = SAFETY * error ** (-1.0 / ORDER)
+    if state[ERROR_BEFORE] > 0.0:  # what makes the error grow goes on
+        factor *= min((state[ERROR_BEFORE] / error) ** (1.0 / ORDER) * h / control[LAST_STEP], 1.0)
+    state[ERROR_BEFORE] = error
+    factor = min(max(factor, SMALLEST_FACTOR), LARGEST_FACTOR)
+    if state[REJECTED] != 0.0:
+        factor = min(factor, 1.0)
+    state[REJECTED] = 0.0
+    control[NEXT_STEP] = max(control[NEXT_STEP], h * factor) if at_corner else h * factor
+    state[MEMORY] = max(h, MEMORY_DECAY * state[MEMORY])
+    control[LAST_STEP] = h
+    control[STEP_COUNT] += 1.0
+    return True
+
+
+@kernel(internal=True)
+def _known_until(state: NDArray[np.float64]) -> float:
+    """Latest time at which a record can be interpolated [s]: the end of the last but one step, or a corner."""
+    if state[AT_CORNER] != 0.0:
+        return state[TIMES + int(state[NODE])]
+    if state[NODES_FILLED] < NEEDED:
+        return -math.inf
+    return state[TIMES + (int(state[NODE]) - 1) % SLOTS]
+
+
+@kernel(internal=True)
+def _sample(
+    bodies: Any, forces: Any, joints: Any, rows: Any, work: Workspace, integration: Integration, time: float
+) -> None:
+    """Carried state, works and reactions at a time between the last nodes."""
+    state, values = integration.state, integration.vectors
+    size = values.shape[0] // VECTORS
+    times = state[TIMES : TIMES + SLOTS]
+    a, b, c, d, count = choose_nodes(time, times, int(state[NODE]), int(state[NODES_FILLED]))
+    ta, tb, tc, td = times[a], times[b], times[c], times[d]
+    a0, a1, a2, da0, da1, da2 = node_weights(time, ta, (tb, tc, td), count)
+    b0, b1, b2, db0, db1, db2 = node_weights(time, tb, (ta, tc, td), count)
+    c0 = c1 = c2 = dc0 = dc1 = dc2 = d0 = d1 = d2 = dd0 = dd1 = dd2 = 0.0
+    if count > 2:
+        c0, c1, c2, dc0, dc1, dc2 = node_weights(time, tc, (ta, tb, td), count)
+    if count > 3:
+        d0, d1, d2, dd0, dd1, dd2 = node_weights(time, td, (ta, tb, tc), count)
+    A, B, C, D = NODE_ROWS * a, NODE_ROWS * b, NODE_ROWS * c, NODE_ROWS * d
+    nodes = (A, A + 1, A + 2, B, B + 1, B + 2, C, C + 1, C + 2, D, D + 1, D + 2)
+    weights = (a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2)
+    rates = (da0, da1, da2, db0, db1, db2, dc0, dc1, dc2, dd0, dd1, dd2)
+    first = work.velocity.shape[0] // PART * PART
+    for i in range(first, size, PART):
+        combine_part(values, END * size + i, state, HEAD + i, size, nodes, weights)
+        combine_part(values, END_RATE * size + i, state, HEAD + i, size, nodes, rates)
+    a0, a1 = quadrature_weights(time, ta, (tb, tc, td), count)
+    b0, b1 = quadrature_weights(time, tb, (ta, tc, td), count)
+    if count > 2:
+        c0, c1 = quadrature_weights(time, tc, (ta, tb, td), count)
+    if count > 3:
+        d0, d1 = quadrature_weights(time, td, (ta, tb, tc), count)
+    end = HEAD + size - QUADRATURES
+    for k in range(QUADRATURES):
+        state[WORKS + k] = (
+            a0 * state[end + A * size + k]
+            + a1 * state[end + (A + 1) * size + k]
+            + b0 * state[end + B * size + k]
+            + b1 * state[end + (B + 1) * size + k]
+            + c0 * state[end + C * size + k]
+            + c1 * state[end + (C + 1) * size + k]
+            + d0 * state[end + D * size + k]
+            + d1 * state[end + (D + 1) * size + k]
+        )
+    store_state(bodies, time, values, END * size, END_RATE * size, work)
+    _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, True)
+
+
+@kernel
+def run(
+    bodies: tuple[Any, ...],
+    forces: tuple[Any, ...],
+    joints: tuple[Any, ...],
+    systems: tuple[Any, ...],
+    work: Workspace,
+    step: float,
+    tolerance: float,
+    first: int,
+    last: int,
+    every: int,
+    records: NDArray[np.float64],
+) -> int:
+    """Integrate from index `first` to `last`: an index is an output interval, and the steps do not see it.
+
+    Parameters
+    ----------
+    bodies, forces, joints
+        Tuples of kinds.
+    systems
+        The system of the rows, if there are joints, and the `Integration`.
+    work
+        Shared arrays.
+    step
+        Output interval [s].
+    tolerance
+        Error of the positions that is wanted at the end, about [m].
+    first, last
+        Indices.
+    every
+        A record is written after each index that is divisible by this.
+    records
+        Receives them, shape (rows, columns).
+
+    Returns
+    -------
+    int
+        Last index that was completed; `work.status` says why if it is not `last`.
+    """
+    integration, rows = systems[-1], systems[:-1]
+    state = integration.state
+    allowed = min(SHARE * tolerance, state[LOOSEST])
+    soften(rows, state[SOFTENING])
+    row = 0
+    for index in range(first, last):
+        time = (index + 1) * step
+        while _known_until(state) < time:
+            if not _step(bodies, forces, joints, rows, work, integration, allowed, step):
+                return index
+        if (index + 1) % every == 0:
+            _sample(bodies, forces, joints, rows, work, integration, time)
+            write_record(bodies, forces, joints, systems, work, time, records[row])
+            row += 1
+    return last

@@ -1,0 +1,93 @@
+"""Stops, dry friction and tabulated springs on a slider, against closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from law_scenes import NONE, G, body, run, scene, slider
+
+from heavylift.solver.connections import JointSpring, Limits
+
+MASS = 2.0
+
+
+def test_sliding_block_stops_and_stays() -> None:
+    """It stops after v/(mu g) and v^2/(2 mu g), and friction has taken all of its energy."""
+    mu, v = 0.3, 3.0
+    block = body("block", MASS, (0, 0, 0), (v, 0, 0))
+    for step in (2e-2, 7e-3):
+        result = run(scene([block], joints=[slider(friction=mu * MASS * G)]), step, 2.0)
+        at_rest = np.abs(result["block.velocity"][:, 0]) < 1e-9
+        assert result.times[np.argmax(at_rest)] == pytest.approx(v / (mu * G), abs=1.5 * step)
+        assert result["block.position"][-1, 0] == pytest.approx(v**2 / (2.0 * mu * G), abs=mu * G * step**2)
+        assert result["energy.dissipated"][-1] == pytest.approx(
+            0.5 * MASS * v**2, abs=MASS * (mu * G * step) ** 2
+        )
+        stopped = result["block.position"][np.argmax(at_rest) :, 0]
+        assert np.ptp(stopped) < 1e-12
+
+
+def test_friction_on_a_slope() -> None:
+    """It holds up to its largest load, but for the regularisation, and slides with the rest beyond."""
+    block, slope = body("block", MASS, (0, 0, 0)), np.array([1.0, 0.0, -0.2])
+    held = run(scene([block], joints=[slider(slope, friction=10.0)]), 1e-2, 2.0)
+    assert np.abs(held["block.position"][-1]).max() < 1e-8
+    steep = np.array([1.0, 0.0, -1.0])
+    free = run(scene([block], joints=[slider(steep, friction=10.0)]), 1e-2, 1.0)
+    rate = G / math.sqrt(2.0) - 10.0 / MASS
+    assert np.linalg.norm(free["block.position"][-1]) == pytest.approx(0.5 * rate, rel=1e-12)
+    assert free.balance < 1e-8  # the slider is regularised
+
+
+def test_stop_is_half_a_sine() -> None:
+    """Second order through both corners; the energy returns exactly."""
+    k, at = 2e4, 0.1
+    w = math.sqrt(k / MASS)
+    errors = []
+    for step in (2e-3, 1e-3):
+        stop = slider(limits=Limits(upper=at, stiffness=k))
+        result = run(scene([body("block", MASS, (0, 0, 0), (1, 0, 0))], joints=[stop], field=NONE), step, 0.5)
+        t = result.times - at
+        touch = np.where(t < math.pi / w, at + np.sin(w * t) / w, at - (t - math.pi / w))
+        errors.append(np.abs(result["block.position"][:, 0] - np.where(t < 0.0, result.times, touch)).max())
+        assert result.balance < 1e-13
+    assert errors[1] < 3e-5
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
+
+
+def test_stops_without_a_stiffness_hold() -> None:
+    stop = slider(limits=Limits(lower=-0.1, upper=0.1))
+    result = run(scene([body("block", MASS, (0, 0, 0), (1, 0, 0))], joints=[stop], field=NONE), 1e-3, 5.0)
+    assert 0.1 < np.abs(result["block.position"][:, 0]).max() < 0.1 + 1.05 / 400.0
+    assert result.balance < 1e-12
+
+
+def test_damped_stop_takes_energy() -> None:
+    stop = slider(limits=Limits(upper=0.1, stiffness=2e4, damping=100.0))
+    result = run(scene([body("block", MASS, (0, 0, 0), (1, 0, 0))], joints=[stop], field=NONE), 1e-3, 0.5)
+    assert result["block.velocity"][-1, 0] < 0.0
+    assert result["energy.dissipated"][-1] == pytest.approx(1.0 - result["energy.kinetic"][-1], abs=1e-12)
+
+
+def test_tabulated_spring_keeps_energy_through_its_corners() -> None:
+    """Soft one way and stiff the other: half periods of two sines."""
+    soft, stiff = 50.0, 5e3
+    spring = JointSpring(
+        name="spring",
+        joint="slide",
+        deflections=np.array([-1.0, 0.0, 1.0]),
+        loads=np.array([-soft, 0.0, stiff]),
+    )
+    period = math.pi * (math.sqrt(MASS / soft) + math.sqrt(MASS / stiff))
+    errors = []
+    for steps in (200, 400):
+        start = body("block", MASS, (0, 0, 0), (1, 0, 0))
+        result = run(scene([start], [spring], [slider()], field=NONE), period / steps, 3.0 * period)
+        errors.append(abs(result["block.position"][-1, 0]))
+        assert result.balance < 1e-12
+        x = result["block.position"][:, 0]
+        np.testing.assert_allclose(result["spring.load"], np.where(x > 0.0, stiff * x, soft * x), atol=1e-9)
+    assert errors[1] < 0.3 * errors[0]
+    assert errors[1] < 2e-3

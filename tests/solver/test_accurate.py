@@ -1,0 +1,295 @@
+"""The accurate integrator: order of the method, closed forms, mechanisms in minimal coordinates, continuation."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.special import ellipj
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.connections import GROUND, Hinge, JointFrame, Spring
+from heavylift.solver.integrate.accurate import Integration, make_integration, stiffness_seen
+from heavylift.solver.integrate.dop853 import STAGES, write_end, write_stage
+from heavylift.solver.layout import pack_scene
+from heavylift.solver.scene import Driven, Gravity, Harmonic, PointForce, Profile, RigidBody, Scene, Sensor
+from heavylift.solver.simulation import Simulation
+
+MOMENTS = np.array([1.0, 2.0, 2.5])
+SPIN = np.array([1.0, 0.0, 3.0])
+G = 9.81
+HALF = np.array([0.5, 0.0, 0.0])
+
+
+def body_spin(time: np.ndarray) -> np.ndarray:
+    """Spin of the free body by Jacobi's elliptic functions, (time, 3): Landau and Lifshitz, Mechanics, section 37."""
+    I1, I2, I3 = MOMENTS
+    E2, L2 = MOMENTS @ SPIN**2, (MOMENTS * SPIN) @ (MOMENTS * SPIN)
+    rate = math.sqrt((I3 - I2) * (L2 - E2 * I1) / (I1 * I2 * I3))
+    m = (I2 - I1) * (E2 * I3 - L2) / ((I3 - I2) * (L2 - E2 * I1))
+    sn, cn, dn, _ = ellipj(rate * time, m)
+    return np.stack(
+        [
+            math.sqrt((E2 * I3 - L2) / (I1 * (I3 - I1))) * cn,
+            math.sqrt((E2 * I3 - L2) / (I2 * (I3 - I2))) * sn,
+            math.sqrt((L2 - E2 * I1) / (I3 * (I3 - I1))) * dn,
+        ],
+        axis=1,
+    )
+
+
+@kernel
+def fixed_steps(values: np.ndarray, moments: np.ndarray, h: float, count: int) -> None:
+    """Euler's equations of a free body by steps of equal length."""
+    size, last = 8, STAGES + 1
+    for _ in range(count):
+        for stage in range(1, STAGES + 1):
+            if stage > 1:
+                write_stage(values, size, last, stage, h)
+            at, out = (last if stage > 1 else 0) * size, stage * size
+            for k in range(3):
+                i, j = (k + 1) % 3, (k + 2) % 3
+                values[out + k] = (moments[i] - moments[j]) / moments[k] * values[at + i] * values[at + j]
+        write_end(values, size, last, h)
+        for i in range(size):
+            values[i] = values[last * size + i]
+
+
+def test_the_method_is_of_order_eight() -> None:
+    duration, deviations = 4.0, []
+    for count in (16, 32, 64):
+        values = np.zeros((STAGES + 2) * 8)
+        values[:3] = SPIN
+        fixed_steps(values, MOMENTS, duration / count, count)
+        deviations.append(np.abs(values[:3] - body_spin(np.array([duration]))[0]).max())
+    orders = np.log2(np.array(deviations[:-1]) / deviations[1:])
+    assert np.all(orders > 7.5), orders
+    assert deviations[-1] < 1e-8
+
+
+def channel(simulation: Simulation, records: np.ndarray, name: str) -> np.ndarray:
+    found = next(c for c in simulation.channels if c.name == name)
+    return records[:, found.column : found.column + len(found.components)]
+
+
+def hinge(name: str, a: str, b: str, at_a: tuple[float, ...], at_b: tuple[float, ...]) -> Hinge:
+    frames = {"frame_a": JointFrame(np.array(at_a)), "frame_b": JointFrame(np.array(at_b))}
+    return Hinge(name=name, body_a=a, body_b=b, **frames)
+
+
+def rod(name: str, a: tuple[float, ...], b: tuple[float, ...], **motion: object) -> RigidBody:
+    """Rod of 1 kg from a to b, upright or level."""
+    d = np.abs(np.subtract(b, a))
+    inertia = np.diag([1e-3 if d[0] > 0 else 1 / 12, 1e-3 if d[1] > 0 else 1 / 12, 1 / 12])
+    return RigidBody(name, 1.0, inertia, position=np.add(a, b) / 2.0, **motion)  # type: ignore[arg-type]
+
+
+def loads(
+    gravity: tuple[float, float, float],
+    body: str,
+    times: np.ndarray | None = None,
+    forces: np.ndarray | None = None,
+) -> tuple[Gravity, PointForce]:
+    """Gravity and a force on the centre of mass, so that all scenes here are of the same kinds and compile once."""
+    times, forces = (np.zeros(1), np.zeros((1, 3))) if times is None else (times, forces)
+    return Gravity(np.array(gravity)), PointForce("load", body, np.zeros(3), times, forces)
+
+
+def top_scene(times: np.ndarray | None = None, forces: np.ndarray | None = None) -> Scene:
+    """A free body beside a rod on a vertical hinge, which stands still."""
+    top = RigidBody("top", 2.0, np.diag(MOMENTS), angular_velocity=SPIN)
+    arm = rod("arm", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
+    joint = hinge("h", GROUND, "arm", (0.0, 0.0, 0.0), tuple(-HALF))
+    return Scene((top, arm), loads((0.0, 0.0, -G), "top", times, forces), (), (joint,))
+
+
+def test_records_between_the_steps_are_as_good_as_the_tolerance() -> None:
+    """Free top and free fall, 20 records a step."""
+    for tolerance in (1e-4, 1e-7):
+        simulation = Simulation(top_scene(), 0.01, "accurate", tolerance=tolerance)
+        times, records = simulation.advance(1000)
+        found = channel(simulation, records, "top.angular_velocity")
+        assert np.abs(found - body_spin(times)).max() < 10.0 * tolerance
+        fall = channel(simulation, records, "top.position")[:, 2]
+        np.testing.assert_allclose(fall, -0.5 * G * times**2, rtol=1e-9)
+        assert simulation.solver_steps < 200
+        turn = channel(simulation, records, "top.orientation")
+        assert np.abs(np.linalg.norm(turn, axis=1) - 1.0).max() < 1e-14
+
+
+def test_steps_end_where_a_load_has_a_corner() -> None:
+    """A force that rises, stays and falls linearly: positions are cubic in each part, works follow."""
+    knots, forces = np.array([0.0, 0.31, 1.0, 1.7]), np.zeros((4, 3))
+    forces[1:3, 0] = 8.0
+    simulation = Simulation(top_scene(knots, forces), 0.05, "accurate", tolerance=1e-6)
+    times, records = simulation.advance(40)
+    x = channel(simulation, records, "top.position")[:, 0]
+    pieces = solve_ivp(
+        lambda t, y: [y[1], np.interp(t, knots, forces[:, 0]) / 2.0],
+        (0.0, 2.0),
+        [0.0, 0.0],
+        t_eval=times,
+        rtol=1e-12,
+        atol=1e-14,
+        max_step=0.01,
+    )
+    np.testing.assert_allclose(x, pieces.y[0], atol=1e-9)
+    work = channel(simulation, records, "energy.external_work")[:, 0]
+    np.testing.assert_allclose(work, pieces.y[1] ** 2, atol=1e-6)
+    assert simulation.solver_steps < 60
+
+
+def chain(count: int, **motion: object) -> Scene:
+    """Level links of 1 m on hinges; the first moves as told."""
+    links = [rod(f"l{i}", (i, 0.0, 0.0), (i + 1.0, 0.0, 0.0)) for i in range(count)]
+    joints = [
+        hinge(f"h{i}", f"l{i - 1}" if i else GROUND, f"l{i}", tuple(HALF) if i else (0.0,) * 3, tuple(-HALF))
+        for i in range(count)
+    ]
+    if motion:
+        links[0], joints = rod("l0", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), **motion), joints[1:]
+    sensor = Sensor("tip", f"l{count - 1}", HALF)
+    return Scene(tuple(links), loads((0.0, -G, 0.0), "l0"), (sensor,), tuple(joints))
+
+
+def chain_tip(count: int, times: np.ndarray) -> np.ndarray:
+    """Tip of the chain from absolute angles: ``M(th) th'' + C th'^2 + Q = 0``."""
+    i = np.arange(count)
+    A = (count - 1 - np.maximum(i[:, None], i)) + 0.5
+    A[i, i] = (count - 1 - i) + 1.0 / 3.0
+
+    def rates(_: float, y: np.ndarray) -> np.ndarray:
+        th, w = y[:count], y[count:]
+        difference = th[:, None] - th
+        load = (A * np.sin(difference)) @ w**2 + G * (count - i - 0.5) * np.cos(th)
+        return np.concatenate([w, -np.linalg.solve(A * np.cos(difference), load)])
+
+    y = solve_ivp(rates, (0.0, times[-1]), np.zeros(2 * count), "DOP853", times, rtol=1e-12, atol=1e-12).y[
+        :count
+    ]
+    return np.stack([np.cos(y).sum(axis=0), np.sin(y).sum(axis=0)], axis=1)
+
+
+def test_error_of_a_chain_follows_the_tolerance() -> None:
+    deviations = []
+    for tolerance in (1e-3, 1e-5, 1e-7, 1e-9):
+        simulation = Simulation(chain(3), 0.02, "accurate", tolerance=tolerance)
+        times, records = simulation.advance(100)
+        tip = channel(simulation, records, "tip.position")[:, :2]
+        deviations.append(np.abs(tip - chain_tip(3, times)).max())
+        assert channel(simulation, records, "monitor.violation").max() < 10.0 * tolerance
+    assert np.all(np.array(deviations) < [3e-3, 3e-5, 3e-7, 3e-9]), deviations
+    assert deviations[0] > 1e4 * deviations[3]
+
+
+def test_energy_and_reaction_of_a_pendulum() -> None:
+    """Radial reaction of a rod of 1 kg: ``m g (5 sin(th) + ...)/2`` from energy and acceleration."""
+    simulation = Simulation(chain(1), 0.02, "accurate", tolerance=1e-8)
+    _, records = simulation.advance(500)
+    assert np.ptp(channel(simulation, records, "energy.balance")) < 1e-7
+    tip = channel(simulation, records, "tip.position")
+    sine, cosine = -tip[:, 1], tip[:, 0]  # of the angle below the horizon
+    radial, tangential = 2.5 * G * sine, 0.25 * G * cosine  # w^2 = 3 g sine, w' = 1.5 g cosine
+    force = channel(simulation, records, "h0.reaction_force")
+    np.testing.assert_allclose(force[:, 0], -radial * cosine + tangential * sine, atol=1e-5)
+    np.testing.assert_allclose(force[:, 1], radial * sine + tangential * cosine, atol=1e-5)
+
+
+def parallelogram(loops: int) -> Scene:
+    """Square loops in a row, upright cranks with tips at 1 m/s: singular when all is level."""
+    cranks = [
+        rod(f"c{k}", (k, 0.0, 0.0), (k, 1.0, 0.0), velocity=HALF, angular_velocity=np.array([0.0, 0.0, -1.0]))
+        for k in range(loops + 1)
+    ]
+    couplers = [rod(f"k{k}", (k, 1.0, 0.0), (k + 1.0, 1.0, 0.0), velocity=2.0 * HALF) for k in range(loops)]
+    up, down = (0.0, 0.5, 0.0), (0.0, -0.5, 0.0)
+    joints = [hinge(f"g{k}", GROUND, f"c{k}", (k, 0.0, 0.0), down) for k in range(loops + 1)]
+    joints += [hinge(f"p{k}", f"c{k}", f"k{k}", up, tuple(-HALF)) for k in range(loops)]
+    joints += [hinge(f"q{k}", f"c{k + 1}", f"k{k}", up, tuple(HALF)) for k in range(loops)]
+    sensor = Sensor("tip", "c0", np.array([0.0, 0.5, 0.0]))
+    return Scene((*cranks, *couplers), loads((0.0, -G, 0.0), "c0"), (sensor,), tuple(joints))
+
+
+@pytest.mark.parametrize("loops", [1, 2])
+def test_redundant_loops_pass_their_singular_positions(loops: int) -> None:
+    """Cranks in parallel are one degree of freedom; ten passages in 10 s, each over an unstable top."""
+    inertia, arm = (loops + 1) / 3 + loops, (loops + 1) / 2 + loops
+
+    def rates(_: float, y: np.ndarray) -> list[float]:
+        return [y[1], G * arm / inertia * math.sin(y[0])]
+
+    deviations = []
+    for tolerance in (1e-4, 1e-7):
+        simulation = Simulation(parallelogram(loops), 0.1, "accurate", tolerance=tolerance)
+        times, records = simulation.advance(100)
+        phi = solve_ivp(rates, (0.0, 10.0), [0.0, 1.0], "DOP853", times, rtol=1e-12, atol=1e-12).y[0]
+        tip = channel(simulation, records, "tip.position")
+        expected = np.stack([np.sin(phi), np.cos(phi), 0.0 * phi], axis=1)
+        deviations.append(np.linalg.norm(tip - expected, axis=1).max())
+    assert deviations[0] < 2e-2, deviations
+    assert deviations[1] < 1e-5, deviations
+
+
+def test_a_driven_body_swings_a_pendulum_and_its_work_is_counted() -> None:
+    """Pivot that moves up and down: ``J th'' = -(m/2) (g + z'') cos th`` for a rod."""
+    drive = Driven(translation=(None, Profile(harmonics=(Harmonic(0.1, 1.5),)), None))
+    simulation = Simulation(chain(2, motion=drive), 0.02, "accurate", tolerance=1e-8)
+    times, records = simulation.advance(150)
+    omega = 3.0 * math.pi
+
+    def rates(t: float, y: np.ndarray) -> list[float]:
+        return [y[1], -1.5 * (G - 0.1 * omega**2 * math.sin(omega * t)) * math.cos(y[0])]
+
+    start = [0.0, 0.0]
+    simulation_tip = channel(simulation, records, "tip.position")
+    speed = 0.1 * omega  # of the pivot at the start: the free rod begins at rest and is brought to it
+    start[1] = -1.5 * speed
+    th = solve_ivp(rates, (0.0, 3.0), start, "DOP853", times, rtol=1e-12, atol=1e-12).y[0]
+    expected = np.stack([1.0 + np.cos(th), 0.1 * np.sin(omega * times) + np.sin(th)], axis=1)
+    np.testing.assert_allclose(simulation_tip[:, :2], expected, atol=1e-7)
+    balance = channel(simulation, records, "energy.balance")[:, 0]
+    assert np.ptp(balance) < 5e-5  # works are interpolated to a lower degree than positions
+    assert np.ptp(channel(simulation, records, "energy.drive_work")) > 1.0
+
+
+def test_a_run_goes_on_bit_for_bit() -> None:
+    """The integrator is ahead of the records; what it carries is part of the state."""
+    whole = Simulation(chain(3), 0.013, "accurate", tolerance=1e-6)
+    whole.advance(23)
+    state = whole.state()
+    expected = whole.advance(40)[1]
+    again = Simulation(chain(3), 0.013, "accurate", tolerance=1e-6)
+    again.restore(state)
+    parts = [again.advance(count)[1] for count in (1, 13, 26)]
+    np.testing.assert_array_equal(np.vstack(parts), expected)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("stiffness", "damping", "stiff"), [(1e2, 1.0, False), (1e6, 4e4, True)])
+def test_a_stiff_damper_is_seen(stiffness: float, damping: float, stiff: bool) -> None:
+    """Time constant of 25 us, 400 times shorter than a record interval."""
+    body = RigidBody("m", 1.0, 0.1 * np.eye(3), position=np.array([1.0, 0.0, 0.0]))
+    ends = {"body_a": GROUND, "point_a": np.zeros(3), "body_b": "m", "point_b": np.zeros(3)}
+    spring = Spring(name="s", length=1.0, stiffness=stiffness, damping=damping, **ends)
+    scene = Scene((body,), (Gravity(np.array([0.0, -G, 0.0])), spring))
+    simulation = Simulation(scene, 0.01, "accurate", tolerance=1e-6)
+    simulation.advance(20)
+    assert stiffness_seen(simulation._layout.systems[-1]) is stiff
+
+
+def test_a_compliant_joint_is_refused() -> None:
+    layout = pack_scene(chain(1))
+    joints = tuple(layout.joints)
+    table = layout.systems[0].rows.copy()
+    from heavylift.solver.rows import COMPLIANCE
+
+    lanes = len(layout.systems[0].shape[1])
+    table[COMPLIANCE * lanes] = 1e-6
+    soft = layout.systems[0]._replace(rows=table)
+    with pytest.raises(InputError, match="'dele2'"):
+        make_integration(layout.bodies, joints, (soft,), layout.work)
+    made = make_integration(layout.bodies, joints, layout.systems, layout.work)
+    assert isinstance(made, Integration)
