@@ -49,12 +49,17 @@ __all__ = [
     "SUM_COUNT",
     "Workspace",
     "add_forces",
+    "add_row_work",
     "add_totals",
     "advance",
     "apply_inverse",
+    "begin_stage",
     "check",
     "collect_load",
+    "complete_rates",
     "correct",
+    "correct_rows",
+    "displace",
     "end_velocity",
     "estimate_error",
     "factor",
@@ -62,6 +67,10 @@ __all__ = [
     "fill_markers",
     "fill_rows",
     "finish",
+    "free_acceleration",
+    "gather_reactions",
+    "load_state",
+    "measure_error",
     "move",
     "predict",
     "put_velocity",
@@ -70,7 +79,9 @@ __all__ = [
     "relinearise",
     "set_targets",
     "set_velocity",
+    "solve_again",
     "start",
+    "store_state",
     "survey",
     "thesis_advance",
     "thesis_velocity",
@@ -168,6 +179,18 @@ def correct(kinds: Any, step: float, work: Workspace) -> None:
     """Bodies with quadratic velocity forces: re-evaluate these at the velocity found, solve with the same factor."""
 
 
+@optional
+def correct_rows(
+    kinds: Any, systems: Any, joints: Any, work: Workspace, time: float, step: float
+) -> None:
+    """Bodies that implement `correct`: call `solve_again`. A scene without them solves its rows once."""
+
+
+@generic
+def solve_again(kinds: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+    """Rows: once more with the factor of the midpoint, after free velocities have changed."""
+
+
 @generic
 def check(kinds: Any, step: float, work: Workspace) -> None:
     """Bodies: refuse a velocity that is not finite or turns too far in a step, before any state is changed."""
@@ -201,6 +224,16 @@ def set_velocity(kinds: Any, step: float, work: Workspace) -> None:
 @optional
 def apply_inverse(kinds: Any, at_midpoint: bool, system: Any) -> None:
     """Bodies with a factor of their own: ``X = A^-1 G^T`` of their attachments, A of the stage or M at the end."""
+
+
+@optional
+def add_row_work(kinds: Any, weight: float, work: Workspace, system: Any) -> None:
+    """Bodies with drives: work of the impulses of the rows, times a weight, on the prescribed velocities."""
+
+
+@optional
+def gather_reactions(kinds: Any, system: Any) -> None:
+    """Bodies that are held: generalised forces ``G^T reaction`` of the rows at the carried state, for records."""
 
 
 @generic
@@ -272,14 +305,15 @@ def load_state(kinds: Any, values: NDArray[np.float64], at: int, work: Workspace
 def begin_stage(
     kinds: Any, time: float, values: NDArray[np.float64], at: int, rate: int, work: Workspace
 ) -> None:
-    """Bodies: take the state vector at `at`; prescribed motion is written into it, the rates of the configuration
-    into the vector at `rate`; markers are filled with rates and second rates."""
+    """Bodies: take the state vector at `at`, and fill the markers with rates and second rates.
+
+    Prescribed motion is written into the state vector, the rates of the configuration into the vector at `rate`.
+    """
 
 
 @generic
 def free_acceleration(kinds: Any, values: NDArray[np.float64], at: int, work: Workspace) -> None:
-    """Bodies: accelerations without joints into `work.velocity`; powers [W] of forces and drives into the energies of
-    `work.sums`."""
+    """Bodies: accelerations without joints into `work.velocity`, powers [W] of loads and drives into `work.sums`."""
 
 
 @generic
@@ -296,7 +330,7 @@ def complete_rates(
 
 @generic
 def measure_error(kinds: Any, values: NDArray[np.float64], fifth: int, third: int, work: Workspace) -> None:
-    """Bodies: raise `work.control[ERROR]` to the largest velocity [m/s] of a point, of two vectors of velocity errors."""
+    """Bodies: raise `work.control[ERROR]` to the largest error [m/s] of a point, of two vectors of velocity errors."""
 
 
 @generic

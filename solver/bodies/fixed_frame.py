@@ -27,6 +27,8 @@ from heavylift.solver.bodies.floating_frame import (
     DOF,
     FIRST_MOMENT,
     FORCE,
+    INVERSE,
+    JOINT_LOAD,
     LOAD,
     MID_POSITION,
     MID_Q,
@@ -39,6 +41,7 @@ from heavylift.solver.bodies.floating_frame import (
     ORIENTATION,
     POSITION,
     RATE,
+    RATE2,
     ROW,
     S1,
     SHAPE_HEAD,
@@ -51,7 +54,12 @@ from heavylift.solver.bodies.floating_frame import (
     pack_floating_frames,
 )
 from heavylift.solver.bodies.floating_frame_inertia import deformed_inertia, stacked_products
-from heavylift.solver.bodies.floating_frame_markers import gather_marker_forces, write_markers, write_sensor
+from heavylift.solver.bodies.floating_frame_markers import (
+    add_joint_forces,
+    gather_marker_forces,
+    write_markers,
+    write_sensor,
+)
 from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of, stage_rotation
 from heavylift.solver.interface import (
     ANGULAR_MOMENTUM,
@@ -164,8 +172,8 @@ def factor_fixed_frames(kind: FixedFrameBodies, step: float, work: Workspace) ->
             work.velocity[dof + k] = 0.0
         for i in range(n):
             stiffness = modal[STIFFNESS, i]
-            diagonal = 1.0 + half * (half * stiffness + modal[DAMPING, i])
-            rates[i] = (modal[RATE, i] + half * (modal[ROW, i] - stiffness * modal[Q, i])) / diagonal
+            modal[INVERSE, i] = 1.0 / (1.0 + half * (half * stiffness + modal[DAMPING, i]))
+            rates[i] = modal[INVERSE, i] * (modal[RATE, i] + half * (modal[ROW, i] - stiffness * modal[Q, i]))
 
 
 @implement(check, FixedFrameBodies)
@@ -205,6 +213,7 @@ def advance_fixed_frames(kind: FixedFrameBodies, time: float, step: float, work:
         add_work(kind, body, step, rates)
         for i in range(n):
             modal[Q, i] += step * rates[i]
+            modal[RATE2, i] = 2.0 * (rates[i] - modal[RATE, i]) / step
             modal[RATE, i] = 2.0 * rates[i] - modal[RATE, i]
 
 
@@ -273,6 +282,9 @@ def record_fixed_frames(
         n, first, column = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, COLUMN]
         frame, shape, R = kind.frame[body], shape_of(kind, body), stage_rotation(kind, body)
         deform(kind, body)
+        add_joint_forces(kind, body)
+        for i in range(first, first + n):
+            kind.modal[ROW, i] += kind.modal[JOINT_LOAD, i]
         for k in range(13):
             row[column + k] = frame[POSITION + k]
         p1 = p2 = p3 = 0.0

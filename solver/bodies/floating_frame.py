@@ -63,11 +63,20 @@ MID_ROTATION = 92  # rotation matrix of the stage, row by row
 END_ROTATION = 101  # and of the end of the step
 FACTOR = 110  # Cholesky factor of the frame block, 6 x 6, row by row
 LAG = 146  # carried: how far the midpoint velocity lies from the mean of both ends of a step
-FRAME_WIDTH = 152
+FOUND = 152  # velocity of the stage: world, and spin in body axes, of driven frames in world axes
+JOINT_FORCE = 158  # of the joints on a held frame at the carried state, as FORCE and MOMENT
+REACH = 164  # largest distance of a node from the frame origin
+AT_END = 165  # 1 once inertia and velocities belong to the end of the step, 0 before
+NEGATIVE = 166  # the Cholesky factor, its numbers off the diagonal with the other sign
+FRAME_WIDTH = 208  # whole cache lines
 
 # rows of `modal`: coordinates, rates, difference quotient of the rates; constants; scratch
 Q, RATE, RATE2, STIFFNESS, DAMPING, MID_Q, MID_RATE, INVERSE, ROW, LOAD, QUADRATIC, S1, TF1 = (*range(12), 14)
-MODAL_ROWS = TF1 + 3  # the couplings S and I_tf have three rows each
+SCALED = (
+    TF1 + 3
+)  # the couplings S and I_tf have three rows each; [S; I_tf] times the inverse modal diagonal, six
+JOINT_LOAD = SCALED + 6  # of the joints on a held body at the carried state
+MODAL_ROWS = JOINT_LOAD + 1
 
 # rows of `products`: [A_1; A_2; A_3; H_11 H_22 H_12 H_13 H_23] times a vector
 AT_Q, AT_RATE, AT_RATE2, AT_MIDPOINT, AT_VELOCITY = range(5)  # the last: at the midpoint velocity
@@ -98,9 +107,9 @@ class FloatingFrameBodies(NamedTuple):
         point its body-frame position [m] and mode shapes, 3 + 3 nf, component by component; of a
         direction the body-frame vector.
     frame
-        State of the frames and scratch of the step, shape (nb, 152).
+        State of the frames and scratch of the step, shape (nb, 208).
     modal
-        State of the modes, modal stiffness [1/s2] and damping [1/s], and scratch; shape (17, modes of
+        State of the modes, modal stiffness [1/s2] and damping [1/s], and scratch; shape (24, modes of
         all bodies).
     products
         Stacked matrix products, shape (5, 8 x modes of all bodies).
@@ -223,6 +232,7 @@ def pack_floating_frames(
             constants.append(pack_drive(body.motion, body.position, body.orientation))
         frame[row, POSITION : POSITION + 3] = body.position
         frame[row, ORIENTATION : ORIENTATION + 4] = body.orientation / np.linalg.norm(body.orientation)
+        frame[row, REACH] = np.linalg.norm(reduced.nodes, axis=1).max(initial=0.0)
         if isinstance(body.motion, Free):
             frame[row, VELOCITY : VELOCITY + 3] = body.velocity
             frame[row, SPIN : SPIN + 3] = body.angular_velocity

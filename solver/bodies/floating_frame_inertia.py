@@ -32,6 +32,7 @@ __all__ = [
     "deformed_inertia",
     "frame_velocity_forces",
     "frame_velocity_from_momenta",
+    "leading_products",
     "quadratic_modal_force",
     "stacked_products",
 ]
@@ -80,12 +81,12 @@ def stacked_products(
 
 
 @kernel
-def antisymmetric_products(
-    columns: NDArray[np.float64], x: NDArray[np.float64], out: NDArray[np.float64]
+def leading_products(
+    columns: NDArray[np.float64], x: NDArray[np.float64], rows: int, out: NDArray[np.float64]
 ) -> None:
-    """Multiply the three antisymmetric matrices, the first 3 n rows of the stack, with one vector."""
+    """Multiply the first rows of the stack with one vector."""
     n = x.shape[0]
-    rows, stride = 3 * n, 8 * n
+    stride = 8 * n
     for r in range(rows):
         out[r] = 0.0
     paired = n - n % 4
@@ -99,6 +100,14 @@ def antisymmetric_products(
     for j in range(paired, n):
         for r in range(rows):
             out[r] += x[j] * columns[j * stride + r]
+
+
+@kernel
+def antisymmetric_products(
+    columns: NDArray[np.float64], x: NDArray[np.float64], out: NDArray[np.float64]
+) -> None:
+    """Multiply the three antisymmetric matrices, the first 3 n rows of the stack, with one vector."""
+    leading_products(columns, x, 3 * x.shape[0], out)
 
 
 @kernel(reassociate=True)

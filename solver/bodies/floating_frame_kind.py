@@ -2,6 +2,7 @@
 
 from heavylift.solver.bodies import (
     floating_frame_advance,
+    floating_frame_joints,
     floating_frame_record,
     floating_frame_step,
     floating_frame_thesis,
@@ -12,6 +13,7 @@ from heavylift.solver.bodies.floating_frame import pack_floating_frames as pack
 __all__ = [
     "FloatingFrameBodies",
     "floating_frame_advance",
+    "floating_frame_joints",
     "floating_frame_record",
     "floating_frame_step",
     "floating_frame_thesis",

@@ -1,4 +1,9 @@
-"""Points and directions on flexible bodies: vectors, rates, Jacobian windows, generalised forces, sensors."""
+"""Points and directions on flexible bodies: vectors, rates, Jacobian windows, generalised forces, sensors.
+
+A point is the nearest node of the finite-element model and moves with its displacement. A direction turns with
+the frame only: a joint on a flexible body follows the displacement of its node, but not the rotation of the
+surface there relative to the frame.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +14,8 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate
 from heavylift.solver.bodies.floating_frame import (
     FORCE,
+    JOINT_FORCE,
+    JOINT_LOAD,
     LOAD,
     MID_POSITION,
     MID_Q,
@@ -33,7 +40,7 @@ from heavylift.solver.interface import (
     Workspace,
 )
 
-__all__ = ["gather_marker_forces", "write_markers", "write_sensor"]
+__all__ = ["add_joint_forces", "gather_marker_forces", "write_markers", "write_sensor"]
 
 
 @kernel(internal=True)
@@ -112,6 +119,16 @@ def gather_marker_forces(kind: FlexibleBodies, work: Workspace) -> None:
             kind.modal[LOAD, first + i] += (
                 jacobian[0, 6 + i] * f1 + jacobian[1, 6 + i] * f2 + jacobian[2, 6 + i] * f3
             )
+
+
+@kernel(internal=True)
+def add_joint_forces(kind: FlexibleBodies, body: int) -> None:
+    """Add to the gathered forces those of the joints at the carried state."""
+    n, first = kind.table[body, MODES], kind.table[body, MODAL]
+    for j in range(6):
+        kind.frame[body, FORCE + j] += kind.frame[body, JOINT_FORCE + j]
+    for i in range(first, first + n):
+        kind.modal[LOAD, i] += kind.modal[JOINT_LOAD, i]
 
 
 @kernel(reassociate=True, internal=True)

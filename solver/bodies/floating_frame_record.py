@@ -44,7 +44,11 @@ from heavylift.solver.bodies.floating_frame_inertia import (
     inertia_product,
     quadratic_modal_force,
 )
-from heavylift.solver.bodies.floating_frame_markers import gather_marker_forces, write_sensor
+from heavylift.solver.bodies.floating_frame_markers import (
+    add_joint_forces,
+    gather_marker_forces,
+    write_sensor,
+)
 from heavylift.solver.bodies.floating_frame_shape import shape_of, stage_rotation
 from heavylift.solver.bodies.floating_frame_stage import stage_at_state
 from heavylift.solver.drive import drive_pose, drive_velocity
@@ -115,6 +119,7 @@ def record_floating_frames(
             row[column + 13 + i] = kind.modal[Q, first + i]
             row[column + 13 + n + i] = kind.modal[RATE, first + i]
         if kind.table[body, MOTION] != FREE:
+            add_joint_forces(kind, body)
             reaction = row[column + 13 + 2 * n : column + 19 + 2 * n]
             _write_reaction(kind, body, time, work, reaction)
         elif kind.sensors.shape[0] > 0:

@@ -1,11 +1,11 @@
-"""Where the data of one body lie in the arrays of its kind: views, no copies."""
+"""Small things that all of the kind share: where the data of one body lie (views, no copies), and the step ratio."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.jit import view
+from heavylift.numerics.jit import kernel, view
 from heavylift.solver.bodies.floating_frame import (
     MID_ROTATION,
     MODES,
@@ -13,8 +13,16 @@ from heavylift.solver.bodies.floating_frame import (
     SHAPE_HEAD,
     FlexibleBodies,
 )
+from heavylift.solver.interface import LAST_STEP, Workspace
 
-__all__ = ["product_columns", "shape_of", "stage_rotation"]
+__all__ = ["lag_scale", "product_columns", "shape_of", "stage_rotation"]
+
+
+@kernel(inline=True, internal=True)
+def lag_scale(step: float, work: Workspace) -> float:
+    """Square of this step relative to the last one, which the distance `LAG` goes with; 1 in the first step."""
+    last = work.control[LAST_STEP]
+    return (step / last) ** 2 if last > 0.0 else 1.0
 
 
 @view

@@ -50,6 +50,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 
 __all__ = [
+    "clear_velocity",
     "factor_frame",
     "fill_floating_frame_markers",
     "solve_stage",
@@ -186,19 +187,27 @@ def factor_frame(
     cholesky_factor(K, 6)
 
 
+@kernel(internal=True)
+def clear_velocity(kind: FloatingFrameBodies, body: int, work: Workspace) -> None:
+    """Begin the velocity of the stage of a body with zeros."""
+    dof = kind.table[body, DOF]
+    for i in range(dof, dof + 6 + kind.table[body, MODES]):
+        work.velocity[i] = 0.0
+
+
 @kernel(reassociate=True, internal=True)
 def solve_stage(kind: FloatingFrameBodies, body: int, weight: float, work: Workspace) -> None:
-    """Velocity of the stage from the right-hand sides, with the factor that is there.
+    """Add the solution for the right-hand sides to the velocity of the stage, with the factor that is there.
 
     Parameters
     ----------
     kind, body
-        The body; `FRAME_RHS`, `ROW` and `QUADRATIC` hold the right-hand sides. Of a frame that is not
-        free `FRAME_RHS` holds its prescribed body-axis velocities instead.
+        The body; `FRAME_RHS`, which is used up, `ROW` and `QUADRATIC` hold the right-hand sides. Of a frame that
+        is not free `FRAME_RHS` holds its prescribed body-axis velocities instead.
     weight
         Time [s] by which the quadratic forces act.
     work
-        Receives world velocity, body-axis spin and modal rates.
+        World velocity, body-axis spin and modal rates grow.
     """
     n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
     stage = kind.frame[body]
@@ -206,9 +215,7 @@ def solve_stage(kind: FloatingFrameBodies, body: int, weight: float, work: Works
     shape = shape_of(kind, body)
     velocity = work.velocity[dof : dof + 6 + n]
     motion = kind.table[body, MOTION]
-    y = velocity[:6]
-    for k in range(6):
-        y[k] = stage[FRAME_RHS + k]
+    y = stage[FRAME_RHS : FRAME_RHS + 6]
     if motion == FREE:
         r1 = r2 = r3 = r4 = r5 = r6 = 0.0
         for i in range(n):
@@ -235,7 +242,8 @@ def solve_stage(kind: FloatingFrameBodies, body: int, weight: float, work: Works
             + modal[TF1 + 1, i] * y[4]
             + modal[TF1 + 2, i] * y[5]
         )
-        velocity[6 + i] = modal[INVERSE, i] * (modal[ROW, i] + weight * modal[QUADRATIC, i] - coupling)
+        velocity[6 + i] += modal[INVERSE, i] * (modal[ROW, i] + weight * modal[QUADRATIC, i] - coupling)
     v = rotate(stage_rotation(kind, body), y[0], y[1], y[2])
     for k in range(3):
-        y[k] = v[k]
+        velocity[k] += v[k]
+        velocity[3 + k] += y[3 + k]

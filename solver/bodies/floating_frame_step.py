@@ -21,8 +21,10 @@ discrete Euler-Lagrange equation ("Integrated simulation ... (2018)", eq. 49) at
 The frame velocities of Ub belong to the middle of the step, but the modal rates of Ub are the mean of
 both ends. In the modal row ``Ub - U_n`` must be half the change of U over the step, or the scheme is of
 first order, with a small constant: U_n of the frame in (F3) is therefore shifted by the distance of the
-midpoint velocity from the mean of both ends, as the last steps found it. Half of the news a step: all
-of it would feed a step-to-step alternation.
+midpoint velocity from the mean of both ends, as the last steps found it, in proportion to the square of the
+step. Half of the news a step: all of it would feed a step-to-step alternation.
+
+What joints add stands in `floating_frame_joints`; their impulses are part of Ub, hence of p1 and L1.
 """
 
 from __future__ import annotations
@@ -33,6 +35,7 @@ from heavylift.numerics.small import cross, rotate_back
 from heavylift.solver.bodies.floating_frame import (
     ACCELERATION,
     ANGULAR_MOMENTUM,
+    AT_END,
     AT_MIDPOINT,
     AT_Q,
     AT_RATE,
@@ -87,8 +90,8 @@ from heavylift.solver.bodies.floating_frame_inertia import (
     quadratic_modal_force,
 )
 from heavylift.solver.bodies.floating_frame_markers import gather_marker_forces
-from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of, stage_rotation
-from heavylift.solver.bodies.floating_frame_stage import factor_frame, solve_stage
+from heavylift.solver.bodies.floating_frame_shape import lag_scale, product_columns, shape_of, stage_rotation
+from heavylift.solver.bodies.floating_frame_stage import clear_velocity, factor_frame, solve_stage
 from heavylift.solver.drive import drive_pose, drive_velocity
 from heavylift.solver.interface import (
     FIELD,
@@ -111,6 +114,7 @@ def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float)
         n, first = kind.table[body, MODES], kind.table[body, MODAL]
         motion = kind.table[body, MOTION]
         frame = stage = kind.frame[body]
+        stage[AT_END] = 0.0
         for i in range(first, first + n):
             kind.modal[MID_Q, i] = kind.modal[Q, i] + 0.5 * h * kind.modal[RATE, i]
             kind.modal[MID_RATE, i] = kind.modal[RATE, i] + 0.5 * h * kind.modal[RATE2, i]
@@ -179,6 +183,7 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
     """(F3), (F4) with the quadratic forces at the predicted midpoint velocity."""
     h = step
     gather_marker_forces(kind, work)
+    lag = lag_scale(step, work)
     for body in range(kind.table.shape[0]):
         n, first = kind.table[body, MODES], kind.table[body, MODAL]
         motion = kind.table[body, MOTION]
@@ -200,13 +205,13 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
             )
         v1, v2, v3 = rotate_back(
             R,
-            stage[START_VELOCITY] + stage[LAG],
-            stage[START_VELOCITY + 1] + stage[LAG + 1],
-            stage[START_VELOCITY + 2] + stage[LAG + 2],
+            stage[START_VELOCITY] + lag * stage[LAG],
+            stage[START_VELOCITY + 1] + lag * stage[LAG + 1],
+            stage[START_VELOCITY + 2] + lag * stage[LAG + 2],
         )
-        w1 = stage[START_VELOCITY + 3] + stage[LAG + 3]
-        w2 = stage[START_VELOCITY + 4] + stage[LAG + 4]
-        w3 = stage[START_VELOCITY + 5] + stage[LAG + 5]
+        w1 = stage[START_VELOCITY + 3] + lag * stage[LAG + 3]
+        w2 = stage[START_VELOCITY + 4] + lag * stage[LAG + 4]
+        w3 = stage[START_VELOCITY + 5] + lag * stage[LAG + 5]
         for i in range(n):
             modal[ROW, i] += (
                 shape[SHAPE_HEAD + i] * v1
@@ -253,17 +258,25 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
             stage[FRAME_RHS], stage[FRAME_RHS + 1], stage[FRAME_RHS + 2] = v1, v2, v3
             for k in range(3):
                 stage[FRAME_RHS + 3 + k] = stage[DRIVEN_VELOCITY + 3 + k]
+        clear_velocity(kind, body, work)
         solve_stage(kind, body, 0.5 * h, work)
 
 
 @implement(correct, FloatingFrameBodies)
 @kernel(internal=True)
 def correct_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
-    """Second pass of (F4): quadratic forces at the velocity that the first pass found."""
+    """Second pass of (F4): quadratic forces at the velocity that the first pass found.
+
+    Only what their change does to the free velocity is added, so impulses of joints that are in the velocity stay.
+    """
     for body in range(kind.table.shape[0]):
         n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
         products = kind.products[:, 8 * first : 8 * (first + n)]
         velocity = work.velocity[dof : dof + 6 + n]
+        for i in range(first, first + n):
+            kind.modal[ROW, i] = -0.5 * step * kind.modal[QUADRATIC, i]
+        for k in range(6):
+            kind.frame[body, FRAME_RHS + k] = 0.0
         antisymmetric_products(product_columns(kind, body), velocity[6:], products[AT_VELOCITY])
         quadratic_modal_force(
             shape_of(kind, body),

@@ -56,7 +56,12 @@ from heavylift.solver.bodies.floating_frame_inertia import (
 )
 from heavylift.solver.bodies.floating_frame_markers import gather_marker_forces
 from heavylift.solver.bodies.floating_frame_shape import shape_of, stage_rotation
-from heavylift.solver.bodies.floating_frame_stage import factor_frame, solve_stage, stage_at_state
+from heavylift.solver.bodies.floating_frame_stage import (
+    clear_velocity,
+    factor_frame,
+    solve_stage,
+    stage_at_state,
+)
 from heavylift.solver.drive import drive_pose, drive_velocity
 from heavylift.solver.interface import (
     FIELD,
@@ -131,6 +136,7 @@ def thesis_velocity_floating_frames(
             for k in range(3):
                 stage[FRAME_RHS + k] = a[k]
                 stage[FRAME_RHS + 3 + k] = prescribed[3 + k]
+        clear_velocity(kind, body, work)
         solve_stage(kind, body, h, work)
 
 

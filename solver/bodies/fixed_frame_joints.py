@@ -1,0 +1,98 @@
+"""Joints on fixed frames: only modes move, and their step matrix is diagonal."""
+
+from __future__ import annotations
+
+import math
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.floating_frame import (
+    DOF,
+    INVERSE,
+    MODAL,
+    MODES,
+    RATE,
+    RATE2,
+    SHAPE_MASS,
+    FixedFrameBodies,
+)
+from heavylift.solver.bodies.floating_frame_panels import attached_body, gather_row_forces, scale_modal_panel
+from heavylift.solver.bodies.floating_frame_shape import shape_of
+from heavylift.solver.interface import (
+    ERROR,
+    Workspace,
+    apply_inverse,
+    end_velocity,
+    estimate_error,
+    gather_reactions,
+    set_velocity,
+    write_velocity,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import Rows
+
+__all__: list[str] = []
+
+
+@implement(apply_inverse, FixedFrameBodies)
+@kernel(internal=True)
+def apply_inverse_of_fixed_frames(kind: FixedFrameBodies, at_midpoint: bool, system: Rows) -> None:
+    """Of the attachments of these bodies; at the end of the step the modal mass is one."""
+    if not at_midpoint:
+        for i in range(kind.modal.shape[1]):
+            kind.modal[INVERSE, i] = 1.0
+    for i in range(system.attachments.shape[0]):
+        body = attached_body(kind, system, i)
+        if body >= 0:
+            scale_modal_panel(kind, body, system, i)
+
+
+@implement(gather_reactions, FixedFrameBodies)
+@kernel(internal=True)
+def gather_reactions_on_fixed_frames(kind: FixedFrameBodies, system: Rows) -> None:
+    """The recorded reaction of the frame balances them."""
+    gather_row_forces(kind, system)
+
+
+@implement(write_velocity, FixedFrameBodies)
+@kernel(internal=True)
+def write_velocity_of_fixed_frames(kind: FixedFrameBodies, work: Workspace) -> None:
+    """Modal rates."""
+    for body in range(kind.table.shape[0]):
+        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
+        for k in range(6):
+            work.velocity[dof + k] = 0.0
+        for i in range(n):
+            work.velocity[dof + 6 + i] = kind.modal[RATE, first + i]
+
+
+@implement(end_velocity, FixedFrameBodies)
+@kernel(internal=True)
+def end_velocity_of_fixed_frames(kind: FixedFrameBodies, step: float, work: Workspace) -> None:
+    """Those that `advance` has found."""
+    write_velocity_of_fixed_frames(kind, work)
+
+
+@implement(set_velocity, FixedFrameBodies)
+@kernel(internal=True)
+def set_velocity_of_fixed_frames(kind: FixedFrameBodies, step: float, work: Workspace) -> None:
+    """Projected modal rates."""
+    for body in range(kind.table.shape[0]):
+        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
+        for i in range(n):
+            rate = work.velocity[dof + 6 + i]
+            kind.modal[RATE2, first + i] += (rate - kind.modal[RATE, first + i]) / step
+            kind.modal[RATE, first + i] = rate
+
+
+@implement(estimate_error, FixedFrameBodies)
+@kernel(internal=True, reassociate=True)
+def estimate_fixed_frame_error(kind: FixedFrameBodies, step: float, work: Workspace) -> None:
+    """As of floating frames: mean velocity of deformation that was not predicted, over the step [m]."""
+    for body in range(kind.table.shape[0]):
+        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
+        deformed = 0.0
+        for i in range(n):
+            predicted = kind.modal[RATE, first + i] + 0.5 * step * kind.modal[RATE2, first + i]
+            deformed += (work.velocity[dof + 6 + i] - predicted) ** 2
+        error = step * math.sqrt(deformed / shape_of(kind, body)[SHAPE_MASS])
+        work.control[ERROR] = max(work.control[ERROR], error)

@@ -1,0 +1,270 @@
+"""Joints on floating frames: ``X = A^-1 G^T``, projected velocities, the second pass of the step with rows.
+
+The step matrix of a body is an arrow: a dense block of the six frame velocities v in body axes, a diagonal D of
+the modes, and their coupling ``C = [S; I_tf]``. For each column g = (f, m) of ``G^T``, modes eliminated first::
+
+    K y = f - C D^-1 m,    x = ( y, D^-1 (m - C^T y) ),    K = M_rr - C D^-1 C^T
+
+with the factor of K that the free velocity was found with. The rows of a joint lie side by side in lanes, so
+one pass over the modes serves all of them. At the end of the step A is the mass matrix there, D = 1. Of a driven
+frame only the modes move: y = 0.
+
+Direction markers turn with the frame only, point markers are nodes: a joint on a flexible body follows the
+rotation of the frame plus the displacement of its node.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.lanes import add_multiple
+from heavylift.numerics.small import rotate, rotate_back
+from heavylift.solver.bodies.floating_frame import (
+    ACCELERATION,
+    ANGULAR_MOMENTUM,
+    AT_END,
+    AT_Q,
+    DOF,
+    DRIVEN,
+    END_ROTATION,
+    FACTOR,
+    FREE,
+    INVERSE,
+    MID_RATE,
+    MID_SPIN,
+    MODAL,
+    MODES,
+    MOMENTUM,
+    MOTION,
+    NEGATIVE,
+    RATE,
+    RATE2,
+    REACH,
+    S1,
+    SCALED,
+    SHAPE_MASS,
+    SPIN,
+    START_VELOCITY,
+    TF1,
+    VELOCITY,
+    WORK,
+    FloatingFrameBodies,
+    Q,
+)
+from heavylift.solver.bodies.floating_frame_advance import evaluate_end
+from heavylift.solver.bodies.floating_frame_inertia import body_momenta, leading_products
+from heavylift.solver.bodies.floating_frame_panels import (
+    attached_body,
+    gather_row_forces,
+    row_power,
+    scale_modal_panel,
+)
+from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of, stage_rotation
+from heavylift.solver.bodies.floating_frame_stage import factor_frame
+from heavylift.solver.interface import (
+    ERROR,
+    Workspace,
+    add_row_work,
+    apply_inverse,
+    correct_rows,
+    end_velocity,
+    estimate_error,
+    gather_reactions,
+    set_velocity,
+    solve_again,
+    write_velocity,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import PANEL, Rows
+
+__all__: list[str] = []
+
+
+@implement(apply_inverse, FloatingFrameBodies)
+@kernel(internal=True)
+def apply_inverse_of_floating_frames(kind: FloatingFrameBodies, at_midpoint: bool, system: Rows) -> None:
+    """Of the attachments of these bodies."""
+    for body in range(kind.table.shape[0]):
+        _prepare(kind, body, at_midpoint)
+    for i in range(system.attachments.shape[0]):
+        body = attached_body(kind, system, i)
+        if body >= 0:
+            scale_modal_panel(kind, body, system, i)
+            if kind.table[body, MOTION] == FREE:
+                _apply_to_frame(kind, body, at_midpoint, system, system.attachments[i, PANEL])
+
+
+@kernel(internal=True)
+def _prepare(kind: FloatingFrameBodies, body: int, at_midpoint: bool) -> None:
+    """Factor of the mass matrix at the end of the step; couplings and factor in the form that lanes need."""
+    n, first = kind.table[body, MODES], kind.table[body, MODAL]
+    stage = kind.frame[body]
+    modal = kind.modal[:, first : first + n]
+    free = kind.table[body, MOTION] == FREE
+    if not at_midpoint:
+        for i in range(n):
+            modal[INVERSE, i] = 1.0
+        if free:
+            factor_frame(shape_of(kind, body), stage, modal, stage[FACTOR : FACTOR + 36])
+    if free:
+        for k in range(3):
+            for i in range(n):
+                modal[SCALED + k, i] = modal[S1 + k, i] * modal[INVERSE, i]
+                modal[SCALED + 3 + k, i] = modal[TF1 + k, i] * modal[INVERSE, i]
+        for i in range(6):
+            for j in range(i):
+                stage[NEGATIVE + 6 * i + j] = -stage[FACTOR + 6 * i + j]
+            stage[NEGATIVE + 7 * i] = stage[FACTOR + 7 * i]
+
+
+@kernel(internal=True)
+def _apply_to_frame(
+    kind: FloatingFrameBodies, body: int, at_midpoint: bool, system: Rows, panel: int
+) -> None:
+    """Frame rows of X, and what they add to the modal rows, which hold ``D^-1 m``."""
+    shape, G = system.shape, system.panels
+    lanes = len(shape[1])
+    n, first = kind.table[body, MODES], kind.table[body, MODAL]
+    stage, modal = kind.frame[body], kind.modal
+    total = modal.shape[1]
+    out = G.shape[0] // 2 + panel
+    begin = END_ROTATION
+    R = stage_rotation(kind, body) if at_midpoint else kind.frame[body, begin : begin + 9]
+    for r in range(lanes):  # -y, so that all that follows are sums
+        f = rotate_back(R, G[panel + r], G[panel + lanes + r], G[panel + 2 * lanes + r])
+        for k in range(3):
+            G[out + k * lanes + r] = -f[k]
+            G[out + (3 + k) * lanes + r] = -G[panel + (3 + k) * lanes + r]
+    for i in range(n):
+        at = panel + (6 + i) * lanes
+        for k in range(6):
+            add_multiple(shape, G, out + k * lanes, G, at, modal, (SCALED + k) * total + first + i)
+    factor = body * kind.frame.shape[1] + NEGATIVE
+    for i in range(6):
+        for j in range(i):
+            add_multiple(shape, G, out + i * lanes, G, out + j * lanes, kind.frame, factor + 6 * i + j)
+        for r in range(lanes):
+            G[out + i * lanes + r] *= stage[NEGATIVE + 7 * i]
+    for i in range(5, -1, -1):
+        for j in range(i + 1, 6):
+            add_multiple(shape, G, out + i * lanes, G, out + j * lanes, kind.frame, factor + 6 * j + i)
+        for r in range(lanes):
+            G[out + i * lanes + r] *= stage[NEGATIVE + 7 * i]
+    for i in range(n):
+        at = out + (6 + i) * lanes
+        for k in range(6):
+            add_multiple(shape, G, at, G, out + k * lanes, modal, (SCALED + k) * total + first + i)
+    for r in range(lanes):
+        v = rotate(R, G[out + r], G[out + lanes + r], G[out + 2 * lanes + r])
+        for k in range(3):
+            G[out + k * lanes + r] = -v[k]
+            G[out + (3 + k) * lanes + r] *= -1.0
+
+
+@implement(correct_rows, FloatingFrameBodies)
+@kernel(internal=True)
+def correct_rows_of_floating_frames(
+    kind: FloatingFrameBodies, systems: Any, joints: Any, work: Workspace, time: float, step: float
+) -> None:
+    """`correct` has changed the velocities of these bodies."""
+    solve_again(systems, joints, work, time, step)
+
+
+@implement(add_row_work, FloatingFrameBodies)
+@kernel(internal=True)
+def add_row_work_of_floating_frames(
+    kind: FloatingFrameBodies, weight: float, work: Workspace, system: Rows
+) -> None:
+    """A drive does the work that joints take out of its frame."""
+    for i in range(system.attachments.shape[0]):
+        body = attached_body(kind, system, i)
+        if body >= 0 and kind.table[body, MOTION] == DRIVEN:
+            kind.frame[body, WORK + 1] -= weight * row_power(system, i, work.velocity)
+
+
+@implement(gather_reactions, FloatingFrameBodies)
+@kernel(internal=True)
+def gather_reactions_on_floating_frames(kind: FloatingFrameBodies, system: Rows) -> None:
+    """On driven frames, whose recorded reaction balances them."""
+    gather_row_forces(kind, system)
+
+
+@implement(end_velocity, FloatingFrameBodies)
+@kernel(internal=True)
+def end_velocity_of_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
+    """(F6) of the step, with the inertia there."""
+    for body in range(kind.table.shape[0]):
+        n, first = kind.table[body, MODES], kind.table[body, MODAL]
+        columns, q = product_columns(kind, body), kind.modal[Q, first : first + n]
+        leading_products(columns, q, 8 * n, kind.products[AT_Q, 8 * first : 8 * (first + n)])
+        evaluate_end(kind, body)
+        kind.frame[body, AT_END] = 1.0
+    write_velocity_of_floating_frames(kind, work)
+
+
+@implement(write_velocity, FloatingFrameBodies)
+@kernel(internal=True)
+def write_velocity_of_floating_frames(kind: FloatingFrameBodies, work: Workspace) -> None:
+    """World velocity, body-axis spin, modal rates."""
+    for body in range(kind.table.shape[0]):
+        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
+        for k in range(6):  # the spin follows the velocity
+            work.velocity[dof + k] = kind.frame[body, VELOCITY + k]
+        for i in range(n):
+            work.velocity[dof + 6 + i] = kind.modal[RATE, first + i]
+
+
+@implement(set_velocity, FloatingFrameBodies)
+@kernel(internal=True)
+def set_velocity_of_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
+    """Projected velocities, and the momenta that belong to them."""
+    for body in range(kind.table.shape[0]):
+        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
+        velocity = work.velocity[dof : dof + 6 + n]
+        frame = stage = kind.frame[body]
+        for i in range(n):
+            kind.modal[RATE2, first + i] += (velocity[6 + i] - kind.modal[RATE, first + i]) / step
+            kind.modal[RATE, first + i] = velocity[6 + i]
+        if kind.table[body, MOTION] != FREE:
+            continue
+        R = kind.frame[body, END_ROTATION : END_ROTATION + 9]
+        v = rotate_back(R, velocity[0], velocity[1], velocity[2])
+        w = (velocity[3], velocity[4], velocity[5])
+        p, l = body_momenta(
+            shape_of(kind, body), stage, kind.modal[TF1:, first : first + n], v, w, velocity[6:]
+        )
+        p, l = rotate(R, p[0], p[1], p[2]), rotate(R, l[0], l[1], l[2])
+        for k in range(3):
+            frame[VELOCITY + k] = velocity[k]
+            frame[SPIN + k] = velocity[3 + k]
+            frame[MOMENTUM + k] = p[k]
+            frame[ANGULAR_MOMENTUM + k] = l[k]
+
+
+@implement(estimate_error, FloatingFrameBodies)
+@kernel(internal=True, reassociate=True)
+def estimate_floating_frame_error(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
+    """Distance of the midpoint velocity from its prediction, as a displacement [m] over the step.
+
+    Notes
+    -----
+    Modes have unit modal mass: the root of the sum of squares of modal rates, over that of the mass, is the mean
+    velocity of deformation, weighted by mass.
+    """
+    h = step
+    for body in range(kind.table.shape[0]):
+        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
+        frame = stage = kind.frame[body]
+        moved = turned = deformed = 0.0
+        if kind.table[body, MOTION] == FREE:
+            for k in range(3):
+                predicted = stage[START_VELOCITY + k] + 0.5 * h * frame[ACCELERATION + k]
+                moved += (work.velocity[dof + k] - predicted) ** 2
+                turned += (work.velocity[dof + 3 + k] - stage[MID_SPIN + k]) ** 2
+        for i in range(n):
+            deformed += (work.velocity[dof + 6 + i] - kind.modal[MID_RATE, first + i]) ** 2
+        speed = max(math.sqrt(moved), frame[REACH] * math.sqrt(turned))
+        speed = max(speed, math.sqrt(deformed / shape_of(kind, body)[SHAPE_MASS]))
+        work.control[ERROR] = max(work.control[ERROR], h * speed)

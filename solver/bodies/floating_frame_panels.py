@@ -1,0 +1,105 @@
+"""Panels of the rows on flexible bodies: what floating and fixed frames share."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.lanes import add_multiple
+from heavylift.solver.bodies.floating_frame import (
+    DOF,
+    FREE,
+    INVERSE,
+    JOINT_FORCE,
+    JOINT_LOAD,
+    MODAL,
+    MODES,
+    MOTION,
+    FlexibleBodies,
+)
+from heavylift.solver.rows import (
+    DOF as FIRST_VELOCITY,
+)
+from heavylift.solver.rows import (
+    FACTORED,
+    HOLDER,
+    IMPULSE,
+    PANEL,
+    REACTION,
+    ROW_COLUMNS,
+    WIDTH,
+    Rows,
+)
+
+__all__ = ["attached_body", "gather_row_forces", "row_power", "scale_modal_panel"]
+
+
+@kernel(inline=True, internal=True)
+def attached_body(kind: FlexibleBodies, system: Rows, attachment: int) -> int:
+    """Row of the body that an attachment is on, -1 if that is not of this kind. Velocities grow with the rows."""
+    if system.attachments[attachment, HOLDER] != FACTORED:
+        return -1
+    dof = system.attachments[attachment, FIRST_VELOCITY]
+    low, high = 0, kind.table.shape[0] - 1
+    while low < high:
+        middle = (low + high + 1) // 2
+        if kind.table[middle, DOF] <= dof:
+            low = middle
+        else:
+            high = middle - 1
+    return low if kind.table[low, DOF] == dof else -1
+
+
+@kernel(internal=True)
+def scale_modal_panel(kind: FlexibleBodies, body: int, system: Rows, attachment: int) -> None:
+    """Modal rows of X: those of G times the inverse diagonal of the modes; frame rows zero."""
+    shape, G = system.shape, system.panels
+    lanes = len(shape[1])
+    n, first = kind.table[body, MODES], kind.table[body, MODAL]
+    panel = system.attachments[attachment, PANEL]
+    out = G.shape[0] // 2 + panel
+    for r in range((6 + n) * lanes):
+        G[out + r] = 0.0
+    inverse = INVERSE * kind.modal.shape[1] + first
+    for i in range(n):
+        at = (6 + i) * lanes
+        add_multiple(shape, G, out + at, G, panel + at, kind.modal, inverse + i)
+
+
+@kernel(internal=True)
+def row_power(system: Rows, attachment: int, velocity: NDArray[np.float64]) -> float:
+    """``P . G u`` of one attachment over the six velocities of its frame."""
+    lanes = len(system.shape[1])
+    panel, dof = system.attachments[attachment, PANEL], system.attachments[attachment, FIRST_VELOCITY]
+    impulse = (attachment // 2 * ROW_COLUMNS + IMPULSE) * lanes
+    power = 0.0
+    for k in range(6):
+        for r in range(lanes):
+            power += system.panels[panel + k * lanes + r] * system.rows[impulse + r] * velocity[dof + k]
+    return power
+
+
+@kernel(internal=True)
+def gather_row_forces(kind: FlexibleBodies, system: Rows) -> None:
+    """Generalised forces ``G^T reaction`` of the rows on held bodies at the carried state."""
+    lanes = len(system.shape[1])
+    for body in range(kind.table.shape[0]):
+        for k in range(6):
+            kind.frame[body, JOINT_FORCE + k] = 0.0
+    for i in range(kind.modal.shape[1]):
+        kind.modal[JOINT_LOAD, i] = 0.0
+    for attachment in range(system.attachments.shape[0]):
+        body = attached_body(kind, system, attachment)
+        if body < 0 or kind.table[body, MOTION] == FREE:
+            continue
+        first, panel = kind.table[body, MODAL], system.attachments[attachment, PANEL]
+        reaction = (attachment // 2 * ROW_COLUMNS + REACTION) * lanes
+        for k in range(system.attachments[attachment, WIDTH]):
+            force = 0.0
+            for r in range(lanes):
+                force += system.panels[panel + k * lanes + r] * system.rows[reaction + r]
+            if k < 6:
+                kind.frame[body, JOINT_FORCE + k] += force
+            else:
+                kind.modal[JOINT_LOAD, first + k - 6] += force
