@@ -29,6 +29,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.markers import BodyMarkers
+from heavylift.solver.rows import classify_rows
 from heavylift.solver.scene import Fixed, FlexibleBody, Free, Gravity, PointForce, RigidBody, Scene
 from heavylift.solver.scene_checks import check_scene
 
@@ -171,6 +172,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
             from heavylift.solver.joints.law_system import extend_system
 
             made = extend_system(made, laws.blocks, inverse_masses(ordered), column, laws=laws.fitted)
+        classify_rows(made)
         systems = (made,)
         entries = [("violation", "1", ("violation",)), ("pivot", "1", ("pivot",))]
         column = _add_channels("monitor", entries, channels, column)

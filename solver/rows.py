@@ -31,11 +31,15 @@ __all__ = [
     "LawRowSystem",
     "RowSystem",
     "Rows",
+    "classify_rows",
     "pack_rows",
 ]
 
 REGULARISATION = 1e-7
 """Softness of rigid rows relative to their characteristic inverse mass: lets redundant rows share."""
+
+ABSENT = 1e20
+"""Softness relative to the characteristic inverse mass that takes a row out of the system."""
 
 HUB_ATTACHMENTS = 12
 """Joints on one rigid body from which on it stays in the system as a node."""
@@ -43,7 +47,8 @@ HUB_ATTACHMENTS = 12
 # columns of `rows`, one vector of lanes each
 RESIDUAL, TARGET, SOFTNESS, SCALE, COMPLIANCE, RELAXATION = range(6)
 IMPULSE, HALF_IMPULSE, REACTION, LAST_REACTION, SOLUTION = range(6, 11)
-ROW_COLUMNS = 11
+RIGID, HOLD = 11, 12  # 1 for rigid rows, 0 for others; softness in the projection
+ROW_COLUMNS = 13
 
 # columns of `attachments`
 DOF, WIDTH, PANEL, HOLDER, OWNER = range(5)
@@ -282,3 +287,19 @@ def _assembly(
         if rigid:
             started.add(place)
     return np.array(rows, dtype=np.int64).reshape(-1, 6)
+
+
+def classify_rows(system: Rows) -> None:
+    """Tell rigid rows from those with compliance or a law, once both are known.
+
+    Notes
+    -----
+    The step then needs no branches: lanes of rigid rows, of others and of none differ in two numbers.
+    """
+    table = system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))
+    used = table[:, SCALE] > 0.0
+    rigid = used & (table[:, COMPLIANCE] == 0.0)
+    table[:, RIGID] = rigid
+    table[:, HOLD] = np.where(rigid, REGULARISATION, ABSENT) * table[:, SCALE]
+    table[:, HOLD][~used] = 1.0
+    table[:, SOFTNESS] = table[:, HOLD]

@@ -58,11 +58,11 @@ from heavylift.solver.bodies.floating_frame_inertia import body_momenta, leading
 from heavylift.solver.bodies.floating_frame_panels import (
     attached_body,
     gather_row_forces,
-    row_power,
     scale_modal_panel,
 )
 from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of, stage_rotation
 from heavylift.solver.bodies.floating_frame_stage import factor_frame
+from heavylift.solver.integrate.row_solver import row_power
 from heavylift.solver.interface import (
     ERROR,
     Workspace,

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import add_multiple
 from heavylift.solver.bodies.floating_frame import (
@@ -24,7 +21,7 @@ from heavylift.solver.rows import (
 from heavylift.solver.rows import (
     FACTORED,
     HOLDER,
-    IMPULSE,
+    OWNER,
     PANEL,
     REACTION,
     ROW_COLUMNS,
@@ -32,7 +29,7 @@ from heavylift.solver.rows import (
     Rows,
 )
 
-__all__ = ["attached_body", "gather_row_forces", "row_power", "scale_modal_panel"]
+__all__ = ["attached_body", "gather_row_forces", "scale_modal_panel"]
 
 
 @kernel(inline=True, internal=True)
@@ -68,19 +65,6 @@ def scale_modal_panel(kind: FlexibleBodies, body: int, system: Rows, attachment:
 
 
 @kernel(internal=True)
-def row_power(system: Rows, attachment: int, velocity: NDArray[np.float64]) -> float:
-    """``P . G u`` of one attachment over the six velocities of its frame."""
-    lanes = len(system.shape[1])
-    panel, dof = system.attachments[attachment, PANEL], system.attachments[attachment, FIRST_VELOCITY]
-    impulse = (attachment // 2 * ROW_COLUMNS + IMPULSE) * lanes
-    power = 0.0
-    for k in range(6):
-        for r in range(lanes):
-            power += system.panels[panel + k * lanes + r] * system.rows[impulse + r] * velocity[dof + k]
-    return power
-
-
-@kernel(internal=True)
 def gather_row_forces(kind: FlexibleBodies, system: Rows) -> None:
     """Generalised forces ``G^T reaction`` of the rows on held bodies at the carried state."""
     lanes = len(system.shape[1])
@@ -94,7 +78,7 @@ def gather_row_forces(kind: FlexibleBodies, system: Rows) -> None:
         if body < 0 or kind.table[body, MOTION] == FREE:
             continue
         first, panel = kind.table[body, MODAL], system.attachments[attachment, PANEL]
-        reaction = (attachment // 2 * ROW_COLUMNS + REACTION) * lanes
+        reaction = (system.attachments[attachment, OWNER] * ROW_COLUMNS + REACTION) * lanes
         for k in range(system.attachments[attachment, WIDTH]):
             force = 0.0
             for r in range(lanes):

@@ -43,7 +43,10 @@ REACH = (
     78  # constant: distance of what is attached from the centre of mass, at least the radius of gyration [m]
 )
 INVERSE_MASS, INVERSE_PRINCIPAL = 79, 80  # reciprocals of mass and principal inertias
-FRAME_WIDTH = 88  # whole cache lines
+MEAN = 83  # mean velocity and spin of a driven body over a step
+END = 89  # its pose, velocities and accelerations at the end of the step
+JOINT_FORCE = 108  # force and moment of the rows on a held body, as of a marker
+FRAME_WIDTH = 120  # whole cache lines
 
 
 class RigidBodies(NamedTuple):
@@ -56,7 +59,7 @@ class RigidBodies(NamedTuple):
     constants
         Drives and marker data: points from the centre of mass and directions, in principal axes.
     frame
-        State, constants and scratch of the step, shape (nb, 88).
+        State, constants and scratch of the step, shape (nb, 120).
     markers, sensors
         As in the kind of floating frames, shapes (m, 5).
     """

@@ -16,6 +16,7 @@ from heavylift.solver.bodies.rigid import (
     DRIVEN,
     FORCE,
     FREE,
+    JOINT_FORCE,
     MASS,
     MOMENT,
     MOTION,
@@ -102,13 +103,21 @@ def _write_reaction(
     gyroscopic = cross(w1, w2, w3, l1, l2, l3)
     moment = rotate(
         stage_rotation(kind, body),
-        driven * (inertia[PRINCIPAL] * frame[SPIN_RATE] + gyroscopic[0]) - stage[MOMENT],
-        driven * (inertia[PRINCIPAL + 1] * frame[SPIN_RATE + 1] + gyroscopic[1]) - stage[MOMENT + 1],
-        driven * (inertia[PRINCIPAL + 2] * frame[SPIN_RATE + 2] + gyroscopic[2]) - stage[MOMENT + 2],
+        driven * (inertia[PRINCIPAL] * frame[SPIN_RATE] + gyroscopic[0])
+        - stage[MOMENT]
+        - frame[JOINT_FORCE + 3],
+        driven * (inertia[PRINCIPAL + 1] * frame[SPIN_RATE + 1] + gyroscopic[1])
+        - stage[MOMENT + 1]
+        - frame[JOINT_FORCE + 4],
+        driven * (inertia[PRINCIPAL + 2] * frame[SPIN_RATE + 2] + gyroscopic[2])
+        - stage[MOMENT + 2]
+        - frame[JOINT_FORCE + 5],
     )
     for k in range(3):
         reaction[k] = (
-            inertia[MASS] * (driven * frame[ACCELERATION + k] - work.sums[FIELD + k]) - stage[FORCE + k]
+            inertia[MASS] * (driven * frame[ACCELERATION + k] - work.sums[FIELD + k])
+            - stage[FORCE + k]
+            - frame[JOINT_FORCE + k]
         )
     about_origin = cross(arm[0], arm[1], arm[2], reaction[0], reaction[1], reaction[2])
     for k in range(3):

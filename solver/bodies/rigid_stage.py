@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,8 +17,10 @@ from heavylift.solver.bodies.rigid import (
     CENTRE,
     DRIVE,
     DRIVEN,
+    END,
     FORCE,
     MASS,
+    MEAN,
     MID_POSITION,
     MID_ROTATION,
     MID_SPIN,
@@ -52,6 +56,7 @@ from heavylift.solver.kinds import implement
 
 __all__ = [
     "gather_marker_forces",
+    "mean_velocity",
     "move_driven",
     "orientation_of",
     "prescribe",
@@ -207,6 +212,26 @@ def gather_marker_forces(kind: RigidBodies, work: Workspace) -> None:
                 + jacobian[1, j] * work.markers[number, POINT_FORCE + 1]
                 + jacobian[2, j] * work.markers[number, POINT_FORCE + 2]
             )
+
+
+@kernel(internal=True)
+def mean_velocity(kind: RigidBodies, body: int, end: float, step: float) -> None:
+    """Constant velocity and spin that lead a driven body from its pose to that at the end of the step."""
+    frame = kind.frame[body]
+    prescribe(kind, body, end, kind.frame[body, END : END + 19])
+    q = orientation_of(kind, body)
+    after = (frame[END + 3], frame[END + 4], frame[END + 5], frame[END + 6])
+    c, s1, s2, s3 = quaternion_product((q[0], -q[1], -q[2], -q[3]), after)
+    sine = math.sqrt(s1 * s1 + s2 * s2 + s3 * s3)
+    # a turn of less than half a circle, of either sign of the quaternion; 2 atan(s/c)/s tends to 2/c
+    scale = 2.0 * math.atan(sine / c) / sine if sine > 1e-8 else 2.0 / c
+    frame[MEAN + 3], frame[MEAN + 4], frame[MEAN + 5] = (
+        scale * s1 / step,
+        scale * s2 / step,
+        scale * s3 / step,
+    )
+    for k in range(3):
+        frame[MEAN + k] = (frame[END + k] - frame[POSITION + k]) / step
 
 
 @kernel(internal=True)

@@ -18,6 +18,7 @@ from heavylift.solver.bodies.rigid import (
     FREE,
     INVERSE_MASS,
     INVERSE_PRINCIPAL,
+    MEAN,
     MID_POSITION,
     MID_SPIN,
     MID_VELOCITY,
@@ -36,6 +37,7 @@ from heavylift.solver.bodies.rigid import (
 )
 from heavylift.solver.bodies.rigid_stage import (
     gather_marker_forces,
+    mean_velocity,
     move_driven,
     orientation_of,
     stage_at_state,
@@ -90,6 +92,8 @@ def predict_rigid_bodies(kind: RigidBodies, time: float, step: float) -> None:
             0.5 * h * frame[SPIN + 2] + a * frame[SPIN_RATE + 2],
         )
         write_rotation_matrix(quaternion, stage_rotation(kind, body))
+        if kind.table[body, MOTION] == DRIVEN:
+            mean_velocity(kind, body, time + h, h)
 
 
 @implement(factor, RigidBodies)
@@ -116,8 +120,8 @@ def factor_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None
                     INVERSE_PRINCIPAL + k
                 ]
         else:
-            for k in range(6):
-                work.velocity[dof + k] = 0.0  # driven bodies: the mean velocity follows in `advance`
+            for k in range(6):  # rows see how a driven body moves over the step
+                work.velocity[dof + k] = frame[MEAN + k]
 
 
 @implement(check, RigidBodies)
@@ -133,7 +137,9 @@ def check_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
         if not math.isfinite(total):
             work.status[STATUS_OUTCOME] = NOT_FINITE
             work.status[STATUS_BODY] = kind.table[body, NUMBER]
-        elif step * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3) > LARGEST_TURN:
+        elif (
+            kind.table[body, MOTION] == FREE and step * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3) > LARGEST_TURN
+        ):
             work.status[STATUS_OUTCOME] = STEP_TOO_LARGE
             work.status[STATUS_BODY] = kind.table[body, NUMBER]
 

@@ -26,6 +26,7 @@ from heavylift.solver.rows import (
     HOLDER,
     IMPULSE,
     LAST_REACTION,
+    OWNER,
     PANEL,
     PRESCRIBED,
     REACTION,
@@ -175,7 +176,7 @@ def add_row_drive_power(system: RowSystem, values: NDArray[np.float64], at: int,
         if system.attachments[i, HOLDER] == PRESCRIBED:
             continue
         dof, panel = system.attachments[i, DOF], system.attachments[i, PANEL]
-        reaction = (i // 2 * ROW_COLUMNS + REACTION) * lanes
+        reaction = (system.attachments[i, OWNER] * ROW_COLUMNS + REACTION) * lanes
         for k in range(system.attachments[i, WIDTH]):
             for r in range(lanes):
                 work.sums[DRIVE_WORK] += (

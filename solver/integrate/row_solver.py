@@ -44,7 +44,7 @@ from heavylift.solver.rows import (
     Rows,
 )
 
-__all__ = ["assemble", "factor_rows", "smallest_pivot", "solve_rows", "subtract_rates"]
+__all__ = ["assemble", "factor_rows", "row_power", "smallest_pivot", "solve_rows", "subtract_rates"]
 
 
 @kernel(inline=True, internal=True)
@@ -256,3 +256,16 @@ def smallest_pivot(system: Rows) -> float:
             if scale > 0.0:  # not padding
                 smallest = min(smallest, 1.0 / (inverse * scale))
     return smallest
+
+
+@kernel(internal=True)
+def row_power(system: Rows, attachment: int, velocity: NDArray[np.float64]) -> float:
+    """``P . G u`` of one attachment over the six velocities of its frame."""
+    lanes = len(system.shape[1])
+    panel, dof = system.attachments[attachment, PANEL], system.attachments[attachment, DOF]
+    impulse = (system.attachments[attachment, OWNER] * ROW_COLUMNS + IMPULSE) * lanes
+    power = 0.0
+    for k in range(6):
+        for r in range(lanes):
+            power += system.panels[panel + k * lanes + r] * system.rows[impulse + r] * velocity[dof + k]
+    return power

@@ -40,12 +40,14 @@ from heavylift.solver.kinds import generic, implement, optional
 from heavylift.solver.rows import (
     COMPLIANCE,
     HALF_IMPULSE,
+    HOLD,
     IMPULSE,
     LAST_REACTION,
     REACTION,
     REGULARISATION,
     RELAXATION,
     RESIDUAL,
+    RIGID,
     ROW_COLUMNS,
     SCALE,
     SOFTNESS,
@@ -56,9 +58,6 @@ from heavylift.solver.rows import (
 )
 
 __all__ = ["gather_rows", "project_end", "record_rows", "solve_midpoint"]
-
-ABSENT = 1e20
-"""Softness relative to the characteristic inverse mass that takes a row out of the system."""
 
 LAW_ITERATIONS = 50
 NOT_CONVERGED, NOT_CLOSED = int(Outcome.NOT_CONVERGED), int(Outcome.NOT_CLOSED)
@@ -134,23 +133,37 @@ def _start_midpoint(
     system: Rows, bodies: Any, joints: Any, work: Workspace, time: float, step: float, nominal: float
 ) -> None:
     """Rows of the midpoint with targets and softness. Positions are corrected over the nominal step."""
-    rows, lanes = len(system.shape[0]), len(system.shape[1])
+    lanes = len(system.shape[1])
     fill_rows(joints, False, work, system)
+    rate = 1.0 / nominal
     for node in range(system.attachments.shape[0] // 2):
         at = node * ROW_COLUMNS * lanes
-        for r in range(rows):
+        if system.rows[at + RIGID * lanes] == 0.0 or system.rows[at + RELAXATION * lanes] > 0.0:
+            _aim_compliant(system, at, step, nominal)
+            continue
+        for r in range(lanes):
             system.rows[at + IMPULSE * lanes + r] = 0.0
-            scale = system.rows[at + SCALE * lanes + r]
-            if scale > 0.0:
-                compliance = system.rows[at + COMPLIANCE * lanes + r]
-                relaxation = system.rows[at + RELAXATION * lanes + r]
-                delay = (nominal if compliance == 0.0 else 0.5 * nominal) + relaxation
-                system.rows[at + TARGET * lanes + r] = -system.rows[at + RESIDUAL * lanes + r] / delay
-                system.rows[at + SOFTNESS * lanes + r] = REGULARISATION * scale + 2.0 * compliance / (
-                    step * (0.5 * step + relaxation)
-                )
+            system.rows[at + TARGET * lanes + r] = -rate * system.rows[at + RESIDUAL * lanes + r]
+            system.rows[at + SOFTNESS * lanes + r] = system.rows[at + HOLD * lanes + r]
     set_targets(joints, time, step, True, work, system)
     apply_inverse(bodies, True, system)
+
+
+@kernel(internal=True)
+def _aim_compliant(system: Rows, at: int, step: float, nominal: float) -> None:
+    """Targets and softness of a block with physical compliance or relaxation; laws replace them."""
+    lanes = len(system.shape[1])
+    for r in range(lanes):
+        system.rows[at + IMPULSE * lanes + r] = 0.0
+        scale = system.rows[at + SCALE * lanes + r]
+        if scale > 0.0:
+            compliance = system.rows[at + COMPLIANCE * lanes + r]
+            relaxation = system.rows[at + RELAXATION * lanes + r]
+            delay = (nominal if compliance == 0.0 else 0.5 * nominal) + relaxation
+            system.rows[at + TARGET * lanes + r] = -system.rows[at + RESIDUAL * lanes + r] / delay
+            system.rows[at + SOFTNESS * lanes + r] = REGULARISATION * scale + 2.0 * compliance / (
+                step * (0.5 * step + relaxation)
+            )
 
 
 @generic
@@ -165,8 +178,7 @@ def project_end_rows(
     system: Rows, bodies: Any, joints: Any, work: Workspace, time: float, step: float
 ) -> None:
     """One factorisation more, of the rigid rows with the mass alone."""
-    shape = system.shape
-    rows, lanes = len(shape[0]), len(shape[1])
+    lanes = len(system.shape[1])
     update_rows(joints, time, step, work, system)
     add_row_work(bodies, 2.0, work, system)  # a row holds half impulses
     end_velocity(bodies, step, work)
@@ -174,14 +186,11 @@ def project_end_rows(
     fill_rows(joints, True, work, system)
     for node in range(system.attachments.shape[0] // 2):
         at = node * ROW_COLUMNS * lanes
-        for r in range(rows):
-            scale = system.rows[at + SCALE * lanes + r]
-            if scale > 0.0:
-                rigid = system.rows[at + COMPLIANCE * lanes + r] == 0.0
-                system.rows[at + TARGET * lanes + r] = 0.0
-                system.rows[at + HALF_IMPULSE * lanes + r] = system.rows[at + IMPULSE * lanes + r]
-                system.rows[at + IMPULSE * lanes + r] = 0.0
-                system.rows[at + SOFTNESS * lanes + r] = (REGULARISATION if rigid else ABSENT) * scale
+        for r in range(lanes):
+            system.rows[at + HALF_IMPULSE * lanes + r] = system.rows[at + IMPULSE * lanes + r]
+            system.rows[at + IMPULSE * lanes + r] = 0.0
+            system.rows[at + TARGET * lanes + r] = 0.0
+            system.rows[at + SOFTNESS * lanes + r] = system.rows[at + HOLD * lanes + r]
     set_targets(joints, time + step, step, False, work, system)
     apply_inverse(bodies, False, system)
     assemble(system)
@@ -190,15 +199,15 @@ def project_end_rows(
     add_row_work(bodies, 1.0, work, system)
     set_velocity(bodies, step, work)
     _check_closed(system, work)
-    last = work.control[LAST_STEP]
-    ahead = step / (step + last)
+    ahead = step / (step + work.control[LAST_STEP])
+    rate = 1.0 / step
     for node in range(system.attachments.shape[0] // 2):
         at = node * ROW_COLUMNS * lanes
-        for r in range(rows):
+        for r in range(lanes):
             # of second order in the middle of the step only, and only with the part of the projection
-            middle = (
+            middle = rate * (
                 2.0 * system.rows[at + HALF_IMPULSE * lanes + r] + system.rows[at + IMPULSE * lanes + r]
-            ) / step
+            )
             before = system.rows[at + LAST_REACTION * lanes + r]
             system.rows[at + REACTION * lanes + r] = middle + ahead * (middle - before)
             system.rows[at + LAST_REACTION * lanes + r] = middle
@@ -207,14 +216,15 @@ def project_end_rows(
 @kernel(internal=True)
 def _check_closed(system: Rows, work: Workspace) -> None:
     """Refuse a step that leaves a joint apart, or anything that is not a number."""
-    rows, lanes = len(system.shape[0]), len(system.shape[1])
+    lanes = len(system.shape[1])
     for node in range(system.attachments.shape[0] // 2):
         at = node * ROW_COLUMNS * lanes
-        for r in range(rows):
-            rigid = system.rows[at + COMPLIANCE * lanes + r] == 0.0
-            if rigid and not abs(system.rows[at + RESIDUAL * lanes + r]) <= work.control[LIMIT]:
-                work.status[STATUS_OUTCOME] = NOT_CLOSED
-                work.status[STATUS_BLOCK] = node
+        total = 0.0
+        for r in range(lanes):
+            total += abs(system.rows[at + RIGID * lanes + r] * system.rows[at + RESIDUAL * lanes + r])
+        if not total <= work.control[LIMIT]:
+            work.status[STATUS_OUTCOME] = NOT_CLOSED
+            work.status[STATUS_BLOCK] = node
 
 
 @optional
@@ -243,14 +253,13 @@ def record_row_system(
     system: Rows, joints: Any, work: Workspace, time: float, row: NDArray[np.float64]
 ) -> None:
     """Largest violation of a rigid row, and smallest pivot of the last projection."""
-    rows, lanes = len(system.shape[0]), len(system.shape[1])
+    lanes = len(system.shape[1])
     record_joints(joints, time, work, system, row)
     violation = 0.0
     for node in range(system.attachments.shape[0] // 2):
         at = node * ROW_COLUMNS * lanes
-        for r in range(rows):
-            scale = system.rows[at + SCALE * lanes + r]
-            if scale > 0.0 and system.rows[at + COMPLIANCE * lanes + r] == 0.0:
-                violation = max(violation, abs(system.rows[at + RESIDUAL * lanes + r]))
+        for r in range(lanes):
+            residual = system.rows[at + RIGID * lanes + r] * system.rows[at + RESIDUAL * lanes + r]
+            violation = max(violation, abs(residual))
     row[system.monitor] = violation
     row[system.monitor + 1] = smallest_pivot(system)

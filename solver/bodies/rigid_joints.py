@@ -1,0 +1,54 @@
+"""Joints on rigid bodies whose motion is prescribed: the work they cost the drive, and what holds the body."""
+
+from __future__ import annotations
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.rigid import DOF, DRIVEN, FREE, JOINT_FORCE, MOTION, WORK, RigidBodies
+from heavylift.solver.integrate.row_solver import row_power
+from heavylift.solver.interface import Workspace, add_row_work, gather_reactions
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import DOF as FIRST_VELOCITY
+from heavylift.solver.rows import OWNER, PANEL, REACTION, ROW_COLUMNS, Rows
+
+__all__: list[str] = []
+
+
+@kernel(internal=True)
+def _attached(kind: RigidBodies, system: Rows, attachment: int) -> int:
+    """Row of the body that an attachment is on, -1 if it is not of this kind or not held."""
+    dof = system.attachments[attachment, FIRST_VELOCITY]
+    body = (dof - kind.table[0, DOF]) // 6
+    if dof < kind.table[0, DOF] or body >= kind.table.shape[0] or kind.table[body, MOTION] == FREE:
+        return -1
+    return body
+
+
+@implement(add_row_work, RigidBodies)
+@kernel(internal=True)
+def add_row_work_of_rigid_bodies(kind: RigidBodies, weight: float, work: Workspace, system: Rows) -> None:
+    """A drive does the work that joints take out of its body."""
+    for i in range(system.attachments.shape[0]):
+        body = _attached(kind, system, i)
+        if body >= 0 and kind.table[body, MOTION] == DRIVEN:
+            kind.frame[body, WORK + 1] -= weight * row_power(system, i, work.velocity)
+
+
+@implement(gather_reactions, RigidBodies)
+@kernel(internal=True)
+def gather_reactions_on_rigid_bodies(kind: RigidBodies, system: Rows) -> None:
+    """Forces ``G^T reaction`` on held bodies at the carried state."""
+    lanes = len(system.shape[1])
+    for body in range(kind.table.shape[0]):
+        for k in range(6):
+            kind.frame[body, JOINT_FORCE + k] = 0.0
+    for i in range(system.attachments.shape[0]):
+        body = _attached(kind, system, i)
+        if body < 0:
+            continue
+        panel = system.attachments[i, PANEL]
+        reaction = (system.attachments[i, OWNER] * ROW_COLUMNS + REACTION) * lanes
+        for k in range(6):
+            for r in range(lanes):
+                kind.frame[body, JOINT_FORCE + k] += (
+                    system.panels[panel + k * lanes + r] * system.rows[reaction + r]
+                )
