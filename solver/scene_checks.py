@@ -44,10 +44,11 @@ def check_scene(scene: Scene) -> None:
 
 
 def _check_names(scene: Scene) -> None:
-    """Every name once, and every reference to something that is there."""
+    """Every name of a channel once, and every reference to something that is there."""
     named = [force for force in scene.forces if not isinstance(force, Gravity)]
     seen: set[str] = set()
-    for thing in (*scene.bodies, *scene.sensors, *scene.joints, *scene.ropes, *named):
+    recorded = [force for force in named if not isinstance(force, PointForce)]
+    for thing in (*scene.bodies, *scene.sensors, *scene.joints, *scene.ropes, *recorded):
         if thing.name in seen or thing.name in RESERVED:
             raise InputError(
                 f"the name {thing.name!r} is taken", source="scene", expected="a name of its own for each"

@@ -42,5 +42,6 @@ def take_rates(layout: Layout, name: str, array: NDArray[np.float64], found: NDA
         array[free, columns] = found[free, columns]
         return
     lanes = len(layout.systems[0].shape[1])
-    both = [REACTION, LAST_REACTION]
-    array.reshape(-1, ROW_COLUMNS, lanes)[:, both] = found.reshape(-1, ROW_COLUMNS, lanes)[:, both]
+    reactions = found.reshape(-1, ROW_COLUMNS, lanes)[:, LAST_REACTION]  # the other is extrapolated from nothing
+    for column in (REACTION, LAST_REACTION):
+        array.reshape(-1, ROW_COLUMNS, lanes)[:, column] = reactions

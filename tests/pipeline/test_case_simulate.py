@@ -58,6 +58,7 @@ class Recorded:
         self.made.append((scene, step, integrator, options))
         self.step, self.record_every = step, options["record_every"]
         self.integrator, self.choice = "dele2", "auto chose dele2: the springs are stiff."
+        self.start_text, self.warning = "joints were closed by 1 mm", "another integrator is faster"
         self.diagnosis = SimpleNamespace(
             degrees_of_freedom=1, redundant=tuple(f"joint 'j{i}'" for i in range(7)), free_motions=()
         )
@@ -105,6 +106,8 @@ def test_the_stage_passes_on_what_is_used_and_reports_what_it_is_told(folder, mo
     assert "auto chose dele2: the springs are stiff." in text
     assert "1 degree of freedom; redundant: joint 'j0', joint 'j1', " in text
     assert "and 2 more" in text
+    assert "joints were closed by 1 mm" in text
+    assert "another integrator is faster" in text
     assert "300 steps" in text
 
 

@@ -172,7 +172,7 @@ def test_a_fixed_body_stands_still_on_its_weight() -> None:
 
 
 def test_turning_too_far_in_a_step_stops_before_it_happens() -> None:
-    body = RigidBody("wheel", 1.0, np.diag(MOMENTS), angular_velocity=np.array([0.0, 0.0, 60.0]))
+    body = RigidBody("wheel", 1.0, np.diag(MOMENTS), angular_velocity=np.array([0.0, 0.0, 120.0]))
     simulation = Simulation(scene_of(body), 1e-2)
     assert len(simulation.advance(5)[0]) == 0
     assert simulation.outcome is Outcome.STEP_TOO_LARGE
