@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -12,7 +11,7 @@ from heavylift.solver.connections import GROUND
 from heavylift.solver.rows import DIAGONAL, FACTORED, PRESCRIBED, Attachment
 from heavylift.solver.scene import FlexibleBody, Free, RigidBody
 
-__all__ = ["attachments", "body_size", "first_dofs", "inverse_masses", "inverse_scales", "mode_count"]
+__all__ = ["attachments", "first_dofs", "inverse_masses", "inverse_scales", "mode_count"]
 
 
 def mode_count(body: FlexibleBody | RigidBody) -> int:
@@ -68,10 +67,3 @@ def inverse_scales(bodies: Sequence[FlexibleBody | RigidBody]) -> Callable[[str]
         return 1.0 / body.mass, 1.0 / float(np.linalg.eigvalsh(body.inertia)[2])
 
     return scales
-
-
-def body_size(body: FlexibleBody | RigidBody) -> float:
-    """Largest radius of gyration of a rigid body, extent of a flexible one [m]."""
-    if isinstance(body, FlexibleBody):
-        return float(np.ptp(body.reduced.nodes, axis=0).max())
-    return math.sqrt(float(np.linalg.eigvalsh(body.inertia)[2]) / body.mass)

@@ -31,7 +31,6 @@ __all__ = [
     "FORCES",
     "KINETIC",
     "LAST_STEP",
-    "LIMIT",
     "LINEAR_MOMENTUM",
     "MARKER_WIDTH",
     "NEXT_STEP",
@@ -92,7 +91,7 @@ __all__ = [
 STATUS_OUTCOME, STATUS_BODY, STATUS_BLOCK = 0, 1, 2
 """Places of `Workspace.status`: an `Outcome`, and the number of the body or block of rows it concerns."""
 
-NEXT_STEP, LAST_STEP, ERROR, STEP_COUNT, CHANGED, CORNER, LIMIT, CONTROL_COUNT = range(8)
+NEXT_STEP, LAST_STEP, ERROR, STEP_COUNT, CHANGED, CORNER, CONTROL_COUNT = range(7)
 """Places of `Workspace.control`, and its length."""
 
 POINT, POINT_VELOCITY, POINT_FORCE, POINT_BIAS, MARKER_WIDTH = 0, 3, 6, 9, 12
@@ -132,8 +131,7 @@ class Workspace(NamedTuple):
         about the world origin [kg m2/s], shape (15,).
     control
         Step control, carried: step that is tried next and last step [s], error estimate [m], steps done,
-        laws that changed in the last iteration, number of the next corner, largest violation of a joint that
-        is still a mechanism [m, rad]; shape (7,).
+        laws that changed in the last iteration, number of the next corner; shape (6,).
     corners
         Times at which an adaptive step must end [s].
     status

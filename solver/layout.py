@@ -10,7 +10,6 @@ import numpy as np
 
 from heavylift.solver.coordinates import (
     attachments,
-    body_size,
     first_dofs,
     inverse_masses,
     inverse_scales,
@@ -21,7 +20,6 @@ from heavylift.solver.interface import (
     CONTROL_COUNT,
     ENERGY_NAMES,
     FORCES,
-    LIMIT,
     MARKER_WIDTH,
     POINT,
     SUM_COUNT,
@@ -91,9 +89,6 @@ class Layout:
 
 
 _XYZ = ("x", "y", "z")
-
-OPEN_JOINT = 0.1
-"""Violation of a joint, relative to the size of the smallest body, at which a run has failed."""
 
 
 def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
@@ -210,7 +205,6 @@ def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
     )
     for marker, vector in book.fixed:
         work.markers[marker, POINT : POINT + 3] = vector
-    work.control[LIMIT] = OPEN_JOINT * min(map(body_size, ordered))
     return Layout(
         bodies=tuple(bodies),
         forces=tuple(forces),

@@ -47,7 +47,11 @@ HUB_ATTACHMENTS = 12
 # columns of `rows`, one vector of lanes each
 RESIDUAL, TARGET, SOFTNESS, SCALE, COMPLIANCE, RELAXATION = range(6)
 IMPULSE, HALF_IMPULSE, REACTION, LAST_REACTION, SOLUTION = range(6, 11)
-RIGID, HOLD = 11, 12  # 1 for rigid rows, 0 for others; softness in the projection
+RIGID, HOLD = (
+    11,
+    12,
+)  # what makes the violation of a rigid row 1 where a run has failed, 0 for others; softness
+# in the projection
 ROW_COLUMNS = 13
 
 # columns of `attachments`
@@ -299,7 +303,7 @@ def classify_rows(system: Rows) -> None:
     table = system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))
     used = table[:, SCALE] > 0.0
     rigid = used & (table[:, COMPLIANCE] == 0.0)
-    table[:, RIGID] = rigid
+    table[:, RIGID] = np.where(rigid, np.where(table[:, RIGID] > 0.0, table[:, RIGID], 1.0), 0.0)
     table[:, HOLD] = np.where(rigid, REGULARISATION, ABSENT) * table[:, SCALE]
     table[:, HOLD][~used] = 1.0
     table[:, SOFTNESS] = table[:, HOLD]

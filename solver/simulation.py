@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator
 from heavylift.solver.integrate.loop import start_scene, write_record
-from heavylift.solver.integrate.probe import FRAMES, take_rates
 from heavylift.solver.interface import NEXT_STEP, STATUS_BLOCK, STATUS_BODY, STATUS_OUTCOME, STEP_COUNT
 from heavylift.solver.layout import Channel, pack_scene
+from heavylift.solver.rows import LAST_REACTION, REACTION, ROW_COLUMNS
 from heavylift.solver.scene import Scene
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ _CARRIED = ("frame", "modal", "products", "rows", "state")  # fields of kinds th
 FIRST_STEP = 1e-3
 """Of the output interval: the first step that is tried with a tolerance."""
 PROBE_STEP, SMALLEST_PROBE = 1e-4, 1e-8
-"""Length of the probe that finds the first accelerations and reactions: relative to the step, and least [s]."""
+"""Length of the probe that finds the first reactions: relative to the step, and least [s]."""
 
 
 class Simulation:
@@ -202,7 +202,10 @@ class Simulation:
             self.diagnosis = diagnose(rows)
 
     def _probe(self) -> None:
-        """Accelerations and reactions at the start, from one tiny step that is taken back."""
+        """Reactions at the start, from one tiny step that is taken back.
+
+        Its accelerations are not kept: those of a stiff spring that is not at rest would mislead the first step.
+        """
         layout = self._layout
         before = {name: array.copy() for name, array in self._arrays()}
         length = max(PROBE_STEP * self.step, min(self.step, SMALLEST_PROBE))
@@ -210,13 +213,16 @@ class Simulation:
             layout.bodies, layout.forces, layout.joints, layout.systems, layout.work,
             length, 0.0, 0, 1, 2, np.empty((0, self.column_count)),
         )  # fmt: skip
-        found = {name: array.copy() for name, array in self._arrays()}
-        failed = layout.work.status[STATUS_OUTCOME] != 0
+        system = layout.systems[0]
+        lanes = len(system.shape[1])
+        found = system.rows.reshape(-1, ROW_COLUMNS, lanes)[:, LAST_REACTION].copy()
+        good = layout.work.status[STATUS_OUTCOME] == 0
         layout.work.status[:] = 0
         for name, array in self._arrays():
             array[...] = before[name]
-            if not failed and name in {*FRAMES, "RowSystem.rows", "LawRowSystem.rows"}:
-                take_rates(layout, name, array, found[name])
+        if good:
+            for column in (REACTION, LAST_REACTION):
+                system.rows.reshape(-1, ROW_COLUMNS, lanes)[:, column] = found
 
     @property
     def solver_steps(self) -> int:

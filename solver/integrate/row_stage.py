@@ -18,7 +18,6 @@ from heavylift.solver.integrate.row_solver import assemble, factor_rows, smalles
 from heavylift.solver.interface import (
     CHANGED,
     LAST_STEP,
-    LIMIT,
     ROWS,
     STATUS_BLOCK,
     STATUS_OUTCOME,
@@ -222,7 +221,7 @@ def _check_closed(system: Rows, work: Workspace) -> None:
         total = 0.0
         for r in range(lanes):
             total += abs(system.rows[at + RIGID * lanes + r] * system.rows[at + RESIDUAL * lanes + r])
-        if not total <= work.control[LIMIT]:
+        if not total <= 1.0:
             work.status[STATUS_OUTCOME] = NOT_CLOSED
             work.status[STATUS_BLOCK] = node
 
@@ -259,7 +258,7 @@ def record_row_system(
     for node in range(system.attachments.shape[0] // 2):
         at = node * ROW_COLUMNS * lanes
         for r in range(lanes):
-            residual = system.rows[at + RIGID * lanes + r] * system.rows[at + RESIDUAL * lanes + r]
-            violation = max(violation, abs(residual))
+            if system.rows[at + RIGID * lanes + r] > 0.0:
+                violation = max(violation, abs(system.rows[at + RESIDUAL * lanes + r]))
     row[system.monitor] = violation
     row[system.monitor + 1] = smallest_pivot(system)

@@ -16,6 +16,7 @@ from heavylift.solver.rows import (
     HUB,
     PRESCRIBED,
     RELAXATION,
+    RIGID,
     ROW_COLUMNS,
     SCALE,
     WIDTH,
@@ -105,7 +106,7 @@ def extend_system(
             owners.append(starts[-1])
     made = pack_rows(counts, sides, scales, inverse_mass, monitor, owners)
     table = made.rows.reshape(-1, ROW_COLUMNS, len(made.shape[1]))
-    for column in (COMPLIANCE, RELAXATION):
+    for column in (COMPLIANCE, RELAXATION, RIGID):
         width = min(old.shape[2], table.shape[2])
         table[: len(old), column, :width] = old[:, column, :width]
     for start, block in zip(starts, blocks, strict=True):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from heavylift.solver.connections import (
     Universal,
 )
 from heavylift.solver.joints.packing import JointPlace, MarkerBook, start_frames
-from heavylift.solver.rows import COMPLIANCE, RELAXATION, ROW_COLUMNS, Attachment, RowSystem, pack_rows
+from heavylift.solver.rows import COMPLIANCE, RELAXATION, RIGID, ROW_COLUMNS, Attachment, RowSystem, pack_rows
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -43,6 +44,9 @@ JOINT_MODULES: dict[type, str] = {
     Distance: "distance",
 }
 """Modules of `heavylift.solver.joints` by type of joint."""
+
+OPEN = 3.0
+"""Distance of the points of a joint, in radii of gyration of the larger body, at which a run has failed."""
 
 DRIVEN_MODULES: dict[type, str] = {
     Hinge: "driven_hinge",
@@ -130,6 +134,7 @@ def pack_joints(
         for block, (joint, rotational) in enumerate(ordered):
             table[block, COMPLIANCE, : len(rotational)] = joint.compliance
             table[block, RELAXATION, : len(rotational)] = joint.relaxation
+            table[block, RIGID, : len(rotational)] = _openness(joint, rotational, scales)
         return made
 
     return tuple(kinds), system, tuple(joint.name for joint, _ in ordered)
@@ -148,3 +153,12 @@ def _scale(joint: Joint, rotational: tuple[bool, ...], scales: Callable[[str], t
             expected="at least one free body",
         )
     return np.array([a[1] + b[1] if turns else a[0] + b[0] for turns in rotational])
+
+
+def _openness(
+    joint: Joint, rotational: tuple[bool, ...], scales: Callable[[str], tuple[float, float]]
+) -> Any:
+    """Factor that makes a violation 1 where a run has failed, of each row: a distance like the larger body."""
+    sides = [scales(name) for name in (joint.body_a, joint.body_b) if name != GROUND]
+    largest = max(math.sqrt(mass / inertia) for mass, inertia in sides if inertia > 0.0)
+    return np.array([1.0 if turns else 1.0 / (OPEN * largest) for turns in rotational])
