@@ -1,0 +1,80 @@
+"""Reference tables of cases: the stored files are what their generators make, and start where the case starts."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+CASES = Path(__file__).resolve().parents[2] / "cases"
+SCRIPTS = sorted(CASES.glob("*/make_reference.py"))
+SLOW = {"mbs_a04", "mbs_a05", "mbs_chain"}
+
+assert SCRIPTS, "no case has a generator"
+
+
+def generator(script: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(f"make_reference_{script.parent.name}", script)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize(
+    "script",
+    [
+        pytest.param(path, marks=pytest.mark.slow if path.parent.name in SLOW else (), id=path.parent.name)
+        for path in SCRIPTS
+    ],
+)
+def test_stored_tables_are_reproduced(script: Path) -> None:
+    """Another machine and another SciPy find the same numbers, to far below what the checks ask for."""
+    tables = generator(script).references()
+    assert tables
+    for name, table in tables.items():
+        stored = np.loadtxt(script.parent / name, delimiter=",", skiprows=1)
+        assert stored.shape == (101, table.shape[1])
+        scale = np.maximum(1.0, np.abs(stored).max(axis=0))
+        np.testing.assert_allclose(table / scale, stored / scale, rtol=0.0, atol=2e-9, err_msg=name)
+
+
+def test_every_stored_table_has_a_generator() -> None:
+    folders = {file.parent for file in CASES.glob("*/*.csv")}
+    made = {path.parent for path in SCRIPTS} | {CASES / "mbs_a04_thin"}
+    assert folders <= made
+
+
+def test_andrews_mechanism_agrees_with_the_published_solution() -> None:
+    """Angles at 30 ms from the Test set for IVP solvers, whose own accuracy is about 1e-9."""
+    module = generator(CASES / "mbs_a03" / "make_reference.py")
+    angles = module.solution()[60, :7]
+    np.testing.assert_allclose(angles, module.absolute(module.AT_0_03), rtol=0.0, atol=3e-9)
+
+
+def test_two_four_bars_agree_with_the_published_end() -> None:
+    """Tip of the first crank after 10 s for two loops, to the eight digits of the Exudyn example of this benchmark."""
+    table = generator(CASES / "mbs_a02" / "make_reference.py").references()["reference_2.csv"]
+    np.testing.assert_allclose(table[-1, 1:3], [0.32845811, 0.94451854], rtol=0.0, atol=6e-9)
+
+
+def test_bricard_loop_closes_at_every_angle() -> None:
+    module = generator(CASES / "mbs_a04" / "make_reference.py")
+    assert module.closure_error() < 1e-14
+
+
+def test_governor_keeps_its_energy_balance() -> None:
+    """A short piece of the motion: energies and what the dampers took add up."""
+    module = generator(CASES / "mbs_a05" / "make_reference.py")
+    y = np.array([module.START_ANGLE, module.START_HEIGHT, 0.0, 0.0, 0.0])
+    from scipy.integrate import solve_ivp
+
+    found = solve_ivp(module.rate, (0.0, 0.02), y, "DOP853", rtol=1e-12, atol=1e-13).y.T
+    assert np.ptp([module.balance(row) for row in found]) < 1e-8
