@@ -38,6 +38,7 @@ __all__ = [
     "POINT_BIAS",
     "POINT_FORCE",
     "POINT_VELOCITY",
+    "POSE_ERROR",
     "POTENTIAL",
     "RECORD",
     "ROWS",
@@ -91,7 +92,7 @@ __all__ = [
 STATUS_OUTCOME, STATUS_BODY, STATUS_BLOCK = 0, 1, 2
 """Places of `Workspace.status`: an `Outcome`, and the number of the body or block of rows it concerns."""
 
-NEXT_STEP, LAST_STEP, ERROR, STEP_COUNT, CHANGED, CORNER, CONTROL_COUNT = range(7)
+NEXT_STEP, LAST_STEP, ERROR, STEP_COUNT, CHANGED, CORNER, POSE_ERROR, CONTROL_COUNT = range(8)
 """Places of `Workspace.control`, and its length."""
 
 POINT, POINT_VELOCITY, POINT_FORCE, POINT_BIAS, MARKER_WIDTH = 0, 3, 6, 9, 12
@@ -131,7 +132,8 @@ class Workspace(NamedTuple):
         about the world origin [kg m2/s], shape (15,).
     control
         Step control, carried: step that is tried next and last step [s], error estimate [m], steps done,
-        laws that changed in the last iteration, number of the next corner; shape (6,).
+        laws that changed in the last iteration, number of the next corner, error estimate of the orientations
+        as a speed [m/s]; shape (7,).
     corners
         Times at which an adaptive step must end [s].
     status
@@ -178,9 +180,7 @@ def correct(kinds: Any, step: float, work: Workspace) -> None:
 
 
 @optional
-def correct_rows(
-    kinds: Any, systems: Any, joints: Any, work: Workspace, time: float, step: float
-) -> None:
+def correct_rows(kinds: Any, systems: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
     """Bodies that implement `correct`: call `solve_again`. A scene without them solves its rows once."""
 
 

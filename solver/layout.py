@@ -27,7 +27,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.markers import BodyMarkers
-from heavylift.solver.rows import classify_rows
+from heavylift.solver.rows import Rows, classify_rows
 from heavylift.solver.scene import Fixed, FlexibleBody, Free, Gravity, PointForce, RigidBody, Scene
 from heavylift.solver.scene_checks import check_scene
 
@@ -162,15 +162,17 @@ def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
         joints += tuple(laws.joints)
         block_names += laws.block_names
     if scene.joints or laws is not None:
-        made = make_system(inverse_masses(ordered), column) if scene.joints else None
+        held = make_system(inverse_masses(ordered), column) if scene.joints else None
+        made: Rows | None = held
         if laws is not None:
             from heavylift.solver.joints.law_system import extend_system
 
-            made = extend_system(made, laws.blocks, inverse_masses(ordered), column, laws=laws.fitted)
+            made = extend_system(held, laws.blocks, inverse_masses(ordered), column, laws=laws.fitted)
+        assert made is not None  # one of the two made it
         classify_rows(made)
         systems = (made,)
-        entries = [("violation", "1", ("violation",)), ("pivot", "1", ("pivot",))]
-        column = _add_channels("monitor", entries, channels, column)
+        for name in ("violation", "pivot"):
+            column = _add_channels("monitor", [(name, "1", (name,))], channels, column)
     for name in (*ENERGY_NAMES, "balance"):
         column = _add_channels("energy", [(name, "J", (name,))], channels, column)
     entries = [("linear", "kg m/s", _XYZ), ("angular", "kg m^2/s", _XYZ)]

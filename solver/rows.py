@@ -221,7 +221,9 @@ def pack_rows(
         for other in (node, *below):
             place[other, node] = len(place) * size
 
-    columns, lower, updates = [], [], []
+    columns: list[tuple[int, ...]] = []
+    lower: list[tuple[int, int]] = []
+    updates: list[int] = []
     for node, below in zip(elimination.order, elimination.below, strict=True):
         columns.append((node, len(lower), len(below), len(updates), place[node, node]))
         lower += [(other, place[other, node]) for other in below]

@@ -56,21 +56,22 @@ def _check_names(scene: Scene) -> None:
         seen.add(thing.name)
     names = {body.name for body in scene.bodies}
     joints = {joint.name for joint in scene.joints}
-    for thing in (*scene.sensors, *scene.joints, *scene.ropes, *named):
-        for body, may_be_ground in _bodies_of(thing):
+    users: list[Any] = [*scene.sensors, *scene.joints, *scene.ropes, *named]
+    for user in users:
+        for body, may_be_ground in _bodies_of(user):
             if body not in names and not (may_be_ground and body == GROUND):
                 ground = f" or {GROUND}" if may_be_ground else ""
                 raise InputError(
                     f"there is no body {body!r}",
                     source="scene",
-                    key=thing.name,
+                    key=user.name,
                     expected=f"one of {', '.join(sorted(names))}{ground}",
                 )
-        if isinstance(thing, (JointSpring, JointMotor)) and thing.joint not in joints:
+        if isinstance(user, (JointSpring, JointMotor)) and user.joint not in joints:
             raise InputError(
-                f"there is no joint {thing.joint!r}",
+                f"there is no joint {user.joint!r}",
                 source="scene",
-                key=thing.name,
+                key=user.name,
                 expected=f"one of {', '.join(sorted(joints))}",
             )
 

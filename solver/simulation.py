@@ -196,7 +196,11 @@ class Simulation:
         from heavylift.solver.integrate.statics import find_equilibrium
 
         rows = StartRows(self._layout)
-        ways = {"check": check_start, "project": project_start, "equilibrium": find_equilibrium}
+        ways: dict[str, Any] = {
+            "check": check_start,
+            "project": project_start,
+            "equilibrium": find_equilibrium,
+        }
         self.start_text = ways[self._start_mode](rows).text
         if self._layout.block_names:
             self.diagnosis = diagnose(rows)

@@ -52,6 +52,7 @@ from heavylift.solver.interface import (
     POINT,
     POINT_BIAS,
     POINT_VELOCITY,
+    POSE_ERROR,
     RECORD,
     STATUS_BODY,
     Workspace,
@@ -286,7 +287,10 @@ def measure_rigid_error(
     third: int,
     work: Workspace,
 ) -> None:
-    """Of the point at the reach of the body: ``e5^2 / sqrt(e5^2 + e3^2/100)``, as of DOP853."""
+    """Of the point at the reach of the body: ``e5^2 / sqrt(e5^2 + e3^2/100)``, as of DOP853.
+
+    The orientation has an estimate of its own: of a steady spin the velocities have no error at all.
+    """
     for body in range(kind.table.shape[0]):
         if kind.table[body, MOTION] != FREE:
             continue
@@ -304,6 +308,14 @@ def measure_rigid_error(
         if error > work.control[ERROR] or math.isnan(error):  # which stays
             work.control[ERROR] = error
             work.status[STATUS_BODY] = kind.table[body, NUMBER]
+        place = _place(dof, work) + 3
+        q5 = q3 = 0.0
+        for k in range(4):
+            q5 += values[fifth + place + k] ** 2
+            q3 += values[third + place + k] ** 2
+        if q5 > 0.0:  # half the angle
+            turn = 2.0 * reach * q5 / math.sqrt(q5 + 0.01 * q3)
+            work.control[POSE_ERROR] = max(work.control[POSE_ERROR], turn)
 
 
 @implement(store_state, RigidBodies)

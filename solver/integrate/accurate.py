@@ -77,6 +77,7 @@ from heavylift.solver.interface import (
     LAST_STEP,
     NEXT_STEP,
     POINT_FORCE,
+    POSE_ERROR,
     STATUS_OUTCOME,
     STEP_COUNT,
     Workspace,
@@ -268,9 +269,9 @@ def _step(
                 False,
             )
         write_errors(values, size, FIFTH, THIRD)
-        control[ERROR] = 0.0
+        control[ERROR] = control[POSE_ERROR] = 0.0
         measure_error(bodies, values, FIFTH * size, THIRD * size, work)
-        error = h * max(h, state[MEMORY]) * control[ERROR] / allowed
+        error = h * max(max(h, state[MEMORY]) * control[ERROR], control[POSE_ERROR]) / allowed
         if error <= 1.0:
             break
         factor = SMALLEST_FACTOR
@@ -409,6 +410,10 @@ def run(
     state = integration.state
     allowed = min(SHARE * tolerance, state[LOOSEST])
     soften(rows, state[SOFTENING])
+    if state[STARTED] == 0.0:  # reactions of the first record
+        size = integration.vectors.shape[0] // VECTORS
+        load_state(bodies, integration.vectors, END * size, work)
+        _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, 0.0, True)
     row = 0
     for index in range(first, last):
         time = (index + 1) * step

@@ -105,8 +105,11 @@ def run(
             interval = step - done
             h = interval
             if tolerance > 0.0:
-                rest = min(interval, _to_corner(work, time, 1e-12 * step))
-                h = rest / math.ceil(rest / control[NEXT_STEP] - 1e-6)
+                close = 1e-9 * step
+                rest = _to_corner(work, time, close)
+                if rest > interval - close:
+                    rest = interval
+                h = rest / max(1.0, math.ceil(rest / control[NEXT_STEP] - 1e-6))
             predict(bodies, time, h)
             evaluate_forces(bodies, forces, work, time + 0.5 * h, True, FORCES)
             factor(bodies, h, work)

@@ -72,7 +72,7 @@ def write_record(
 ) -> None:
     """Write the carried state, energies and momenta into a record; totals come last."""
     evaluate_forces(bodies, forces, work, time, False, RECORD)
-    gather_rows(systems, bodies, joints, work)
+    gather_rows(systems, bodies, joints, work, time)
     record(bodies, time, work, row)
     sums = work.sums
     for i in range(KINETIC, SUM_COUNT):

@@ -17,8 +17,8 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.solver.integrate.row_solver import assemble, factor_rows, smallest_pivot, solve_rows
 from heavylift.solver.interface import (
     CHANGED,
+    FORCES,
     LAST_STEP,
-    ROWS,
     STATUS_BLOCK,
     STATUS_OUTCOME,
     Workspace,
@@ -181,7 +181,7 @@ def project_end_rows(
     update_rows(joints, time, step, work, system)
     add_row_work(bodies, 2.0, work, system)  # a row holds half impulses
     end_velocity(bodies, step, work)
-    fill_markers(bodies, False, ROWS, work)
+    fill_markers(bodies, False, FORCES, work)  # damped springs are rows on markers with rates
     fill_rows(joints, True, work, system)
     for node in range(system.attachments.shape[0] // 2):
         at = node * ROW_COLUMNS * lanes
@@ -227,16 +227,17 @@ def _check_closed(system: Rows, work: Workspace) -> None:
 
 
 @optional
-def gather_rows(systems: Any, bodies: Any, joints: Any, work: Workspace) -> None:
+def gather_rows(systems: Any, bodies: Any, joints: Any, work: Workspace, time: float) -> None:
     """Rows at the carried state for a record: an integrator need not have left them there."""
 
 
 @implement(gather_rows, RowSystem)
 @implement(gather_rows, LawRowSystem)
 @kernel(internal=True)
-def gather_row_system(system: Rows, bodies: Any, joints: Any, work: Workspace) -> None:
+def gather_row_system(system: Rows, bodies: Any, joints: Any, work: Workspace, time: float) -> None:
     """With their forces on bodies that are held."""
     fill_rows(joints, True, work, system)
+    set_targets(joints, time, 1.0, False, work, system)  # drives are violated by their value at this time
     gather_reactions(bodies, system)
 
 

@@ -17,7 +17,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.integrate.loop import start_scene
 from heavylift.solver.interface import (
-    ROWS,
+    FORCES,
     Workspace,
     fill_markers,
     fill_rows,
@@ -64,7 +64,7 @@ def fill_rigid_rows(
 ) -> None:
     """Rows, residuals and target velocities at the carried state."""
     system = systems[0]
-    fill_markers(bodies, False, ROWS, work)
+    fill_markers(bodies, False, FORCES, work)
     fill_rows(joints, True, work, system)
     lanes = len(system.shape[1])
     for node in range(system.attachments.shape[0] // 2):
