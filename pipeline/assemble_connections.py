@@ -33,7 +33,7 @@ __all__ = ["Side", "assemble_joints", "assemble_loads", "assemble_ropes", "make_
 
 COINCIDENT = 1e-9
 """Distance [m] below which two points are one."""
-LARGEST_STRAIN = 0.5
+LARGEST_STRAIN = 0.02
 """Strain of a rope at the start beyond which its length is taken for a mistake."""
 
 

@@ -9,7 +9,7 @@ Bodies are eliminated first, which costs nothing for rigid ones, so the unknowns
 and the pattern is that of the joint graph. A body with many joints would make a clique of all of them:
 such *hubs* stay in the system as nodes of their own, with ``-A`` as their pivot. The system is then
 quasi-definite, and can be factored in any order without exchanging pivots (R. J. Vanderbei, SIAM J.
-Optimization 5, 1995).
+Optimization 5, 1995). Only rigid bodies become hubs: many joints on one flexible body still make a clique.
 """
 
 from __future__ import annotations

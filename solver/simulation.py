@@ -38,6 +38,9 @@ DEFAULT_TOLERANCES = {"dele2": 1e-5, "accurate": 1e-7}
 
 _CARRIED = ("frame", "modal", "products", "rows", "state")  # fields of kinds that outlive a step
 
+LARGEST_GAIN = 0.02
+"""Gain of the energy balance, relative to the largest kinetic and elastic energy, that is worth a warning."""
+
 FIRST_STEP = 1e-3
 """Of the output interval: the first step that is tried with a tolerance."""
 PROBE_STEP, SMALLEST_PROBE = 1e-4, 1e-8
@@ -155,6 +158,8 @@ class Simulation:
         self.message = ""
         self.cpu_seconds = 0.0
         self.compile_seconds = 0.0
+        self._first_balance: float | None = None
+        self._gain = self._energy = 0.0
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()
@@ -270,8 +275,19 @@ class Simulation:
             self._stop()
             self._back_to(before, done, records)
         count = int(done) // every - first // every
+        self._watch_energy(records[:count])
         times = (first // every + 1.0 + np.arange(count, dtype=np.float64)) * every * self.step
         return times, records[:count]
+
+    def _watch_energy(self, records: NDArray[np.float64]) -> None:
+        """Largest gain of the energy balance since the first record, and largest energy in motion."""
+        column = {channel.name: channel.column for channel in self.channels}
+        balance = records[:, column["energy.balance"]]
+        moving = records[:, column["energy.kinetic"]] + records[:, column["energy.elastic"]]
+        if len(balance) and np.all(np.isfinite(balance)):
+            self._first_balance = balance[0] if self._first_balance is None else self._first_balance
+            self._gain = max(self._gain, float(balance.max() - self._first_balance))
+            self._energy = max(self._energy, float(moving.max()))
 
     def _call(self, first: int, last: int, every: int, records: NDArray[np.float64]) -> int:
         layout = self._layout
@@ -303,7 +319,10 @@ class Simulation:
             Outcome.NOT_FINITE: ("a smaller step, or loads and initial values of a sensible size", "body"),
             Outcome.STEP_TOO_LARGE: ("a smaller step: the body turns too far in one step", "body"),
             Outcome.STEP_TOO_SMALL: ("a larger tolerance, or 'dele2' for a stiff scene", "body"),
-            Outcome.NOT_CLOSED: ("a smaller step or tolerance, or loads of a sensible size", "joint"),
+            Outcome.NOT_CLOSED: (
+                "a smaller step or tolerance, loads of a sensible size, a rope that is not hauled in whole",
+                "joint",
+            ),
             Outcome.NOT_CONVERGED: ("a smaller step, or softer stops and ropes", "joint"),
         }[self.outcome]
         names = layout.body_names if part == "body" else layout.block_names
@@ -322,6 +341,11 @@ class Simulation:
     @property
     def warning(self) -> str:
         """What the user should know of a run that went well otherwise; empty if nothing."""
+        if self._gain > LARGEST_GAIN * self._energy:
+            return (
+                f"energy grew by {self._gain:.3g} J beyond the work done, {self._gain / self._energy:.1%} of the"
+                " largest kinetic and elastic energy: take a smaller step, or damping in stops and ropes"
+            )
         if self.integrator == "accurate":
             from heavylift.solver.integrate.integration import stiffness_seen
 
@@ -369,9 +393,10 @@ class Simulation:
     def _digest(self) -> NDArray[np.uint8]:
         """Digest of what the bodies were packed into: equal shapes do not make equal bodies. Loads may change."""
         digest = hashlib.blake2b(digest_size=16)
-        for kind in (*self._layout.bodies, *self._layout.joints):
+        for kind in (*self._layout.bodies, *self._layout.joints, *self._layout.systems):
             for array in kind:
-                digest.update(array.tobytes())
+                if isinstance(array, np.ndarray):
+                    digest.update(array.tobytes())
         return np.frombuffer(digest.digest(), dtype=np.uint8)
 
     def _arrays(self) -> Iterator[tuple[str, NDArray[Any]]]:

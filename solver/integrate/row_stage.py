@@ -58,7 +58,7 @@ from heavylift.solver.rows import (
 
 __all__ = ["gather_rows", "project_end", "record_rows", "solve_midpoint"]
 
-LAW_ITERATIONS = 50
+LAW_ITERATIONS = 200
 NOT_CONVERGED, NOT_CLOSED = int(Outcome.NOT_CONVERGED), int(Outcome.NOT_CLOSED)
 
 

@@ -17,6 +17,7 @@ from heavylift.solver.integrate.row_thesis import solve_thesis, start_thesis
 from heavylift.solver.interface import (
     FORCES,
     STATUS_OUTCOME,
+    STEP_COUNT,
     Workspace,
     check,
     thesis_advance,
@@ -52,6 +53,7 @@ def run(
         if work.status[STATUS_OUTCOME] != 0:
             return index
         thesis_advance(bodies, time, step, work)
+        work.control[STEP_COUNT] += 1.0
         if (index + 1) % every == 0:
             write_record(bodies, forces, joints, systems, work, (index + 1) * step, records[row])
             row += 1

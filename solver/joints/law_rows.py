@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.interface import CHANGED, Workspace
+from heavylift.solver.interface import CHANGED, STATUS_BLOCK, Workspace
 from heavylift.solver.rows import (
     DOF,
     IMPULSE,
@@ -115,3 +115,4 @@ def fit_law(
     moved = abs(system.rows[softness] - old_softness) > FITTED * old_softness
     if moved or abs(system.rows[target] - old_target) > FITTED * (abs(old_target) + abs(u)):
         work.control[CHANGED] += 1.0
+        work.status[STATUS_BLOCK] = block  # named if the iteration does not end

@@ -19,6 +19,7 @@ from heavylift.solver.interface import (
     CHANGED,
     DISSIPATED,
     ELASTIC,
+    STATUS_BLOCK,
     Workspace,
     fill_rows,
     record_joints,
@@ -156,6 +157,7 @@ def set_scalar_targets(
                 put_law(system, block, step, state[RATE], force, slope)
                 state[LAST_RATE], state[LAST_FORCE], state[ROUNDS] = state[RATE], force, 0.0
         elif at_midpoint:
+            state[ROUNDS] = 0.0
             _put_friction(kind, i, step, system)
         elif state[FRESH] == 0.0 and state[BRANCH] * _rate(kind, i, work, system) <= 0.0:
             state[BRANCH] = 0.0
@@ -174,6 +176,9 @@ def relinearise_scalar_laws(
         if kind.table[i, LAW] == FRICTION:
             P, limit = law_impulse(system, block), 0.5 * step * kind.values[i, LARGEST]
             branch = state[BRANCH]
+            state[ROUNDS] += 1.0
+            if state[ROUNDS] > PLAIN_ROUNDS and work.control[CHANGED] > 0.0:
+                continue  # rows that change together can go in circles; the first of them alone cannot
             if branch == 0.0 and abs(P) > limit * (1.0 + 1e-10):
                 state[BRANCH] = -1.0 if P > 0.0 else 1.0
             elif branch * u < 0.0:
@@ -181,6 +186,7 @@ def relinearise_scalar_laws(
             if state[BRANCH] != branch:
                 _put_friction(kind, i, step, system)
                 work.control[CHANGED] += 1.0
+                work.status[STATUS_BLOCK] = block
             continue
         _, force, slope = _law(kind, i, u, step)
         state[ROUNDS] += 1.0

@@ -145,8 +145,8 @@ def test_a_motor_needs_one_angle_or_one_travel(linkage, kind):
 
 
 def test_a_rope_within_its_strain_is_taken(linkage):
-    load_case(linkage, ["ropes.0.length=6.6 m"])
-    assemble_scene(load_case(linkage, ["ropes.0.length=6.6 m"]), OutputFolder(linkage / "out"))
+    load_case(linkage, ["ropes.0.length=9.6 m"])
+    assemble_scene(load_case(linkage, ["ropes.0.length=9.6 m"]), OutputFolder(linkage / "out"))
 
 
 HISTORY = "time,x,z\n0,0,0\n0.5,0,1\n1,0,2\n"

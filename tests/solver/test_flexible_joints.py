@@ -25,6 +25,8 @@ Z = np.zeros(3)
 AXES = axes_about(np.array([0.0, 1.0, 0.0]))
 """Of the hinge, in the axes of both bodies."""
 
+pytestmark = pytest.mark.slow  # scenes of three kinds of bodies take most of a minute to compile
+
 
 def at_rest(position: Array, modes: int) -> Start:
     return Start(position, np.array([1.0, 0.0, 0.0, 0.0]), Z, Z, np.zeros(modes), np.zeros(modes))
