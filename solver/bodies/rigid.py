@@ -46,6 +46,7 @@ INVERSE_MASS, INVERSE_PRINCIPAL = 79, 80  # reciprocals of mass and principal in
 MEAN = 83  # mean velocity and spin of a driven body over a step
 END = 89  # its pose, velocities and accelerations at the end of the step
 JOINT_FORCE = 108  # force and moment of the rows on a held body, as of a marker
+ARC = 114  # constant: share of h^2 a in the midpoint, 1/8 along an arc, 0 along a straight line
 FRAME_WIDTH = 120  # whole cache lines
 
 
@@ -98,6 +99,7 @@ def pack_rigid_bodies(
             *body.centre_of_mass,
             *quaternion_from_matrix(axes),
         )
+        frame[row, ARC] = 0.125
         frame[row, INVERSE_MASS : INVERSE_PRINCIPAL + 3] = 1.0 / frame[row, MASS : PRINCIPAL + 3]
         motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
         index[row] = first_dof + 6 * row, motion, sum(map(len, constants)), column, first_number + row

@@ -11,6 +11,7 @@ from heavylift.numerics.small import cross, rotate, rotate_back
 from heavylift.solver.bodies.rigid import (
     ACCELERATION,
     ANGULAR_MOMENTUM,
+    ARC,
     DOF,
     DRIVEN,
     FIXED,
@@ -76,9 +77,9 @@ NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE
 def predict_rigid_bodies(kind: RigidBodies, time: float, step: float) -> None:
     """Arc midpoint and predicted midpoint velocities."""
     h = step
-    a = 0.125 * h * h
     for body in range(kind.table.shape[0]):
         frame = stage = kind.frame[body]
+        a = frame[ARC] * h * h
         for k in range(3):
             stage[MID_POSITION + k] = (
                 frame[POSITION + k] + 0.5 * h * frame[VELOCITY + k] + a * frame[ACCELERATION + k]

@@ -11,7 +11,7 @@ from heavylift.solver.connections import GROUND, Hinge, JointSpring, Spring
 from heavylift.solver.coordinates import inverse_scales
 from heavylift.solver.scene import FlexibleBody, Scene
 
-__all__ = ["check_integrator", "choose_integrator"]
+__all__ = ["check_integrator", "choose_integrator", "stiff_part"]
 
 LARGEST_RATE = 60.0
 """Fastest spring or damper, times the output interval, that an explicit integrator still follows cheaply."""
@@ -27,7 +27,7 @@ def choose_integrator(scene: Scene, interval: float) -> tuple[str, str]:
     interval
         Time between outputs [s]: what takes many steps an output is stiff.
     """
-    reason = _not_smooth(scene) or _stiff(scene, interval)
+    reason = _not_smooth(scene) or stiff_part(scene, interval)
     if reason:
         return "dele2", f"dele2, because {reason}"
     return "accurate", "accurate, because everything in the scene is smooth and nothing is stiff"
@@ -85,7 +85,7 @@ def _not_smooth(scene: Scene) -> str:
     return f"joint {compliant[0]!r} is compliant" if compliant else ""
 
 
-def _stiff(scene: Scene, interval: float) -> str:
+def stiff_part(scene: Scene, interval: float) -> str:
     """The first spring or damper that is too fast, as words; empty if none."""
     scales = inverse_scales(scene.bodies)
 
