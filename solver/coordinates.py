@@ -2,48 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.solver.connections import GROUND
+from heavylift.solver.meshes import MeshBody
 from heavylift.solver.rows import DIAGONAL, FACTORED, PRESCRIBED, Attachment
-from heavylift.solver.scene import FlexibleBody, Free, RigidBody
+from heavylift.solver.scene import AnyBody, FlexibleBody, Free, RigidBody
 
-__all__ = ["attachments", "first_dofs", "inverse_masses", "inverse_scales", "mode_count"]
+__all__ = [
+    "attachments",
+    "first_dofs",
+    "inverse_masses",
+    "inverse_scales",
+    "mode_count",
+    "velocity_count",
+]
+
+NO_BASES: dict[str, int] = {}
 
 
-def mode_count(body: FlexibleBody | RigidBody) -> int:
-    """Flexible coordinates of a body."""
+def mode_count(body: AnyBody) -> int:
+    """Modal coordinates of a body."""
     return body.reduced.mode_count if isinstance(body, FlexibleBody) else 0
 
 
-def first_dofs(bodies: Sequence[FlexibleBody | RigidBody]) -> dict[str, int]:
+def velocity_count(body: AnyBody, bases: Mapping[str, int] = NO_BASES) -> int:
+    """Velocities of a body in the workspace: of a mesh, three for each of its bases."""
+    return 3 * bases.get(body.name, 0) if isinstance(body, MeshBody) else 6 + mode_count(body)
+
+
+def first_dofs(bodies: Sequence[AnyBody], bases: Mapping[str, int] = NO_BASES) -> dict[str, int]:
     """Place of the velocities of each body."""
-    widths = [6 + mode_count(body) for body in bodies]
+    widths = [velocity_count(body, bases) for body in bodies]
     starts = np.concatenate([[0], np.cumsum(widths)])
     return {body.name: int(start) for body, start in zip(bodies, starts[:-1], strict=True)}
 
 
 def attachments(
-    bodies: Sequence[FlexibleBody | RigidBody], dofs: dict[str, int]
+    bodies: Sequence[AnyBody], dofs: dict[str, int], bases: Mapping[str, int] = NO_BASES
 ) -> Callable[[str], Attachment]:
     """Where the rows on a body go, by its name."""
     found = {GROUND: Attachment(-1, -1, 0, PRESCRIBED)}
     for number, body in enumerate(bodies):
         holder = PRESCRIBED if not isinstance(body.motion, Free) else DIAGONAL
-        if isinstance(body, FlexibleBody):
+        if isinstance(body, (FlexibleBody, MeshBody)):
             holder = FACTORED
-        found[body.name] = Attachment(number, dofs[body.name], 6 + mode_count(body), holder)
+        found[body.name] = Attachment(number, dofs[body.name], velocity_count(body, bases), holder)
     return found.__getitem__
 
 
-def inverse_masses(bodies: Sequence[FlexibleBody | RigidBody]) -> NDArray[np.float64]:
+def inverse_masses(bodies: Sequence[AnyBody], bases: Mapping[str, int] = NO_BASES) -> NDArray[np.float64]:
     """Of the velocities of free rigid bodies in their principal axes; zero elsewhere."""
     blocks: list[NDArray[np.float64]] = []
     for body in bodies:
-        block = np.zeros(6 + mode_count(body))
+        block = np.zeros(velocity_count(body, bases))
         if isinstance(body, RigidBody) and isinstance(body.motion, Free):
             block[:3] = 1.0 / body.mass
             block[3:] = 1.0 / np.linalg.eigvalsh(body.inertia)
@@ -51,12 +66,17 @@ def inverse_masses(bodies: Sequence[FlexibleBody | RigidBody]) -> NDArray[np.flo
     return np.concatenate(blocks)
 
 
-def inverse_scales(bodies: Sequence[FlexibleBody | RigidBody]) -> Callable[[str], tuple[float, float]]:
+def inverse_scales(bodies: Sequence[AnyBody]) -> Callable[[str], tuple[float, float]]:
     """Inverse mass and smallest inverse inertia by name; zero for prescribed motion."""
     by_name = {body.name: body for body in bodies}
 
     def scales(name: str) -> tuple[float, float]:
         body = by_name[name]
+        if isinstance(body, MeshBody):
+            from heavylift.solver.bodies.ancf.packing import mass_and_inertia
+
+            mass, inertia = mass_and_inertia(body)
+            return 1.0 / mass, 1.0 / inertia
         if isinstance(body, FlexibleBody):
             integrals = body.reduced.integrals
             largest = float(np.linalg.eigvalsh(integrals.inertia_kl)[1:].sum())

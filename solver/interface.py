@@ -49,6 +49,7 @@ __all__ = [
     "SUM_COUNT",
     "Workspace",
     "add_forces",
+    "add_row_impulses",
     "add_row_work",
     "add_totals",
     "advance",
@@ -56,7 +57,9 @@ __all__ = [
     "begin_stage",
     "check",
     "collect_load",
+    "complete",
     "complete_rates",
+    "complete_thesis",
     "correct",
     "correct_rows",
     "displace",
@@ -69,6 +72,7 @@ __all__ = [
     "finish",
     "free_acceleration",
     "gather_reactions",
+    "iterate",
     "load_state",
     "measure_error",
     "move",
@@ -76,6 +80,7 @@ __all__ = [
     "put_velocity",
     "record",
     "record_joints",
+    "refactor_rows",
     "relinearise",
     "set_targets",
     "set_velocity",
@@ -189,6 +194,26 @@ def solve_again(kinds: Any, joints: Any, work: Workspace, time: float, step: flo
     """Rows: once more with the factor of the midpoint, after free velocities have changed."""
 
 
+@optional
+def complete(kinds: Any, systems: Any, at_midpoint: bool, step: float, work: Workspace) -> None:
+    """Bodies that rows see through bases: all their velocities, once the impulses of the rows are known."""
+
+
+@optional
+def iterate(kinds: Any, systems: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+    """Bodies with nonlinear stress: one round of an iteration of the midpoint; counts in `CHANGED` while it goes on."""
+
+
+@optional
+def add_row_impulses(kinds: Any, body_kind: Any, row: int) -> None:
+    """Rows: subtract ``G^T`` times their impulses from the places of the bases of a kind in a row of `nodal`."""
+
+
+@generic
+def refactor_rows(kinds: Any, bodies: Any) -> None:
+    """Rows: factor of the midpoint again, after the matrices of some bodies have changed."""
+
+
 @generic
 def check(kinds: Any, step: float, work: Workspace) -> None:
     """Bodies: refuse a velocity that is not finite or turns too far in a step, before any state is changed."""
@@ -274,6 +299,11 @@ def finish(kinds: Any, step: float, work: Workspace) -> None:
 @generic
 def thesis_velocity(kinds: Any, time: float, step: float, work: Workspace) -> None:
     """Bodies: end velocity of the first-order scheme from forces at the start of the step."""
+
+
+@optional
+def complete_thesis(kinds: Any, systems: Any, work: Workspace) -> None:
+    """Bodies that rows see through bases: all their end velocities of the first-order scheme."""
 
 
 @generic

@@ -27,12 +27,18 @@ class BodyMarkers:
         Whether the vector is a direction.
     levels
         What each serves: `ROWS` of joints only, `FORCES`, or `RECORD` only.
+    places
+        Material point [m] at which a direction is taken: bodies that deform at will have no other.
+    slopes
+        Vector of the nodes of a frame or shell that is meant, in place of a direction; 0 for none.
     """
 
     numbers: tuple[int, ...] = ()
     vectors: tuple[NDArray[np.float64], ...] = ()
     directions: tuple[bool, ...] = ()
     levels: tuple[int, ...] = ()
+    places: tuple[NDArray[np.float64], ...] = ()
+    slopes: tuple[int, ...] = ()
 
 
 def pack_markers(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
@@ -14,8 +14,10 @@ if TYPE_CHECKING:
 
     from heavylift.modal.reduced import ReducedBody
     from heavylift.solver.connections import Joint, JointMotor, JointSpring, Rope, Spring, SpringRope
+    from heavylift.solver.meshes import MeshBody
 
 __all__ = [
+    "AnyBody",
     "Driven",
     "Fixed",
     "FlexibleBody",
@@ -217,11 +219,14 @@ class Sensor:
     point: NDArray[np.float64]
 
 
+AnyBody: TypeAlias = "FlexibleBody | RigidBody | MeshBody"
+
+
 @dataclass(frozen=True)
 class Scene:
     """Everything that is simulated together."""
 
-    bodies: tuple[FlexibleBody | RigidBody, ...]
+    bodies: tuple[AnyBody, ...]
     forces: tuple[Gravity | PointForce | Spring | JointSpring | JointMotor, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     joints: tuple[Joint, ...] = ()

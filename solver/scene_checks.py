@@ -8,7 +8,8 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.connections import GROUND, Joint, JointMotor, JointSpring, Rope, Spring, SpringRope
-from heavylift.solver.scene import FlexibleBody, Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.meshes import MeshBody
+from heavylift.solver.scene import AnyBody, FlexibleBody, Gravity, PointForce, RigidBody, Scene
 
 __all__ = ["check_scene"]
 
@@ -27,7 +28,7 @@ def check_scene(scene: Scene) -> None:
     if not scene.bodies:
         raise InputError("no body", source="scene", expected="at least one")
     kinds = (
-        (scene.bodies, (FlexibleBody, RigidBody), "bodies"),
+        (scene.bodies, (FlexibleBody, RigidBody, MeshBody), "bodies"),
         (scene.forces, (Gravity, PointForce, Spring, JointSpring, JointMotor), "forces"),
         (scene.joints, (Joint,), "joints"),
         (scene.ropes, (Rope, SpringRope), "ropes"),
@@ -113,11 +114,15 @@ def _check_joint(joint: Joint) -> None:
             raise InputError(f"{value}", source=joint.name, key=key, expected="0 or more")
 
 
-def _check_body(body: FlexibleBody | RigidBody) -> None:
+def _check_body(body: AnyBody) -> None:
     """Refuse start values of the wrong length or not finite: no later check would see a lost position."""
     shapes: dict[str, tuple[int, ...]] = {"position": (3,), "orientation": (4,)}
     shapes |= {"velocity": (3,), "angular_velocity": (3,)}
-    if isinstance(body, RigidBody):
+    if isinstance(body, MeshBody):
+        from heavylift.solver.bodies.ancf.packing import check_mesh
+
+        check_mesh(body)
+    elif isinstance(body, RigidBody):
         shapes |= {"centre_of_mass": (3,), "inertia": (3, 3)}
     else:
         for key in ("modal_position", "modal_velocity", "damping_ratio"):

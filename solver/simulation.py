@@ -36,7 +36,16 @@ INTEGRATORS = {
 DEFAULT_TOLERANCES = {"dele2": 1e-5, "accurate": 1e-7}
 """[m]; of the displacement in a step."""
 
-_CARRIED = ("frame", "modal", "products", "rows", "state")  # fields of kinds that outlive a step
+_CARRIED = (
+    "frame",
+    "modal",
+    "products",
+    "rows",
+    "state",
+    "body",
+    "nodal",
+    "strains",
+)  # fields of kinds that outlive a step
 
 LARGEST_GAIN = 0.02
 """Gain of the energy balance, relative to the largest kinetic and elastic energy, that is worth a warning."""

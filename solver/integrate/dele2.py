@@ -22,6 +22,7 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.solver.integrate.loop import evaluate_forces, write_record
 from heavylift.solver.integrate.row_stage import project_end, solve_midpoint
 from heavylift.solver.interface import (
+    CHANGED,
     CORNER,
     ERROR,
     FORCES,
@@ -32,11 +33,13 @@ from heavylift.solver.interface import (
     Workspace,
     advance,
     check,
+    complete,
     correct,
     correct_rows,
     estimate_error,
     factor,
     finish,
+    iterate,
     predict,
 )
 
@@ -56,6 +59,27 @@ def _to_corner(work: Workspace, time: float, close: float) -> float:
         corner += 1
     work.control[CORNER] = corner
     return work.corners[corner] - time if corner < work.corners.shape[0] else math.inf
+
+
+@kernel(internal=True)
+def refine(
+    bodies: tuple[Any, ...],
+    systems: tuple[Any, ...],
+    joints: tuple[Any, ...],
+    work: Workspace,
+    time: float,
+    step: float,
+) -> None:
+    """Rounds of iteration of the bodies with nonlinear stress, until none of them moves any more."""
+    again = False
+    while work.status[STATUS_OUTCOME] == 0:
+        work.control[CHANGED] = 0.0
+        iterate(bodies, systems, joints, work, time, step)
+        if not work.control[CHANGED] > 0.0:
+            break
+        again = True
+    if again:
+        complete(bodies, systems, True, step, work)  # bodies that carry strains feel the joints of the others
 
 
 @kernel
@@ -116,6 +140,8 @@ def run(
             solve_midpoint(systems, bodies, joints, work, time, h, h)
             correct(bodies, h, work)
             correct_rows(bodies, systems, joints, work, time, h)
+            complete(bodies, systems, True, h, work)
+            refine(bodies, systems, joints, work, time, h)
             check(bodies, h, work)
             if tolerance > 0.0:
                 control[ERROR] = 0.0

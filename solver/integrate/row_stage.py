@@ -24,11 +24,13 @@ from heavylift.solver.interface import (
     Workspace,
     add_row_work,
     apply_inverse,
+    complete,
     end_velocity,
     fill_markers,
     fill_rows,
     gather_reactions,
     record_joints,
+    refactor_rows,
     relinearise,
     set_targets,
     set_velocity,
@@ -127,6 +129,16 @@ def solve_laws_again(system: LawRowSystem, joints: Any, work: Workspace, time: f
     fit_laws(system, joints, work, time, step)
 
 
+@implement(refactor_rows, RowSystem)
+@implement(refactor_rows, LawRowSystem)
+@kernel(internal=True)
+def refactor_row_system(system: Rows, bodies: Any) -> None:
+    """What `solve_again` then adds to the velocities belongs to the new matrices."""
+    apply_inverse(bodies, True, system)
+    assemble(system)
+    factor_rows(system)
+
+
 @kernel(internal=True)
 def _start_midpoint(
     system: Rows, bodies: Any, joints: Any, work: Workspace, time: float, step: float, nominal: float
@@ -196,6 +208,7 @@ def project_end_rows(
     factor_rows(system)
     solve_rows(system, work.velocity)
     add_row_work(bodies, 1.0, work, system)
+    complete(bodies, (system,), False, step, work)
     set_velocity(bodies, step, work)
     _check_closed(system, work)
     ahead = step / (step + work.control[LAST_STEP])

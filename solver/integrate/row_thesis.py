@@ -14,7 +14,7 @@ from typing import Any
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.integrate.row_solver import assemble, factor_rows, solve_rows, subtract_rates
-from heavylift.solver.interface import Workspace, fill_rows, write_velocity
+from heavylift.solver.interface import Workspace, apply_inverse, fill_rows, write_velocity
 from heavylift.solver.kinds import generic, implement
 from heavylift.solver.rows import (
     COMPLIANCE,
@@ -70,15 +70,16 @@ def start_thesis_rows(system: RowSystem, bodies: Any, joints: Any, work: Workspa
 
 
 @generic
-def solve_thesis(systems: Any, work: Workspace, step: float) -> None:
+def solve_thesis(systems: Any, bodies: Any, work: Workspace, step: float) -> None:
     """Rows: end velocities from free ones, reactions."""
 
 
 @implement(solve_thesis, RowSystem)
 @kernel(internal=True)
-def solve_thesis_rows(system: RowSystem, work: Workspace, step: float) -> None:
+def solve_thesis_rows(system: RowSystem, bodies: Any, work: Workspace, step: float) -> None:
     """One linear solve."""
     rows, lanes = len(system.shape[0]), len(system.shape[1])
+    apply_inverse(bodies, False, system)
     assemble(system)
     factor_rows(system)
     solve_rows(system, work.velocity)

@@ -20,6 +20,7 @@ from heavylift.solver.interface import (
     STEP_COUNT,
     Workspace,
     check,
+    complete_thesis,
     thesis_advance,
     thesis_velocity,
 )
@@ -48,7 +49,8 @@ def run(
         evaluate_forces(bodies, forces, work, time, False, FORCES)
         start_thesis(systems, bodies, joints, work, step)
         thesis_velocity(bodies, time, step, work)
-        solve_thesis(systems, work, step)
+        solve_thesis(systems, bodies, work, step)
+        complete_thesis(bodies, systems, work)
         check(bodies, step, work)
         if work.status[STATUS_OUTCOME] != 0:
             return index

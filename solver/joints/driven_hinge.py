@@ -73,7 +73,7 @@ class DrivenHinges(NamedTuple):
 def pack(joints: Sequence[Hinge], places: Sequence[JointPlace], book: MarkerBook) -> DrivenHinges:
     """Make the kind."""
     made = hinge.pack(joints, places, book)
-    x_a = [book.direction(joint.body_a, joint.frame_a.axes[:, 0]) for joint in joints]
+    x_a = [book.direction(joint.body_a, joint.frame_a.axes[:, 0], at=joint.frame_a.point) for joint in joints]
     profiles, starts, drives = pack_profiles([joint.drive for joint in joints])
     table, state = np.column_stack([made.table, x_a, starts]), np.hstack([made.state, drives])
     return DrivenHinges(np.ascontiguousarray(table), np.ascontiguousarray(state), profiles)

@@ -47,10 +47,10 @@ def pack(joints: Sequence[FixedJoint], places: Sequence[JointPlace], book: Marke
     for joint, place in zip(joints, places, strict=True):
         refuse_opposite(joint, place, (0, 1, 2))
         axes = (
-            book.direction(joint.body_a, joint.frame_a.axes[:, 0]),
-            book.direction(joint.body_a, joint.frame_a.axes[:, 2]),
-            book.direction(joint.body_b, joint.frame_b.axes[:, 0]),
-            book.direction(joint.body_b, joint.frame_b.axes[:, 1]),
+            book.direction(joint.body_a, joint.frame_a.axes[:, 0], at=joint.frame_a.point),
+            book.direction(joint.body_a, joint.frame_a.axes[:, 2], at=joint.frame_a.point),
+            book.direction(joint.body_b, joint.frame_b.axes[:, 0], at=joint.frame_b.point),
+            book.direction(joint.body_b, joint.frame_b.axes[:, 1], at=joint.frame_b.point),
         )
         rows.append((place.block, *point_markers(book, joint), *axes, place.column))
     return FixedJoints(np.array(rows, dtype=np.int64))

@@ -74,9 +74,9 @@ def pack(joints: Sequence[Hinge], places: Sequence[JointPlace], book: MarkerBook
     for joint, place in zip(joints, places, strict=True):
         refuse_opposite(joint, place, (2,))
         axes = (
-            book.direction(joint.body_a, joint.frame_a.axes[:, 2]),
-            book.direction(joint.body_b, joint.frame_b.axes[:, 0]),
-            book.direction(joint.body_b, joint.frame_b.axes[:, 1]),
+            book.direction(joint.body_a, joint.frame_a.axes[:, 2], at=joint.frame_a.point),
+            book.direction(joint.body_b, joint.frame_b.axes[:, 0], at=joint.frame_b.point),
+            book.direction(joint.body_b, joint.frame_b.axes[:, 1], at=joint.frame_b.point),
         )
         points, angle = point_markers(book, joint), angle_markers(book, joint, RECORD)
         rows.append((place.block, *points, *axes, place.column, *angle))

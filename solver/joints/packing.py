@@ -13,7 +13,7 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.connections import GROUND, Joint, JointFrame, SliderHinge
 from heavylift.solver.interface import ROWS
 from heavylift.solver.markers import BodyMarkers
-from heavylift.solver.scene import Driven, FlexibleBody, RigidBody
+from heavylift.solver.scene import AnyBody, Driven
 
 __all__ = [
     "JointPlace",
@@ -60,22 +60,44 @@ class MarkerBook:
 
     count: int = 0
     fixed: list[tuple[int, NDArray[np.float64]]] = field(default_factory=list)
-    _bodies: dict[str, list[tuple[int, NDArray[np.float64], bool, int]]] = field(default_factory=dict)
+    _bodies: dict[str, list[tuple[int, NDArray[np.float64], bool, int, NDArray[np.float64], int]]] = field(
+        default_factory=dict
+    )
 
     def point(self, body: str, point: NDArray[np.float64], level: int = ROWS) -> int:
         """Number of a new material point [m], in the frame of the body or in the world."""
-        return self._add(body, point, False, level)
+        return self._add(body, point, False, level, point)
 
-    def direction(self, body: str, direction: NDArray[np.float64], level: int = ROWS) -> int:
-        """Number of a new unit direction, in the frame of the body or in the world."""
-        return self._add(body, direction, True, level)
+    def direction(
+        self,
+        body: str,
+        direction: NDArray[np.float64],
+        level: int = ROWS,
+        *,
+        at: NDArray[np.float64],
+    ) -> int:
+        """Number of a new unit direction at a material point [m], in the frame of the body or in the world."""
+        return self._add(body, direction, True, level, at)
 
-    def _add(self, body: str, given: NDArray[np.float64], direction: bool, level: int) -> int:
+    def slope(self, body: str, vector: int, level: int = ROWS, *, at: NDArray[np.float64]) -> int:
+        """Number of a new slope of a frame or shell at a material point [m]: vector 1, 2 ... of its nodes."""
+        return self._add(body, np.zeros(3), True, level, at, vector)
+
+    def _add(
+        self,
+        body: str,
+        given: NDArray[np.float64],
+        direction: bool,
+        level: int,
+        at: NDArray[np.float64],
+        slope: int = 0,
+    ) -> int:
         number, entry = self.count, np.array(given, dtype=np.float64)
         if body == GROUND:
             self.fixed.append((number, entry))
         else:
-            self._bodies.setdefault(body, []).append((number, entry, direction, level))
+            place = np.array(at, dtype=np.float64)
+            self._bodies.setdefault(body, []).append((number, entry, direction, level, place, slope))
         self.count += 1
         return number
 
@@ -100,16 +122,21 @@ def point_markers(book: MarkerBook, joint: Joint, level: int = ROWS) -> tuple[in
 def angle_markers(book: MarkerBook, joint: Joint, level: int = ROWS) -> tuple[int, int, int]:
     """Markers x of a, x of b, y of b: what the angle of a joint about its z axis is made of."""
     return (
-        book.direction(joint.body_a, joint.frame_a.axes[:, 0], level),
-        book.direction(joint.body_b, joint.frame_b.axes[:, 0], level),
-        book.direction(joint.body_b, joint.frame_b.axes[:, 1], level),
+        book.direction(joint.body_a, joint.frame_a.axes[:, 0], level, at=joint.frame_a.point),
+        book.direction(joint.body_b, joint.frame_b.axes[:, 0], level, at=joint.frame_b.point),
+        book.direction(joint.body_b, joint.frame_b.axes[:, 1], level, at=joint.frame_b.point),
     )
 
 
 def travel_markers(book: MarkerBook, joint: Joint, level: int = ROWS) -> tuple[int, int, int]:
     """Markers of the two points and of the direction on a: what the travel of a joint is made of."""
     points = point_markers(book, joint, level)
-    return (*points, book.direction(joint.body_a, joint.frame_a.axes @ travel_direction(joint), level))
+    return (
+        *points,
+        book.direction(
+            joint.body_a, joint.frame_a.axes @ travel_direction(joint), level, at=joint.frame_a.point
+        ),
+    )
 
 
 def travel_direction(joint: Joint) -> NDArray[np.float64]:
@@ -134,7 +161,7 @@ def travel_direction(joint: Joint) -> NDArray[np.float64]:
     return axis / length
 
 
-def start_frames(joint: Joint, bodies: Sequence[FlexibleBody | RigidBody]) -> tuple[JointFrame, JointFrame]:
+def start_frames(joint: Joint, bodies: Sequence[AnyBody]) -> tuple[JointFrame, JointFrame]:
     """Joint frames of both sides in the world at the start, deformation left out.
 
     Raises
@@ -161,7 +188,7 @@ def start_frames(joint: Joint, bodies: Sequence[FlexibleBody | RigidBody]) -> tu
     return frames[0], frames[1]
 
 
-def _start_pose(body: FlexibleBody | RigidBody) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _start_pose(body: AnyBody) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Position [m] and quaternion of a body frame at the start; a driven frame may start elsewhere."""
     if not isinstance(body.motion, Driven):
         return body.position, body.orientation

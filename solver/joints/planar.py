@@ -46,9 +46,9 @@ def pack(joints: Sequence[Planar], places: Sequence[JointPlace], book: MarkerBoo
     for joint, place in zip(joints, places, strict=True):
         refuse_opposite(joint, place, (2,))
         axes = (
-            book.direction(joint.body_a, joint.frame_a.axes[:, 2]),
-            book.direction(joint.body_b, joint.frame_b.axes[:, 0]),
-            book.direction(joint.body_b, joint.frame_b.axes[:, 1]),
+            book.direction(joint.body_a, joint.frame_a.axes[:, 2], at=joint.frame_a.point),
+            book.direction(joint.body_b, joint.frame_b.axes[:, 0], at=joint.frame_b.point),
+            book.direction(joint.body_b, joint.frame_b.axes[:, 1], at=joint.frame_b.point),
         )
         rows.append((place.block, *point_markers(book, joint), *axes, place.column))
     return PlanarJoints(np.array(rows, dtype=np.int64))

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from heavylift.solver.connections import Joint
-    from heavylift.solver.scene import FlexibleBody, RigidBody
+    from heavylift.solver.scene import AnyBody
 
 __all__ = ["DRIVEN_MODULES", "JOINT_MODULES", "joint_channels", "joint_module", "pack_joints"]
 
@@ -88,7 +88,7 @@ def pack_joints(
     book: MarkerBook,
     attachment: Callable[[str], Attachment],
     scales: Callable[[str], tuple[float, float]],
-    bodies: Sequence[FlexibleBody | RigidBody],
+    bodies: Sequence[AnyBody],
 ) -> tuple[tuple[Any, ...], Callable[[Any, int], RowSystem], tuple[str, ...]]:
     """Make the kinds of all joints, a function that makes their system, and the names of their blocks.
 

@@ -24,7 +24,7 @@ from heavylift.solver.joints.packing import MarkerBook, start_frames
 from heavylift.solver.joints.rope_path import GRADIENT_WIDTH, PLACE_WIDTH, START_WRAP, path_length
 from heavylift.solver.joints.wire_rope import FRESH, REST, STATE_WIDTH, STRETCHED, Ropes
 from heavylift.solver.rows import Attachment
-from heavylift.solver.scene import FlexibleBody, RigidBody
+from heavylift.solver.scene import AnyBody
 
 __all__ = ["LARGEST_STRAIN", "pack_ropes", "rope_channels", "start_length"]
 
@@ -49,7 +49,7 @@ def pack_ropes(
     book: MarkerBook,
     attachment: Callable[[str], Attachment],
     scales: Callable[[str], tuple[float, float]],
-    bodies: Sequence[FlexibleBody | RigidBody],
+    bodies: Sequence[AnyBody],
 ) -> tuple[Ropes, list[LawBlock]]:
     """Make the kind and its rows.
 
@@ -80,7 +80,7 @@ def pack_ropes(
             side = -1 if point.body == GROUND else 2 * block + held.index(point.body)
             axis = -1
             if point.radius > 0.0:
-                axis = book.direction(point.body, _axes(rope, point)[:, 2], level)
+                axis = book.direction(point.body, _axes(rope, point)[:, 2], level, at=point.point)
             places.append((book.point(point.body, point.point, level), axis, side))
             paths.append(place)
         rows = _winch_rows(rope) if isinstance(rope, Rope) else []
@@ -129,7 +129,7 @@ def _points(rope: Rope | SpringRope) -> tuple[RopePoint, ...]:
     return RopePoint(rope.body_a, rope.point_a), RopePoint(rope.body_b, rope.point_b)
 
 
-def start_path(rope: Rope | SpringRope, bodies: Sequence[FlexibleBody | RigidBody]) -> NDArray[np.float64]:
+def start_path(rope: Rope | SpringRope, bodies: Sequence[AnyBody]) -> NDArray[np.float64]:
     """Centres, axes and radii of the places in the world at the start, shape (n, 7); checked.
 
     Raises

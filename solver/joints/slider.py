@@ -68,8 +68,12 @@ def pack(joints: Sequence[Slider], places: Sequence[JointPlace], book: MarkerBoo
     rows = []
     for joint, place in zip(joints, places, strict=True):
         refuse_opposite(joint, place, (0, 1, 2))
-        axes_a = (book.direction(joint.body_a, joint.frame_a.axes[:, k]) for k in range(3))
-        axes_b = (book.direction(joint.body_b, joint.frame_b.axes[:, k]) for k in range(2))
+        axes_a = (
+            book.direction(joint.body_a, joint.frame_a.axes[:, k], at=joint.frame_a.point) for k in range(3)
+        )
+        axes_b = (
+            book.direction(joint.body_b, joint.frame_b.axes[:, k], at=joint.frame_b.point) for k in range(2)
+        )
         points, recorded = point_markers(book, joint), travel_markers(book, joint, RECORD)
         rows.append((place.block, *points, *axes_a, *axes_b, place.column, *recorded))
     return Sliders(np.array(rows, dtype=np.int64))

@@ -81,11 +81,11 @@ def pack(
         refuse_opposite(joint, place, (2,))
         across = joint.frame_a.axes @ axes_about(travel_direction(joint), source=joint.name)
         axes = (
-            book.direction(joint.body_a, across[:, 0]),
-            book.direction(joint.body_a, across[:, 1]),
-            book.direction(joint.body_a, joint.frame_a.axes[:, 2]),
-            book.direction(joint.body_b, joint.frame_b.axes[:, 0]),
-            book.direction(joint.body_b, joint.frame_b.axes[:, 1]),
+            book.direction(joint.body_a, across[:, 0], at=joint.frame_a.point),
+            book.direction(joint.body_a, across[:, 1], at=joint.frame_a.point),
+            book.direction(joint.body_a, joint.frame_a.axes[:, 2], at=joint.frame_a.point),
+            book.direction(joint.body_b, joint.frame_b.axes[:, 0], at=joint.frame_b.point),
+            book.direction(joint.body_b, joint.frame_b.axes[:, 1], at=joint.frame_b.point),
         )
         recorded = (*angle_markers(book, joint, RECORD), *travel_markers(book, joint, RECORD))
         rows.append((place.block, *point_markers(book, joint), *axes, place.column, *recorded))

@@ -61,8 +61,8 @@ def pack(joints: Sequence[Universal], places: Sequence[JointPlace], book: Marker
                 key="axes",
                 expected="two axes square to each other",
             )
-        z_a = book.direction(joint.body_a, joint.frame_a.axes[:, 2])
-        z_b = book.direction(joint.body_b, joint.frame_b.axes[:, 2])
+        z_a = book.direction(joint.body_a, joint.frame_a.axes[:, 2], at=joint.frame_a.point)
+        z_b = book.direction(joint.body_b, joint.frame_b.axes[:, 2], at=joint.frame_b.point)
         rows.append((place.block, *point_markers(book, joint), z_a, z_b, place.column))
     return UniversalJoints(np.array(rows, dtype=np.int64))
 

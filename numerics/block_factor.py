@@ -1,0 +1,132 @@
+"""Symmetric block-sparse factor ``K = L D L^T`` with a pattern that never changes, for meshes in time steps.
+
+The tables come from `heavylift.numerics.block_pattern`, the arithmetic of blocks from
+`heavylift.numerics.lanes`. All arrays are flat; a set of blocks starts at `base`, so that there may be several.
+
+*Base nodes* are never eliminated: factoring leaves the Schur complement in their blocks. With constraints
+J on a body of stiffness A, as base nodes without stiffness, their blocks then hold ``-J A^-1 J^T``, and after
+`forward_blocks` of ``(r, 0)`` their vectors hold ``-J A^-1 r``. If ``-p`` takes their place, `backward_blocks`
+leaves ``A^-1 (r + J^T p)`` in the vectors of the body.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.block_pattern import LOWER, LOWER_COUNT, NODE, PIVOT, UPDATE
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.lanes import (
+    backward_pivot,
+    factor_pivot,
+    forward_pivot,
+    scale_block,
+    solve_off_diagonal,
+    subtract_forward,
+)
+from heavylift.numerics.lanes_wide import subtract_backward_sum, subtract_products
+
+__all__ = ["backward_blocks", "factor_blocks", "forward_blocks"]
+
+
+@kernel(internal=True)
+def factor_blocks(  # type: ignore[no-untyped-def]
+    shape,
+    columns: NDArray[np.int64],
+    updates: NDArray[np.int64],
+    blocks: NDArray[np.float64],
+    base: int,
+    first: int,
+    last: int,
+    scratch: int,
+) -> None:
+    """Eliminate columns ``first ... last - 1``, whole groups, of the set of blocks that starts at `base`.
+
+    Notes
+    -----
+    Within a panel each column first gathers what the columns before it subtract; then the whole panel subtracts
+    its share from all later blocks. A zero pivot leaves numbers that are not finite.
+    """
+    size = len(shape[0]) * len(shape[1])
+    work = base + scratch
+    column = first
+    while column < last:
+        width = 1
+        while columns[column + width - 1, UPDATE] < 0:
+            width += 1
+        start = base + columns[column, PIVOT]
+        below = start + width * (width + 1) // 2 * size
+        count = columns[column + width - 1, LOWER_COUNT]
+        for m in range(width):
+            row = start + m * (m + 1) // 2 * size
+            pivot = row + m * size
+            if m > 0:
+                for t in range(m):
+                    at = base + columns[column + t, PIVOT]
+                    scale_block(shape, blocks, work + t * size, blocks, row + t * size, blocks, at)
+                subtract_products(shape, blocks, pivot, blocks, work, blocks, row, m)
+            factor_pivot(shape, blocks, pivot)
+            for i in range(m + 1, width + count):
+                other = below + (i - width) * width * size if i >= width else start + i * (i + 1) // 2 * size
+                if m > 0:
+                    subtract_products(shape, blocks, other + m * size, blocks, work, blocks, other, m)
+                solve_off_diagonal(shape, blocks, other + m * size, blocks, pivot)
+        update = columns[column + width - 1, UPDATE]
+        for l in range(count):
+            row = below + l * width * size
+            for t in range(width):
+                at = base + columns[column + t, PIVOT]
+                scale_block(shape, blocks, work + t * size, blocks, row + t * size, blocks, at)
+            for k in range(l, count):
+                target = base + updates[update]
+                update += 1
+                subtract_products(
+                    shape, blocks, target, blocks, work, blocks, below + k * width * size, width
+                )
+        column += width
+
+
+@kernel(internal=True)
+def forward_blocks(  # type: ignore[no-untyped-def]
+    shape,
+    columns: NDArray[np.int64],
+    lower: NDArray[np.int64],
+    blocks: NDArray[np.float64],
+    base: int,
+    first: int,
+    last: int,
+    x: NDArray[np.float64],
+    x_at: int,
+) -> None:
+    """``z = D^-1 L^-1 x`` of columns ``first ... last - 1``; base nodes are left with ``x - Y z``.
+
+    The vector of a node stands at ``x_at + node * lanes``.
+    """
+    lanes = len(shape[1])
+    for column in range(first, last):
+        z = x_at + columns[column, NODE] * lanes
+        at, count = columns[column, LOWER], columns[column, LOWER_COUNT]
+        forward_pivot(shape, x, z, blocks, base + columns[column, PIVOT])
+        for l in range(at, at + count):
+            subtract_forward(shape, x, x_at + lower[l, 0] * lanes, blocks, base + lower[l, 1], x, z)
+
+
+@kernel(internal=True)
+def backward_blocks(  # type: ignore[no-untyped-def]
+    shape,
+    columns: NDArray[np.int64],
+    lower: NDArray[np.int64],
+    blocks: NDArray[np.float64],
+    base: int,
+    first: int,
+    last: int,
+    x: NDArray[np.float64],
+    x_at: int,
+) -> None:
+    """``x = L^-T z`` of columns ``first ... last - 1``, with whatever stands in the vectors of base nodes."""
+    lanes = len(shape[1])
+    for column in range(last - 1, first - 1, -1):
+        node, pivot = columns[column, NODE], columns[column, PIVOT]
+        at, count = columns[column, LOWER], columns[column, LOWER_COUNT]
+        subtract_backward_sum(shape, x, x_at, node, blocks, base, pivot, lower, at, count)
+        backward_pivot(shape, x, x_at + node * lanes, blocks, base + pivot)

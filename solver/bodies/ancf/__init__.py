@@ -1,0 +1,1 @@
+"""Bodies of ANCF elements: frames and shells with large deformation."""

@@ -1,0 +1,118 @@
+"""The end of a step of frames and shells: coordinates, strains, works."""
+
+from __future__ import annotations
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.ancf.assembly import add_matrix_products
+from heavylift.solver.bodies.ancf.elements import (
+    add_strain_rates,
+    add_stress_forces,
+    find_strains,
+    measure_drift,
+)
+from heavylift.solver.bodies.ancf.kind import (
+    ACCELERATION,
+    AUTO,
+    DISSIPATED_WORK,
+    EXPLICIT,
+    EXTERNAL,
+    FIRST_STRAIN,
+    LOAD,
+    MID_Q,
+    MID_V,
+    OLD_STRAIN,
+    RIGHT,
+    SCHEME,
+    SHAPE_STRAIN,
+    STIFFNESS_DAMPING,
+    STRAIN,
+    STRAINS,
+    TRIAL,
+    VISCOUS,
+    FrameMeshes,
+    Meshes,
+    Q,
+    ShellMeshes,
+    V,
+)
+from heavylift.solver.bodies.ancf.step import is_iterated, node_span
+from heavylift.solver.interface import Workspace, advance
+from heavylift.solver.kinds import implement
+
+__all__ = ["copy_strains", "find_drift"]
+
+
+@kernel(internal=True)
+def copy_strains(kind: Meshes, body: int, of: int, to: int) -> None:
+    """One row of `strains` into another, of one body."""
+    first = kind.table[body, FIRST_STRAIN]
+    for i in range(first, first + kind.table[body, STRAINS]):
+        kind.strains[to, i] = kind.strains[of, i]
+
+
+@kernel(internal=True)
+def find_drift(kind: Meshes, body: int, step: float) -> None:
+    """Strains at the end of the step if they are carried, into `OLD_STRAIN`, and their distance from the shape."""
+    first, last = node_span(kind, body)
+    for i in range(first, last):
+        kind.nodal[TRIAL, i] = kind.nodal[Q, i] + step * kind.nodal[MID_V, i]
+    copy_strains(kind, body, STRAIN, OLD_STRAIN)
+    add_strain_rates((kind,), body, MID_Q, MID_V, OLD_STRAIN, step)
+    find_strains((kind,), body, TRIAL, SHAPE_STRAIN)
+    measure_drift((kind,), body, OLD_STRAIN, SHAPE_STRAIN)
+
+
+@kernel(internal=True, reassociate=True)
+def add_mesh_work(kind: Meshes, body: int, step: float) -> None:
+    """Work of the loads and losses in the dampers, with the velocities of the stage."""
+    first, last = node_span(kind, body)
+    speed, load, right = kind.nodal[MID_V], kind.nodal[LOAD], kind.nodal[RIGHT]
+    external = 0.0
+    for i in range(first, last):
+        external += load[i] * speed[i]
+    kind.body[body, EXTERNAL] += step * external
+    viscous, stiff = kind.body[body, VISCOUS], kind.body[body, STIFFNESS_DAMPING]
+    if viscous == 0.0 and stiff == 0.0:
+        return
+    for i in range(first, last):
+        right[i] = 0.0
+    add_matrix_products(kind, body, MID_V, viscous, MID_V, stiff, RIGHT)
+    if stiff > 0.0:
+        begin = kind.table[body, FIRST_STRAIN]
+        for i in range(begin, begin + kind.table[body, STRAINS]):
+            kind.strains[SHAPE_STRAIN, i] = 0.0
+        add_strain_rates((kind,), body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
+        add_stress_forces((kind,), body, MID_Q, SHAPE_STRAIN, RIGHT, 1.0)
+    lost = 0.0
+    for i in range(first, last):
+        lost += right[i] * speed[i]
+    kind.body[body, DISSIPATED_WORK] += step * lost
+
+
+@implement(advance, FrameMeshes)
+@implement(advance, ShellMeshes)
+@kernel(internal=True)
+def advance_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> None:
+    """``q += h vb``, ``v := 2 vb - v``, strains."""
+    q, v, acceleration, middle = (
+        kind.nodal[Q],
+        kind.nodal[V],
+        kind.nodal[ACCELERATION],
+        kind.nodal[MID_V],
+    )
+    rate = 2.0 / step
+    for body in range(kind.table.shape[0]):
+        first, last = node_span(kind, body)
+        add_mesh_work(kind, body, step)
+        iterated, scheme = is_iterated(kind, body), kind.table[body, SCHEME]
+        if not iterated and scheme != EXPLICIT:
+            if scheme == AUTO:
+                copy_strains(kind, body, OLD_STRAIN, STRAIN)  # `iterate` has found them
+            else:
+                add_strain_rates((kind,), body, MID_Q, MID_V, STRAIN, step)
+        for i in range(first, last):
+            q[i] += step * middle[i]
+            acceleration[i] = rate * (middle[i] - v[i])
+            v[i] = 2.0 * middle[i] - v[i]
+        if iterated or scheme == EXPLICIT:
+            find_strains((kind,), body, Q, STRAIN)

@@ -1,0 +1,188 @@
+"""Matrices of a mesh: the constant part of the step matrix, the factor of the mass, products with both.
+
+Mass and bending matrices are scalar matrices of the elements times the unit matrix of space. Fixed coordinates
+have unit rows and columns. Blocks of the bases hold the values of their shape functions, so that eliminating
+the nodes of the mesh leaves ``-J A^-1 J^T`` in the blocks of the bases.
+"""
+
+from __future__ import annotations
+
+from heavylift.numerics.block_factor import factor_blocks
+from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.ancf.kind import (
+    BASE_BLOCKS,
+    BASE_PLACE,
+    BASE_SHAPE,
+    BASE_STEP,
+    BASES,
+    CLEARS,
+    CONSTANT_SET,
+    ELEMENT_BLOCKS,
+    ELEMENT_DATA,
+    ELEMENTS,
+    FIRST_BASE,
+    FIRST_BLOCK,
+    FIRST_CLEAR,
+    FIRST_COLUMN,
+    FIRST_ELEMENT,
+    LAST_BLOCK,
+    LAST_COLUMN,
+    MASS_SET,
+    STEP_SET,
+    WORK_PLACE,
+    Meshes,
+)
+
+__all__ = [
+    "add_matrix_products",
+    "clear_fixed",
+    "factor_set",
+    "prepare_meshes",
+    "set_size",
+    "start_step_matrix",
+]
+
+
+@kernel(inline=True, internal=True)
+def set_size(kind: Meshes) -> int:
+    """Numbers of a set of blocks."""
+    return kind.blocks.shape[0] // 3
+
+
+@kernel(internal=True)
+def _assemble_constant(kind: Meshes, body: int, to: int, mass: float, bending: float) -> None:
+    """``mass M + bending K_b`` with the bases into a set of blocks, whose blocks of this body are zero."""
+    vectors, lanes = len(kind.shape[0]) // 3, len(kind.shape[1])
+    nodes = 2 if vectors == 2 else 4
+    count = nodes * vectors
+    begin = to * set_size(kind)
+    first = kind.table[body, FIRST_ELEMENT]
+    for e in range(first, first + kind.table[body, ELEMENTS]):
+        M = kind.elements[e, ELEMENT_DATA]
+        K = M + count * count
+        pair = ELEMENT_BLOCKS
+        for i in range(nodes):
+            for j in range(i + 1):
+                place, swap = begin + kind.elements[e, pair], kind.elements[e, pair + 1]
+                pair += 2
+                for a in range(vectors):
+                    for b in range(vectors):
+                        at = (i * vectors + a) * count + j * vectors + b
+                        value = mass * kind.constants[M + at] + bending * kind.constants[K + at]
+                        row, column = 3 * a, 3 * b
+                        if swap != 0:
+                            row, column = column, row
+                        for k in range(3):
+                            kind.blocks[place + (column + k) * lanes + row + k] += value
+    first = kind.table[body, FIRST_BASE]
+    for base in range(first, first + kind.table[body, BASES]):
+        slot = kind.bases[base, BASE_PLACE] % lanes
+        shape = kind.bases[base, BASE_SHAPE]
+        for i in range(nodes):
+            place = begin + kind.bases[base, BASE_BLOCKS + i]
+            for a in range(vectors):
+                for k in range(3):
+                    kind.blocks[place + (3 * a + k) * lanes + slot + k] = kind.constants[
+                        shape + i * vectors + a
+                    ]
+
+
+@kernel(internal=True)
+def clear_fixed(kind: Meshes, body: int, to: int) -> None:
+    """Unit rows and columns for fixed coordinates."""
+    lanes, rows = len(kind.shape[1]), len(kind.shape[0])
+    begin = to * set_size(kind)
+    first = kind.table[body, FIRST_CLEAR]
+    for i in range(first, first + kind.table[body, CLEARS]):
+        place, which, index = begin + kind.clears[i, 0], kind.clears[i, 1], kind.clears[i, 2]
+        if which == 0:
+            for r in range(lanes):
+                kind.blocks[place + index * lanes + r] = 0.0
+        elif which == 1:
+            for c in range(rows):
+                kind.blocks[place + c * lanes + index] = 0.0
+        else:
+            kind.blocks[place + index * (lanes + 1)] = 1.0
+
+
+@kernel(internal=True)
+def factor_set(kind: Meshes, body: int, which: int) -> None:
+    """Eliminate the nodes of the mesh from a set of blocks."""
+    size = set_size(kind)
+    factor_blocks(
+        kind.shape,
+        kind.columns,
+        kind.updates,
+        kind.blocks,
+        which * size,
+        kind.table[body, FIRST_COLUMN],
+        kind.table[body, LAST_COLUMN],
+        kind.table[body, WORK_PLACE],
+    )
+
+
+@kernel
+def prepare_meshes(kind: Meshes) -> None:
+    """Factor the mass matrix of all bodies."""
+    size = set_size(kind)
+    for i in range(size):
+        kind.blocks[MASS_SET * size + i] = 0.0
+    for body in range(kind.table.shape[0]):
+        _assemble_constant(kind, body, MASS_SET, 1.0, 0.0)
+        clear_fixed(kind, body, MASS_SET)
+        factor_set(kind, body, MASS_SET)
+        kind.constants[kind.table[body, BASE_STEP]] = -1.0
+
+
+@kernel(internal=True)
+def start_step_matrix(kind: Meshes, body: int, mass: float, bending: float) -> None:
+    """Blocks of the step matrix of this body, without what strains add to them.
+
+    Notes
+    -----
+    The coefficients change with the step only, so one number tells whether the constant part is still good: that
+    of the mass is a function of the other.
+    """
+    size = set_size(kind)
+    begin, end = kind.table[body, FIRST_BLOCK], kind.table[body, LAST_BLOCK]
+    if kind.constants[kind.table[body, BASE_STEP]] != bending:
+        for i in range(CONSTANT_SET * size + begin, CONSTANT_SET * size + end):
+            kind.blocks[i] = 0.0
+        _assemble_constant(kind, body, CONSTANT_SET, mass, bending)
+        clear_fixed(kind, body, CONSTANT_SET)
+        kind.constants[kind.table[body, BASE_STEP]] = bending
+    for i in range(begin, end):
+        kind.blocks[STEP_SET * size + i] = kind.blocks[CONSTANT_SET * size + i]
+
+
+@kernel(internal=True)
+def add_matrix_products(
+    kind: Meshes, body: int, v: int, mass: float, q: int, bending: float, out: int
+) -> None:
+    """``nodal[out] += mass M nodal[v] + bending K_b nodal[q]``."""
+    vectors, lanes = len(kind.shape[0]) // 3, len(kind.shape[1])
+    nodes = 2 if vectors == 2 else 4
+    count = nodes * vectors
+    first = kind.table[body, FIRST_ELEMENT]
+    V, Q = kind.nodal[v], kind.nodal[q]
+    R = kind.nodal[out]
+    for e in range(first, first + kind.table[body, ELEMENTS]):
+        M = kind.elements[e, ELEMENT_DATA]
+        K = M + count * count
+        for i in range(nodes):
+            for a in range(vectors):
+                row = (i * vectors + a) * count
+                x = y = z = 0.0
+                for j in range(nodes):
+                    place = kind.elements[e, j]
+                    for b in range(vectors):
+                        m = mass * kind.constants[M + row + j * vectors + b]
+                        k = bending * kind.constants[K + row + j * vectors + b]
+                        at = place + 3 * b
+                        x += m * V[at] + k * Q[at]
+                        y += m * V[at + 1] + k * Q[at + 1]
+                        z += m * V[at + 2] + k * Q[at + 2]
+                at = kind.elements[e, i] + 3 * a
+                R[at] += x
+                R[at + 1] += y
+                R[at + 2] += z

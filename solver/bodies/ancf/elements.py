@@ -1,0 +1,76 @@
+"""What a type of ANCF element offers: generic functions over all elements of one body.
+
+Rows are those of `nodal` and `strains`; the body is its row of `table`. Forces are added in the places of
+the nodes, stiffness to the blocks of the step matrix, both without regard to fixed coordinates. None of them
+knows of bending matrices and mass matrices: these are constant, see `constants`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.solver.kinds import generic
+
+__all__ = [
+    "add_follower_load",
+    "add_stiffness",
+    "add_strain_rates",
+    "add_stress_forces",
+    "find_strains",
+    "measure_drift",
+    "measure_strain_energy",
+    "record_elements",
+]
+
+
+@generic
+def find_strains(kinds: Any, body: int, q: int, strain: int) -> None:
+    """``strains[strain] = e(q)`` with the coordinates of row `q`."""
+
+
+@generic
+def add_strain_rates(kinds: Any, body: int, q: int, v: int, strain: int, factor: float) -> None:
+    """``strains[strain] += factor B(q) v``."""
+
+
+@generic
+def add_stress_forces(kinds: Any, body: int, q: int, strain: int, force: int, factor: float) -> None:
+    """``nodal[force] += factor B(q)^T C strains[strain]``."""
+
+
+@generic
+def add_stiffness(
+    kinds: Any, body: int, q: int, strain: int, force: int, factor: float, scale: float, geometric: float
+) -> None:
+    """Both in one pass: `add_stress_forces`, and ``scale (B^T C B + geometric G)`` into the blocks of the step set.
+
+    ``G`` is the derivative of ``B^T`` at the stress ``C strains[strain]``; at `geometric` 0 it costs nothing.
+    """
+
+
+@generic
+def measure_strain_energy(kinds: Any, body: int, strain: int) -> None:
+    """``body[ELASTIC_ENERGY] += e^T C e / 2`` with the strains of a row."""
+
+
+@generic
+def measure_drift(kinds: Any, body: int, first: int, second: int) -> None:
+    """Largest difference of the strains [1] of two rows into `DRIFT`, its element of the body into `DRIFT_ELEMENT`.
+
+    Curvatures count with half the height of the section.
+    """
+
+
+@generic
+def add_follower_load(
+    kinds: Any, body: int, q: int, element: int, load: int, data: int, factor: float
+) -> None:
+    """``nodal[load] += factor`` times the load of an element at the coordinates `q`, data from `constants[data]` on."""
+
+
+@generic
+def record_elements(kinds: Any, body: int, row: NDArray[np.float64], column: int) -> None:
+    """Section forces and stresses of the carried coordinates into a record from a column on."""

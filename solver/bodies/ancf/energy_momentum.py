@@ -1,0 +1,220 @@
+"""The energy-momentum scheme for frames and shells, solved by Newton's method inside the step.
+
+J. C. Simo and N. Tarnow, Z. angew. Math. Phys. 43 (1992): stresses are the mean of those at both ends, their
+directions those of the midpoint::
+
+    M vb + h/2 ( B(qm)^T C (e_n + e_{n+1})/2 + K_b qm ) = M v + h/2 f + G^T P,    qm = q + h/2 vb,  e from q
+
+which conserves energy and momenta exactly, whatever the quadrature, for strains that are quadratic in q. Damping
+by stiffness takes the rate ``(e_{n+1} - e_n)/h``. The matrix of the carried strains is the first
+approximation of the tangent; it is made again, with the stress in it, while the iteration is slow.
+
+A body that carries strains changes over when these drift too far from the shape.
+"""
+
+from __future__ import annotations
+
+import math
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
+from heavylift.solver.bodies.ancf.advance import find_drift
+from heavylift.solver.bodies.ancf.assembly import (
+    add_matrix_products,
+    clear_fixed,
+    factor_set,
+    start_step_matrix,
+)
+from heavylift.solver.bodies.ancf.elements import add_stiffness, add_stress_forces, find_strains
+from heavylift.solver.bodies.ancf.joints import take_impulses
+from heavylift.solver.bodies.ancf.kind import (
+    AUTO,
+    BASE_ELEMENT,
+    BASE_PLACE,
+    BASE_SHAPE,
+    BASES,
+    BEFORE,
+    CHANGE,
+    CHANGE_TIME,
+    CHANGED_OVER,
+    DOF,
+    DRIFT,
+    DRIFT_TOLERANCE,
+    FIRST_BASE,
+    FIRST_STRAIN,
+    ITERATIONS,
+    LOAD,
+    MID_Q,
+    MID_V,
+    MOMENTUM,
+    NUMBER,
+    OLD_STRAIN,
+    RIGHT,
+    SCHEME,
+    SHAPE_STRAIN,
+    SIZE,
+    STEP_SET,
+    STIFFNESS_DAMPING,
+    STRAIN,
+    STRAINS,
+    TRIAL,
+    VISCOUS,
+    FrameMeshes,
+    Meshes,
+    Q,
+    ShellMeshes,
+)
+from heavylift.solver.bodies.ancf.stage import base_value
+from heavylift.solver.bodies.ancf.step import (
+    add_gravity,
+    is_iterated,
+    node_span,
+    scatter_back,
+    solve_forward,
+)
+from heavylift.solver.interface import (
+    CHANGED,
+    STATUS_BODY,
+    STATUS_OUTCOME,
+    Workspace,
+    iterate,
+    refactor_rows,
+    solve_again,
+)
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+CONVERGED, NEARLY = 1e-14, 1e-9
+"""Displacement in the last round, relative to the size of the body: small enough, or if rounding allows no less."""
+
+SLOW = 0.1
+"""Ratio of two changes above which the matrix is made again."""
+
+STALLED = 0.3
+"""Ratio of two changes above which a nearly converged iteration is at the limit of rounding."""
+
+MOST_ROUNDS = 60
+NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
+
+
+@kernel(internal=True)
+def _average_strains(kind: Meshes, body: int, step: float) -> None:
+    """Strains whose stress acts in the step, into `OLD_STRAIN`: the mean of both ends, and the rate if damped."""
+    find_strains((kind,), body, TRIAL, SHAPE_STRAIN)
+    damping = kind.body[body, STIFFNESS_DAMPING] / step
+    before, after = 0.5 - damping, 0.5 + damping
+    first = kind.table[body, FIRST_STRAIN]
+    for i in range(first, first + kind.table[body, STRAINS]):
+        kind.strains[OLD_STRAIN, i] = before * kind.strains[STRAIN, i] + after * kind.strains[SHAPE_STRAIN, i]
+
+
+@kernel(internal=True)
+def _add_base_impulses(kind: Meshes, body: int, row: int) -> None:
+    """``nodal[RIGHT] += J^T P``, with minus the impulses in the places of the bases of a row."""
+    vectors = len(kind.shape[0]) // 3
+    nodes = 2 if vectors == 2 else 4
+    first = kind.table[body, FIRST_BASE]
+    for base in range(first, first + kind.table[body, BASES]):
+        element, shape = kind.bases[base, BASE_ELEMENT], kind.bases[base, BASE_SHAPE]
+        place = kind.bases[base, BASE_PLACE]
+        for i in range(nodes):
+            for a in range(vectors):
+                at, value = kind.elements[element, i] + 3 * a, kind.constants[shape + i * vectors + a]
+                for k in range(3):
+                    kind.nodal[RIGHT, at + k] -= value * kind.nodal[row, place + k]
+
+
+@kernel(internal=True)
+def _write_residual(kind: Meshes, body: int, step: float, work: Workspace) -> None:
+    """What is missing to the balance of momentum of the step, into `RIGHT`; the impulses stand in row `TRIAL`."""
+    half = 0.5 * step
+    first, last = node_span(kind, body)
+    right = kind.nodal[RIGHT]
+    for i in range(first, last):
+        kind.nodal[MID_Q, i] = kind.nodal[Q, i] + half * kind.nodal[MID_V, i]
+        kind.nodal[TRIAL, i] = kind.nodal[Q, i] + step * kind.nodal[MID_V, i]
+        right[i] = kind.nodal[MOMENTUM, i] + half * kind.nodal[LOAD, i]
+    add_gravity(kind, body, work, half)
+    viscous, stiff = kind.body[body, VISCOUS], kind.body[body, STIFFNESS_DAMPING]
+    add_matrix_products(kind, body, MID_V, -(1.0 + half * viscous), MID_Q, -half, RIGHT)
+    if stiff > 0.0:
+        add_matrix_products(kind, body, MID_V, 0.0, MID_V, -half * stiff, RIGHT)
+    _average_strains(kind, body, step)
+    add_stress_forces((kind,), body, MID_Q, OLD_STRAIN, RIGHT, -half)
+    _add_base_impulses(kind, body, TRIAL)
+
+
+@kernel(internal=True)
+def _refactor(kind: Meshes, body: int, step: float) -> None:
+    """The matrix at the present midpoint, with the stress in it. `RIGHT` is scratch."""
+    half = 0.5 * step
+    viscous = 1.0 + half * kind.body[body, VISCOUS]
+    stiff = half * (half + kind.body[body, STIFFNESS_DAMPING])
+    start_step_matrix(kind, body, viscous, stiff)
+    add_stiffness((kind,), body, MID_Q, OLD_STRAIN, RIGHT, 0.0, stiff, half * half / stiff)
+    clear_fixed(kind, body, STEP_SET)
+    factor_set(kind, body, STEP_SET)
+
+
+@kernel(internal=True)
+def _change_over(kind: Meshes, body: int, time: float, step: float) -> None:
+    """From carried strains to those of the shape, once they are too far apart."""
+    if kind.table[body, SCHEME] != AUTO or is_iterated(kind, body) or kind.body[body, CHANGE] >= 0.0:
+        return
+    find_drift(kind, body, step)
+    kind.body[body, CHANGE] = 0.0  # once a step
+    if not kind.body[body, DRIFT] <= kind.body[body, DRIFT_TOLERANCE]:
+        kind.body[body, CHANGED_OVER] = 1.0
+        kind.body[body, CHANGE_TIME] = time
+        kind.body[body, CHANGE] = -1.0
+        find_strains((kind,), body, Q, STRAIN)
+
+
+@implement(iterate, FrameMeshes)
+@implement(iterate, ShellMeshes)
+@kernel(internal=True)
+def iterate_meshes(kind: Meshes, systems, joints, work: Workspace, time: float, step: float) -> None:  # type: ignore[no-untyped-def]
+    """One round of Newton's method for each body of this scheme, with its joints."""
+    for body in range(kind.table.shape[0]):
+        _change_over(kind, body, time, step)
+        if not is_iterated(kind, body):
+            continue
+        before = kind.body[body, CHANGE]
+        if before < 0.0:
+            kind.body[body, ITERATIONS] = 0.0
+        kind.body[body, ITERATIONS] += 1.0
+        take_impulses(kind, systems, TRIAL)
+        _write_residual(kind, body, step, work)
+        if kind.body[body, ITERATIONS] > 2.0 and kind.body[body, CHANGE] > SLOW * kind.body[body, BEFORE]:
+            _refactor(kind, body, step)
+            refactor_rows(systems, (kind,))
+            _write_residual(kind, body, step, work)
+        solve_forward(kind, body, STEP_SET)
+        first_base, dof = kind.table[body, FIRST_BASE], kind.table[body, DOF]
+        for i in range(kind.table[body, BASES]):
+            place = kind.bases[first_base + i, BASE_PLACE]
+            y = base_value(kind, first_base + i, MID_V)
+            for k in range(3):
+                work.velocity[dof + 3 * i + k] = y[k] - kind.nodal[RIGHT, place + k]
+        solve_again(systems, joints, work, time, step)
+        take_impulses(kind, systems, RIGHT)
+        for i in range(kind.table[body, BASES]):
+            place = kind.bases[first_base + i, BASE_PLACE]
+            for k in range(3):
+                kind.nodal[RIGHT, place + k] -= kind.nodal[TRIAL, place + k]
+        scatter_back(kind, body, STEP_SET)
+        first, last = node_span(kind, body)
+        change = 0.0
+        for i in range(first, last):
+            kind.nodal[MID_V, i] += kind.nodal[RIGHT, i]
+            change += kind.nodal[RIGHT, i] ** 2
+        change = step * math.sqrt(change)
+        kind.body[body, BEFORE] = before if before >= 0.0 else 1e300
+        kind.body[body, CHANGE] = change
+        size, stalled = kind.body[body, SIZE], change > STALLED * kind.body[body, BEFORE]
+        if change > CONVERGED * size and not (stalled and change <= NEARLY * size):
+            work.control[CHANGED] += 1.0
+            if kind.body[body, ITERATIONS] > MOST_ROUNDS:
+                work.status[STATUS_OUTCOME] = NOT_CONVERGED
+                work.status[STATUS_BODY] = kind.table[body, NUMBER]

@@ -1,0 +1,209 @@
+"""What the kernels of frames find in `constants`, and their arithmetic on 3-vectors and 3x3 matrices.
+
+An element is a cubic ``r(xi) = S1 r_1 + S2 r'_1 + S3 r_2 + S4 r'_2``. Because ``S1 + S3 = 1`` its derivatives need
+three numbers only: ``r' = a (r_2 - r_1) + b r'_1 + c r'_2``, and ``r''`` likewise with ``(A, B, C)``, both by the arc
+length of the reference shape. The stiffness is a sum over points of products of two of these six numbers times 3x3
+matrices; the products, weighed, are stored.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.ancf.kind import ELEMENT_BLOCKS
+
+__all__ = [
+    "AXIAL_POINTS",
+    "BENDING_POINTS",
+    "FrameElement",
+    "Symmetric",
+    "Vector",
+    "add_full",
+    "add_symmetric",
+    "add_vector",
+    "combine",
+    "dot",
+    "full",
+    "load_element",
+    "put_forces",
+    "put_stiffness",
+    "transpose",
+]
+
+# models, first number of `body_constants`
+GREEN_LAGRANGE, EXACT = range(2)
+
+AXIAL_POINTS = 5
+"""Gauss points of the axial strain: exact for Green-Lagrange, whose force has degree 8."""
+
+BENDING_POINTS = 3
+"""Gauss points of the curvature: its error is two orders smaller than that of the cubic."""
+
+# places behind `ELEMENT_DATA`: mass and bending matrix of 4 x 4 scalars, then
+SCALAR_MASS, SCALAR_BENDING = 0, 16
+(
+    AXIAL_STIFFNESS,  # E A
+    BENDING_STIFFNESS,  # E I
+    AREA,
+    STRESS,  # of the outer fibre, of a unit moment
+    HEIGHT,  # length by which a curvature is compared with a strain
+    CURVED,  # 1 if the reference is, of the exact model
+    INITIAL_STRAIN,  # of the reference shape
+    CENTRE,  # (a, b, c) at the centre
+    END_SECOND,  # (A, B, C) at both ends
+    END_CURVATURE,  # of the reference at both ends
+    AXIAL,  # rows of the axial points
+    BENDING,  # rows of the bending points, of the exact model
+) = (32, 33, 34, 35, 36, 37, 38, 39, 42, 48, 50, 120)
+
+# columns of an axial point: E A ds, (a, b, c), E A ds times aa, ab, ac, bb, bc, cc; ds times S1 to S4
+WEIGHT, SHAPE, PRODUCTS, LOADS = 0, 1, 4, 10
+AXIAL_COLUMNS = 14
+
+# columns of a bending point: E I ds; (a, b, c), (A, B, C); curvature of the reference; E I ds times
+# aa, ab, ac, bb, bc, cc; AA, AB, AC, BB, BC, CC; aA, aB, aC, bB, bC, cC; Ab, Ac, Bc
+SECOND, CURVATURE, BENDING_PRODUCTS = 4, 7, 8
+BENDING_COLUMNS = 29
+
+GREEN_LAGRANGE_LENGTH = AXIAL + AXIAL_POINTS * AXIAL_COLUMNS
+EXACT_LENGTH = BENDING + BENDING_POINTS * BENDING_COLUMNS
+
+LANES = 8
+"""Places of a node in a row of `nodal`, and of a column of a block."""
+
+Vector = tuple[float, float, float]
+Symmetric = tuple[float, float, float, float, float, float]
+"""Of a 3x3 matrix: xx, yy, zz, xy, xz, yz."""
+Full = tuple[float, float, float, float, float, float, float, float, float]
+"""A 3x3 matrix by rows."""
+FrameElement = tuple[Vector, Vector, Vector]
+"""``r_2 - r_1``, ``r'_1``, ``r'_2``, or the rates of these."""
+
+
+@kernel(inline=True, internal=True)
+def load_element(kind: Any, e: int, row: int) -> FrameElement:
+    """What the derivatives along an element need of a row of `nodal`."""
+    x = kind.nodal
+    i, j = kind.elements[e, 0], kind.elements[e, 1]
+    chord = (x[row, j] - x[row, i], x[row, j + 1] - x[row, i + 1], x[row, j + 2] - x[row, i + 2])
+    return (
+        chord,
+        (x[row, i + 3], x[row, i + 4], x[row, i + 5]),
+        (x[row, j + 3], x[row, j + 4], x[row, j + 5]),
+    )
+
+
+@kernel(inline=True, internal=True)
+def combine(constants: Any, at: int, x: FrameElement) -> Vector:
+    """``A (r_2 - r_1) + B r'_1 + C r'_2`` with the three numbers at a place."""
+    a, b, c = constants[at], constants[at + 1], constants[at + 2]
+    u, p, s = x
+    return (
+        a * u[0] + b * p[0] + c * s[0],
+        a * u[1] + b * p[1] + c * s[1],
+        a * u[2] + b * p[2] + c * s[2],
+    )
+
+
+@kernel(inline=True, internal=True)
+def dot(u: Vector, v: Vector) -> float:
+    """Scalar product."""
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+
+
+@kernel(inline=True, internal=True)
+def add_vector(total: Vector, f: float, v: Vector) -> Vector:
+    """``total + f v``."""
+    return total[0] + f * v[0], total[1] + f * v[1], total[2] + f * v[2]
+
+
+@kernel(inline=True, internal=True)
+def add_symmetric(total: Symmetric, f: float, m: Symmetric) -> Symmetric:
+    """``total + f m``."""
+    return (
+        total[0] + f * m[0],
+        total[1] + f * m[1],
+        total[2] + f * m[2],
+        total[3] + f * m[3],
+        total[4] + f * m[4],
+        total[5] + f * m[5],
+    )
+
+
+@kernel(inline=True, internal=True)
+def add_full(total: Full, f: float, m: Full) -> Full:
+    """``total + f m``."""
+    return (
+        total[0] + f * m[0],
+        total[1] + f * m[1],
+        total[2] + f * m[2],
+        total[3] + f * m[3],
+        total[4] + f * m[4],
+        total[5] + f * m[5],
+        total[6] + f * m[6],
+        total[7] + f * m[7],
+        total[8] + f * m[8],
+    )
+
+
+@kernel(inline=True, internal=True)
+def full(m: Symmetric) -> Full:
+    """All nine entries of a symmetric matrix."""
+    return m[0], m[3], m[4], m[3], m[1], m[5], m[4], m[5], m[2]
+
+
+@kernel(inline=True, internal=True)
+def transpose(m: Full) -> Full:
+    """Rows for columns."""
+    return m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]
+
+
+@kernel(inline=True, internal=True)
+def put_forces(kind: Any, e: int, row: int, fa: Vector, fb: Vector, fc: Vector) -> None:
+    """Add the forces on ``r_2 - r_1``, ``r'_1`` and ``r'_2`` to a row of `nodal`."""
+    x = kind.nodal
+    i, j = kind.elements[e, 0], kind.elements[e, 1]
+    for k in range(3):
+        x[row, i + k] -= fa[k]
+        x[row, i + 3 + k] += fb[k]
+        x[row, j + k] += fa[k]
+        x[row, j + 3 + k] += fc[k]
+
+
+@kernel(inline=True, internal=True)
+def _put_matrix(blocks: Any, at: int, f: float, m: Full) -> None:
+    """Add ``f m``: columns of the matrix lie along the lanes."""
+    for column in range(3):
+        for row in range(3):
+            blocks[at + column * LANES + row] += f * m[3 * row + column]
+
+
+@kernel(inline=True, internal=True)
+def put_stiffness(
+    kind: Any, e: int, aa: Symmetric, ab: Full, ac: Full, bb: Symmetric, bc: Full, cc: Symmetric
+) -> None:
+    """Add the stiffness against ``r_2 - r_1``, ``r'_1`` and ``r'_2`` to the blocks of the pairs of nodes."""
+    blocks, elements = kind.blocks, kind.elements
+    at = elements[e, ELEMENT_BLOCKS]
+    slopes = 3 * LANES  # the part of a block that belongs to the slope of its column node
+    _put_matrix(blocks, at, 1.0, full(aa))
+    _put_matrix(blocks, at + 3, -1.0, transpose(ab))
+    _put_matrix(blocks, at + slopes, -1.0, ab)
+    _put_matrix(blocks, at + slopes + 3, 1.0, full(bb))
+    at = elements[e, ELEMENT_BLOCKS + 2]
+    if elements[e, ELEMENT_BLOCKS + 3] == 0:
+        _put_matrix(blocks, at, -1.0, full(aa))
+        _put_matrix(blocks, at + 3, -1.0, transpose(ac))
+        _put_matrix(blocks, at + slopes, 1.0, ab)
+        _put_matrix(blocks, at + slopes + 3, 1.0, transpose(bc))
+    else:
+        _put_matrix(blocks, at, -1.0, full(aa))
+        _put_matrix(blocks, at + 3, 1.0, transpose(ab))
+        _put_matrix(blocks, at + slopes, -1.0, ac)
+        _put_matrix(blocks, at + slopes + 3, 1.0, bc)
+    at = elements[e, ELEMENT_BLOCKS + 4]
+    _put_matrix(blocks, at, 1.0, full(aa))
+    _put_matrix(blocks, at + 3, 1.0, transpose(ac))
+    _put_matrix(blocks, at + slopes, 1.0, ac)
+    _put_matrix(blocks, at + slopes + 3, 1.0, full(cc))

@@ -1,0 +1,243 @@
+"""Elements of frames: the generic functions of elements, by model; loads that follow them and what they record.
+
+Results of an element: at its centre the axial force ``E A e`` (Green-Lagrange: ``E A e |r'|``, conjugate to the
+length); at both ends the magnitude of the moment ``E I |K|``, K the material curvature ``r' x r'' / |r'|^2`` (in curved
+elements ``E I (|K| - |K_0|)``); of the outer fibres the largest stress, with the sign of the axial force: ``N / A`` and
+the larger moment times ``outer_fibre / I``. Moments are linear along a cubic, so under a load q per length those at
+the ends are ``q l^2 / 12`` off, as in any cubic beam.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import cross
+from heavylift.solver.bodies.ancf.elements import (
+    add_follower_load,
+    add_stiffness,
+    add_strain_rates,
+    add_stress_forces,
+    find_strains,
+    measure_drift,
+    measure_strain_energy,
+    record_elements,
+)
+from heavylift.solver.bodies.ancf.frame_data import (
+    AREA,
+    AXIAL,
+    AXIAL_COLUMNS,
+    AXIAL_POINTS,
+    AXIAL_STIFFNESS,
+    BENDING,
+    BENDING_COLUMNS,
+    BENDING_POINTS,
+    BENDING_STIFFNESS,
+    CENTRE,
+    CURVED,
+    END_CURVATURE,
+    END_SECOND,
+    GREEN_LAGRANGE,
+    HEIGHT,
+    INITIAL_STRAIN,
+    LOADS,
+    SHAPE,
+    STRESS,
+    WEIGHT,
+    Vector,
+    add_vector,
+    combine,
+    dot,
+    load_element,
+)
+from heavylift.solver.bodies.ancf.frame_exact import (
+    add_exact_forces,
+    add_exact_rates,
+    add_exact_stiffness,
+    curvature,
+    find_exact_strains,
+)
+from heavylift.solver.bodies.ancf.frame_green_lagrange import (
+    add_green_lagrange_forces,
+    add_green_lagrange_rates,
+    add_green_lagrange_stiffness,
+    find_green_lagrange_strains,
+)
+from heavylift.solver.bodies.ancf.kind import (
+    CONSTANTS,
+    DRIFT,
+    DRIFT_ELEMENT,
+    ELASTIC_ENERGY,
+    ELEMENT_DATA,
+    ELEMENT_STRAIN,
+    ELEMENTS,
+    FIRST_ELEMENT,
+    FrameMeshes,
+    Q,
+)
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+
+@kernel(inline=True, internal=True)
+def _is_exact(kind: FrameMeshes, body: int) -> bool:
+    return kind.constants[kind.table[body, CONSTANTS]] != GREEN_LAGRANGE
+
+
+@implement(find_strains, FrameMeshes)
+@kernel(internal=True)
+def find_frame_strains(kind: FrameMeshes, body: int, q: int, strain: int) -> None:
+    if _is_exact(kind, body):
+        find_exact_strains(kind, body, q, strain)
+    else:
+        find_green_lagrange_strains(kind, body, q, strain)
+
+
+@implement(add_strain_rates, FrameMeshes)
+@kernel(internal=True)
+def add_frame_rates(kind: FrameMeshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
+    if _is_exact(kind, body):
+        add_exact_rates(kind, body, q, v, strain, factor)
+    else:
+        add_green_lagrange_rates(kind, body, q, v, strain, factor)
+
+
+@implement(add_stress_forces, FrameMeshes)
+@kernel(internal=True)
+def add_frame_forces(kind: FrameMeshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
+    if _is_exact(kind, body):
+        add_exact_forces(kind, body, q, strain, force, factor)
+    else:
+        add_green_lagrange_forces(kind, body, q, strain, force, factor)
+
+
+@implement(add_stiffness, FrameMeshes)
+@kernel(internal=True)
+def add_frame_stiffness(
+    kind: FrameMeshes,
+    body: int,
+    q: int,
+    strain: int,
+    force: int,
+    factor: float,
+    scale: float,
+    geometric: float,
+) -> None:
+    if _is_exact(kind, body):
+        add_exact_stiffness(kind, body, q, strain, force, factor, scale, geometric)
+    else:
+        add_green_lagrange_stiffness(kind, body, q, strain, force, factor, scale, geometric)
+
+
+@implement(measure_strain_energy, FrameMeshes)
+@kernel(internal=True)
+def measure_frame_energy(kind: FrameMeshes, body: int, strain: int) -> None:
+    constants, strains = kind.constants, kind.strains
+    exact = _is_exact(kind, body)
+    first = kind.table[body, FIRST_ELEMENT]
+    energy = 0.0
+    for e in range(first, first + kind.table[body, ELEMENTS]):
+        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+        for g in range(AXIAL_POINTS):
+            s = strains[strain, place + g]
+            energy += constants[data + AXIAL + g * AXIAL_COLUMNS + WEIGHT] * s * s
+        if exact:
+            components = 1 if constants[data + CURVED] != 0.0 else 3
+            place += AXIAL_POINTS
+            for g in range(BENDING_POINTS):
+                weight = constants[data + BENDING + g * BENDING_COLUMNS + WEIGHT]
+                for k in range(components):
+                    s = strains[strain, place + k]
+                    energy += weight * s * s
+                place += components
+    kind.body[body, ELASTIC_ENERGY] += 0.5 * energy
+
+
+@implement(measure_drift, FrameMeshes)
+@kernel(internal=True)
+def measure_frame_drift(kind: FrameMeshes, body: int, first: int, second: int) -> None:
+    constants, strains = kind.constants, kind.strains
+    exact = _is_exact(kind, body)
+    start = kind.table[body, FIRST_ELEMENT]
+    drift, worst = 0.0, 0
+    for number in range(kind.table[body, ELEMENTS]):
+        e = start + number
+        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+        count = AXIAL_POINTS
+        if exact:
+            count += BENDING_POINTS if constants[data + CURVED] != 0.0 else 3 * BENDING_POINTS
+        for i in range(count):
+            distance = abs(strains[first, place + i] - strains[second, place + i])
+            if i >= AXIAL_POINTS:
+                distance *= constants[data + HEIGHT]
+            if not distance <= drift and not math.isnan(drift):  # a lost number is a drift, and stays one
+                drift, worst = distance, number
+    kind.body[body, DRIFT] = drift
+    kind.body[body, DRIFT_ELEMENT] = worst
+
+
+@implement(add_follower_load, FrameMeshes)
+@kernel(internal=True)
+def add_frame_follower(
+    kind: FrameMeshes, body: int, q: int, element: int, load: int, data: int, factor: float
+) -> None:
+    """Data: normal and tangential load [N/m of the reference], axis in axes of the body."""
+    constants, x = kind.constants, kind.nodal
+    i, j, own = kind.elements[element, 0], kind.elements[element, 1], kind.elements[element, ELEMENT_DATA]
+    normal, tangential = factor * constants[data], factor * constants[data + 1]
+    axis = (constants[data + 2], constants[data + 3], constants[data + 4])
+    shape = load_element(kind, element, q)
+    f1 = f2 = f3 = f4 = (0.0, 0.0, 0.0)
+    for g in range(AXIAL_POINTS):
+        at = own + AXIAL + g * AXIAL_COLUMNS
+        d = combine(constants, at + SHAPE, shape)
+        inverse = 1.0 / math.sqrt(dot(d, d))
+        side = cross(axis[0], axis[1], axis[2], d[0], d[1], d[2])
+        f = add_vector((0.0, 0.0, 0.0), inverse * normal, side)
+        f = add_vector(f, inverse * tangential, d)
+        f1 = add_vector(f1, constants[at + LOADS], f)
+        f2 = add_vector(f2, constants[at + LOADS + 1], f)
+        f3 = add_vector(f3, constants[at + LOADS + 2], f)
+        f4 = add_vector(f4, constants[at + LOADS + 3], f)
+    for k in range(3):
+        x[load, i + k] += f1[k]
+        x[load, i + 3 + k] += f2[k]
+        x[load, j + k] += f3[k]
+        x[load, j + 3 + k] += f4[k]
+
+
+@kernel(inline=True, internal=True)
+def _bending_moment(kind: FrameMeshes, data: int, end: int, d: Vector, c: Vector) -> float:
+    """Magnitude of the moment at an end [N m]."""
+    k = curvature(d, c)
+    change = math.sqrt(dot(k, k)) - kind.constants[data + END_CURVATURE + end]
+    return abs(kind.constants[data + BENDING_STIFFNESS] * change)
+
+
+@implement(record_elements, FrameMeshes)
+@kernel(internal=True)
+def record_frame_elements(kind: FrameMeshes, body: int, row: NDArray[np.float64], column: int) -> None:
+    """Axial forces of all elements, then two moments of each, then stresses."""
+    constants = kind.constants
+    exact = _is_exact(kind, body)
+    first, count = kind.table[body, FIRST_ELEMENT], kind.table[body, ELEMENTS]
+    for number in range(count):
+        data = kind.elements[first + number, ELEMENT_DATA]
+        x = load_element(kind, first + number, Q)
+        d = combine(constants, data + CENTRE, x)
+        square = dot(d, d)
+        stretch = math.sqrt(square)
+        initial = constants[data + INITIAL_STRAIN]
+        strain = stretch - 1.0 + initial if exact else (0.5 * (square - 1.0) + initial) * stretch
+        force = constants[data + AXIAL_STIFFNESS] * strain
+        start = _bending_moment(kind, data, 0, x[1], combine(constants, data + END_SECOND, x))
+        end = _bending_moment(kind, data, 1, x[2], combine(constants, data + END_SECOND + 3, x))
+        row[column + number] = force
+        row[column + count + 2 * number] = start
+        row[column + count + 2 * number + 1] = end
+        bending = max(start, end) * constants[data + STRESS]
+        row[column + 3 * count + number] = force / constants[data + AREA] + math.copysign(bending, force)

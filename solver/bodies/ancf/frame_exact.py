@@ -1,0 +1,397 @@
+"""Frames with the engineering strain and the material curvature: kernels over the elements of a body.
+
+With ``d = r'`` and ``c = r''`` (by arc length of the reference): ``e = |d| - 1`` and ``K = d x c / |d|^2``, whose
+product with E I is the moment; the geometric curvature, over ``|d|^3``, is not conjugate to it (J. Gerstmayr and
+H. Irschik, J. Sound Vib. 318, 2008). Where the reference is straight, the strains of a bending point are the three components of K.
+
+Where it is curved they are one number, ``|K| - |K_0|``: without torsion round sections turn about the axis until their
+energy is least, and ``min |K - R K_0|`` over all turns R is just this. So a curved element resists no bending out of
+its plane, as a real rod without torsional stiffness would not; it is meant for motion in a plane. Where ``K`` passes
+zero the sections of such a rod turn over at once: energy and force stay defined, the tangent is not.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import cross
+from heavylift.solver.bodies.ancf.frame_data import (
+    AXIAL,
+    AXIAL_COLUMNS,
+    AXIAL_POINTS,
+    BENDING,
+    BENDING_COLUMNS,
+    BENDING_POINTS,
+    BENDING_PRODUCTS,
+    CURVATURE,
+    CURVED,
+    INITIAL_STRAIN,
+    PRODUCTS,
+    SECOND,
+    SHAPE,
+    WEIGHT,
+    Full,
+    Symmetric,
+    Vector,
+    add_full,
+    add_symmetric,
+    add_vector,
+    combine,
+    dot,
+    full,
+    load_element,
+    put_forces,
+    put_stiffness,
+    transpose,
+)
+from heavylift.solver.bodies.ancf.kind import (
+    ELEMENT_DATA,
+    ELEMENT_STRAIN,
+    ELEMENTS,
+    FIRST_ELEMENT,
+    FrameMeshes,
+)
+
+__all__ = [
+    "add_exact_forces",
+    "add_exact_rates",
+    "add_exact_stiffness",
+    "curvature",
+    "find_exact_strains",
+]
+
+
+@kernel(inline=True, internal=True)
+def curvature(d: Vector, c: Vector) -> Vector:
+    """``K = d x c / |d|^2``."""
+    k = cross(d[0], d[1], d[2], c[0], c[1], c[2])
+    inverse = 1.0 / dot(d, d)
+    return inverse * k[0], inverse * k[1], inverse * k[2]
+
+
+@kernel(inline=True, internal=True)
+def _direction(d: Vector, c: Vector) -> tuple[float, Vector]:
+    """``|K|`` and ``K / |K|``; zero where the element is straight, as its energy has no slope there."""
+    k = curvature(d, c)
+    length = math.sqrt(dot(k, k))
+    inverse = 1.0 / length if length > 0.0 else 0.0
+    return length, (inverse * k[0], inverse * k[1], inverse * k[2])
+
+
+@kernel(inline=True, internal=True)
+def _moment(strains: Any, row: int, at: int, curved: bool, d: Vector, c: Vector) -> Vector:
+    """Strain of a bending point as a vector, the moment over E I: along K where the strain is a number."""
+    if curved:
+        n = _direction(d, c)[1]
+        s = strains[row, at]
+        return s * n[0], s * n[1], s * n[2]
+    return strains[row, at], strains[row, at + 1], strains[row, at + 2]
+
+
+@kernel(inline=True, internal=True)
+def _gradient(d: Vector, c: Vector, m: Vector) -> tuple[Vector, Vector]:
+    """Derivatives of ``m.K`` by d and c: ``(c x m) / |d|^2 - 2 m.K d / |d|^2`` and ``(m x d) / |d|^2``."""
+    inverse = 1.0 / dot(d, d)
+    by_d = cross(c[0], c[1], c[2], m[0], m[1], m[2])
+    by_c = cross(m[0], m[1], m[2], d[0], d[1], d[2])
+    along = 2.0 * inverse * dot(d, by_d)  # d.(c x m) = m.(d x c)
+    return (
+        (
+            inverse * (by_d[0] - along * d[0]),
+            inverse * (by_d[1] - along * d[1]),
+            inverse * (by_d[2] - along * d[2]),
+        ),
+        (inverse * by_c[0], inverse * by_c[1], inverse * by_c[2]),
+    )
+
+
+@kernel(inline=True, internal=True)
+def _curvature_stiffness(
+    d: Vector, c: Vector, m: Vector, material: float, geometric: float
+) -> tuple[Symmetric, Full, Symmetric]:
+    """``material P^T P + geometric (m.K)''`` by d d, d c and c c, with ``P`` the derivatives of K."""
+    inverse = 1.0 / dot(d, d)
+    g = dot(c, d)
+    a2 = material * inverse * inverse
+    p = 2.0 * geometric * inverse * inverse
+    cm = cross(c[0], c[1], c[2], m[0], m[1], m[2])
+    md = cross(m[0], m[1], m[2], d[0], d[1], d[2])
+    triple = dot(d, cm)
+    ratio = g * inverse
+    # by d d: (..) I - a2 c c^T + u d^T + d u^T
+    uc = 2.0 * a2 * ratio
+    ud = -2.0 * a2 * ratio * ratio + 2.0 * p * triple * inverse
+    u = (
+        uc * c[0] + ud * d[0] - p * cm[0],
+        uc * c[1] + ud * d[1] - p * cm[1],
+        uc * c[2] + ud * d[2] - p * cm[2],
+    )
+    isotropic = a2 * dot(c, c) - p * triple
+    e0, e1, e2 = a2 * c[0], a2 * c[1], a2 * c[2]
+    dd = (
+        isotropic - e0 * c[0] + 2.0 * u[0] * d[0],
+        isotropic - e1 * c[1] + 2.0 * u[1] * d[1],
+        isotropic - e2 * c[2] + 2.0 * u[2] * d[2],
+        u[0] * d[1] + u[1] * d[0] - e0 * c[1],
+        u[0] * d[2] + u[2] * d[0] - e0 * c[2],
+        u[1] * d[2] + u[2] * d[1] - e1 * c[2],
+    )
+    # by d c: -a2 g I - geometric m~ / |d|^2 + d v^T
+    v = (uc * d[0] - e0 - p * md[0], uc * d[1] - e1 - p * md[1], uc * d[2] - e2 - p * md[2])
+    isotropic = -a2 * g
+    skew = geometric * inverse
+    dc = (
+        isotropic + d[0] * v[0],
+        d[0] * v[1] + skew * m[2],
+        d[0] * v[2] - skew * m[1],
+        d[1] * v[0] - skew * m[2],
+        isotropic + d[1] * v[1],
+        d[1] * v[2] + skew * m[0],
+        d[2] * v[0] + skew * m[1],
+        d[2] * v[1] - skew * m[0],
+        isotropic + d[2] * v[2],
+    )
+    isotropic = material * inverse
+    e0, e1, e2 = a2 * d[0], a2 * d[1], a2 * d[2]
+    ccs = (
+        isotropic - e0 * d[0],
+        isotropic - e1 * d[1],
+        isotropic - e2 * d[2],
+        -e0 * d[1],
+        -e0 * d[2],
+        -e1 * d[2],
+    )
+    return dd, dc, ccs
+
+
+@kernel(inline=True, internal=True)
+def _square(f: float, v: Vector) -> Symmetric:
+    """``f v v^T``."""
+    x, y, z = f * v[0], f * v[1], f * v[2]
+    return x * v[0], y * v[1], z * v[2], x * v[1], x * v[2], y * v[2]
+
+
+@kernel(inline=True, internal=True)
+def _outer(f: float, u: Vector, v: Vector) -> Full:
+    """``f u v^T``."""
+    x, y, z = f * u[0], f * u[1], f * u[2]
+    return (
+        x * v[0],
+        x * v[1],
+        x * v[2],
+        y * v[0],
+        y * v[1],
+        y * v[2],
+        z * v[0],
+        z * v[1],
+        z * v[2],
+    )
+
+
+@kernel(internal=True)
+def find_exact_strains(kind: FrameMeshes, body: int, q: int, strain: int) -> None:
+    """Axial strains of an element, then its curvatures."""
+    constants, strains = kind.constants, kind.strains
+    first = kind.table[body, FIRST_ELEMENT]
+    for e in range(first, first + kind.table[body, ELEMENTS]):
+        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+        curved = constants[data + CURVED] != 0.0
+        x = load_element(kind, e, q)
+        rest = constants[data + INITIAL_STRAIN] - 1.0
+        for g in range(AXIAL_POINTS):
+            d = combine(constants, data + AXIAL + g * AXIAL_COLUMNS + SHAPE, x)
+            strains[strain, place + g] = math.sqrt(dot(d, d)) + rest
+        place += AXIAL_POINTS
+        for g in range(BENDING_POINTS):
+            at = data + BENDING + g * BENDING_COLUMNS
+            k = curvature(combine(constants, at + SHAPE, x), combine(constants, at + SECOND, x))
+            if curved:
+                strains[strain, place] = math.sqrt(dot(k, k)) - constants[at + CURVATURE]
+                place += 1
+            else:
+                strains[strain, place] = k[0]
+                strains[strain, place + 1] = k[1]
+                strains[strain, place + 2] = k[2]
+                place += 3
+
+
+@kernel(internal=True)
+def add_exact_rates(kind: FrameMeshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
+    """``e' = t.d'`` and ``K' = (d' x c + d x c' - 2 (d.d') K) / |d|^2``."""
+    constants, strains = kind.constants, kind.strains
+    first = kind.table[body, FIRST_ELEMENT]
+    for e in range(first, first + kind.table[body, ELEMENTS]):
+        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+        curved = constants[data + CURVED] != 0.0
+        x, rate = load_element(kind, e, q), load_element(kind, e, v)
+        for g in range(AXIAL_POINTS):
+            at = data + AXIAL + g * AXIAL_COLUMNS + SHAPE
+            d, change = combine(constants, at, x), combine(constants, at, rate)
+            strains[strain, place + g] += factor * dot(d, change) / math.sqrt(dot(d, d))
+        place += AXIAL_POINTS
+        for g in range(BENDING_POINTS):
+            at = data + BENDING + g * BENDING_COLUMNS
+            d, c = combine(constants, at + SHAPE, x), combine(constants, at + SECOND, x)
+            d1, c1 = combine(constants, at + SHAPE, rate), combine(constants, at + SECOND, rate)
+            if curved:
+                n = _direction(d, c)[1]
+                by_d, by_c = _gradient(d, c, n)
+                strains[strain, place] += factor * (dot(by_d, d1) + dot(by_c, c1))
+                place += 1
+            else:
+                inverse = factor / dot(d, d)
+                k = curvature(d, c)
+                turn = cross(d1[0], d1[1], d1[2], c[0], c[1], c[2])
+                bend = cross(d[0], d[1], d[2], c1[0], c1[1], c1[2])
+                stretch = 2.0 * dot(d, d1)
+                for i in range(3):
+                    strains[strain, place + i] += inverse * (turn[i] + bend[i] - stretch * k[i])
+                place += 3
+
+
+@kernel(internal=True)
+def add_exact_forces(kind: FrameMeshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
+    """Axial stress along ``t``, moments along the derivatives of K."""
+    constants, strains = kind.constants, kind.strains
+    first = kind.table[body, FIRST_ELEMENT]
+    for e in range(first, first + kind.table[body, ELEMENTS]):
+        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+        curved = constants[data + CURVED] != 0.0
+        x = load_element(kind, e, q)
+        fa = fb = fc = (0.0, 0.0, 0.0)
+        for g in range(AXIAL_POINTS):
+            at = data + AXIAL + g * AXIAL_COLUMNS
+            d = combine(constants, at + SHAPE, x)
+            tension = factor * constants[at + WEIGHT] * strains[strain, place + g] / math.sqrt(dot(d, d))
+            fa = add_vector(fa, tension * constants[at + SHAPE], d)
+            fb = add_vector(fb, tension * constants[at + SHAPE + 1], d)
+            fc = add_vector(fc, tension * constants[at + SHAPE + 2], d)
+        place += AXIAL_POINTS
+        for g in range(BENDING_POINTS):
+            at = data + BENDING + g * BENDING_COLUMNS
+            d, c = combine(constants, at + SHAPE, x), combine(constants, at + SECOND, x)
+            by_d, by_c = _gradient(d, c, _moment(strains, strain, place, curved, d, c))
+            place += 1 if curved else 3
+            weight = factor * constants[at + WEIGHT]
+            fa = add_vector(
+                add_vector(fa, weight * constants[at + SHAPE], by_d), weight * constants[at + SECOND], by_c
+            )
+            fb = add_vector(
+                add_vector(fb, weight * constants[at + SHAPE + 1], by_d),
+                weight * constants[at + SECOND + 1],
+                by_c,
+            )
+            fc = add_vector(
+                add_vector(fc, weight * constants[at + SHAPE + 2], by_d),
+                weight * constants[at + SECOND + 2],
+                by_c,
+            )
+        put_forces(kind, e, force, fa, fb, fc)
+
+
+@kernel(internal=True)
+def add_exact_stiffness(
+    kind: FrameMeshes,
+    body: int,
+    q: int,
+    strain: int,
+    force: int,
+    factor: float,
+    scale: float,
+    geometric: float,
+) -> None:
+    """Axial ``t t^T + e / |d| (I - t t^T)``, and the curvature as in `_curvature_stiffness`.
+
+    A number ``k = |K|`` with the stress s has ``k' = K'.n`` and ``k'' = (n.K)'' + (P^T P - k' k'^T) / k``.
+    """
+    constants, strains = kind.constants, kind.strains
+    first = kind.table[body, FIRST_ELEMENT]
+    for e in range(first, first + kind.table[body, ELEMENTS]):
+        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+        curved = constants[data + CURVED] != 0.0
+        x = load_element(kind, e, q)
+        fa = fb = fc = (0.0, 0.0, 0.0)
+        aa = sab = sac = bb = sbc = cc = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        for g in range(AXIAL_POINTS):
+            at = data + AXIAL + g * AXIAL_COLUMNS
+            d = combine(constants, at + SHAPE, x)
+            stretch = strains[strain, place + g]
+            square = dot(d, d)
+            inverse = 1.0 / math.sqrt(square)
+            tension = factor * constants[at + WEIGHT] * stretch * inverse
+            fa = add_vector(fa, tension * constants[at + SHAPE], d)
+            fb = add_vector(fb, tension * constants[at + SHAPE + 1], d)
+            fc = add_vector(fc, tension * constants[at + SHAPE + 2], d)
+            isotropic = scale * geometric * stretch * inverse
+            m = _square((scale - isotropic) * inverse * inverse, d)
+            m = (m[0] + isotropic, m[1] + isotropic, m[2] + isotropic, m[3], m[4], m[5])
+            at += PRODUCTS
+            aa = add_symmetric(aa, constants[at], m)
+            sab = add_symmetric(sab, constants[at + 1], m)
+            sac = add_symmetric(sac, constants[at + 2], m)
+            bb = add_symmetric(bb, constants[at + 3], m)
+            sbc = add_symmetric(sbc, constants[at + 4], m)
+            cc = add_symmetric(cc, constants[at + 5], m)
+        ab, ac, bc = full(sab), full(sac), full(sbc)
+        place += AXIAL_POINTS
+        for g in range(BENDING_POINTS):
+            at = data + BENDING + g * BENDING_COLUMNS
+            d, c = combine(constants, at + SHAPE, x), combine(constants, at + SECOND, x)
+            m = _moment(strains, strain, place, curved, d, c)
+            by_d, by_c = _gradient(d, c, m)
+            weight = factor * constants[at + WEIGHT]
+            fa = add_vector(
+                add_vector(fa, weight * constants[at + SHAPE], by_d), weight * constants[at + SECOND], by_c
+            )
+            fb = add_vector(
+                add_vector(fb, weight * constants[at + SHAPE + 1], by_d),
+                weight * constants[at + SECOND + 1],
+                by_c,
+            )
+            fc = add_vector(
+                add_vector(fc, weight * constants[at + SHAPE + 2], by_d),
+                weight * constants[at + SECOND + 2],
+                by_c,
+            )
+            material = scale
+            if curved:
+                k, n = _direction(d, c)
+                material = scale * geometric * strains[strain, place] / k if k > 0.0 else 0.0
+            dd, dc, ccs = _curvature_stiffness(d, c, m, material, scale * geometric)
+            if curved:
+                by_d, by_c = _gradient(d, c, n)
+                dd = add_symmetric(dd, scale - material, _square(1.0, by_d))
+                dc = add_full(dc, scale - material, _outer(1.0, by_d, by_c))
+                ccs = add_symmetric(ccs, scale - material, _square(1.0, by_c))
+                place += 1
+            else:
+                place += 3
+            at += BENDING_PRODUCTS
+            both = (
+                2.0 * dc[0],
+                2.0 * dc[4],
+                2.0 * dc[8],
+                dc[1] + dc[3],
+                dc[2] + dc[6],
+                dc[5] + dc[7],
+            )
+            cd, ddf, ccf = transpose(dc), full(dd), full(ccs)
+            aa = add_symmetric(aa, constants[at], dd)
+            aa = add_symmetric(aa, constants[at + 6], ccs)
+            aa = add_symmetric(aa, constants[at + 12], both)
+            bb = add_symmetric(bb, constants[at + 3], dd)
+            bb = add_symmetric(bb, constants[at + 9], ccs)
+            bb = add_symmetric(bb, constants[at + 15], both)
+            cc = add_symmetric(cc, constants[at + 5], dd)
+            cc = add_symmetric(cc, constants[at + 11], ccs)
+            cc = add_symmetric(cc, constants[at + 17], both)
+            ab = add_full(add_full(ab, constants[at + 1], ddf), constants[at + 7], ccf)
+            ab = add_full(add_full(ab, constants[at + 13], dc), constants[at + 18], cd)
+            ac = add_full(add_full(ac, constants[at + 2], ddf), constants[at + 8], ccf)
+            ac = add_full(add_full(ac, constants[at + 14], dc), constants[at + 19], cd)
+            bc = add_full(add_full(bc, constants[at + 4], ddf), constants[at + 10], ccf)
+            bc = add_full(add_full(bc, constants[at + 16], dc), constants[at + 20], cd)
+        put_forces(kind, e, force, fa, fb, fc)
+        put_stiffness(kind, e, aa, ab, ac, bb, bc, cc)

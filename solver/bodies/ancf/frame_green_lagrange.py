@@ -1,0 +1,135 @@
+"""Frames with the axial strain of Green-Lagrange, ``e = (r'.r' - 1) / 2``: kernels over the elements of a body.
+
+"Integrated simulation ... (2018)", equation 88. Bending, ``E I / 2`` times the integral of ``r''.r''``, is a constant
+matrix and none of their business.
+"""
+
+from __future__ import annotations
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.ancf.frame_data import (
+    AXIAL,
+    AXIAL_COLUMNS,
+    AXIAL_POINTS,
+    INITIAL_STRAIN,
+    PRODUCTS,
+    SHAPE,
+    WEIGHT,
+    add_symmetric,
+    add_vector,
+    combine,
+    dot,
+    full,
+    load_element,
+    put_forces,
+    put_stiffness,
+)
+from heavylift.solver.bodies.ancf.kind import (
+    ELEMENT_DATA,
+    ELEMENT_STRAIN,
+    ELEMENTS,
+    FIRST_ELEMENT,
+    FrameMeshes,
+)
+
+__all__ = [
+    "add_green_lagrange_forces",
+    "add_green_lagrange_rates",
+    "add_green_lagrange_stiffness",
+    "find_green_lagrange_strains",
+]
+
+
+@kernel(internal=True)
+def find_green_lagrange_strains(kind: FrameMeshes, body: int, q: int, strain: int) -> None:
+    """``e = (r'.r' - 1) / 2 + e_0``."""
+    first = kind.table[body, FIRST_ELEMENT]
+    for e in range(first, first + kind.table[body, ELEMENTS]):
+        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+        x = load_element(kind, e, q)
+        rest = kind.constants[data + INITIAL_STRAIN] - 0.5
+        for g in range(AXIAL_POINTS):
+            d = combine(kind.constants, data + AXIAL + g * AXIAL_COLUMNS + SHAPE, x)
+            kind.strains[strain, place + g] = 0.5 * dot(d, d) + rest
+
+
+@kernel(internal=True)
+def add_green_lagrange_rates(
+    kind: FrameMeshes, body: int, q: int, v: int, strain: int, factor: float
+) -> None:
+    """``r'.v'``."""
+    first = kind.table[body, FIRST_ELEMENT]
+    for e in range(first, first + kind.table[body, ELEMENTS]):
+        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+        x, rate = load_element(kind, e, q), load_element(kind, e, v)
+        for g in range(AXIAL_POINTS):
+            at = data + AXIAL + g * AXIAL_COLUMNS + SHAPE
+            d, change = combine(kind.constants, at, x), combine(kind.constants, at, rate)
+            kind.strains[strain, place + g] += factor * dot(d, change)
+
+
+@kernel(internal=True)
+def add_green_lagrange_forces(
+    kind: FrameMeshes, body: int, q: int, strain: int, force: int, factor: float
+) -> None:
+    """``E A int e r' S'_a ds``."""
+    first = kind.table[body, FIRST_ELEMENT]
+    for e in range(first, first + kind.table[body, ELEMENTS]):
+        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+        x = load_element(kind, e, q)
+        fa = fb = fc = (0.0, 0.0, 0.0)
+        for g in range(AXIAL_POINTS):
+            at = data + AXIAL + g * AXIAL_COLUMNS
+            d = combine(kind.constants, at + SHAPE, x)
+            stress = factor * kind.constants[at + WEIGHT] * kind.strains[strain, place + g]
+            fa = add_vector(fa, stress * kind.constants[at + SHAPE], d)
+            fb = add_vector(fb, stress * kind.constants[at + SHAPE + 1], d)
+            fc = add_vector(fc, stress * kind.constants[at + SHAPE + 2], d)
+        put_forces(kind, e, force, fa, fb, fc)
+
+
+@kernel(internal=True)
+def add_green_lagrange_stiffness(
+    kind: FrameMeshes,
+    body: int,
+    q: int,
+    strain: int,
+    force: int,
+    factor: float,
+    scale: float,
+    geometric: float,
+) -> None:
+    """``K = E A int (r' r'^T + e I) S'_a S'_b ds``."""
+    first = kind.table[body, FIRST_ELEMENT]
+    for e in range(first, first + kind.table[body, ELEMENTS]):
+        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+        x = load_element(kind, e, q)
+        fa = fb = fc = (0.0, 0.0, 0.0)
+        aa = ab = ac = bb = bc = cc = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        for g in range(AXIAL_POINTS):
+            at = data + AXIAL + g * AXIAL_COLUMNS
+            d = combine(kind.constants, at + SHAPE, x)
+            stretch = kind.strains[strain, place + g]
+            stress = factor * kind.constants[at + WEIGHT] * stretch
+            fa = add_vector(fa, stress * kind.constants[at + SHAPE], d)
+            fb = add_vector(fb, stress * kind.constants[at + SHAPE + 1], d)
+            fc = add_vector(fc, stress * kind.constants[at + SHAPE + 2], d)
+            isotropic = scale * geometric * stretch
+            d0, d1, d2 = scale * d[0], scale * d[1], scale * d[2]
+            m = (
+                d0 * d[0] + isotropic,
+                d1 * d[1] + isotropic,
+                d2 * d[2] + isotropic,
+                d0 * d[1],
+                d0 * d[2],
+                d1 * d[2],
+            )
+            at += PRODUCTS
+            aa = add_symmetric(aa, kind.constants[at], m)
+            ab = add_symmetric(ab, kind.constants[at + 1], m)
+            ac = add_symmetric(ac, kind.constants[at + 2], m)
+            bb = add_symmetric(bb, kind.constants[at + 3], m)
+            bc = add_symmetric(bc, kind.constants[at + 4], m)
+            cc = add_symmetric(cc, kind.constants[at + 5], m)
+        put_forces(kind, e, force, fa, fb, fc)
+        put_stiffness(kind, e, aa, full(ab), full(ac), bb, full(bc), cc)

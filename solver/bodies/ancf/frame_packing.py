@@ -1,0 +1,385 @@
+"""From a `FrameBody` to numbers: checks, element data, material points.
+
+Mass, bending and everything that kernels take from `constants` are made here, on the reference shape.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.bodies.ancf.frame_data import (
+    AREA,
+    AXIAL,
+    AXIAL_COLUMNS,
+    AXIAL_POINTS,
+    AXIAL_STIFFNESS,
+    BENDING,
+    BENDING_COLUMNS,
+    BENDING_POINTS,
+    BENDING_STIFFNESS,
+    CENTRE,
+    CURVED,
+    END_CURVATURE,
+    END_SECOND,
+    EXACT,
+    EXACT_LENGTH,
+    GREEN_LAGRANGE,
+    GREEN_LAGRANGE_LENGTH,
+    HEIGHT,
+    INITIAL_STRAIN,
+    SCALAR_BENDING,
+    SCALAR_MASS,
+    STRESS,
+)
+from heavylift.solver.bodies.ancf.frame_shape import (
+    ReferenceElement,
+    gauss_points,
+    hermite,
+    reference_element,
+)
+from heavylift.solver.meshes import FRAME_VECTORS, DistributedLoad, FollowerLoad, FrameBody, FrameSection
+
+__all__ = [
+    "body_constants",
+    "check_frame",
+    "element_data",
+    "load_shape",
+    "locate",
+    "result_channels",
+    "shape_values",
+    "start_coordinates",
+    "strain_counts",
+]
+
+UNIT = 1e-6
+"""Largest error of the length of a unit tangent."""
+
+PAIRS = np.array([(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)]).T
+"""aa, ab, ac, bb, bc, cc."""
+
+
+def body_constants(body: FrameBody) -> NDArray[np.float64]:
+    """The number of the model."""
+    return np.array([float(EXACT if body.model == "exact" else GREEN_LAGRANGE)])
+
+
+def result_channels(body: FrameBody) -> list[tuple[str, str, tuple[str, ...]]]:
+    """Name, unit and components of what is recorded: by element, moments at its first and second node."""
+    each = tuple(str(e) for e in range(len(body.elements)))
+    ends = tuple(f"{e}.{end}" for e in each for end in ("first", "second"))
+    return [("axial_force", "N", each), ("bending_moment", "N m", ends), ("axial_stress", "Pa", each)]
+
+
+def start_coordinates(body: FrameBody) -> NDArray[np.float64]:
+    """Position and tangent of every node, shape (n, 2, 3)."""
+    tangents = body.tangents / np.linalg.norm(body.tangents, axis=1, keepdims=True)
+    return np.stack((body.nodes, tangents), axis=1)
+
+
+def strain_counts(body: FrameBody) -> NDArray[np.int64]:
+    """Strains of every element, shape (e,)."""
+    if body.model != "exact":
+        return np.full(len(body.elements), AXIAL_POINTS, dtype=np.int64)
+    straight = np.array([_reference(body, e).straight for e in range(len(body.elements))])
+    return AXIAL_POINTS + BENDING_POINTS * np.where(straight, 3, 1)
+
+
+def element_data(body: FrameBody) -> list[NDArray[np.float64]]:
+    """Constants of every element; equal elements share one array."""
+    known: dict[tuple[int, float, float], NDArray[np.float64]] = {}
+    found = []
+    for e in range(len(body.elements)):
+        element = _reference(body, e)
+        number = int(body.element_sections[e]) if len(body.element_sections) else 0
+        strain = float(body.axial_strains[e]) if len(body.axial_strains) else 0.0
+        if not element.straight:
+            found.append(_data(element, body.sections[number], strain, body.model == "exact"))
+            continue
+        key = (number, element.length, strain)
+        if key not in known:
+            known[key] = _data(element, body.sections[number], strain, body.model == "exact")
+        found.append(known[key])
+    return found
+
+
+def load_shape(body: FrameBody, element: int) -> NDArray[np.float64]:
+    """Integral of the shape functions along the axis [m] (of slopes: [m2]), shape (4,)."""
+    reference = _reference(body, element)
+    xi, weights = gauss_points(16)
+    return (weights * reference.metric(xi)) @ hermite(xi, reference.length)
+
+
+def shape_values(body: FrameBody, element: int, local: tuple[float, ...], vector: int) -> NDArray[np.float64]:
+    """Row of ``r`` (vector 0) or ``r'`` (1) at ``(xi,)``, in [0, 1], over the vectors of the element, shape (4,)."""
+    reference = _reference(body, element)
+    return hermite(local[0], reference.length) if vector == 0 else reference.slopes(local[0])
+
+
+def locate(body: FrameBody, point: NDArray[np.float64], source: str, key: str) -> tuple[int, tuple[float]]:
+    """Element and ``(xi,)`` of a point of the unloaded axis, given in the frame of the body.
+
+    Raises
+    ------
+    InputError
+        If the point is farther from the axis than 1e-6 of the size of the mesh.
+    """
+    point = np.asarray(point, dtype=np.float64)
+    size = float(np.max(np.ptp(body.nodes, axis=0)))
+    best, place = np.inf, (0, 0.0)
+    first, second = body.nodes[body.elements[:, 0]], body.nodes[body.elements[:, 1]]
+    # an element lies within its length of its nodes: look at the near ones only, nearest first
+    lower = np.maximum(
+        np.minimum(np.linalg.norm(point - first, axis=1), np.linalg.norm(point - second, axis=1))
+        - 2.0 * np.linalg.norm(second - first, axis=1),
+        0.0,
+    )
+    for e in np.argsort(lower, kind="stable"):
+        if lower[e] > best:
+            break
+        distance, xi = _nearest(_reference(body, int(e)), point)
+        if distance < best - 1e-12 * size:
+            best, place = distance, (int(e), xi)
+    if not best <= 1e-6 * size:
+        raise InputError(
+            f"the point {point.tolist()} is {best:.3g} m from the axis",
+            source=source,
+            key=key,
+            expected=f"a point of the unloaded axis of {body.name!r}, in its frame",
+        )
+    return place[0], (place[1],)
+
+
+def _nearest(element: ReferenceElement, point: NDArray[np.float64]) -> tuple[float, float]:
+    """Distance [m] and ``xi`` of the nearest point of an element."""
+    if element.straight:
+        chord = element.vectors[2] - element.vectors[0]
+        xi = float(np.clip((point - element.vectors[0]) @ chord / (chord @ chord), 0.0, 1.0))
+    else:
+        grid = np.linspace(0.0, 1.0, 33)
+        xi = float(grid[np.argmin(np.linalg.norm(element.points(grid) - point, axis=1))])
+        for _ in range(20):
+            gap, first, second = element.points(xi) - point, element.points(xi, 1), element.points(xi, 2)
+            slope = first @ first + gap @ second
+            if slope <= 0.0:  # far away, where no answer is needed
+                break
+            last, xi = xi, float(np.clip(xi - gap @ first / slope, 0.0, 1.0))
+            if abs(xi - last) < 1e-15:
+                break
+    for end in (0.0, 1.0):
+        if abs(xi - end) < 1e-9:
+            xi = end
+    return float(np.linalg.norm(element.points(xi) - point)), xi
+
+
+def _reference(body: FrameBody, element: int) -> ReferenceElement:
+    nodes = body.elements[element]
+    tangents = body.tangents[nodes] / np.linalg.norm(body.tangents[nodes], axis=1, keepdims=True)
+    vectors = np.stack((body.nodes[nodes], tangents), axis=1).reshape(4, 3)
+    found = reference_element(vectors)
+    if found is None or (body.model != "exact" and not found.straight):
+        what = "not straight" if found is not None else "as long as zero, or turned back"
+        wanted = "tangents along the curve from its first to its second node"
+        if body.model != "exact":
+            wanted = (
+                "tangents along the line from its first to its second node, or model 'exact' if it is curved"
+            )
+        raise InputError(
+            f"the element between nodes {nodes.tolist()} is {what}",
+            source=body.name,
+            key=f"elements[{element}]",
+            expected=wanted,
+        )
+    return found
+
+
+def _data(
+    element: ReferenceElement, section: FrameSection, strain: float, exact: bool
+) -> NDArray[np.float64]:
+    """Constants of one element, as `frame_data` lists them."""
+    data = np.zeros(EXACT_LENGTH if exact else GREEN_LAGRANGE_LENGTH)
+    axial, bending = section.youngs_modulus * section.area, section.youngs_modulus * section.second_moment
+    xi, weights = gauss_points(4 if element.straight else 16)  # of the straight one exact: degree 6
+    lengths, shape = weights * element.metric(xi), hermite(xi, element.length)
+    mass = section.density * section.area * np.einsum("g,ga,gb->ab", lengths, shape, shape)
+    data[SCALAR_MASS : SCALAR_MASS + 16] = mass.ravel()
+    if not exact:
+        second = element.second(xi)
+        data[SCALAR_BENDING : SCALAR_BENDING + 16] = (
+            bending * np.einsum("g,ga,gb->ab", lengths, second, second).ravel()
+        )
+    data[AXIAL_STIFFNESS], data[BENDING_STIFFNESS], data[AREA] = axial, bending, section.area
+    data[STRESS] = section.outer_fibre / section.second_moment if section.second_moment > 0.0 else 0.0
+    data[HEIGHT] = section.outer_fibre or np.sqrt(section.second_moment / section.area)
+    data[CURVED], data[INITIAL_STRAIN] = float(not element.straight), strain
+    ends = np.array([0.0, 1.0])
+    data[CENTRE : CENTRE + 3] = element.slopes(0.5)[[2, 1, 3]]
+    data[END_SECOND : END_SECOND + 6] = element.second(ends)[:, [2, 1, 3]].ravel()
+    data[END_CURVATURE : END_CURVATURE + 2] = element.curvature(ends)
+
+    xi, weights = gauss_points(AXIAL_POINTS)
+    lengths = weights * element.metric(xi)
+    shape = element.slopes(xi)[:, [2, 1, 3]]
+    products = shape[:, PAIRS[0]] * shape[:, PAIRS[1]]
+    stiffness = (axial * lengths)[:, None]
+    loads = lengths[:, None] * hermite(xi, element.length)
+    table = np.hstack((stiffness, shape, stiffness * products, loads))
+    data[AXIAL : AXIAL + AXIAL_POINTS * AXIAL_COLUMNS] = table.ravel()
+
+    if exact:
+        xi, weights = gauss_points(BENDING_POINTS)
+        stiffness = (bending * weights * element.metric(xi))[:, None]
+        a, b = element.slopes(xi)[:, [2, 1, 3]], element.second(xi)[:, [2, 1, 3]]
+        i, j = PAIRS
+        mixed = [1, 2, 4]  # ab, ac, bc
+        products = np.hstack(
+            (a[:, i] * a[:, j], b[:, i] * b[:, j], a[:, i] * b[:, j], b[:, i[mixed]] * a[:, j[mixed]])
+        )
+        table = np.hstack((stiffness, a, b, element.curvature(xi)[:, None], stiffness * products))
+        data[BENDING : BENDING + BENDING_POINTS * BENDING_COLUMNS] = table.ravel()
+    return data
+
+
+def check_frame(body: FrameBody) -> None:
+    """Everything a user can get wrong in a frame.
+
+    Raises
+    ------
+    InputError
+        The first thing that is wrong: shapes, sections, elements, supports, loads.
+    """
+    nodes, elements = np.asarray(body.nodes), np.asarray(body.elements)
+    _finite(body, "nodes", nodes, (len(nodes), 3))
+    _finite(body, "tangents", np.asarray(body.tangents), (len(nodes), 3))
+    if elements.ndim != 2 or elements.shape[1] != 2 or not len(elements):
+        raise InputError(
+            f"shape {elements.shape}", source=body.name, key="elements", expected="shape (e, 2), one or more"
+        )
+    _numbers(body, "elements", elements, len(nodes), "node")
+    if body.model not in ("green-lagrange", "exact"):
+        raise InputError(
+            f"{body.model!r}", source=body.name, key="model", expected="'green-lagrange' or 'exact'"
+        )
+    unused = np.setdiff1d(np.arange(len(nodes)), elements)
+    if len(unused):
+        raise InputError(
+            f"node {unused[0]} belongs to no element",
+            source=body.name,
+            key=f"nodes[{unused[0]}]",
+            expected="nodes of elements only",
+        )
+    lengths = np.linalg.norm(body.tangents, axis=1)
+    for n in np.flatnonzero(np.abs(lengths - 1.0) > UNIT):
+        raise InputError(
+            f"{body.tangents[n].tolist()} has the length {lengths[n]:.9g}",
+            source=body.name,
+            key=f"tangents[{n}]",
+            expected="a unit vector",
+        )
+    if len(body.element_sections):
+        _finite(body, "element_sections", np.asarray(body.element_sections), (len(elements),))
+        _numbers(body, "element_sections", np.asarray(body.element_sections), len(body.sections), "section")
+    if not body.sections:
+        raise InputError("none", source=body.name, key="sections", expected="one or more")
+    for i, section in enumerate(body.sections):
+        _check_section(body, i, section)
+    if len(body.axial_strains):
+        _finite(body, "axial_strains", np.asarray(body.axial_strains), (len(elements),))
+    for e in range(len(elements)):
+        if elements[e, 0] == elements[e, 1] or np.array_equal(nodes[elements[e, 0]], nodes[elements[e, 1]]):
+            raise InputError(
+                f"the length between nodes {elements[e].tolist()} is zero",
+                source=body.name,
+                key=f"elements[{e}]",
+                expected="two nodes at different places",
+            )
+        _reference(body, e)
+    _check_supports(body)
+    for i, load in enumerate(body.loads):
+        _check_load(body, i, load)
+
+
+def _check_section(body: FrameBody, number: int, section: FrameSection) -> None:
+    for key in ("density", "youngs_modulus", "area"):
+        if not 0.0 < getattr(section, key) < np.inf:
+            raise InputError(
+                f"{getattr(section, key)}",
+                source=body.name,
+                key=f"sections[{number}].{key}",
+                expected="a positive number",
+            )
+    for key in ("second_moment", "outer_fibre"):
+        if not 0.0 <= getattr(section, key) < np.inf:
+            raise InputError(
+                f"{getattr(section, key)}",
+                source=body.name,
+                key=f"sections[{number}].{key}",
+                expected="0 or more",
+            )
+
+
+def _check_supports(body: FrameBody) -> None:
+    for i, support in enumerate(body.supports):
+        key = f"supports[{i}]"
+        _numbers(body, f"{key}.nodes", np.asarray(support.nodes), len(body.nodes), "node")
+        for vector, axes in support.fixed.items():
+            if vector not in FRAME_VECTORS:
+                raise InputError(
+                    f"{vector!r}",
+                    source=body.name,
+                    key=f"{key}.fixed",
+                    expected=f"one of {', '.join(FRAME_VECTORS)}",
+                )
+            if not axes or set(axes) - set("xyz") or len(set(axes)) != len(axes):
+                raise InputError(
+                    f"{axes!r}",
+                    source=body.name,
+                    key=f"{key}.fixed.{vector}",
+                    expected="some of the letters x, y, z",
+                )
+
+
+def _check_load(body: FrameBody, number: int, load: DistributedLoad | FollowerLoad) -> None:
+    key = f"loads[{number}]"
+    times, factors = np.asarray(load.times), np.asarray(load.factors)
+    _finite(body, f"{key}.times", times, (max(len(times), 1),))
+    _finite(body, f"{key}.factors", factors, times.shape)
+    if np.any(np.diff(times) <= 0.0):
+        raise InputError(
+            f"{times.tolist()}", source=body.name, key=f"{key}.times", expected="increasing times"
+        )
+    if load.elements is not None:
+        _numbers(body, f"{key}.elements", np.asarray(load.elements), len(body.elements), "element")
+    if isinstance(load, DistributedLoad):
+        _finite(body, f"{key}.load", np.asarray(load.load), (3,))
+        return
+    _finite(body, f"{key}.normal", np.asarray(load.normal), ())
+    _finite(body, f"{key}.tangential", np.asarray(load.tangential), ())
+    _finite(body, f"{key}.axis", np.asarray(load.axis), (3,))
+    if load.normal and not np.any(load.axis):
+        raise InputError("length zero", source=body.name, key=f"{key}.axis", expected="a direction")
+    if load.node is not None:
+        _numbers(body, f"{key}.node", np.asarray([load.node]), len(body.nodes), "node")
+
+
+def _finite(body: FrameBody, key: str, value: NDArray[np.float64], shape: tuple[int, ...]) -> None:
+    if value.shape != shape:
+        raise InputError(f"shape {value.shape}", source=body.name, key=key, expected=f"shape {shape}")
+    if not np.all(np.isfinite(value)):
+        place = [int(i) for i in np.argwhere(~np.isfinite(value))[0]]
+        raise InputError(
+            f"{value[tuple(place)]} at {place}", source=body.name, key=key, expected="finite numbers"
+        )
+
+
+def _numbers(body: FrameBody, key: str, value: NDArray[np.int64], count: int, what: str) -> None:
+    wrong = value[(value < 0) | (value >= count)]
+    if value.dtype.kind not in "iu" or wrong.size:
+        number = wrong.ravel()[0] if wrong.size else value.dtype
+        raise InputError(
+            f"there is no {what} {number}",
+            source=body.name,
+            key=key,
+            expected=f"numbers of {what}s, 0 to {count - 1}",
+        )

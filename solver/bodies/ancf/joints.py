@@ -1,0 +1,190 @@
+"""Rows of joints on frames and shells: through the bases, whose compliance the factor has left in their blocks."""
+
+from __future__ import annotations
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.ancf.assembly import set_size
+from heavylift.solver.bodies.ancf.kind import (
+    ACCELERATION,
+    BASE_NODES,
+    BASE_PLACE,
+    BASES,
+    CHANGE,
+    DOF,
+    EXPLICIT,
+    FIRST_BASE,
+    FORWARD,
+    MASS_SET,
+    MID_V,
+    RIGHT,
+    SCHEME,
+    STEP_SET,
+    FrameMeshes,
+    Meshes,
+    ShellMeshes,
+    V,
+)
+from heavylift.solver.bodies.ancf.stage import write_bases
+from heavylift.solver.bodies.ancf.step import is_iterated, node_span, scatter_back
+from heavylift.solver.interface import (
+    Workspace,
+    add_row_impulses,
+    apply_inverse,
+    complete,
+    end_velocity,
+    set_velocity,
+    write_velocity,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import (
+    DOF as FIRST_VELOCITY,
+)
+from heavylift.solver.rows import (
+    FACTORED,
+    HOLDER,
+    IMPULSE,
+    OWNER,
+    PANEL,
+    ROW_COLUMNS,
+    WIDTH,
+    LawRowSystem,
+    Rows,
+    RowSystem,
+)
+
+__all__ = ["take_impulses"]
+
+
+@kernel(internal=True)
+def attached_mesh(kind: Meshes, system: Rows, attachment: int) -> int:
+    """Row of the body that an attachment is on, -1 if that is not of this kind. Velocities grow with the rows."""
+    if system.attachments[attachment, HOLDER] != FACTORED or system.attachments[attachment, WIDTH] == 0:
+        return -1
+    dof = system.attachments[attachment, FIRST_VELOCITY]
+    for body in range(kind.table.shape[0]):
+        if kind.table[body, DOF] == dof and kind.table[body, BASES] > 0:
+            return body
+    return -1
+
+
+@implement(apply_inverse, FrameMeshes)
+@implement(apply_inverse, ShellMeshes)
+@kernel(internal=True)
+def apply_inverse_of_meshes(kind: Meshes, at_midpoint: bool, system: Rows) -> None:
+    """``X = C G^T`` with ``C = J A^-1 J^T``, minus the blocks of the bases."""
+    lanes = len(system.shape[1])
+    G, half = system.panels, system.panels.shape[0] // 2
+    for i in range(system.attachments.shape[0]):
+        body = attached_mesh(kind, system, i)
+        if body < 0:
+            continue
+        panel, width = system.attachments[i, PANEL], system.attachments[i, WIDTH]
+        for r in range(width * lanes):
+            G[half + panel + r] = 0.0
+        stepped = at_midpoint and kind.table[body, SCHEME] != EXPLICIT
+        _add_compliance(kind, body, STEP_SET if stepped else MASS_SET, system, panel, width)
+
+
+@kernel(internal=True)
+def _add_compliance(kind: Meshes, body: int, which: int, system: Rows, panel: int, width: int) -> None:
+    """Block by block; those off the diagonal serve both triangles."""
+    lanes = len(system.shape[1])
+    G, half = system.panels, system.panels.shape[0] // 2
+    rows, block_lanes = len(kind.shape[0]), len(kind.shape[1])
+    begin = which * set_size(kind)
+    for i in range(kind.base_blocks.shape[0]):
+        if kind.base_blocks[i, 0] != body:
+            continue
+        row, column = rows * kind.base_blocks[i, 1], rows * kind.base_blocks[i, 2]
+        place = begin + kind.base_blocks[i, 3]
+        for c in range(min(rows, width - column)):
+            for k in range(min(rows, width - row)):
+                value = kind.blocks[place + c * block_lanes + k]
+                to, of = half + panel + (row + k) * lanes, panel + (column + c) * lanes
+                for r in range(lanes):
+                    G[to + r] -= value * G[of + r]
+                if row != column:
+                    to, of = half + panel + (column + c) * lanes, panel + (row + k) * lanes
+                    for r in range(lanes):
+                        G[to + r] -= value * G[of + r]
+
+
+@implement(add_row_impulses, RowSystem)
+@implement(add_row_impulses, LawRowSystem)
+@kernel(internal=True)
+def add_impulses_to_bases(system: Rows, body_kind: Meshes, row: int) -> None:
+    """Of all attachments on bodies of the kind."""
+    lanes = len(system.shape[1])
+    for i in range(system.attachments.shape[0]):
+        body = attached_mesh(body_kind, system, i)
+        if body < 0:
+            continue
+        panel, first = system.attachments[i, PANEL], body_kind.table[body, FIRST_BASE]
+        impulse = (system.attachments[i, OWNER] * ROW_COLUMNS + IMPULSE) * lanes
+        for base in range(body_kind.table[body, BASES]):
+            place = body_kind.bases[first + base, BASE_PLACE]
+            for k in range(3):
+                total = 0.0
+                for r in range(lanes):
+                    total += system.panels[panel + (3 * base + k) * lanes + r] * system.rows[impulse + r]
+                body_kind.nodal[row, place + k] -= total
+
+
+@kernel(internal=True)
+def take_impulses(kind: Meshes, systems, row: int) -> None:  # type: ignore[no-untyped-def]
+    """Minus the impulses of all rows in the places of the bases, as `scatter_back` takes them."""
+    for base in range(kind.bases.shape[0]):
+        place = kind.bases[base, BASE_PLACE]
+        for k in range(3):
+            kind.nodal[row, place + k] = 0.0
+    add_row_impulses(systems, kind, row)
+
+
+@implement(complete, FrameMeshes)
+@implement(complete, ShellMeshes)
+@kernel(internal=True)
+def complete_meshes(kind: Meshes, systems, at_midpoint: bool, step: float, work: Workspace) -> None:  # type: ignore[no-untyped-def]
+    """Back substitution with the impulses on the bases; bodies that iterate have gone further already."""
+    take_impulses(kind, systems, RIGHT)
+    right = kind.nodal[RIGHT]
+    for body in range(kind.table.shape[0]):
+        first, last = node_span(kind, body)
+        if at_midpoint:
+            if is_iterated(kind, body) and kind.body[body, CHANGE] >= 0.0:
+                continue
+            for i in range(first, last):
+                right[i] = kind.nodal[FORWARD, i]
+            scatter_back(kind, body, MASS_SET if kind.table[body, SCHEME] == EXPLICIT else STEP_SET)
+            for i in range(first, last):
+                kind.nodal[MID_V, i] = right[i]
+        elif kind.table[body, BASE_NODES] > 0:
+            for i in range(first, last):
+                right[i] = 0.0
+            scatter_back(kind, body, MASS_SET)
+            rate = 1.0 / step
+            for i in range(first, last):
+                kind.nodal[V, i] += right[i]
+                kind.nodal[ACCELERATION, i] += rate * right[i]
+
+
+@implement(end_velocity, FrameMeshes)
+@implement(end_velocity, ShellMeshes)
+@kernel(internal=True)
+def end_velocity_of_meshes(kind: Meshes, step: float, work: Workspace) -> None:
+    """Those that `advance` has found."""
+    write_bases(kind, V, work.velocity)
+
+
+@implement(write_velocity, FrameMeshes)
+@implement(write_velocity, ShellMeshes)
+@kernel(internal=True)
+def write_velocity_of_meshes(kind: Meshes, work: Workspace) -> None:
+    """Of the bases."""
+    write_bases(kind, V, work.velocity)
+
+
+@implement(set_velocity, FrameMeshes)
+@implement(set_velocity, ShellMeshes)
+@kernel(internal=True)
+def set_velocity_of_meshes(kind: Meshes, step: float, work: Workspace) -> None:
+    """`complete` has set them."""

@@ -1,0 +1,207 @@
+"""The kinds of bodies made of ANCF elements: where everything is in their arrays.
+
+Frames and shells differ in their elements only. Coordinates are those of the nodes, in the axes of the body as
+it was placed, which stand still::
+
+    M q'' + Q(q) = f,    M constant,    Q = B(q)^T C e(q) + K_b q
+
+with strains ``e`` at Gauss points and a constant bending matrix ``K_b`` (zero for the exact frame, whose
+curvatures are strains too). The step matrix ``M + h^2/4 (B^T C B + K_b)`` has blocks of whole nodes.
+
+Joints, forces and ropes see a body through its *bases*: vectors at material points (position, slopes)
+that are linear in the coordinates, ``y = J q``. Bases are nodes of the factor too, never eliminated: the Schur
+complement ``-J A^-1 J^T`` that is left in their blocks is all that joints need to know of the body, and
+``y'`` are its velocities in the workspace of the scene.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["FrameMeshes", "Meshes", "ShellMeshes"]
+
+# columns of `table`, by body
+(
+    NUMBER,  # of the body in the scene
+    DOF,  # first velocity of its bases in the workspace
+    COLUMN,  # first record column
+    FIRST_NODE,  # of the nodes of the kind
+    NODES,  # of the mesh
+    BASE_NODES,  # nodes of the factor that hold its bases; they follow those of the mesh
+    FIRST_ELEMENT,
+    ELEMENTS,
+    FIRST_COLUMN,  # of the factor
+    LAST_COLUMN,  # behind its last; base nodes have none
+    FIRST_BASE,
+    BASES,
+    FIRST_LOAD,
+    LOADS,
+    FIRST_STRAIN,  # in a row of `strains`
+    STRAINS,
+    SCHEME,  # how stress enters the step: below
+    FIRST_CLEAR,  # of the blocks with fixed coordinates
+    CLEARS,
+    CONSTANTS,  # place of the model number and other data of all elements in `constants`
+    FIRST_BLOCK,  # place of its first block in a set
+    LAST_BLOCK,  # behind its last
+    BASE_STEP,  # place in `constants` of the coefficient of the bending matrix in the constant part of the step matrix
+    LAST_RESULT,  # record column of the drift, the last of the body
+    WORK_PLACE,  # of the scratch of the factorisation in a set
+) = range(25)
+TABLE_COLUMNS = 25
+
+CARRIED, ENERGY_MOMENTUM, AUTO, EXPLICIT = range(4)
+"""Values of `SCHEME`; `AUTO` becomes `ENERGY_MOMENTUM` in `body[CHANGED_OVER]`."""
+
+# rows of `nodal`: carried coordinates and velocities first
+(
+    Q,  # coordinates
+    V,  # velocities
+    ACCELERATION,  # mean of the last step
+    MID_Q,  # predicted midpoint, or the present state where forces are evaluated
+    MID_V,  # velocities of the stage, then scratch of the projection
+    RIGHT,  # right-hand side and solution of the stage
+    LOAD,  # external forces of the stage: loads, gravity, forces on bases
+    MOMENTUM,  # M v at the start of the step
+    FREE,  # 1, or 0 for coordinates that are fixed
+    WEIGHT,  # M times a unit acceleration along x, y, z: lies in the position vectors as one number a vector
+    TRIAL,  # coordinates at the end of the step in an iteration
+    FORWARD,  # right-hand side after forward substitution
+) = range(12)
+NODAL_ROWS = 12
+
+# rows of `strains`: carried; of the shape, scratch
+STRAIN, SHAPE_STRAIN, OLD_STRAIN = range(3)
+STRAIN_ROWS = 3
+
+# columns of `body`, by body
+(
+    ROTATION,  # nine numbers: axes of the body as columns, by rows
+    ORIGIN,  # three
+    VISCOUS,
+    STIFFNESS_DAMPING,
+    DRIFT_TOLERANCE,
+    DRIFT,  # largest distance of carried strains from those of the shape, of the last check
+    DRIFT_ELEMENT,
+    CHANGED_OVER,  # 1 once the energy-momentum scheme has taken over
+    EXTERNAL,  # work of loads
+    DISSIPATED_WORK,
+    ELASTIC_ENERGY,  # of the last record
+    MASS,
+    STEP_LIMIT,  # of the explicit scheme [s]
+    TIME,  # of the stage
+    ITERATIONS,  # of the energy-momentum scheme, so far
+    SIZE,  # largest extension [m]
+    CHANGE,  # last change of an iteration
+    CHANGE_TIME,  # when the energy-momentum scheme took over [s]
+    BEFORE,  # the change before the last
+    SCRATCH,  # nine numbers
+) = (0, 9, *range(12, 30))
+BODY_COLUMNS = 40
+
+# columns of `elements`; nodes are offsets in a row of `nodal`
+ELEMENT_NODES = 0  # four; frames use two
+ELEMENT_DATA = 4  # place in `constants`: element matrices, then what the type of element needs
+ELEMENT_STRAIN = 5  # place in a row of `strains`
+ELEMENT_BLOCKS = 6  # place of a block of the factor and 1 if it is stored transposed, of each pair of nodes
+FRAME_PAIRS = ((0, 0), (1, 0), (1, 1))
+SHELL_PAIRS = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (3, 0), (3, 1), (3, 2), (3, 3))
+"""Pairs of nodes of an element, in the order of their blocks."""
+
+# columns of `bases`: element, place of its shape values in `constants`, place of its three numbers in a row of `nodal`,
+# places of the blocks that couple it with the nodes of the element
+BASE_ELEMENT, BASE_SHAPE, BASE_PLACE, BASE_BLOCKS = range(4)
+
+# columns of `markers`: number in the workspace (or record column), body, base, type, place of its data, level
+MARKER_NUMBER, MARKER_BODY, MARKER_BASE, MARKER_TYPE, MARKER_DATA, MARKER_LEVEL = range(6)
+POINT_MARKER, TANGENT_MARKER, TRIAD_MARKER, VECTOR_MARKER = range(4)
+"""Of a base; along a base; fixed in the triad of a base and the next one; a base itself."""
+
+# columns of `loads`: type, place of its data in `constants`, place of the table of its factor (times, then factors) and
+# the length of that, element or offset of a node
+LOAD_TYPE, LOAD_DATA, LOAD_TABLE, LOAD_COUNT, LOAD_PLACE = range(5)
+DEAD_LOAD, FOLLOWER_ELEMENT, FOLLOWER_NODE = range(3)
+
+# sets of blocks in `blocks`
+STEP_SET, MASS_SET, CONSTANT_SET = range(3)
+
+
+class FrameMeshes(NamedTuple):
+    """All frames of a scene.
+
+    Attributes
+    ----------
+    shape
+        Block shape for `heavylift.numerics.lanes`: 6 rows, 8 lanes. A node takes 8 places in a row of `nodal`: ``r``,
+        ``r'``, two of padding.
+    table
+        By body, see the columns; shape (bodies, 25).
+    elements
+        Shape (elements, 6 + 2 pairs).
+    constants
+        Data of elements, bases and loads, flat.
+    body
+        Numbers by body, shape (bodies, 40).
+    nodal
+        Vectors over all nodes and base nodes, shape (12, places).
+    strains
+        Vectors over all strains, shape (3, strains).
+    columns, lower, updates
+        Structure of the factor: `heavylift.numerics.block_factor`.
+    blocks
+        Three sets of blocks: factor of the step matrix, factor of the mass matrix, constant part of the step
+        matrix; flat.
+    clears
+        Place of a block of the pattern, 0 for a row, 1 for a lane, 2 for the diagonal, and which of them is fixed;
+        shape (n, 3).
+    base_blocks
+        Body, later and earlier base node within the body, place of their block; shape (n, 4).
+    bases, markers, sensors, loads
+        See the columns.
+    """
+
+    shape: Any
+    table: NDArray[np.int64]
+    elements: NDArray[np.int64]
+    constants: NDArray[np.float64]
+    body: NDArray[np.float64]
+    nodal: NDArray[np.float64]
+    strains: NDArray[np.float64]
+    columns: NDArray[np.int64]
+    lower: NDArray[np.int64]
+    updates: NDArray[np.int64]
+    blocks: NDArray[np.float64]
+    clears: NDArray[np.int64]
+    base_blocks: NDArray[np.int64]
+    bases: NDArray[np.int64]
+    markers: NDArray[np.int64]
+    sensors: NDArray[np.int64]
+    loads: NDArray[np.int64]
+
+
+class ShellMeshes(NamedTuple):
+    """All shells of a scene: fields of `FrameMeshes`, with 12 rows and 16 lanes: ``r``, ``r_x``, ``r_y``, ``r_xy``."""
+
+    shape: Any
+    table: NDArray[np.int64]
+    elements: NDArray[np.int64]
+    constants: NDArray[np.float64]
+    body: NDArray[np.float64]
+    nodal: NDArray[np.float64]
+    strains: NDArray[np.float64]
+    columns: NDArray[np.int64]
+    lower: NDArray[np.int64]
+    updates: NDArray[np.int64]
+    blocks: NDArray[np.float64]
+    clears: NDArray[np.int64]
+    base_blocks: NDArray[np.int64]
+    bases: NDArray[np.int64]
+    markers: NDArray[np.int64]
+    sensors: NDArray[np.int64]
+    loads: NDArray[np.int64]
+
+
+Meshes = FrameMeshes | ShellMeshes

@@ -1,0 +1,133 @@
+"""Frames and shells before time starts: their bases read and set as vectors of the whole scene, in Python.
+
+A displacement or velocity of the bases goes to all nodes by ``E = M^-1 J^T (J M^-1 J^T)^+``: of all motions of the
+mesh that give the bases what is wanted, the one with the least kinetic energy.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.ancf.kind import (
+    ACCELERATION,
+    BASE_PLACE,
+    BASES,
+    DOF,
+    FIRST_BASE,
+    FIRST_NODE,
+    MASS,
+    MASS_SET,
+    NODES,
+    NUMBER,
+    ORIGIN,
+    RIGHT,
+    ROTATION,
+    WEIGHT,
+    FrameMeshes,
+    Meshes,
+    Q,
+    ShellMeshes,
+    V,
+)
+from heavylift.solver.bodies.ancf.stage import base_value
+from heavylift.solver.bodies.ancf.step import scatter_back
+from heavylift.solver.interface import Workspace, collect_load, move, put_velocity, survey
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+
+@kernel
+def _scatter(kind: Meshes, body: int) -> None:
+    scatter_back(kind, body, MASS_SET)
+
+
+@kernel
+def _bases(kind: Meshes, body: int, row: int, out: NDArray[np.float64]) -> None:
+    first = kind.table[body, FIRST_BASE]
+    for i in range(kind.table[body, BASES]):
+        out[3 * i], out[3 * i + 1], out[3 * i + 2] = base_value(kind, first + i, row)
+
+
+def _nodes(kind: Meshes, body: int) -> slice:
+    """Places of the nodes of a body."""
+    lanes = len(kind.shape[1])
+    first = int(kind.table[body, FIRST_NODE]) * lanes
+    return slice(first, first + int(kind.table[body, NODES]) * lanes)
+
+
+def _spread(kind: Meshes, body: int, wanted: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Motion of all nodes that gives the bases what is wanted, flat over their places."""
+    count = len(wanted)
+    own = _nodes(kind, body)
+    first = int(kind.table[body, FIRST_BASE])
+    places = np.add.outer(kind.bases[first : first + count // 3, BASE_PLACE], np.arange(3)).ravel()
+    right = kind.nodal[RIGHT]
+    motions = np.zeros((count, own.stop - own.start))
+    compliance = np.zeros((count, count))
+    for i in range(count):
+        right[own] = 0.0
+        right[places] = 0.0
+        right[places[i]] = -1.0
+        _scatter(kind, body)
+        motions[i] = right[own]
+        _bases(kind, body, RIGHT, compliance[i])
+    size = np.sqrt(np.diag(compliance))
+    size[size == 0.0] = 1.0
+    weights = np.linalg.pinv(compliance / np.outer(size, size), rcond=1e-11, hermitian=True) @ (wanted / size)
+    return (weights / size) @ motions
+
+
+@implement(survey, FrameMeshes)
+@implement(survey, ShellMeshes)
+def survey_meshes(
+    kind: Meshes, places: NDArray[np.float64], inertia: NDArray[np.float64], velocity: NDArray[np.float64]
+) -> None:
+    """Centre of mass and mean velocity of the body; its mass for each velocity of a base."""
+    for body, line in enumerate(kind.table):
+        own = _nodes(kind, body)
+        lanes, numbers = len(kind.shape[1]), kind.body[body]
+        rotation = numbers[ROTATION : ROTATION + 9].reshape(3, 3)
+        rows = [
+            kind.nodal[row, own].reshape(-1, lanes)[:, : len(kind.shape[0])].reshape(-1, 3)
+            for row in (WEIGHT, Q)
+        ]
+        centre = (rows[0] * rows[1]).sum(axis=0) / numbers[MASS]
+        places[line[NUMBER], 0] = line[DOF]
+        places[line[NUMBER], 1:4] = numbers[ORIGIN : ORIGIN + 3] + rotation @ centre
+        places[line[NUMBER], 4:] = 1.0, 0.0, 0.0, 0.0
+        count = 3 * int(line[BASES])
+        inertia[line[DOF] : line[DOF] + count] = numbers[MASS]
+        _bases(kind, body, V, velocity[line[DOF] : line[DOF] + count])
+
+
+@implement(move, FrameMeshes)
+@implement(move, ShellMeshes)
+def move_meshes(kind: Meshes, increment: NDArray[np.float64]) -> None:
+    """Displace the bases, and all nodes with them."""
+    for body, line in enumerate(kind.table):
+        wanted = increment[line[DOF] : line[DOF] + 3 * line[BASES]]
+        if np.any(wanted):
+            kind.nodal[Q, _nodes(kind, body)] += _spread(kind, body, wanted)
+
+
+@implement(put_velocity, FrameMeshes)
+@implement(put_velocity, ShellMeshes)
+def put_mesh_velocity(kind: Meshes, velocity: NDArray[np.float64]) -> None:
+    """Velocities of the bases; the other nodes change as little as possible."""
+    for body, line in enumerate(kind.table):
+        count = 3 * int(line[BASES])
+        own, before = _nodes(kind, body), np.zeros(count)
+        kind.nodal[ACCELERATION, own] = 0.0
+        _bases(kind, body, V, before)
+        change = velocity[line[DOF] : line[DOF] + count] - before
+        if np.any(change):
+            kind.nodal[V, own] += _spread(kind, body, change)
+
+
+@implement(collect_load, FrameMeshes)
+@implement(collect_load, ShellMeshes)
+def collect_mesh_load(kind: Meshes, work: Workspace, load: NDArray[np.float64]) -> None:
+    """Nothing: equilibrium of a mesh is found with all its coordinates, not with its bases."""

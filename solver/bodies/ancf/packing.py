@@ -1,0 +1,395 @@
+"""Frames or shells of a scene become the arrays of one kind: nodes, elements, structure of the factor, start state."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.block_pattern import BlockPattern, pack_blocks
+from heavylift.numerics.lanes import block_shape
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.rotation import rotation_matrix
+from heavylift.numerics.small import aligned
+from heavylift.solver.bodies.ancf.assembly import prepare_meshes
+from heavylift.solver.bodies.ancf.bases import Bases, plan_bases
+from heavylift.solver.bodies.ancf.kind import (
+    ACCELERATION,
+    AUTO,
+    BODY_COLUMNS,
+    CARRIED,
+    DRIFT_TOLERANCE,
+    ENERGY_MOMENTUM,
+    EXPLICIT,
+    FREE,
+    MASS,
+    NODAL_ROWS,
+    ORIGIN,
+    POINT_MARKER,
+    ROTATION,
+    SIZE,
+    STIFFNESS_DAMPING,
+    STRAIN_ROWS,
+    TABLE_COLUMNS,
+    VISCOUS,
+    WEIGHT,
+    Meshes,
+    Q,
+    V,
+)
+from heavylift.solver.bodies.ancf.load_packing import LoadBook
+from heavylift.solver.bodies.ancf.types import MeshType, type_of
+from heavylift.solver.interface import RECORD
+from heavylift.solver.markers import BodyMarkers
+from heavylift.solver.meshes import MeshBody
+
+__all__ = ["check_mesh", "mass_and_inertia", "mesh_channels", "pack_meshes", "record_width"]
+
+SCHEMES = {"carried": CARRIED, "energy-momentum": ENERGY_MOMENTUM, "auto": AUTO, "explicit": EXPLICIT}
+SETS = 3
+
+
+def check_mesh(body: MeshBody) -> None:
+    """Refuse a body that cannot be packed.
+
+    Raises
+    ------
+    InputError
+        Names the body, the key, the value and what was expected.
+    """
+    if body.elasticity not in SCHEMES:
+        raise InputError(
+            f"{body.elasticity!r}", source=body.name, key="elasticity", expected=" or ".join(SCHEMES)
+        )
+    for key in ("viscous_damping", "stiffness_damping", "drift_tolerance"):
+        value = getattr(body, key)
+        if not 0.0 <= value < np.inf or (key == "drift_tolerance" and value == 0.0):
+            raise InputError(f"{value}", source=body.name, key=key, expected="a finite number, 0 or more")
+    type_of(body).check(body)
+
+
+@lru_cache(maxsize=64)
+def _start(body: MeshBody) -> NDArray[np.float64]:
+    return np.asarray(type_of(body).start_coordinates(body), dtype=np.float64)
+
+
+def mass_and_inertia(body: MeshBody) -> tuple[float, float]:
+    """Mass [kg] and largest moment of inertia [kg m2] about the centre of mass of the given shape."""
+    mass, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
+    of_type, start = type_of(body), _start(body)
+    for data, nodes in zip(of_type.element_data(body), body.elements, strict=True):  # type: ignore[attr-defined]
+        x = start[nodes].reshape(-1, 3)
+        M = np.asarray(data[: len(x) ** 2]).reshape(len(x), len(x))
+        unit = np.zeros(len(x))
+        unit[:: len(of_type.vectors)] = 1.0
+        mass += unit @ M @ unit
+        first += unit @ M @ x
+        second += x.T @ M @ x
+    second -= np.outer(first, first) / mass
+    return float(mass), float(np.linalg.eigvalsh(np.trace(second) * np.eye(3) - second)[2])
+
+
+def mesh_channels(body: MeshBody) -> list[tuple[str, str, tuple[str, ...]]]:
+    """Name, unit and components of the channels of a body: nodal vectors in world axes, velocities, stresses, drift."""
+    of_type = type_of(body)
+    parts = tuple(f"{node}.{axis}" for node in range(len(body.nodes)) for axis in "xyz")
+    units = {"position": "m", "twist": "1/m"}
+    return [
+        *((vector, units.get(vector, "1"), parts) for vector in of_type.vectors),
+        ("velocity", "m/s", parts),
+        *of_type.result_channels(body),
+        ("strain_drift", "1", ("strain_drift",)),
+    ]
+
+
+def record_width(body: MeshBody) -> int:
+    """Record columns of a body."""
+    return sum(len(components) for _, _, components in mesh_channels(body))
+
+
+class _Builder:
+    """Collects the arrays of one kind, body by body."""
+
+    def __init__(self, of_type: MeshType) -> None:
+        self.type = of_type
+        self.shape = block_shape(of_type.rows)
+        self.lanes = len(self.shape[1])
+        self.per_node = len(of_type.vectors)
+        self.table: list[list[int]] = []
+        self.elements: list[NDArray[np.int64]] = []
+        self.constants: list[NDArray[np.float64]] = []
+        self.constant_count = 0
+        self.body: list[NDArray[np.float64]] = []
+        self.node_count = 0
+        self.strain_count = 0
+        self.edges: list[NDArray[np.int64]] = []
+        self.last: list[list[int]] = []
+        self.coordinates: list[NDArray[np.float64]] = []
+        self.start: list[NDArray[np.float64]] = []
+        self.speed: list[NDArray[np.float64]] = []
+        self.bases: list[tuple[int, int, int]] = []
+        self.markers: list[tuple[int, int, int, int, int, int]] = []
+        self.sensors: list[tuple[int, int, int, int, int, int]] = []
+        self.free: list[NDArray[np.float64]] = []
+        self.loads = LoadBook(self.store)
+
+    def store(self, values: NDArray[np.float64]) -> int:
+        """Append to the constants; returns the place."""
+        place = self.constant_count
+        self.constants.append(np.asarray(values, dtype=np.float64).ravel())
+        self.constant_count += len(self.constants[-1])
+        return place
+
+    def add(
+        self, body: MeshBody, number: int, dof: int, column: int, bases: Bases, sensors: BodyMarkers
+    ) -> None:
+        """Append one body."""
+        row, nodes, first_node = len(self.table), len(body.nodes), self.node_count
+        base_nodes = -(-len(bases.bases) // self.per_node)
+        first_element, count = sum(map(len, self.elements)), len(body.elements)  # type: ignore[attr-defined]
+        strains = np.asarray(self.type.strain_counts(body), dtype=np.int64)
+        places = [self.store(block) for block in self.type.element_data(body)]
+        elements = np.zeros((count, 6 + 2 * len(self.type.pairs)), dtype=np.int64)
+        global_nodes = first_node + np.asarray(body.elements, dtype=np.int64)  # type: ignore[attr-defined]
+        elements[:, : self.type.nodes_per_element] = global_nodes * self.lanes
+        elements[:, 4] = places
+        elements[:, 5] = self.strain_count + np.cumsum(strains) - strains
+        self.elements.append(elements)
+        self.edges += [global_nodes[:, list(pair)] for pair in self.type.pairs if pair[0] != pair[1]]
+
+        first_base_node, first_base = first_node + nodes, len(self.bases)
+        for i, base in enumerate(bases.bases):
+            node, slot = first_base_node + i // self.per_node, i % self.per_node
+            place = node * self.lanes + 3 * slot
+            self.bases.append((first_element + base.element, self.store(base.shape), place))
+            own = global_nodes[base.element]
+            self.edges.append(np.column_stack([np.full(len(own), node), own]))
+        self.last.append(list(range(first_base_node, first_base_node + base_nodes)))
+        for entry in bases.entries:
+            self.markers.append(
+                (entry.number, row, first_base + entry.base, entry.type, self.store(entry.data), entry.level)
+            )
+        for target, point in zip(sensors.numbers, sensors.vectors, strict=True):
+            element, local = self.type.locate(body, point, body.name, "sensor")
+            shape = self.type.shape_values(body, element, local, 0)
+            place = self.store(shape)
+            self.sensors.append((target, row, first_element + element, POINT_MARKER, place, RECORD))
+
+        start = _start(body)
+        rotation = rotation_matrix(np.asarray(body.orientation, dtype=np.float64))
+        spin = np.asarray(body.angular_velocity, dtype=np.float64)
+        speed = np.cross(spin, start)
+        speed[:, 0] += rotation.T @ np.asarray(body.velocity, dtype=np.float64)
+        free = _free(body, self.type)
+        speed *= free
+        pad = ((0, base_nodes), (0, 0))
+        for rows, values in ((self.start, start), (self.speed, speed), (self.free, free)):
+            rows.append(np.pad(values.reshape(nodes, -1), pad))
+        middle = start[:, 0].mean(axis=0)
+        self.coordinates.append(np.vstack([start[:, 0], np.tile(middle, (base_nodes, 1))]))
+
+        first_load = len(self.loads.rows)
+        for load in body.loads:
+            self.loads.add(body, load, rotation, first_node, first_element, self.lanes)
+        mass, _ = mass_and_inertia(body)
+        numbers = np.zeros(BODY_COLUMNS)
+        numbers[ROTATION : ROTATION + 9] = rotation.ravel()
+        numbers[ORIGIN : ORIGIN + 3] = body.position
+        numbers[VISCOUS], numbers[STIFFNESS_DAMPING] = body.viscous_damping, body.stiffness_damping
+        numbers[DRIFT_TOLERANCE], numbers[MASS] = body.drift_tolerance, mass
+        numbers[SIZE] = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
+        self.body.append(numbers)
+        self.table.append(
+            [
+                number, dof, column, first_node, nodes, base_nodes, first_element, count, 0, 0,
+                first_base, len(bases.bases), first_load, len(self.loads.rows) - first_load,
+                self.strain_count, int(strains.sum()), SCHEMES[body.elasticity], 0, 0,
+                self.store(self.type.body_constants(body)), 0, 0, self.store(np.full(1, -1.0)),
+                column + record_width(body) - 1, 0,
+            ]
+        )  # fmt: skip
+        self.node_count += nodes + base_nodes
+        self.strain_count += int(strains.sum())
+
+    def finish(self) -> Meshes:
+        """Order the nodes and make the arrays."""
+        table = np.array(self.table, dtype=np.int64).reshape(-1, TABLE_COLUMNS)
+        edges = np.unique(np.sort(np.vstack(self.edges), axis=1), axis=0)
+        edges = edges[edges[:, 0] != edges[:, 1]]
+        groups = np.repeat(np.arange(len(table)), table[:, 4] + table[:, 5])
+        pattern = pack_blocks(
+            self.node_count,
+            edges,
+            self.type.rows,
+            last=self.last,
+            groups=groups,
+            coordinates=np.vstack(self.coordinates),
+        )
+        table[:, 8:10] = pattern.ranges
+        elements = np.vstack(self.elements)
+        for p, (i, j) in enumerate(self.type.pairs):
+            a, b = elements[:, i] // self.lanes, elements[:, j] // self.lanes
+            elements[:, 6 + 2 * p], elements[:, 7 + 2 * p] = pattern.places(a, b)
+        free = np.vstack(self.free)
+        clears, counts = _clears(pattern, free, edges, groups)
+        table[:, 18] = counts
+        table[:, 17] = np.cumsum(counts) - counts
+        base_blocks = _base_blocks(pattern, table)
+        table[:, 24] = pattern.scratch
+        table[:, 20:22] = _block_ranges(pattern, groups, base_blocks, len(self.shape[0]) * self.lanes)
+        nodal = aligned((NODAL_ROWS, self.node_count * self.lanes))
+        for row, values in ((Q, self.start), (V, self.speed), (FREE, self.free)):
+            nodal[row].reshape(self.node_count, self.lanes)[:, : self.type.rows] = np.vstack(values)
+        nodal[ACCELERATION] = 0.0
+        kind = self.type.kind(
+            shape=self.shape,
+            table=table,
+            elements=np.ascontiguousarray(elements),
+            constants=np.concatenate(self.constants),
+            body=np.array(self.body),
+            nodal=nodal,
+            strains=aligned((STRAIN_ROWS, self.strain_count)),
+            columns=pattern.columns,
+            lower=pattern.lower,
+            updates=pattern.updates,
+            blocks=aligned(SETS * pattern.size),
+            clears=clears,
+            base_blocks=base_blocks,
+            bases=self._based(pattern, elements),
+            markers=_sorted(self.markers),
+            sensors=np.array(self.sensors, dtype=np.int64).reshape(-1, 6),
+            loads=self.loads.table(),
+        )
+        _weigh(kind)
+        return kind
+
+    def _based(self, pattern: BlockPattern, elements: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Rows of `bases`, with the blocks that couple them with the nodes of their elements."""
+        bases = np.zeros((len(self.bases), 7), dtype=np.int64)
+        bases[:, :3] = np.array(self.bases, dtype=np.int64).reshape(-1, 3)
+        for i in range(self.type.nodes_per_element):
+            nodes = elements[bases[:, 0], i] // self.lanes
+            bases[:, 3 + i] = pattern.places(bases[:, 2] // self.lanes, nodes)[0]
+        return bases
+
+
+def _free(body: MeshBody, of_type: MeshType) -> NDArray[np.float64]:
+    """1 for free coordinates, 0 for fixed ones, shape (n, vectors, 3)."""
+    free = np.ones((len(body.nodes), len(of_type.vectors), 3))
+    for support in body.supports:
+        for vector, axes in support.fixed.items():
+            for axis in axes:
+                free[np.asarray(support.nodes), of_type.vectors.index(vector), "xyz".index(axis)] = 0.0
+    return free
+
+
+def _clears(
+    pattern: BlockPattern, free: NDArray[np.float64], edges: NDArray[np.int64], groups: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Which row or lane of which block is a fixed coordinate, in the order of bodies; their number by body."""
+    fixed = free == 0.0
+    rows: list[tuple[int, int, int, int]] = []
+    on_node: dict[int, list[int]] = {}
+    for a, b in edges:
+        on_node.setdefault(int(a), []).append(int(b))
+        on_node.setdefault(int(b), []).append(int(a))
+    base = ~np.isin(np.arange(len(free)), pattern.columns[:, 0])
+    for node in np.flatnonzero(fixed.any(axis=1) & ~base):
+        coordinates = np.flatnonzero(fixed[node])
+        own, _ = pattern.place(int(node), int(node))
+        for other in on_node.get(int(node), []):
+            place, earlier = pattern.place(int(node), other)
+            rows += [(int(groups[node]), place, 0 if earlier else 1, int(c)) for c in coordinates]
+        for c in coordinates:
+            rows += [(int(groups[node]), own, kind, int(c)) for kind in (0, 1, 2)]
+    rows.sort(key=lambda row: (row[0], row[2] == 2))
+    counts = np.bincount([row[0] for row in rows], minlength=int(groups.max()) + 1)
+    return np.array([row[1:] for row in rows], dtype=np.int64).reshape(-1, 3), counts
+
+
+def _base_blocks(pattern: BlockPattern, table: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Body, later base node, earlier one (counted within the body) and place of the blocks of bases, by body."""
+    rows = []
+    for body, line in enumerate(table):
+        first, count = int(line[3] + line[4]), int(line[5])
+        for i in range(count):
+            for j in range(i + 1):
+                rows.append((body, i, j, pattern.place(first + i, first + j)[0]))
+    return np.array(rows, dtype=np.int64).reshape(-1, 4)
+
+
+def _block_ranges(
+    pattern: BlockPattern, groups: NDArray[np.int64], base_blocks: NDArray[np.int64], size: int
+) -> NDArray[np.int64]:
+    """First place and the one behind the last of the blocks of each body, shape (bodies, 2)."""
+    of_column = groups[pattern.columns[:, 0]]
+    counts = pattern.columns[:, 2]
+    places = np.concatenate([pattern.columns[:, 4], pattern.lower[:, 1], base_blocks[:, 3]])
+    owners = np.concatenate([of_column, np.repeat(of_column, counts), base_blocks[:, 0]])
+    ranges = np.array(
+        [[places[owners == g].min(), places[owners == g].max() + size] for g in np.unique(groups)]
+    )
+    if np.any(ranges[1:, 0] < ranges[:-1, 1]):
+        raise AssertionError("blocks of bodies overlap")
+    return ranges.astype(np.int64)
+
+
+def _sorted(markers: list[tuple[int, int, int, int, int, int]]) -> NDArray[np.int64]:
+    return np.array(sorted(markers, key=lambda row: row[5]), dtype=np.int64).reshape(-1, 6)
+
+
+def _weigh(kind: Meshes) -> None:
+    """Row `WEIGHT`: the mass matrix times a unit acceleration along all three axes."""
+    lanes = len(kind.shape[1])
+    frame = len(kind.shape[0]) == 6
+    nodes, vectors = (2, 2) if frame else (4, 4)
+    weight = kind.nodal[WEIGHT]
+    for element in kind.elements:
+        count = nodes * vectors
+        M = kind.constants[element[4] : element[4] + count * count].reshape(count, count)
+        force = M[:, ::vectors].sum(axis=1)
+        for i in range(nodes):
+            for a in range(vectors):
+                place = element[i] + 3 * a
+                weight[place : place + 3] += force[i * vectors + a]
+    assert weight.shape[0] % lanes == 0
+
+
+def pack_meshes(
+    bodies: Sequence[MeshBody],
+    first_number: int,
+    dofs: Sequence[int],
+    first_column: int,
+    markers: Sequence[BodyMarkers],
+    sensors: Sequence[BodyMarkers],
+) -> Meshes:
+    """Make a kind of all frames or all shells of a scene.
+
+    Parameters
+    ----------
+    bodies
+        Of one type, checked.
+    first_number
+        Number of the first of them in the scene; the others follow.
+    dofs
+        First velocity of each in the workspace.
+    first_column
+        First record column.
+    markers, sensors
+        On each.
+
+    Raises
+    ------
+    InputError
+        If a marker, sensor or load does not fit its body.
+    """
+    builder = _Builder(type_of(bodies[0]))
+    column = first_column
+    for i, (body, dof, on_body, watched) in enumerate(zip(bodies, dofs, markers, sensors, strict=True)):
+        builder.add(body, first_number + i, dof, column, plan_bases(body, on_body), watched)
+        column += record_width(body)
+    kind = builder.finish()
+    prepare_meshes(kind)
+    return kind

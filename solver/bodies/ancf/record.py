@@ -1,0 +1,199 @@
+"""Records of frames and shells: nodal vectors in world axes, stresses, energies and momenta."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.ancf.assembly import add_matrix_products
+from heavylift.solver.bodies.ancf.elements import (
+    find_strains,
+    measure_drift,
+    measure_strain_energy,
+    record_elements,
+)
+from heavylift.solver.bodies.ancf.kind import (
+    COLUMN,
+    DISSIPATED_WORK,
+    DRIFT,
+    ELASTIC_ENERGY,
+    ELEMENT_DATA,
+    ELEMENTS,
+    EXTERNAL,
+    FIRST_ELEMENT,
+    FIRST_NODE,
+    LAST_RESULT,
+    MARKER_BODY,
+    MARKER_DATA,
+    MASS,
+    NODES,
+    ORIGIN,
+    RIGHT,
+    ROTATION,
+    SCRATCH,
+    SHAPE_STRAIN,
+    STRAIN,
+    WEIGHT,
+    FrameMeshes,
+    Meshes,
+    Q,
+    ShellMeshes,
+    V,
+)
+from heavylift.solver.bodies.ancf.step import node_span
+from heavylift.solver.interface import (
+    ANGULAR_MOMENTUM,
+    DISSIPATED,
+    ELASTIC,
+    EXTERNAL_WORK,
+    FIELD,
+    KINETIC,
+    LINEAR_MOMENTUM,
+    POTENTIAL,
+    Workspace,
+    add_totals,
+    record,
+)
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+
+@kernel(internal=True)
+def _write_rotated(
+    kind: Meshes, body: int, row: int, vector: int, origin: float, out: NDArray[np.float64], at: int
+) -> None:
+    """A vector of all nodes in world axes; the origin is added to positions."""
+    lanes = len(kind.shape[1])
+    R, x = kind.body[body], kind.nodal[row]
+    first = kind.table[body, FIRST_NODE]
+    for node in range(kind.table[body, NODES]):
+        place = (first + node) * lanes + 3 * vector
+        for k in range(3):
+            out[at + 3 * node + k] = (
+                R[ROTATION + 3 * k] * x[place]
+                + R[ROTATION + 3 * k + 1] * x[place + 1]
+                + R[ROTATION + 3 * k + 2] * x[place + 2]
+                + origin * R[ORIGIN + k]
+            )
+
+
+@kernel(internal=True)
+def _write_sensors(kind: Meshes, row: NDArray[np.float64]) -> None:
+    """Position and velocity of material points."""
+    vectors = len(kind.shape[0]) // 3
+    nodes = 2 if vectors == 2 else 4
+    for sensor in range(kind.sensors.shape[0]):
+        column, body, element = (
+            kind.sensors[sensor, 0],
+            kind.sensors[sensor, MARKER_BODY],
+            kind.sensors[sensor, 2],
+        )
+        shape, R = kind.sensors[sensor, MARKER_DATA], kind.body[body]
+        for which in range(2):
+            x = y = z = 0.0
+            for i in range(nodes):
+                for a in range(vectors):
+                    at, value = kind.elements[element, i] + 3 * a, kind.constants[shape + i * vectors + a]
+                    x += value * kind.nodal[which, at]
+                    y += value * kind.nodal[which, at + 1]
+                    z += value * kind.nodal[which, at + 2]
+            for k in range(3):
+                total = R[ROTATION + 3 * k] * x + R[ROTATION + 3 * k + 1] * y + R[ROTATION + 3 * k + 2] * z
+                row[column + 3 * which + k] = total + (R[ORIGIN + k] if which == 0 else 0.0)
+
+
+@implement(record, FrameMeshes)
+@implement(record, ShellMeshes)
+@kernel(internal=True)
+def record_meshes(kind: Meshes, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
+    """Nodal vectors, velocities of the nodes, results of the elements, drift of the carried strains."""
+    vectors = len(kind.shape[0]) // 3
+    for body in range(kind.table.shape[0]):
+        column, count = kind.table[body, COLUMN], 3 * kind.table[body, NODES]
+        for vector in range(vectors):
+            origin = 1.0 if vector == 0 else 0.0
+            _write_rotated(kind, body, Q, vector, origin, row, column + vector * count)
+        _write_rotated(kind, body, V, 0, 0.0, row, column + vectors * count)
+        record_elements((kind,), body, row, column + (vectors + 1) * count)
+        find_strains((kind,), body, Q, SHAPE_STRAIN)
+        measure_drift((kind,), body, STRAIN, SHAPE_STRAIN)
+        row[kind.table[body, LAST_RESULT]] = kind.body[body, DRIFT]
+    _write_sensors(kind, row)
+
+
+@kernel(internal=True)
+def _add_angular_momentum(kind: Meshes, body: int, out: NDArray[np.float64]) -> None:
+    """About the world origin: ``sum M_ab r_a x v_b`` in body axes, then with the origin of the body."""
+    vectors = len(kind.shape[0]) // 3
+    nodes = 2 if vectors == 2 else 4
+    count = nodes * vectors
+    q, v, R = kind.nodal[Q], kind.nodal[V], kind.body[body]
+    x = y = z = 0.0
+    first = kind.table[body, FIRST_ELEMENT]
+    for e in range(first, first + kind.table[body, ELEMENTS]):
+        M = kind.elements[e, ELEMENT_DATA]
+        for i in range(count):
+            a = kind.elements[e, i // vectors] + 3 * (i % vectors)
+            for j in range(count):
+                b, m = kind.elements[e, j // vectors] + 3 * (j % vectors), kind.constants[M + i * count + j]
+                x += m * (q[a + 1] * v[b + 2] - q[a + 2] * v[b + 1])
+                y += m * (q[a + 2] * v[b] - q[a] * v[b + 2])
+                z += m * (q[a] * v[b + 1] - q[a + 1] * v[b])
+    p = out
+    for k in range(3):
+        out[ANGULAR_MOMENTUM + k] += (
+            R[ROTATION + 3 * k] * x + R[ROTATION + 3 * k + 1] * y + R[ROTATION + 3 * k + 2] * z
+        )
+    o1, o2, o3 = R[ORIGIN], R[ORIGIN + 1], R[ORIGIN + 2]
+    p1, p2, p3 = R[SCRATCH], R[SCRATCH + 1], R[SCRATCH + 2]
+    p[ANGULAR_MOMENTUM] += o2 * p3 - o3 * p2
+    p[ANGULAR_MOMENTUM + 1] += o3 * p1 - o1 * p3
+    p[ANGULAR_MOMENTUM + 2] += o1 * p2 - o2 * p1
+
+
+@implement(add_totals, FrameMeshes)
+@implement(add_totals, ShellMeshes)
+@kernel(internal=True, reassociate=True)
+def add_mesh_totals(kind: Meshes, work: Workspace) -> None:
+    """Energies with the carried strains, which are those of the shape where the scheme iterates."""
+    lanes, rows = len(kind.shape[1]), len(kind.shape[0])
+    sums = work.sums
+    for body in range(kind.table.shape[0]):
+        first, last = node_span(kind, body)
+        R = kind.body[body]
+        right, q, v, weight = kind.nodal[RIGHT], kind.nodal[Q], kind.nodal[V], kind.nodal[WEIGHT]
+        for i in range(first, last):
+            right[i] = 0.0
+        add_matrix_products(kind, body, V, 1.0, Q, 0.0, RIGHT)
+        kinetic = bending = 0.0
+        for i in range(first, last):
+            kinetic += right[i] * v[i]
+            right[i] = 0.0
+        add_matrix_products(kind, body, V, 0.0, Q, 1.0, RIGHT)
+        for i in range(first, last):
+            bending += right[i] * q[i]
+        R[ELASTIC_ENERGY] = 0.5 * bending
+        measure_strain_energy((kind,), body, STRAIN)
+        p1 = p2 = p3 = s1 = s2 = s3 = 0.0
+        for node in range(first, last, lanes):
+            for a in range(0, rows, 3):
+                w = weight[node + a]
+                p1 += w * v[node + a]
+                p2 += w * v[node + a + 1]
+                p3 += w * v[node + a + 2]
+                s1 += w * q[node + a]
+                s2 += w * q[node + a + 1]
+                s3 += w * q[node + a + 2]
+        sums[KINETIC] += 0.5 * kinetic
+        sums[ELASTIC] += R[ELASTIC_ENERGY]
+        for k in range(3):
+            p = R[ROTATION + 3 * k] * p1 + R[ROTATION + 3 * k + 1] * p2 + R[ROTATION + 3 * k + 2] * p3
+            s = R[ROTATION + 3 * k] * s1 + R[ROTATION + 3 * k + 1] * s2 + R[ROTATION + 3 * k + 2] * s3
+            R[SCRATCH + k] = p
+            sums[LINEAR_MOMENTUM + k] += p
+            sums[POTENTIAL] -= sums[FIELD + k] * (s + R[MASS] * R[ORIGIN + k])
+        _add_angular_momentum(kind, body, sums)
+        sums[EXTERNAL_WORK] += R[EXTERNAL]
+        sums[DISSIPATED] += R[DISSIPATED_WORK]

@@ -1,0 +1,269 @@
+"""Bicubic shell elements with strains of Green-Lagrange: forces, stiffness, energy and stresses.
+
+"Integrated simulation ... (2018)", section 2.3, with two corrections: forces are the gradient of an energy
+(eq. 131 mixes strain measures), and covariant components of strain serve elements that are not rectangular.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import cross
+from heavylift.solver.bodies.ancf.elements import (
+    add_follower_load,
+    add_stiffness,
+    add_strain_rates,
+    add_stress_forces,
+    find_strains,
+    measure_drift,
+    measure_strain_energy,
+    record_elements,
+)
+from heavylift.solver.bodies.ancf.kind import (
+    CONSTANTS,
+    DRIFT,
+    DRIFT_ELEMENT,
+    ELASTIC_ENERGY,
+    ELEMENT_BLOCKS,
+    ELEMENT_DATA,
+    ELEMENT_STRAIN,
+    ELEMENTS,
+    FIRST_ELEMENT,
+    Q,
+    ShellMeshes,
+)
+from heavylift.solver.bodies.ancf.shell_data import (
+    CENTRE,
+    COUNT,
+    LANES,
+    LINE,
+    MATERIAL,
+    METRIC,
+    MODULI,
+    POINTS,
+    STRAINS_PER_LINE,
+)
+from heavylift.solver.bodies.ancf.shell_lanes import (
+    add_element_forces,
+    add_element_pressure,
+    add_element_rates,
+    put_element_strains,
+)
+from heavylift.solver.bodies.ancf.shell_lanes_stiffness import BLOCK_ORDER, add_element_stiffness
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+Four = tuple[int, int, int, int]
+
+
+@kernel(inline=True, internal=True)
+def node_places(kind: ShellMeshes, element: int, row: int) -> Four:
+    """Where the nodes of an element begin in a row of `nodal`, counted from the first row."""
+    first = row * kind.nodal.shape[1]
+    nodes = kind.elements
+    return first + nodes[element, 0], first + nodes[element, 1], first + nodes[element, 2], first + nodes[element, 3]
+
+
+@implement(find_strains, ShellMeshes)
+@kernel(internal=True)
+def find_shell_strains(kind: ShellMeshes, body: int, q: int, strain: int) -> None:
+    """``E_ab = (r_a.r_b - X_a.X_b)/2``."""
+    tables, first = kind.table[body, CONSTANTS], kind.table[body, FIRST_ELEMENT]
+    row = strain * kind.strains.shape[1]
+    for e in range(first, first + kind.table[body, ELEMENTS]):
+        n0, n1, n2, n3 = node_places(kind, e, q)
+        data, at = kind.elements[e, ELEMENT_DATA], row + kind.elements[e, ELEMENT_STRAIN]
+        put_element_strains(
+            kind.constants, tables, kind.constants, data, kind.nodal, n0, n1, n2, n3, kind.strains, at
+        )
+
+
+@implement(add_strain_rates, ShellMeshes)
+@kernel(internal=True)
+def add_shell_rates(kind: ShellMeshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
+    """``B v``: ``(r_a.v_b + v_a.r_b)/2``."""
+    tables, first = kind.table[body, CONSTANTS], kind.table[body, FIRST_ELEMENT]
+    row = strain * kind.strains.shape[1]
+    for e in range(first, first + kind.table[body, ELEMENTS]):
+        n0, n1, n2, n3 = node_places(kind, e, q)
+        v0, v1, v2, v3 = node_places(kind, e, v)
+        data, at = kind.elements[e, ELEMENT_DATA], row + kind.elements[e, ELEMENT_STRAIN]
+        add_element_rates(
+            kind.constants, tables, kind.constants, data,
+            kind.nodal, n0, n1, n2, n3, kind.nodal, v0, v1, v2, v3,
+            kind.strains, at, factor,
+        )  # fmt: skip
+
+
+@implement(add_stress_forces, ShellMeshes)
+@kernel(internal=True)
+def add_shell_forces(kind: ShellMeshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
+    """``int N_ab r_a.dr_b``, N by strain of the row."""
+    tables, first = kind.table[body, CONSTANTS], kind.table[body, FIRST_ELEMENT]
+    row = strain * kind.strains.shape[1]
+    for e in range(first, first + kind.table[body, ELEMENTS]):
+        n0, n1, n2, n3 = node_places(kind, e, q)
+        f0, f1, f2, f3 = node_places(kind, e, force)
+        data, at = kind.elements[e, ELEMENT_DATA], row + kind.elements[e, ELEMENT_STRAIN]
+        add_element_forces(
+            kind.constants, tables, kind.constants, data,
+            kind.nodal, n0, n1, n2, n3, kind.strains, at,
+            kind.nodal, f0, f1, f2, f3, factor,
+        )  # fmt: skip
+
+
+@implement(add_stiffness, ShellMeshes)
+@kernel(internal=True)
+def add_shell_stiffness(
+    kind: ShellMeshes,
+    body: int,
+    q: int,
+    strain: int,
+    force: int,
+    factor: float,
+    scale: float,
+    geometric: float,
+) -> None:
+    """Forces, and stiffness into the blocks, element by element while its numbers are at hand."""
+    tables, first = kind.table[body, CONSTANTS], kind.table[body, FIRST_ELEMENT]
+    row = strain * kind.strains.shape[1]
+    for e in range(first, first + kind.table[body, ELEMENTS]):
+        n0, n1, n2, n3 = node_places(kind, e, q)
+        f0, f1, f2, f3 = node_places(kind, e, force)
+        data, at = kind.elements[e, ELEMENT_DATA], row + kind.elements[e, ELEMENT_STRAIN]
+        add_element_forces(
+            kind.constants, tables, kind.constants, data,
+            kind.nodal, n0, n1, n2, n3, kind.strains, at,
+            kind.nodal, f0, f1, f2, f3, factor,
+        )  # fmt: skip
+        places = e * kind.elements.shape[1] + ELEMENT_BLOCKS
+        add_element_stiffness(
+            kind.constants, tables, kind.constants, data,
+            kind.nodal, n0, n1, n2, n3, kind.strains, at,
+            kind.elements, places, kind.blocks, 0, BLOCK_ORDER, 0, scale, geometric,
+        )  # fmt: skip
+
+
+@implement(measure_strain_energy, ShellMeshes)
+@kernel(internal=True, reassociate=True)
+def measure_shell_energy(kind: ShellMeshes, body: int, strain: int) -> None:
+    """``e^T D e / 2`` over all Gauss points."""
+    C, e = kind.constants, kind.strains
+    count = int(C[kind.table[body, CONSTANTS] + COUNT])
+    first, total = kind.table[body, FIRST_ELEMENT], 0.0
+    for element in range(first, first + kind.table[body, ELEMENTS]):
+        for line in range(count):
+            at = kind.elements[element, ELEMENT_STRAIN] + line * STRAINS_PER_LINE
+            D = kind.elements[element, ELEMENT_DATA] + POINTS + line * LINE + MODULI
+            for g in range(LANES):
+                x, y, z = e[strain, at + g], e[strain, at + 8 + g], e[strain, at + 16 + g]
+                squares = C[D + g] * x * x + C[D + 8 + g] * y * y + C[D + 16 + g] * z * z
+                mixed = C[D + 24 + g] * x * y + (C[D + 32 + g] * x + C[D + 40 + g] * y) * z
+                total += 0.5 * squares + mixed
+    kind.body[body, ELASTIC_ENERGY] += total
+
+
+@implement(measure_drift, ShellMeshes)
+@kernel(internal=True)
+def measure_shell_drift(kind: ShellMeshes, body: int, first: int, second: int) -> None:
+    """Differences per length squared of the mesh lines they belong to, which makes them strains."""
+    C, strains = kind.constants, kind.strains
+    count = int(C[kind.table[body, CONSTANTS] + COUNT])
+    begin, largest, found = kind.table[body, FIRST_ELEMENT], -1.0, 0
+    for element in range(begin, begin + kind.table[body, ELEMENTS]):
+        before = largest
+        for line in range(count):
+            at = kind.elements[element, ELEMENT_STRAIN] + line * STRAINS_PER_LINE
+            metric = kind.elements[element, ELEMENT_DATA] + POINTS + line * LINE + METRIC
+            for g in range(count):
+                xx, yy = 2.0 * C[metric + g], 2.0 * C[metric + 8 + g]
+                d1 = abs(strains[first, at + g] - strains[second, at + g]) / xx
+                d2 = abs(strains[first, at + 8 + g] - strains[second, at + 8 + g]) / yy
+                d3 = abs(strains[first, at + 16 + g] - strains[second, at + 16 + g])
+                largest = max(largest, d1, d2, d3 / math.sqrt(xx * yy))
+        if largest > before:
+            found = element - begin
+    kind.body[body, DRIFT] = max(largest, 0.0)
+    kind.body[body, DRIFT_ELEMENT] = found
+
+
+@implement(add_follower_load, ShellMeshes)
+@kernel(internal=True)
+def add_shell_pressure(
+    kind: ShellMeshes, body: int, q: int, element: int, load: int, data: int, factor: float
+) -> None:
+    """Pressure along ``r_xi x r_eta`` on the present area."""
+    n0, n1, n2, n3 = node_places(kind, element, q)
+    f0, f1, f2, f3 = node_places(kind, element, load)
+    add_element_pressure(
+        kind.constants, kind.table[body, CONSTANTS], kind.constants, kind.elements[element, ELEMENT_DATA],
+        kind.nodal, n0, n1, n2, n3, kind.nodal, f0, f1, f2, f3, factor * kind.constants[data],
+    )  # fmt: skip
+
+
+Vector = tuple[float, float, float]
+
+
+@kernel(inline=True, internal=True)
+def centre_vector(kind: ShellMeshes, element: int, place: int) -> Vector:
+    """A row of the centre of an element times its carried coordinates."""
+    x = y = z = 0.0
+    for node in range(4):
+        at = kind.elements[element, node]
+        for vector in range(4):
+            value, first = kind.constants[place + 4 * node + vector], at + 3 * vector
+            x += value * kind.nodal[Q, first]
+            y += value * kind.nodal[Q, first + 1]
+            z += value * kind.nodal[Q, first + 2]
+    return x, y, z
+
+
+@kernel(inline=True, internal=True)
+def dot(a: Vector, b: Vector) -> float:
+    """Inner product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel(inline=True, internal=True)
+def von_mises(xx: float, yy: float, xy: float) -> float:
+    """Equivalent stress of plane stress."""
+    return math.sqrt(max(xx * xx - xx * yy + yy * yy + 3.0 * xy * xy, 0.0))
+
+
+@implement(record_elements, ShellMeshes)
+@kernel(internal=True)
+def record_shell(kind: ShellMeshes, body: int, row: NDArray[np.float64], column: int) -> None:
+    """Membrane forces, bending moments and equivalent stresses at the centres, each for all elements.
+
+    Axes are those of the surface, the first along ``X_xi`` of the unloaded shape. Curvatures are ``n.r_ab`` with
+    ``n`` along ``r_1 x r_2``; a fibre at the height z along n has the strain of the middle less z times the curvature.
+    """
+    begin, count = kind.table[body, FIRST_ELEMENT], kind.table[body, ELEMENTS]
+    for e in range(count):
+        data = kind.elements[begin + e, ELEMENT_DATA]
+        stretch, nu = kind.constants[data + MATERIAL], kind.constants[data + MATERIAL + 1]
+        bend, thickness = kind.constants[data + MATERIAL + 2], kind.constants[data + MATERIAL + 3]
+        a = centre_vector(kind, begin + e, data + CENTRE)
+        b = centre_vector(kind, begin + e, data + CENTRE + 16)
+        xx, yy, xy = 0.5 * (dot(a, a) - 1.0), 0.5 * (dot(b, b) - 1.0), 0.5 * dot(a, b)
+        Nx, Ny, Nxy = stretch * (xx + nu * yy), stretch * (yy + nu * xx), stretch * (1.0 - nu) * xy
+        n = cross(a[0], a[1], a[2], b[0], b[1], b[2])
+        length = math.sqrt(dot(n, n))
+        kx = dot(n, centre_vector(kind, begin + e, data + CENTRE + 32)) / length
+        ky = dot(n, centre_vector(kind, begin + e, data + CENTRE + 48)) / length
+        kxy = dot(n, centre_vector(kind, begin + e, data + CENTRE + 64)) / length
+        Mx, My, Mxy = bend * (kx + nu * ky), bend * (ky + nu * kx), bend * (1.0 - nu) * kxy
+        at = column + 3 * e
+        row[at], row[at + 1], row[at + 2] = Nx, Ny, Nxy
+        at += 3 * count
+        row[at], row[at + 1], row[at + 2] = Mx, My, Mxy
+        at += 3 * count
+        flat, high = 1.0 / thickness, 6.0 / (thickness * thickness)
+        for side in range(3):
+            up = (side - 1) * high  # top first: its fibres are shortened by a positive curvature
+            row[at + side] = von_mises(flat * Nx + up * Mx, flat * Ny + up * My, flat * Nxy + up * Mxy)

@@ -1,0 +1,299 @@
+"""Frames and shells in a second-order step: one linear solve with carried strains.
+
+"Stress as multiplier": each strain at a Gauss point is a constraint with the compliance of the material, and its
+value ``s`` is carried as joints carry their positions, in the notation of "Integrated simulation ... (2018)",
+eq. 49::
+
+    qm = q + h/2 v,   B = de/dq at qm
+    ( M (1 + h/2 a) + (h^2/4 + h/2 b) (B^T C B + K_b) ) vb = M v + h/2 ( f - B^T C s - K_b q )  + G^T P
+    q += h vb,   v := 2 vb - v,   s += h B vb
+
+with viscous damping a and stiffness damping b. The matrix is positive definite in any state, the scheme is of second
+order, and ``v^T M v/2 + s^T C s/2 + q^T K_b q/2 - f^T q`` is conserved. What drifts is the distance of s from
+the strains of the shape; `heavylift.solver.bodies.ancf.energy_momentum` takes over where it matters.
+"""
+
+from __future__ import annotations
+
+import math
+
+from heavylift.numerics.block_factor import backward_blocks, forward_blocks
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
+from heavylift.solver.bodies.ancf.assembly import (
+    add_matrix_products,
+    clear_fixed,
+    factor_set,
+    set_size,
+    start_step_matrix,
+)
+from heavylift.solver.bodies.ancf.elements import (
+    add_stiffness,
+    add_strain_rates,
+    add_stress_forces,
+    find_strains,
+)
+from heavylift.solver.bodies.ancf.kind import (
+    ACCELERATION,
+    BASE_NODES,
+    BASE_PLACE,
+    BASES,
+    CHANGE,
+    CHANGED_OVER,
+    DOF,
+    ENERGY_MOMENTUM,
+    EXPLICIT,
+    FIRST_BASE,
+    FIRST_COLUMN,
+    FIRST_NODE,
+    FORWARD,
+    FREE,
+    LAST_COLUMN,
+    LOAD,
+    MASS_SET,
+    MID_Q,
+    MID_V,
+    MOMENTUM,
+    NODES,
+    NUMBER,
+    RIGHT,
+    ROTATION,
+    SCHEME,
+    SHAPE_STRAIN,
+    STEP_LIMIT,
+    STEP_SET,
+    STIFFNESS_DAMPING,
+    STRAIN,
+    TIME,
+    VISCOUS,
+    WEIGHT,
+    FrameMeshes,
+    Meshes,
+    Q,
+    ShellMeshes,
+    V,
+)
+from heavylift.solver.bodies.ancf.loads import gather_loads
+from heavylift.solver.interface import (
+    ERROR,
+    FIELD,
+    STATUS_BODY,
+    STATUS_OUTCOME,
+    Workspace,
+    check,
+    estimate_error,
+    factor,
+    finish,
+    predict,
+    start,
+)
+from heavylift.solver.kinds import implement
+
+__all__ = ["add_gravity", "is_iterated", "node_span", "scatter_back", "solve_forward"]
+
+NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE)
+
+
+@kernel(inline=True, internal=True)
+def is_iterated(kind: Meshes, body: int) -> bool:
+    """Whether the energy-momentum scheme steps this body."""
+    return kind.table[body, SCHEME] == ENERGY_MOMENTUM or kind.body[body, CHANGED_OVER] != 0.0
+
+
+@kernel(inline=True, internal=True)
+def node_span(kind: Meshes, body: int) -> tuple[int, int]:
+    """Places of the nodes of a body in a row of `nodal`."""
+    lanes = len(kind.shape[1])
+    first = kind.table[body, FIRST_NODE] * lanes
+    return first, first + kind.table[body, NODES] * lanes
+
+
+@kernel(internal=True)
+def solve_forward(kind: Meshes, body: int, which: int) -> None:
+    """Forward substitution of row `RIGHT` with the factor of a set; the bases are left with ``-J A^-1 r``."""
+    lanes = len(kind.shape[1])
+    first, last = node_span(kind, body)
+    right, free = kind.nodal[RIGHT], kind.nodal[FREE]
+    for i in range(first, last):
+        right[i] *= free[i]
+    for i in range(last, last + kind.table[body, BASE_NODES] * lanes):
+        right[i] = 0.0
+    forward_blocks(
+        kind.shape,
+        kind.columns,
+        kind.lower,
+        kind.blocks,
+        which * set_size(kind),
+        kind.table[body, FIRST_COLUMN],
+        kind.table[body, LAST_COLUMN],
+        right,
+        0,
+    )
+
+
+@kernel(internal=True)
+def scatter_back(kind: Meshes, body: int, which: int) -> None:
+    """Back substitution of row `RIGHT`, with minus the impulses in the places of the bases."""
+    backward_blocks(
+        kind.shape,
+        kind.columns,
+        kind.lower,
+        kind.blocks,
+        which * set_size(kind),
+        kind.table[body, FIRST_COLUMN],
+        kind.table[body, LAST_COLUMN],
+        kind.nodal[RIGHT],
+        0,
+    )
+
+
+@kernel(internal=True)
+def write_free_bases(kind: Meshes, body: int, work: Workspace) -> None:
+    """Velocities of the bases without joints, after `solve_forward`, into the workspace."""
+    dof, first = kind.table[body, DOF], kind.table[body, FIRST_BASE]
+    for i in range(kind.table[body, BASES]):
+        place = kind.bases[first + i, BASE_PLACE]
+        for k in range(3):
+            work.velocity[dof + 3 * i + k] = -kind.nodal[RIGHT, place + k]
+
+
+@kernel(internal=True)
+def add_gravity(kind: Meshes, body: int, work: Workspace, factor: float) -> None:
+    """Weight into row `RIGHT`."""
+    lanes, rows = len(kind.shape[1]), len(kind.shape[0])
+    R = kind.body[body]
+    g = work.sums
+    first, last = node_span(kind, body)
+    x = factor * (R[ROTATION] * g[FIELD] + R[ROTATION + 3] * g[FIELD + 1] + R[ROTATION + 6] * g[FIELD + 2])
+    y = factor * (
+        R[ROTATION + 1] * g[FIELD] + R[ROTATION + 4] * g[FIELD + 1] + R[ROTATION + 7] * g[FIELD + 2]
+    )
+    z = factor * (
+        R[ROTATION + 2] * g[FIELD] + R[ROTATION + 5] * g[FIELD + 1] + R[ROTATION + 8] * g[FIELD + 2]
+    )
+    right, weight = kind.nodal[RIGHT], kind.nodal[WEIGHT]
+    for node in range(first, last, lanes):
+        for a in range(0, rows, 3):
+            right[node + a] += weight[node + a] * x
+            right[node + a + 1] += weight[node + a] * y
+            right[node + a + 2] += weight[node + a] * z
+
+
+@implement(start, FrameMeshes)
+@implement(start, ShellMeshes)
+@kernel(internal=True)
+def start_meshes(kind: Meshes, time: float, work: Workspace) -> None:
+    """Carried strains are those of the shape at the start."""
+    for body in range(kind.table.shape[0]):
+        find_strains((kind,), body, Q, STRAIN)
+
+
+@implement(predict, FrameMeshes)
+@implement(predict, ShellMeshes)
+@kernel(internal=True)
+def predict_meshes(kind: Meshes, time: float, step: float) -> None:
+    """Midpoint along straight lines; predicted midpoint velocity for rates of markers."""
+    half = 0.5 * step
+    q, v, a, mid_q, mid_v = (
+        kind.nodal[Q],
+        kind.nodal[V],
+        kind.nodal[ACCELERATION],
+        kind.nodal[MID_Q],
+        kind.nodal[MID_V],
+    )
+    for i in range(kind.nodal.shape[1]):
+        mid_q[i] = q[i] + half * v[i]
+        mid_v[i] = v[i] + half * a[i]
+    for body in range(kind.table.shape[0]):
+        kind.body[body, TIME] = time + half
+
+
+@implement(factor, FrameMeshes)
+@implement(factor, ShellMeshes)
+@kernel(internal=True)
+def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
+    """Matrix and right-hand side of the stage, factor and forward substitution."""
+    half = 0.5 * step
+    gather_loads(kind, MID_Q, work)
+    for body in range(kind.table.shape[0]):
+        first, last = node_span(kind, body)
+        right, load, momentum = kind.nodal[RIGHT], kind.nodal[LOAD], kind.nodal[MOMENTUM]
+        for i in range(first, last):
+            momentum[i] = 0.0
+        add_matrix_products(kind, body, V, 1.0, Q, 0.0, MOMENTUM)
+        for i in range(first, last):
+            right[i] = momentum[i] + half * load[i]
+        add_gravity(kind, body, work, half)
+        if kind.table[body, SCHEME] == EXPLICIT:
+            _add_explicit_forces(kind, body, half)
+            solve_forward(kind, body, MASS_SET)
+        else:
+            add_matrix_products(kind, body, V, 0.0, Q, -half, RIGHT)
+            viscous = 1.0 + half * kind.body[body, VISCOUS]
+            stiff = half * (half + kind.body[body, STIFFNESS_DAMPING])
+            start_step_matrix(kind, body, viscous, stiff)
+            add_stiffness((kind,), body, MID_Q, STRAIN, RIGHT, -half, stiff, 0.0)
+            clear_fixed(kind, body, STEP_SET)
+            factor_set(kind, body, STEP_SET)
+            solve_forward(kind, body, STEP_SET)
+        forward = kind.nodal[FORWARD]
+        for i in range(first, last):
+            forward[i] = right[i]
+        write_free_bases(kind, body, work)
+        kind.body[body, CHANGE] = -1.0
+
+
+@kernel(internal=True)
+def _add_explicit_forces(kind: Meshes, body: int, half: float) -> None:
+    """Elastic and damping forces at the midpoint: the position form of the leapfrog."""
+    viscous, stiff = kind.body[body, VISCOUS], kind.body[body, STIFFNESS_DAMPING]
+    add_matrix_products(kind, body, MID_V, -half * viscous, MID_Q, -half, RIGHT)
+    find_strains((kind,), body, MID_Q, SHAPE_STRAIN)
+    if stiff > 0.0:
+        add_matrix_products(kind, body, MID_V, 0.0, MID_V, -half * stiff, RIGHT)
+        add_strain_rates((kind,), body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
+    add_stress_forces((kind,), body, MID_Q, SHAPE_STRAIN, RIGHT, -half)
+
+
+@implement(check, FrameMeshes)
+@implement(check, ShellMeshes)
+@kernel(internal=True, reassociate=True)
+def check_meshes(kind: Meshes, step: float, work: Workspace) -> None:
+    """Refuse what is not finite, and explicit steps beyond their limit."""
+    for body in range(kind.table.shape[0]):
+        first, last = node_span(kind, body)
+        speed = kind.nodal[MID_V]
+        total = 0.0
+        for i in range(first, last):
+            total += abs(speed[i])
+        if not math.isfinite(total):
+            work.status[STATUS_OUTCOME] = NOT_FINITE
+            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+        elif kind.table[body, SCHEME] == EXPLICIT and step > kind.body[body, STEP_LIMIT]:
+            work.status[STATUS_OUTCOME] = STEP_TOO_LARGE
+            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+
+
+@implement(finish, FrameMeshes)
+@implement(finish, ShellMeshes)
+@kernel(internal=True)
+def finish_meshes(kind: Meshes, step: float, work: Workspace) -> None:
+    """Nothing is left to do."""
+
+
+@implement(estimate_error, FrameMeshes)
+@implement(estimate_error, ShellMeshes)
+@kernel(internal=True)
+def estimate_mesh_error(kind: Meshes, step: float, work: Workspace) -> None:
+    """Largest distance of a midpoint velocity from its prediction, as a displacement [m] over the step."""
+    lanes = len(kind.shape[1])
+    v, a, found = kind.nodal[V], kind.nodal[ACCELERATION], kind.nodal[MID_V]
+    for body in range(kind.table.shape[0]):
+        first, last = node_span(kind, body)
+        largest = 0.0
+        for node in range(first, last, lanes):
+            total = 0.0
+            for k in range(node, node + 3):
+                total += (found[k] - v[k] - 0.5 * step * a[k]) ** 2
+            largest = max(largest, total)
+        work.control[ERROR] = max(work.control[ERROR], step * math.sqrt(largest))

@@ -1,0 +1,95 @@
+"""Frames and shells in the first-order scheme of "Integrated simulation ... (2018)", eqs. 12 and 49.
+
+Elastic forces are those of the start of the step, so it is stable for short steps only: 2 over the highest
+circular frequency, as the leapfrog, with which it shares its positions.
+"""
+
+from __future__ import annotations
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.ancf.advance import add_mesh_work
+from heavylift.solver.bodies.ancf.assembly import add_matrix_products
+from heavylift.solver.bodies.ancf.elements import add_strain_rates, add_stress_forces, find_strains
+from heavylift.solver.bodies.ancf.joints import take_impulses
+from heavylift.solver.bodies.ancf.kind import (
+    LOAD,
+    MASS_SET,
+    MID_Q,
+    MID_V,
+    RIGHT,
+    SHAPE_STRAIN,
+    STIFFNESS_DAMPING,
+    STRAIN,
+    TIME,
+    VISCOUS,
+    FrameMeshes,
+    Meshes,
+    Q,
+    ShellMeshes,
+    V,
+)
+from heavylift.solver.bodies.ancf.loads import gather_loads
+from heavylift.solver.bodies.ancf.step import (
+    add_gravity,
+    node_span,
+    scatter_back,
+    solve_forward,
+    write_free_bases,
+)
+from heavylift.solver.interface import Workspace, complete_thesis, thesis_advance, thesis_velocity
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+
+@implement(thesis_velocity, FrameMeshes)
+@implement(thesis_velocity, ShellMeshes)
+@kernel(internal=True)
+def thesis_velocity_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> None:
+    """``M v+ = M v + h ( f - Q(q) - damping )``, without joints."""
+    for body in range(kind.table.shape[0]):
+        kind.body[body, TIME] = time
+    gather_loads(kind, Q, work)
+    right = kind.nodal[RIGHT]
+    for body in range(kind.table.shape[0]):
+        first, last = node_span(kind, body)
+        viscous, stiff = kind.body[body, VISCOUS], kind.body[body, STIFFNESS_DAMPING]
+        for i in range(first, last):
+            right[i] = step * kind.nodal[LOAD, i]
+            kind.nodal[MID_Q, i] = kind.nodal[Q, i]
+        add_gravity(kind, body, work, step)
+        add_matrix_products(kind, body, V, 1.0 - step * viscous, Q, -step, RIGHT)
+        find_strains((kind,), body, Q, SHAPE_STRAIN)
+        if stiff > 0.0:
+            add_matrix_products(kind, body, V, 0.0, V, -step * stiff, RIGHT)
+            add_strain_rates((kind,), body, Q, V, SHAPE_STRAIN, stiff)
+        add_stress_forces((kind,), body, Q, SHAPE_STRAIN, RIGHT, -step)
+        solve_forward(kind, body, MASS_SET)
+        write_free_bases(kind, body, work)
+
+
+@implement(complete_thesis, FrameMeshes)
+@implement(complete_thesis, ShellMeshes)
+@kernel(internal=True)
+def complete_thesis_meshes(kind: Meshes, systems, work: Workspace) -> None:  # type: ignore[no-untyped-def]
+    """Back substitution with the impulses of the rows."""
+    take_impulses(kind, systems, RIGHT)
+    for body in range(kind.table.shape[0]):
+        first, last = node_span(kind, body)
+        scatter_back(kind, body, MASS_SET)
+        for i in range(first, last):
+            kind.nodal[MID_V, i] = kind.nodal[RIGHT, i]
+
+
+@implement(thesis_advance, FrameMeshes)
+@implement(thesis_advance, ShellMeshes)
+@kernel(internal=True)
+def thesis_advance_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> None:
+    """Coordinates by the end velocity."""
+    for body in range(kind.table.shape[0]):
+        first, last = node_span(kind, body)
+        add_mesh_work(kind, body, step)
+        for i in range(first, last):
+            kind.nodal[V, i] = kind.nodal[MID_V, i]
+            kind.nodal[Q, i] += step * kind.nodal[V, i]
+        find_strains((kind,), body, Q, STRAIN)

@@ -1,0 +1,66 @@
+"""Load steps: loads grow from nothing, and the scene follows along positions of balance.
+
+A step is as long as the stiffness at its beginning allows. One that does not converge, or that leads much farther
+than its beginning promised, is shortened: at a limit point the scene would jump, and steps come to an end.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from heavylift.solver.integrate.static_newton import CLOSED, Progress, correct
+from heavylift.solver.integrate.static_problem import StaticProblem, measure
+
+__all__ = ["follow_load"]
+
+SMALLEST_STEP = 1e-3
+"""Relative to the first step, or to the load factor at hand if that is larger."""
+
+FIRST_MOVE = 0.2
+"""Largest displacement that the first step may promise, in units of a large one."""
+
+MOST = 1.0
+"""Largest displacement that any step may promise."""
+
+JUMP = 4.0
+"""A step that leads so much farther than promised is one over a limit point."""
+
+
+def follow_load(problem: StaticProblem, progress: Progress, target: float = 1.0) -> bool:
+    """Bring the load factor to a target in steps; returns whether it was reached.
+
+    Parameters
+    ----------
+    problem
+        On failure it is left at the last good factor.
+    progress
+        Load factor and reactions to begin with; takes what was found.
+    target
+        Load factor.
+    """
+    now = measure(problem, progress.factor, progress.multipliers)
+    nothing = now.weight == 0.0 or float(np.abs(now.force).max(initial=0.0)) == 0.0
+    if not (nothing and now.gap_size <= CLOSED) and not correct(problem, progress, progress.factor):
+        return False
+    whole = target - progress.factor
+    step, first = whole, 0.0
+    while progress.factor != target:
+        goal = progress.factor + step
+        if abs(goal - target) < 1e-3 * abs(step) or abs(goal - progress.factor) > abs(
+            target - progress.factor
+        ):
+            goal = target
+        before, used = problem.snapshot(), progress.iterations
+        most = MOST if first else FIRST_MOVE
+        if correct(problem, progress, goal, most=most, farthest=JUMP):
+            first = first or abs(step)
+            progress.steps += 1
+            easy = progress.iterations - used
+            step *= 4.0 if easy <= 4 else 2.0 if easy <= 6 else 1.0 if easy <= 9 else 0.5
+            continue
+        problem.restore(before)
+        step = goal - progress.factor
+        step *= max(0.5 * most / progress.promised, 1e-9) if progress.promised > most else 0.3
+        if abs(step) < SMALLEST_STEP * max(first, abs(progress.factor)) or abs(step) < 1e-14 * abs(whole):
+            return False
+    return True

@@ -1,0 +1,225 @@
+"""What a static problem offers to the searches for its equilibrium, and the linear algebra they share.
+
+Unknowns are displacements from the present position, so rotations need no coordinates. With loads times a
+factor ``f``, the rows ``G`` of rigid joints and their gaps ``g``::
+
+    R = f P(x) - F(x) + G(x)^T l = 0,    g(x) = 0
+
+Searches solve with the stiffness ``K = dF/dx - f dP/dx - d(G^T l)/dx`` and the rows, damped by a multiple of the
+masses where the stiffness is not positive along what the joints allow.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Balance", "Factor", "StaticProblem", "factorise", "measure", "stability_shift", "unstable_count"]
+
+SOFTNESS = 1e-11
+"""Of unit rows relative to the largest stiffness, so that redundant rows share."""
+
+PENALTY = 1e3
+"""Stiffness of unit rows relative to the largest, when stability along what they allow is tested."""
+
+NEUTRAL = 1e-8
+"""Of the squared frequency that loads and size of a scene make: a stiffness below it is none."""
+
+LEAST_FACTOR = 1e-3
+"""Of the loads that residuals are compared with, however small the factor is."""
+
+ROUNDING = 1e-14
+"""Of the largest squared frequency: what rounding makes of a stiffness that is zero."""
+
+
+class StaticProblem(Protocol):
+    """Forces and stiffness at a position that can be displaced.
+
+    Attributes
+    ----------
+    count
+        Unknowns.
+    mass
+        Sparse and positive, shape (count, count).
+    scale
+        Displacement by unknown that is a large one: a part of the length of the scene [m] or of a radian; infinite
+        for unknowns that do not count; shape (count,).
+    positions
+        Unknowns that are displacements [m].
+    length
+        Extent of the scene [m].
+    """
+
+    count: int
+    mass: Any
+    scale: NDArray[np.float64]
+    positions: NDArray[np.int64]
+    length: float
+
+    def snapshot(self) -> Any:
+        """Position, for `restore`."""
+
+    def restore(self, snapshot: Any) -> None:
+        """Go back."""
+
+    def move(self, increment: NDArray[np.float64]) -> None:
+        """Displace by a vector of unknowns."""
+
+    def internal_force(self) -> NDArray[np.float64]:
+        """F, shape (count,)."""
+
+    def external_force(self) -> NDArray[np.float64]:
+        """P, shape (count,)."""
+
+    def joints(self) -> tuple[Any, NDArray[np.float64]]:
+        """G, sparse by rows, shape (rows, count), and the gaps, shape (rows,)."""
+
+    def tangent(self, factor: float, multipliers: NDArray[np.float64]) -> Any:
+        """K, sparse by columns."""
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Forces at a position.
+
+    Attributes
+    ----------
+    force
+        R.
+    load
+        P.
+    G, gap
+        Of the joints.
+    residual, gap_size
+        Norm of R relative to that of the loads, largest gap relative to the length of the scene.
+    weight
+        Norm of the loads.
+    """
+
+    force: NDArray[np.float64]
+    load: NDArray[np.float64]
+    G: Any
+    gap: NDArray[np.float64]
+    residual: float
+    gap_size: float
+    weight: float
+
+
+def measure(problem: StaticProblem, factor: float, multipliers: NDArray[np.float64]) -> Balance:
+    """Forces at the present position."""
+    inner, load = problem.internal_force(), problem.external_force()
+    G, gap = problem.joints()
+    pull = G.T @ multipliers
+    force = factor * load - inner + pull
+    inverse = 1.0 / problem.mass.diagonal()
+
+    def norm(values: NDArray[np.float64]) -> float:
+        return float(np.sqrt(np.sum(inverse * values * values)))
+
+    weight = max(abs(factor), LEAST_FACTOR) * norm(load)
+    if weight == 0.0:
+        weight = max(norm(pull), norm(inner))
+    residual = norm(force) / weight if weight > 0.0 else 0.0
+    return Balance(
+        force, load, G, gap, residual, float(np.abs(gap).max(initial=0.0)) / problem.length, weight
+    )
+
+
+def stability_shift(problem: StaticProblem, K: Any, weight: float) -> float:
+    """Squared frequency [1/s2] below which a stiffness counts as zero."""
+    diagonal = problem.mass.diagonal()
+    heavy = np.sqrt(float(diagonal[problem.positions].sum()))
+    natural = weight / max(heavy, 1e-300) / problem.length
+    return max(NEUTRAL * natural, ROUNDING * float(np.abs(K.diagonal() / diagonal).max(initial=0.0)), 1e-300)
+
+
+class Factor:
+    """Solves ``(K + damping diag M) dx - G^T dl = f, G dx = g``.
+
+    Attributes
+    ----------
+    positive
+        Whether the damped stiffness is positive along what the joints allow; None if it was not asked for.
+    """
+
+    def __init__(self, problem: StaticProblem, K: Any, G: Any, damping: float, *, check: bool) -> None:
+        from scipy.sparse import block_array, diags_array, eye_array
+        from scipy.sparse.linalg import splu
+
+        self._root = np.sqrt(problem.mass.diagonal())
+        inverse = diags_array(1.0 / self._root)
+        A = (inverse @ K @ inverse + damping * eye_array(problem.count)).tocsc()
+        self._count, rows = problem.count, G.shape[0]
+        self._size = float(np.abs(A.diagonal()).max(initial=1e-300))
+        self.positive: bool | None = None
+        if not rows:
+            self._norm = np.zeros(0)
+            factor = splu(
+                A, diag_pivot_thresh=0.0 if check else 0.1, permc_spec="MMD_AT_PLUS_A",
+                options={"SymmetricMode": True},
+            )  # fmt: skip
+            if check:
+                self.positive = bool(np.all(factor.U.diagonal() > 0.0))
+            self._solve = factor.solve
+            return
+        H = G @ inverse
+        self._norm = np.sqrt(np.asarray((H * H).sum(axis=1)).ravel())
+        self._norm[self._norm == 0.0] = 1.0
+        H = diags_array(1.0 / self._norm) @ H
+        if check:
+            penalised = (0.5 * (A + A.T) + PENALTY * self._size * (H.T @ H)).tocsc()
+            test = splu(
+                penalised, diag_pivot_thresh=0.0, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}
+            )
+            self.positive = bool(np.all(test.U.diagonal() > 0.0))
+            if not self.positive:
+                return
+        soft = -SOFTNESS * self._size * eye_array(rows)
+        whole = block_array([[A, self._size * H.T], [self._size * H, soft]], format="csc")
+        self._solve = splu(whole).solve
+
+    def solve(
+        self, force: NDArray[np.float64], rate: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Displacements and multipliers."""
+        both = self._solve(np.concatenate([force / self._root, self._size * rate / self._norm]))
+        return both[: self._count] / self._root, -self._size * both[self._count :] / self._norm
+
+
+def factorise(problem: StaticProblem, K: Any, G: Any, damping: float, *, check: bool = True) -> Factor | None:
+    """A factor, or None if the matrix is singular, or not positive where that is asked for."""
+    try:
+        factor = Factor(problem, K, G, damping, check=check)
+    except RuntimeError:  # exactly singular
+        return None
+    return None if factor.positive is False else factor
+
+
+def unstable_count(problem: StaticProblem, K: Any, G: Any, shift: float) -> int:
+    """Directions along what the joints allow in which the stiffness is negative.
+
+    Notes
+    -----
+    From the signs of the pivots of a factor without exchange, by Sylvester's law of inertia.
+    """
+    from scipy.sparse import diags_array, eye_array
+    from scipy.sparse.linalg import splu
+
+    inverse = diags_array(1.0 / np.sqrt(problem.mass.diagonal()))
+    A = inverse @ K @ inverse
+    A = 0.5 * (A + A.T) + shift * eye_array(problem.count)
+    if G.shape[0]:
+        H = G @ inverse
+        norm = np.sqrt(np.asarray((H * H).sum(axis=1)).ravel())
+        H = diags_array(1.0 / np.where(norm > 0.0, norm, 1.0)) @ H
+        A = A + PENALTY * float(np.abs(A.diagonal()).max()) * (H.T @ H)
+    try:
+        factor = splu(
+            A.tocsc(), diag_pivot_thresh=0.0, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}
+        )
+    except RuntimeError:
+        return 1
+    return int(np.count_nonzero(factor.U.diagonal() < 0.0))

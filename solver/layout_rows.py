@@ -1,0 +1,161 @@
+"""Everything between bodies, packed: markers, kinds of joints and laws, the system of their rows, their channels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.solver.channels import Channel, add_channels
+from heavylift.solver.coordinates import attachments, first_dofs, inverse_masses, inverse_scales
+from heavylift.solver.interface import FORCES
+from heavylift.solver.joints.packing import MarkerBook
+from heavylift.solver.meshes import MeshBody
+from heavylift.solver.rows import Rows, classify_rows
+from heavylift.solver.scene import AnyBody, Gravity, PointForce, Scene
+
+if TYPE_CHECKING:
+    from heavylift.solver.joints.laws import PackedLaws
+
+__all__ = ["PackedConnections", "pack_connections"]
+
+
+@dataclass
+class PackedConnections:
+    """What stands between the bodies of a scene.
+
+    Attributes
+    ----------
+    book
+        Markers of all bodies.
+    bases
+        Number of bases of each frame and shell, by name.
+    first_markers
+        Of each point force.
+    joints, systems, forces
+        Kinds.
+    block_names
+        Whom each block of rows belongs to.
+    channels, column
+        Their channels, and the first free record column.
+    """
+
+    book: MarkerBook
+    bases: Mapping[str, int]
+    first_markers: list[int]
+    column: int
+    joints: tuple[Any, ...] = ()
+    systems: tuple[Any, ...] = ()
+    forces: list[Any] = field(default_factory=list)
+    block_names: tuple[str, ...] = ()
+    channels: list[Channel] = field(default_factory=list)
+
+
+def pack_connections(
+    scene: Scene, ordered: Sequence[AnyBody], column: int, integrator: str
+) -> PackedConnections:
+    """Pack all connections of a scene.
+
+    Parameters
+    ----------
+    scene, ordered
+        What the user said, and its bodies in the order of their kinds.
+    column
+        First free record column.
+    integrator
+        Name of the integrator: it decides which springs are rows.
+
+    Notes
+    -----
+    The velocities by which a mesh is seen are those of the material points that are in use, so with meshes all
+    is packed twice: first to count these points.
+    """
+    packed = _pack(scene, ordered, column, integrator, {})
+    meshes = [body for body in ordered if isinstance(body, MeshBody)]
+    if not meshes:
+        return packed
+    from heavylift.solver.bodies.ancf.bases import plan_bases
+
+    markers = packed.book.of([body.name for body in meshes])
+    counts = {
+        body.name: len(plan_bases(body, on_body).bases) for body, on_body in zip(meshes, markers, strict=True)
+    }
+    return _pack(scene, ordered, column, integrator, counts)
+
+
+def _pack(
+    scene: Scene, ordered: Sequence[AnyBody], column: int, integrator: str, bases: Mapping[str, int]
+) -> PackedConnections:
+    """One pass with a given number of bases."""
+    packed = PackedConnections(MarkerBook(), bases, [], column)
+    book = packed.book
+    for force in scene.forces:
+        if isinstance(force, PointForce):
+            packed.first_markers.append(book.point(force.body, force.point, FORCES))
+            if force.frame == "body":
+                for axis in np.eye(3):
+                    book.direction(force.body, axis, FORCES, at=force.point)
+    attachment = attachments(ordered, first_dofs(ordered, bases), bases)
+    make_system: Any = None
+    if scene.joints:
+        from heavylift.solver.joints.registry import joint_channels, pack_joints
+
+        columns = []
+        for joint in scene.joints:
+            columns.append(packed.column)
+            packed.column = add_channels(joint.name, joint_channels(joint), packed.channels, packed.column)
+        packed.joints, make_system, packed.block_names = pack_joints(
+            scene.joints, columns, book, attachment, inverse_scales(ordered), ordered
+        )
+    laws = _pack_laws(scene, ordered, packed, attachment, integrator) if _has_laws(scene) else None
+    if laws is not None:
+        packed.joints += tuple(laws.joints)
+        packed.block_names += laws.block_names
+        packed.forces = laws.forces
+    if scene.joints or laws is not None:
+        inverse_mass = inverse_masses(ordered, bases)
+        made: Rows | None = make_system(inverse_mass, packed.column) if scene.joints else None
+        if laws is not None:
+            from heavylift.solver.joints.law_system import extend_system
+
+            made = extend_system(made, laws.blocks, inverse_mass, packed.column, laws=laws.fitted)
+        assert made is not None  # one of the two made it
+        classify_rows(made)
+        packed.systems = (made,)
+        for name in ("violation", "pivot"):
+            packed.column = add_channels("monitor", [(name, "1", (name,))], packed.channels, packed.column)
+    return packed
+
+
+def _pack_laws(
+    scene: Scene, ordered: Sequence[AnyBody], packed: PackedConnections, attachment: Any, integrator: str
+) -> PackedLaws:
+    """Ropes, springs, stops, friction, motors."""
+    from heavylift.solver.joints.laws import law_channels, law_owners, pack_laws
+
+    by_name = {joint.name: joint for joint in scene.joints}
+    places = {}
+    for owner in law_owners(scene):
+        places[owner.name] = packed.column
+        packed.column = add_channels(owner.name, law_channels(owner, by_name), packed.channels, packed.column)
+    return pack_laws(
+        scene,
+        places,
+        packed.book,
+        attachment,
+        inverse_scales(ordered),
+        first_block=len(scene.joints),
+        integrator=integrator,
+    )
+
+
+def _has_laws(scene: Scene) -> bool:
+    """Whether there is anything beside joints, gravity and point forces."""
+    plain = all(isinstance(force, (Gravity, PointForce)) for force in scene.forces)
+    cornered = any(
+        getattr(joint, "limits", None) is not None or getattr(joint, "friction", 0.0) != 0.0
+        for joint in scene.joints
+    )
+    return bool(scene.ropes) or not plain or cornered
