@@ -25,6 +25,7 @@ class Outcome(IntEnum):
     NOT_CONVERGED = 8
     NOT_CLOSED = 9
     STEP_TOO_SMALL = 10
+    STRAINS_LOST = 11
 
     @property
     def text(self) -> str:
@@ -43,6 +44,7 @@ _TEXTS = {
     Outcome.LOCKED: "another run works in this folder",
     Outcome.NOT_CONVERGED: "stopped: an iteration did not converge",
     Outcome.NOT_CLOSED: "stopped: a joint came apart",
+    Outcome.STRAINS_LOST: "stopped: carried strains have left those of the shape",
     Outcome.STEP_TOO_SMALL: "stopped: no step is small enough for the tolerance",
 }
 

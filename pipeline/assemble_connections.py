@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case_bodies import ProfileSection
     from heavylift.pipeline.case_forces import JointSpringSection, MotorSection, SpringForceSection
     from heavylift.pipeline.case_ropes import PathPointSection, SpringRopeSection, WireRopeSection
+    from heavylift.solver.meshes import MeshBody
 
 __all__ = ["Side", "assemble_joints", "assemble_loads", "assemble_ropes", "make_profile", "start_sides"]
 
@@ -70,7 +71,7 @@ class Side:
 
 
 def start_sides(
-    bodies: Sequence[s.FlexibleBody | s.RigidBody], origins: Mapping[str, NDArray[np.float64]]
+    bodies: Sequence[s.FlexibleBody | s.RigidBody | MeshBody], origins: Mapping[str, NDArray[np.float64]]
 ) -> dict[str, Side]:
     """The bodies and the world where they are at time 0, by name; driven frames as far as they are driven then."""
     sides = {GROUND: Side(np.zeros(3), np.eye(3), np.zeros(3))}

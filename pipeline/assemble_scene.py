@@ -16,8 +16,11 @@ from heavylift.pipeline.assemble_connections import (
     make_profile,
     start_sides,
 )
+from heavylift.pipeline.assemble_meshes import assemble_frame, assemble_shell, check_on_mesh
+from heavylift.pipeline.case_bodies import FlexibleBodySection
 from heavylift.pipeline.model_io import read_header, read_model, read_reduced
 from heavylift.solver import scene as s
+from heavylift.solver.meshes import FrameBody, ShellBody
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,12 +44,21 @@ __all__ = ["assemble_scene", "modal_coordinates"]
 
 def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
     """Scene of a case; the reduced bodies are read from its output folder."""
-    bodies: list[s.FlexibleBody | s.RigidBody] = []
+    bodies: list[s.FlexibleBody | s.RigidBody | FrameBody | ShellBody] = []
     origins: dict[str, NDArray[np.float64]] = {}
     for name, body in case.bodies.items():
         if body.type == "rigid":
             rigid, origins[name] = _rigid(name, body)
             bodies.append(rigid)
+            continue
+        if not isinstance(body, FlexibleBodySection):
+            origins[name] = np.zeros(3)
+            start = _initial(body.initial, origins[name])
+            bodies.append(
+                assemble_frame(case, name, body, start)
+                if body.type == "frame"
+                else assemble_shell(case, name, body, start)
+            )
             continue
         path = folder.reduced(name)
         reduced = read_reduced(path)
@@ -81,6 +93,9 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         if isinstance(made, s.FlexibleBody):
             points = _points_on(case, joints, made.name, origins[made.name])
             _check_points(case, points, folder.model(made.name), made.reduced.nodes + origins[made.name])
+        elif isinstance(made, (FrameBody, ShellBody)):
+            for key, point in _points_on(case, joints, made.name, origins[made.name]):
+                check_on_mesh(made, point, case.file, key)
     return s.Scene(tuple(bodies), tuple(forces), sensors, joints=joints, ropes=assemble_ropes(case, sides))
 
 

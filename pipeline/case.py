@@ -10,11 +10,11 @@ from typing import Annotated, Any
 from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, model_validator
 
 from heavylift.numerics.outcome import InputError, InputErrors
-from heavylift.pipeline.case_bodies import Body
 from heavylift.pipeline.case_checks import CheckSection, ConvergeSection, QuantityReference
 from heavylift.pipeline.case_errors import group_errors, input_errors
 from heavylift.pipeline.case_forces import Force, PointForceSection
 from heavylift.pipeline.case_joints import Joint
+from heavylift.pipeline.case_meshes import Body, FrameBodySection, MeshBodySection, ShellBodySection
 from heavylift.pipeline.case_overrides import apply_overrides
 from heavylift.pipeline.case_reference import ReferenceSection, read_reference
 from heavylift.pipeline.case_repeat import Expansion, Parameters, RepeatSection, expand
@@ -28,6 +28,9 @@ from heavylift.pipeline.quantity_names import QuantityName, parse_quantity_name
 __all__ = ["CASE_FILE", "Case", "load_case"]
 
 CASE_FILE = "case.toml"
+
+
+_KINDS = {"rigid": "rigid body", "frame": "frame", "shell": "shell"}
 
 
 class Case(Section):
@@ -88,8 +91,14 @@ class Case(Section):
 
     def _conserves_momentum(self, text: str, key: str) -> None:
         """The drift of a momentum is an error of the integration only if nothing outside acts on the scene."""
-        held = [name for name, body in self.bodies.items() if body.frame.motion != "free"]
-        causes = [f"the {self.bodies[name].frame.motion} frame of {name!r}" for name in held]
+        causes = [
+            f"the {body.frame.motion} frame of {name!r}"
+            for name, body in self.bodies.items()
+            if not isinstance(body, MeshBodySection) and body.frame.motion != "free"
+        ]
+        for name, mesh in self.meshes.items():
+            causes += [f"{key} of {name!r}" for key in ("supports", "loads") if getattr(mesh, key)]
+            causes += [f"viscous damping of {name!r}"] if mesh.damping.viscous else []
         for force in self.forces:
             outside = isinstance(force, PointForceSection) or GROUND in getattr(force, "between", ())
             causes += [f"force {force.name!r}"] if outside else []
@@ -114,8 +123,8 @@ class Case(Section):
             if context is None:
                 break
             key = f"reference.{index}"
-            if self.simulate is None:
-                reject("needs a [simulate] section", "a history to compare with", key=key)
+            if self.simulate is None or not self.simulate.duration:
+                reject("needs a [simulate] section with a duration", "a history to compare with", key=key)
             try:
                 times = read_reference(context.folder / reference.file, reference.components).times
             except InputError as error:
@@ -144,7 +153,7 @@ class Case(Section):
         if quantity.family in {"mesh", "modes", "ringdown"}:
             body = self.bodies[quantity.owner]
             if body.type != "flexible":
-                return f"a flexible body, and {quantity.owner!r} is rigid"
+                return f"a flexible body, and {quantity.owner!r} is a {_KINDS[body.type]}"
             count = body.modes.vector_count
             if quantity.component and count is not None and int(quantity.component) > count:
                 return f"vector {quantity.component} of {count}"
@@ -162,6 +171,15 @@ class Case(Section):
     def place(self, key: str) -> str:
         """Dotted key in the case file of a dotted key of this model: that of the block, if it was written out."""
         return self._expansion.locate(key)[0]
+
+    @property
+    def meshes(self) -> dict[str, FrameBodySection | ShellBodySection]:
+        """Frames and shells by name."""
+        return {
+            name: body
+            for name, body in self.bodies.items()
+            if isinstance(body, (FrameBodySection, ShellBodySection))
+        }
 
     @property
     def file(self) -> Path:

@@ -32,7 +32,6 @@ from heavylift.pipeline.fields import (
 
 __all__ = [
     "AxisAngle",
-    "Body",
     "DrivenFrame",
     "FixedFrame",
     "FlexibleBodySection",
@@ -320,9 +319,6 @@ class RigidBodySection(Section):
     def _fits(self) -> "RigidBodySection":
         _check_initial(self.frame, self.initial)
         return self
-
-
-Body = Annotated[FlexibleBodySection | RigidBodySection, Field(discriminator="type")]
 
 
 def _check_initial(frame: FreeFrame | FixedFrame | DrivenFrame, initial: RigidInitialSection) -> None:

@@ -53,7 +53,8 @@ class PointForceSection(Section):
     body: BodyName
     """Body that is loaded."""
     point: LengthVector
-    """Loaded point in the coordinates of the geometry [m]; of a flexible body the nearest node."""
+    """Loaded point in the coordinates of the geometry [m]; of a flexible body the nearest node, of a frame or shell any
+    point of its mesh."""
     force: ForceVector | None = None
     """A constant force [N]."""
     times: tuple[Time, ...] = ()

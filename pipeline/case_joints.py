@@ -38,6 +38,7 @@ __all__ = [
     "TravelLimitsSection",
     "UniversalJointSection",
     "check_sides",
+    "is_parallel",
 ]
 
 PARALLEL = 1e-9

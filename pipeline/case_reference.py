@@ -52,6 +52,8 @@ class ReferenceSection(Section):
             kind = channel_kind(name, name, None if context is None else context.names)
         except InputError as error:
             reject(error.problem.replace("quantity", "channel"), error.expected)
+        if context and owner in context.names.meshes:
+            reject(f"{name!r} has columns for every node or element", "the position of a sensor on the body")
         if context and kind and owner not in {*context.names.names, "energy", "momentum", "monitor"}:
             reject(
                 f"{name!r} names {owner!r}, which does not exist", f"one of: {', '.join(context.names.names)}"

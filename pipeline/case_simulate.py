@@ -6,18 +6,23 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, ValidationInfo, field_validator, model_validator
 
-from heavylift.pipeline.fields import Positive, Section, reject
+from heavylift.pipeline.fields import Positive, Quantity, Section, reject
 
 __all__ = ["DEFAULT_TOLERANCES", "SimulateSection"]
 
 DEFAULT_TOLERANCES = {"accurate": 1e-7, "auto": 1e-5}
 """Tolerances of the integrators that have no fixed step, if the case gives none."""
 
+_ZERO = r"^\s*[+-]?0+(\.0*)?\s*[^\d\s.eE]"
 _STEP_OR_TOLERANCE: dict[str, Any] = {
     "anyOf": [
-        {"required": ["step"]},
-        {"required": ["tolerance"]},
-        {"required": ["integrator"], "properties": {"integrator": {"enum": list(DEFAULT_TOLERANCES)}}},
+        {"required": ["step", "output_interval"]},
+        {"required": ["tolerance", "output_interval"]},
+        {
+            "required": ["integrator", "output_interval"],
+            "properties": {"integrator": {"enum": list(DEFAULT_TOLERANCES)}},
+        },
+        {"properties": {"duration": {"anyOf": [{"const": 0}, {"type": "string", "pattern": _ZERO}]}}},
     ]
 }
 
@@ -36,20 +41,21 @@ class SimulateSection(Section):
     tolerance: Annotated[float, Positive("length")] | None = None
     """Error of the displacements in a step [m], by which the integrator chooses its steps: for ``dele2`` and ``auto``
     without a step; 1e-7 m for ``accurate``, 1e-5 m for ``auto`` if absent."""
-    output_interval: Annotated[float, Positive("time")]
-    """Time between recorded states [s], a multiple of a fixed step."""
-    duration: Annotated[float, Positive("time")]
-    """Simulated time [s], a multiple of the output interval."""
-    start: Literal["check", "project", "equilibrium"] = "check"
+    output_interval: Annotated[float, Positive("time")] = 1.0
+    """Time between recorded states [s], a multiple of a fixed step; not needed without a duration."""
+    duration: Annotated[float, Quantity("time", minimum=0.0, closed=True)]
+    """Simulated time [s], a multiple of the output interval; with 0 only the start is computed and recorded."""
+    start: Literal["check", "project", "equilibrium", "relax"] = "check"
     """``check``: a start that violates joints is refused; ``project``: bodies are moved to close the joints first;
-    ``equilibrium``: and then to where they are in equilibrium, at rest."""
+    ``equilibrium``: and then to where they are in equilibrium, at rest; ``relax``: the same by damped motion, for
+    scenes whose equilibrium is hard to find."""
 
     @field_validator("output_interval", "duration")
     @classmethod
     def _is_a_multiple(cls, value: float, info: ValidationInfo) -> float:
         key = "step" if info.field_name == "output_interval" else "output_interval"
         unit = info.data.get(key)
-        if unit is not None and multiple(value, unit) is None:
+        if unit is not None and value and multiple(value, unit) is None:
             reject(
                 f"{value:.12g} s is {value / unit:.9g} times {key} = {unit:.12g} s", f"a multiple of {key}"
             )
@@ -67,6 +73,16 @@ class SimulateSection(Section):
             reject("integrator 'thesis' without 'step'", "a fixed time step", key="step")
         if self.step is not None and self.tolerance is not None:
             reject("both 'step' and 'tolerance'", "'step' (fixed) or 'tolerance' (adaptive)")
+        if self.duration == 0.0:
+            if self.start == "check":
+                reject(
+                    "0 s with start 'check': there is nothing to compute",
+                    "a time > 0 s, or start 'equilibrium'",
+                    key="duration",
+                )
+            return self
+        if "output_interval" not in self.model_fields_set:
+            reject("is missing", "a value", key="output_interval")
         if self.step is None and self.tolerance is None and self.integrator == "dele2":
             reject("neither 'step' nor 'tolerance'", "'step' (fixed) or 'tolerance' (adaptive)")
         return self
@@ -91,7 +107,7 @@ class SimulateSection(Section):
     @property
     def interval_count(self) -> int:
         """Output intervals of the whole simulation."""
-        return multiple(self.duration, self.output_interval) or 1
+        return multiple(self.duration, self.output_interval) or 0
 
 
 def multiple(value: float, unit: float) -> int | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 __all__ = ["CHANNEL_DESCRIPTIONS"]
 
 CHANNEL_DESCRIPTIONS = {
-    "position": "position in the world",
+    "position": "position in the world; of a frame or shell that of every node",
     "orientation": "unit quaternion from body to world axes, scalar first",
     "velocity": "velocity in world axes",
     "angular_velocity": "angular velocity in body axes",
@@ -24,6 +24,16 @@ CHANNEL_DESCRIPTIONS = {
     "drift": "length of a rope along its path less the stretched length that its tension belongs to",
     "force": "tension of a spring; negative if it pushes",
     "load": "torque or force along a joint on its side b",
+    "tangent": "derivative of the position by the length of a frame, world axes",
+    "slope_x": "derivative of the position by the length along x of the mesh of a shell, world axes",
+    "slope_y": "derivative of the position by the length along y of the mesh of a shell, world axes",
+    "twist": "derivative of the position by both lengths, world axes",
+    "axial_force": "tension of the elements of a frame",
+    "bending_moment": "bending moment of the elements of a frame, or of a shell by its length",
+    "axial_stress": "stress of the outermost fibres of a frame",
+    "membrane_force": "force in the plane of a shell by its length",
+    "von_mises": "von Mises stress of a shell",
+    "strain_drift": "largest distance of carried strains from those of the shape",
     "momentum.linear": "linear momentum, world axes",
     "momentum.angular": "angular momentum about the world origin, world axes",
     "energy.kinetic": "kinetic energy",

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ALL_CHANNELS",
     "JOINT_TRAVELS",
+    "MESH_TYPES",
     "RESERVED_NAMES",
     "SCENE_CHANNELS",
     "Declared",
@@ -46,6 +47,23 @@ _ROPE = {
 }
 _SPRING = {"force": "force", "length": "length"}
 _LOAD = {"load": "moment or energy"}
+_MESH = _POINT | {"strain_drift": "number"}
+_FRAME_MESH = _MESH | {
+    "tangent": "number",
+    "axial_force": "force",
+    "bending_moment": "moment or energy",
+    "axial_stress": "pressure",
+}
+_SHELL_MESH = _MESH | {
+    "slope_x": "number",
+    "slope_y": "number",
+    "twist": "slope per length",
+    "membrane_force": "force per length",
+    "bending_moment": "moment per length",
+    "von_mises": "pressure",
+}
+MESH_TYPES = frozenset({"frame", "shell"})
+"""Types of bodies made of elements, whose channels have a component for every node or element."""
 
 JOINT_TRAVELS: dict[str, frozenset[str]] = {
     "ball": frozenset(),
@@ -60,7 +78,9 @@ JOINT_TRAVELS: dict[str, frozenset[str]] = {
 }
 """Types of joints, and whether they have an angle or a travel."""
 
-ALL_CHANNELS = _FRAME | _MODAL | _REACTION | _ANGLE | _TRAVEL | _ROPE | _SPRING | _LOAD
+ALL_CHANNELS = (
+    _FRAME | _MODAL | _REACTION | _ANGLE | _TRAVEL | _ROPE | _SPRING | _LOAD | _SHELL_MESH | _FRAME_MESH
+)
 """Every last part of a channel that a body, sensor, joint, rope or force may have: name to kind."""
 
 _VECTORS = frozenset({*_POINT, "angular_velocity", *_REACTION, "linear", "angular"})
@@ -72,7 +92,7 @@ def channel_components(kind: str) -> tuple[str, ...] | None:
         return ("x", "y", "z")
     if kind == "orientation":
         return ("q0", "q1", "q2", "q3")
-    return None if kind in {*_MODAL, "segment_tension"} else (kind,)
+    return None if kind in {*_MODAL, "segment_tension", *_FRAME_MESH, *_SHELL_MESH} else (kind,)
 
 
 def load_kind(joint_type: str) -> str:
@@ -90,6 +110,8 @@ class Declared:
         Bodies, sensors, forces, joints and ropes, with how often each occurs.
     bodies
         Names of the bodies.
+    meshes
+        Names of the frames and shells among them.
     joints
         Types of the joints by name.
     channels
@@ -102,6 +124,7 @@ class Declared:
 
     names: Counter[str] = field(default_factory=Counter)
     bodies: frozenset[str] = frozenset()
+    meshes: frozenset[str] = frozenset()
     joints: Mapping[str, str] = field(default_factory=dict)
     channels: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     references: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
@@ -127,6 +150,11 @@ def declared(document: Mapping[str, Any]) -> Declared:
     return Declared(
         names=Counter([*bodies, *(name for key in lists for name, _ in _named(document, key))]),
         bodies=frozenset(bodies),
+        meshes=frozenset(
+            name
+            for name, body in bodies.items()
+            if isinstance(body, dict) and str(body.get("type")) in MESH_TYPES
+        ),
         joints=joints,
         channels=channels,
         references={
@@ -147,6 +175,8 @@ def _named(document: Mapping[str, Any], key: str, name: str = "name") -> Iterato
 
 
 def _body_channels(body: Mapping[str, Any]) -> Mapping[str, str]:
+    if str(body.get("type")) in MESH_TYPES:
+        return _FRAME_MESH if body["type"] == "frame" else _SHELL_MESH
     frame = body.get("frame")
     free = isinstance(frame, dict) and frame.get("motion") == "free"
     return _FRAME | (_MODAL if body.get("type") == "flexible" else {}) | ({} if free else _REACTION)

@@ -50,6 +50,14 @@ Set = Annotated[
         negative="",
     ),
 ]
+Animate = Annotated[
+    bool,
+    Parameter(
+        name="--animate",
+        help="Make the moving picture of frames and shells, even if the case has no [report.animation].",
+        negative="",
+    ),
+]
 Force = Annotated[bool, Parameter(name="--force", help="Run even if the inputs are unchanged.", negative="")]
 Quiet = Annotated[bool, Parameter(name="--quiet", help="Print errors only.", negative="")]
 Json = Annotated[
@@ -116,12 +124,14 @@ def report(
     *,
     out: Out = None,
     set_: Set = (),
+    animate: Animate = False,
     force: Force = False,
     quiet: Quiet = False,
     json: Json = False,
 ) -> int:
     """Pictures, plots and tables of the stages that have run."""
-    return _stages(("report",), ("report",), case, out, set_, force=force, quiet=quiet, json=json)
+    changes = (*set_, "report.animation.enabled=true") if animate else set_
+    return _stages(("report",), ("report",), case, out, changes, force=force, quiet=quiet, json=json)
 
 
 @app.command

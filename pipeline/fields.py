@@ -237,15 +237,17 @@ def _unreserved(name: str, info: ValidationInfo) -> str:
     return name
 
 
-def refuse_unknown(what: str, name: str, names: Collection[str]) -> None:
-    """Reject a name that is not among those known, with the nearest one as a hint."""
+def refuse_unknown(what: str, name: str, names: Collection[str], *, key: str = "") -> None:
+    """Reject a name that is not among those known, with the nearest one as a hint; `key` as in `reject`."""
     if name not in names:
         known = sorted(names)
         near = get_close_matches(name, known, 1)
         hint = f"; did you mean {near[0]!r}?" if near else ""
         more = f" and {len(known) - _SHOWN} more" if len(known) > _SHOWN else ""
         reject(
-            f"{what} {name!r} does not exist{hint}", f"one of: {', '.join(known[:_SHOWN]) or 'none'}{more}"
+            f"{what} {name!r} does not exist{hint}",
+            f"one of: {', '.join(known[:_SHOWN]) or 'none'}{more}",
+            key=key,
         )
 
 

@@ -14,20 +14,31 @@ if TYPE_CHECKING:
     from heavylift.pipeline.picture_camera import Camera, View
     from heavylift.pipeline.picture_render import Drawing
 
-__all__ = ["GREY", "add_colour_bar", "add_dimensions", "add_legend", "add_triad"]
+__all__ = [
+    "GREY",
+    "add_colour_bar",
+    "add_dimensions",
+    "add_legend",
+    "add_scale_bar",
+    "add_triad",
+    "emptiest_corner",
+]
 
 GREY = "#66707c"
 _AXES = ("#c62828", "#2e7d32", "#1565c0")
 
 
-def add_colour_bar(figure: Any, left: float, drawing: Drawing, label: str, *, above: bool) -> None:
-    """Add a bar at the right; `above` says that some values exceed its upper end."""
+def add_colour_bar(
+    figure: Any, left: float, drawing: Drawing, label: str, *, above: bool, below: bool = False
+) -> None:
+    """Add a bar at the right; `above` and `below` say that some values lie beyond its ends."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import ListedColormap, Normalize
 
     mappable = ScalarMappable(Normalize(*drawing.limits), ListedColormap(drawing.colours))
     axes = figure.add_axes((left, 0.08, 0.022, 0.74))
-    artist = figure.colorbar(mappable, cax=axes, extend="max" if above else "neither", extendfrac=0.04)
+    extend = {(False, False): "neither", (True, False): "max", (False, True): "min", (True, True): "both"}
+    artist = figure.colorbar(mappable, cax=axes, extend=extend[above, below], extendfrac=0.04)
     bands = len(drawing.colours)
     # few bands: a tick at every border
     artist.set_ticks(np.linspace(*drawing.limits, bands + 1 if bands <= 16 else 6))
@@ -38,8 +49,8 @@ def add_colour_bar(figure: Any, left: float, drawing: Drawing, label: str, *, ab
     artist.outline.set_linewidth(0.6)
 
 
-def add_triad(axes: Any, view: View, pixels: NDArray[np.uint8], length: float = 44.0) -> None:
-    """Body axes in the emptiest corner of the image."""
+def emptiest_corner(pixels: NDArray[np.uint8]) -> tuple[int, int]:
+    """Where in an image a triad hides least [pixels from the lower left corner]."""
     height, width = pixels.shape[:2]
     box = 150
     drawn = pixels.min(axis=2) < 250
@@ -49,7 +60,12 @@ def add_triad(axes: Any, view: View, pixels: NDArray[np.uint8], length: float = 
         (80, height - 80): drawn[:box, :box],
         (width - 80, height - 80): drawn[:box, width - box :],
     }
-    x, y = min(corners, key=lambda corner: float(corners[corner].mean()))
+    return min(corners, key=lambda corner: float(corners[corner].mean()))
+
+
+def add_triad(axes: Any, view: View, corner: tuple[int, int], length: float = 44.0) -> None:
+    """Axes x, y and z in a corner of the image, see `emptiest_corner`."""
+    x, y = corner
     order = np.argsort(view.matrix[2])  # those that point at the observer last
     for axis in order:
         dx, dy = length * view.matrix[:2, axis]
@@ -124,3 +140,12 @@ def add_legend(figure: Any, labels: list[str]) -> None:
     handles = [Line2D([], [], color=colour, marker="o", lw=0, ms=7) for colour in mark_colours(len(labels))]
     look = {"frameon": False, "labelcolor": INK, "handletextpad": 0.2, "columnspacing": 1.2}
     figure.legend(handles, labels, loc="upper right", fontsize=11, ncols=-(-len(labels) // 3), **look)
+
+
+def add_scale_bar(axes: Any, length: float, width: float, unit: str) -> None:
+    """Add a bar of a length in `unit` that is so many pixels wide to the lower edge of axes in pixels."""
+    left, y = 18.0, 16.0
+    axes.plot([left, left + width], [y, y], color=INK, lw=2.2, solid_capstyle="butt")
+    for x in (left, left + width):
+        axes.plot([x, x], [y - 5, y + 5], color=INK, lw=1.2)
+    axes.text(left + width + 8, y, f"{length:g} {unit}", color=INK, fontsize=11.5, va="center")

@@ -16,8 +16,11 @@ if TYPE_CHECKING:
     from heavylift.pipeline.picture_surface import Surface
 
 __all__ = [
+    "BANDED",
+    "DIVERGING",
     "INK",
     "bounding_box",
+    "colours",
     "deformation_scale",
     "mark_colours",
     "mesh_drawing",
@@ -34,7 +37,10 @@ _BODY = "#b9c6d3"
 _MARKS = ("#c62828", "#1565c0", "#2e7d32", "#ef6c00", "#6a1b9a", "#00838f")
 # the dark ends of the maps are left out: lines must stay readable on them
 _SMOOTH = ("viridis", 0.1, 1.0)
-_BANDED = ("turbo", 0.09, 0.95)
+BANDED = ("turbo", 0.09, 0.95)
+"""Colour map of amounts, see `colours`."""
+DIVERGING = ("coolwarm", 0.0, 1.0)
+"""Colour map of values with a sign."""
 
 
 def round_down(value: float) -> float:
@@ -62,10 +68,10 @@ def stress_limit(stress: NDArray[np.float64]) -> float:
     return largest if largest <= 1.6 * bulk or bulk <= 0.0 else bulk
 
 
-def stress_bands(limit: float) -> tuple[float, int]:
-    """Round upper end of a colour scale from zero, and its number of bands (6 to 12) of round height."""
-    power = 10.0 ** np.floor(np.log10(limit / 6.0))
-    step = min(s * power for s in (1.0, 2.0, 2.5, 5.0, 10.0) if limit <= 12.0 * s * power * (1.0 + 1.0e-9))
+def stress_bands(limit: float, *, most: int = 12) -> tuple[float, int]:
+    """Round upper end of a colour scale from zero, and its number of bands of round height, half of `most` or more."""
+    power = 10.0 ** np.floor(np.log10(2.0 * limit / most))
+    step = min(s * power for s in (1.0, 2.0, 2.5, 5.0, 10.0) if limit <= most * s * power * (1.0 + 1.0e-9))
     count = int(np.ceil(limit / step * (1.0 - 1.0e-9)))
     return float(count * step), count
 
@@ -126,7 +132,7 @@ def mode_drawing(
         surface.triangles,
         values=np.linalg.norm(relative, axis=1),
         limits=(0.0, 1.0),
-        colours=_colours(_SMOOTH, 256),
+        colours=colours(_SMOOTH, 256),
         lines=_outlines(surface, deformed, scale),
     )
 
@@ -165,7 +171,7 @@ def stress_drawing(
         surface.triangles,
         values=values,
         limits=(0.0, limit),
-        colours=_colours(_BANDED, bands),
+        colours=colours(BANDED, bands),
         lines=_outlines(surface, deformed, scale),
     )
 
@@ -202,8 +208,8 @@ def _outlines(surface: Surface, deformed: NDArray[np.float64], scale: float) -> 
     )
 
 
-def _colours(colour_map: tuple[str, float, float], count: int) -> tuple[str, ...]:
-    """Colours from a part of a matplotlib map."""
+def colours(colour_map: tuple[str, float, float], count: int) -> tuple[str, ...]:
+    """Colours from a part of a matplotlib map: name, and the two ends of the part from 0 to 1."""
     from matplotlib import colormaps
     from matplotlib.colors import to_hex
 

@@ -18,7 +18,15 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.picture_camera import Camera
 
-__all__ = ["Drawing", "Lines", "Points", "Renderer", "RenderingUnavailableError", "rendering_backend"]
+__all__ = [
+    "Drawing",
+    "Lines",
+    "Patch",
+    "Points",
+    "Renderer",
+    "RenderingUnavailableError",
+    "rendering_backend",
+]
 
 _REMEDY = (
     "no off-screen OpenGL: pictures need EGL or OSMesa with a software driver; "
@@ -105,6 +113,15 @@ class Points:
 
 
 @dataclass(frozen=True, eq=False)
+class Patch:
+    """Another surface in one colour, shapes (m, 3) and (nt, 3)."""
+
+    points: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+    colour: str = "#b8c4d0"
+
+
+@dataclass(frozen=True, eq=False)
 class Drawing:
     """What one picture shows, as plain data in the unit of `points`.
 
@@ -122,6 +139,11 @@ class Drawing:
         RGB of each triangle, shape (nt, 3) uint8, instead of `values`.
     lines, marks
         Drawn over the surface.
+    normals
+        Unit vectors on the points of a curved surface, shape (m, 3), which is then shaded smoothly; every triangle
+        is shaded by itself if None.
+    patches
+        Surfaces without a colour field.
     """
 
     points: NDArray[np.float64]
@@ -132,6 +154,8 @@ class Drawing:
     triangle_colours: NDArray[np.uint8] | None = None
     lines: tuple[Lines, ...] = ()
     marks: tuple[Points, ...] = field(default=())
+    normals: NDArray[np.float64] | None = None
+    patches: tuple[Patch, ...] = ()
 
 
 class Renderer:
@@ -174,6 +198,16 @@ class Renderer:
         plotter = self._plotter((_FINER * size[0], _FINER * size[1]))
         plotter.clear_actors()
         self._add_surface(plotter, drawing)
+        for patch in drawing.patches:
+            if len(patch.triangles):
+                plotter.add_mesh(
+                    _poly_data(patch.points, triangles=patch.triangles),
+                    color=patch.colour,
+                    ambient=0.35,
+                    diffuse=0.75,
+                    reset_camera=False,
+                    render=False,
+                )
         span = float(np.linalg.norm(np.ptp(drawing.points, axis=0)))
         towards = np.asarray(camera.view.towards)
         for lines in drawing.lines:
@@ -222,6 +256,8 @@ class Renderer:
     @staticmethod
     def _add_surface(plotter: Any, drawing: Drawing) -> None:
         body = _poly_data(drawing.points, triangles=drawing.triangles)
+        if drawing.normals is not None:
+            body.point_data.active_normals = drawing.normals
         look: dict[str, Any] = {"reset_camera": False, "render": False, "show_scalar_bar": False}
         if not len(drawing.triangles):
             look |= {"style": "points", "point_size": 7.0 * _FINER, "render_points_as_spheres": True}
@@ -230,7 +266,7 @@ class Renderer:
             plotter.add_mesh(body, scalars="colour", rgb=True, ambient=0.35, diffuse=0.75, **look)
         elif drawing.values is not None:
             body.point_data["value"] = drawing.values
-            plotter.add_mesh(
+            actor = plotter.add_mesh(
                 body,
                 scalars="value",
                 clim=list(drawing.limits),
@@ -241,6 +277,8 @@ class Renderer:
                 diffuse=0.4,
                 **look,
             )
+            if drawing.normals is not None:
+                actor.prop.interpolation = "Phong"
         else:
             plotter.add_mesh(body, color="#b8c4d0", ambient=0.35, diffuse=0.75, **look)
 

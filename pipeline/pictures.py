@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.pipeline.picture_annotations import GREY, add_colour_bar, add_dimensions, add_legend, add_triad
+from heavylift.pipeline.picture_annotations import (
+    GREY,
+    add_colour_bar,
+    add_dimensions,
+    add_legend,
+    add_triad,
+    emptiest_corner,
+)
 from heavylift.pipeline.picture_camera import Camera, View, choose_view, fit_camera
 from heavylift.pipeline.picture_drawings import (
     INK,
@@ -230,7 +237,7 @@ class Painter:
         axes = figure.add_axes((0.0, 0.0, size[0] / width, size[1] / height), facecolor="none", zorder=1)
         axes.set(xlim=(0, size[0]), ylim=(0, size[1]))
         axes.set_axis_off()
-        add_triad(axes, self._view, pixels)
+        add_triad(axes, self._view, emptiest_corner(pixels))
         if bar:
             add_colour_bar(figure, (size[0] + 12) / width, drawing, bar[0], above=bar[1])
         return figure, axes, camera

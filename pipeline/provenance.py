@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_bodies import FlexibleBodySection
+    from heavylift.pipeline.case_meshes import MeshBodySection
     from heavylift.pipeline.storage import OutputFolder
 
 __all__ = ["mesh_digest", "modes_digest", "report_digest", "simulate_digest", "source_digest", "versions"]
@@ -27,8 +28,10 @@ STAGE_SOURCES = {
     "simulate": (
         "solver",
         "pipeline/assemble_connections.py",
+        "pipeline/assemble_meshes.py",
         "pipeline/assemble_scene.py",
         "pipeline/advance.py",
+        "pipeline/mesh_results.py",
         "pipeline/stage_simulate.py",
     ),
     "report": ("pipeline",),
@@ -84,9 +87,10 @@ def mesh_digest(case: Case, body: FlexibleBodySection) -> str:
     return _digest("mesh", {**sections, "files": _files(case, body)})
 
 
-def _files(case: Case, body: FlexibleBodySection) -> dict[str, str]:
+def _files(case: Case, body: FlexibleBodySection | MeshBodySection) -> dict[str, str]:
     """Digests of the files that a geometry names."""
-    name = getattr(body.geometry, "file", None) or getattr(body.geometry, "folder", None)
+    geometry = getattr(body, "geometry", None)
+    name = getattr(geometry, "file", None) or getattr(geometry, "folder", None)
     if name is None:
         return {}
     path = case.folder / name
@@ -121,6 +125,8 @@ def simulate_digest(case: Case) -> str:
             }
         else:
             bodies[name] = body.model_dump(mode="json")
+    for name, mesh in case.meshes.items():
+        bodies[name]["files"] = _files(case, mesh)
     scene = case.model_dump(
         mode="json", include={"gravity", "joints", "ropes", "forces", "sensors", "simulate"}
     )

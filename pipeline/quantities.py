@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 
 __all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_checks", "relative_drift"]
 
+_EXTREMES = {"largest": np.max, "smallest": np.min}
+"""Components that are found among all components of a record."""
+_SHOWN = 20  # components of a message at most
+
 
 @dataclass(frozen=True)
 class CheckResult:
@@ -156,10 +160,15 @@ class Quantities:
         results = self.results
         history = results[name.item].reshape(len(results.time), -1)
         components = results.components(name.item)
-        if name.component:
-            if name.component not in components:
-                raise self._missing(name, f"a component: {', '.join(components)}")
+        if name.component in components and name.component:
             history = history[:, components.index(name.component)]
+        elif name.component in _EXTREMES:
+            history = _EXTREMES[name.component](history, axis=1)
+        elif name.component:
+            more = f" and {len(components) - _SHOWN} more" if len(components) > _SHOWN else ""
+            raise self._missing(
+                name, f"a component: {', '.join(components[:_SHOWN])}{more}; or {', '.join(_EXTREMES)}"
+            )
         elif len(components) == 1:
             history = history[:, 0]
         reductions = {

@@ -9,10 +9,14 @@
 ``drift.energy``                               also ``momentum``, ``angular_momentum``: largest deviation
                                                from the initial value, relative
 ``channel.OWNER.KIND[.COMPONENT].STATISTIC``   ``end``, ``min``, ``max``, ``mean`` or ``rms`` of a recorded
-                                               channel, e.g. ``channel.tip.position.y.max``
+                                               channel, e.g. ``channel.tip.position.y.max``; component
+                                               ``largest`` or ``smallest``: of all components
 ``deviation.NAME``                             largest distance of a channel from the reference history
                                                NAME, divided by its scale if it has one
 =============================================  ==========================================================
+
+Components of the channels of frames and shells begin with the number of a node or element:
+``channel.plate.position.60.z.end``.
 
 What channels there are depends on the owner: a hinge has an ``angle``, a rope a ``tension``; see
 `heavylift.pipeline.channel_kinds`.
@@ -52,7 +56,7 @@ class QuantityName(NamedTuple):
     item: str
     """What of the owner, e.g. ``frequency`` or the channel name ``tip.position``; the name of a reference."""
     component: str
-    """One-based number of a vector, or component of a channel; may be empty."""
+    """One-based number of a vector; or component of a channel, with dots as in ``60.z``; may be empty."""
     statistic: str
     """Of a channel."""
     kind: Kind
@@ -130,13 +134,13 @@ def _drift(text: str, parts: list[str]) -> QuantityName:
 
 
 def _channel(text: str, parts: list[str], names: Declared | None) -> QuantityName:
-    if len(parts) not in {4, 5} or parts[-1] not in STATISTICS:
+    if len(parts) < 4 or "" in parts or parts[-1] not in STATISTICS:
         raise InputError(
             f"quantity {text!r} is unknown",
             expected="channel.OWNER.KIND.STATISTIC or channel.OWNER.KIND.COMPONENT.STATISTIC with STATISTIC one of "
             + ", ".join(STATISTICS),
         )
-    component = parts[3] if len(parts) == 5 else ""
+    component = ".".join(parts[3:-1])
     name = f"{parts[1]}.{parts[2]}"
     owner = "" if parts[1] in RESERVED_NAMES else parts[1]
     return QuantityName(text, "channel", owner, name, component, parts[-1], channel_kind(name, text, names))

@@ -21,6 +21,7 @@ from heavylift.pipeline.report_document import (
     to_markdown,
 )
 from heavylift.pipeline.report_inputs import input_section, rigid_sections
+from heavylift.pipeline.report_meshes import mesh_sections
 from heavylift.pipeline.report_run import (
     history_section,
     load_finite_results,
@@ -28,19 +29,21 @@ from heavylift.pipeline.report_run import (
     run_ending,
     run_section,
 )
+from heavylift.pipeline.report_scene import scene_sections
 from heavylift.pipeline.storage import OutputFolder, replacing
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from heavylift.pipeline.case import Case
+    from heavylift.pipeline.log import Log
 
 __all__ = ["Album", "write_report"]
 
 
 @dataclass
 class Album:
-    """Pictures of one report: written to its folder as they come, kept for the HTML file.
+    """Pictures and animations of one report: written to its folder as they come, kept for the HTML file.
 
     Attributes
     ----------
@@ -55,17 +58,26 @@ class Album:
 
     def add(self, name: str, content: bytes) -> str:
         """Write a PNG; returns its file name, `name` with unusual characters replaced and made unique."""
-        stem = re.sub(r"[^A-Za-z0-9_-]+", "_", name) or "picture"
-        file, number = f"{stem}.png", 2
-        while file in self.pictures:
-            file, number = f"{stem}_{number}.png", number + 1
-        with replacing(self.folder / file) as temporary:
+        path = self.path(name, ".png")
+        with replacing(path) as temporary:
             temporary.write_bytes(content)
-        self.pictures[file] = content
-        return file
+        return self.take(path)
+
+    def path(self, name: str, suffix: str) -> Path:
+        """Path of a file that is yet to be written, with a name as `add` makes it."""
+        stem = re.sub(r"[^A-Za-z0-9_-]+", "_", name) or "picture"
+        file, number = f"{stem}{suffix}", 2
+        while file in self.pictures:
+            file, number = f"{stem}_{number}{suffix}", number + 1
+        return self.folder / file
+
+    def take(self, path: Path) -> str:
+        """Take up a file that has been written at a path from `path`; returns its name."""
+        self.pictures[path.name] = path.read_bytes()
+        return path.name
 
 
-def write_report(case: Case, folder: Path, out: Path) -> list[Path]:
+def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) -> list[Path]:
     """Write ``report.md``, ``report.html`` and their pictures from whatever stages have run.
 
     Parameters
@@ -76,6 +88,8 @@ def write_report(case: Case, folder: Path, out: Path) -> list[Path]:
         Folder of the report; made if absent. Pictures of an earlier report that are not made anew are removed.
     out
         Output folder of the case, with a folder for each stage that has run.
+    log
+        Told how far an animation is.
 
     Returns
     -------
@@ -93,11 +107,13 @@ def write_report(case: Case, folder: Path, out: Path) -> list[Path]:
     before = _linked_pictures(folder / "report.md")
     results, problem = load_finite_results(case, out)
     flexible = {name: body for name, body in case.bodies.items() if body.type == "flexible"}
-    renderer, remedy = _renderer() if flexible else (None, "")
-    sections: list[Section] = rigid_sections(case)
+    moved = results is not None and bool(results.meshes) and len(results.time) > 0
+    renderer, remedy = _renderer() if flexible or moved else (None, "")
+    sections: list[Section] = [*rigid_sections(case), *mesh_sections(case, results)]
     try:
         for name, body in flexible.items():
             sections += body_sections(case, name, body, stages, results, renderer, album)
+        sections += scene_sections(case, stages, results, renderer, album, log)
     finally:
         if renderer is not None:
             renderer.close()
@@ -144,9 +160,9 @@ def _renderer() -> tuple[Renderer | None, str]:
 
 
 def _linked_pictures(report: Path) -> set[str]:
-    """File names of the pictures that an earlier report shows."""
+    """File names of the pictures and animations that an earlier report shows."""
     try:
-        return set(re.findall(r"\]\(([A-Za-z0-9_-]+\.png)\)", report.read_text(encoding="utf-8")))
+        return set(re.findall(r"\]\(([A-Za-z0-9_-]+\.(?:png|gif|mp4))\)", report.read_text(encoding="utf-8")))
     except (OSError, UnicodeDecodeError):
         return set()
 

@@ -54,7 +54,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Figure:
-    """A picture beside the report; `wide` gives it the whole width in HTML."""
+    """A picture or animation beside the report; `wide` gives it the whole width in HTML."""
 
     file: str
     caption: str
@@ -96,6 +96,8 @@ def _markdown_item(item: Text | Verdict | Facts | Table | Figure) -> str:
             return f"**{_md(item.text)}**"
         case Facts():
             return "\n".join(["| | |", "|---|---|"] + [f"| {_md(k)} | {_md(v)} |" for k, v in item.rows])
+        case Figure() if item.file.endswith(".mp4"):
+            return f"[{_md(item.caption)}]({item.file})"
         case Figure():
             return f"![{_md(item.caption)}]({item.file})\n\n*{_md(item.caption)}*"
         case Table():
@@ -120,7 +122,7 @@ def to_html(document: Document, pictures: Mapping[str, bytes]) -> str:
     document
         The report.
     pictures
-        Content of the PNG files that its figures name; they are embedded.
+        Content of the files (PNG, GIF, MP4) that its figures name; they are embedded.
     """
     body = [
         "<header>",
@@ -174,9 +176,14 @@ def _html_figure(figure: Figure, pictures: Mapping[str, bytes]) -> str:
     if content is None:
         source = escape(figure.file, quote=True)
     else:
-        source = "data:image/png;base64," + base64.b64encode(content).decode("ascii")
+        kind = _MEDIA[figure.file.rpartition(".")[2]]
+        source = f"data:{kind};base64," + base64.b64encode(content).decode("ascii")
     caption = escape(figure.caption)
-    return f'<figure>\n<img src="{source}" alt="{caption}">\n<figcaption>{caption}</figcaption>\n</figure>'
+    if figure.file.endswith(".mp4"):
+        picture = f'<video src="{source}" controls loop muted playsinline aria-label="{caption}"></video>'
+    else:
+        picture = f'<img src="{source}" alt="{caption}">'
+    return f"<figure>\n{picture}\n<figcaption>{caption}</figcaption>\n</figure>"
 
 
 def _html_table(table: Table) -> str:
@@ -205,6 +212,7 @@ def _html_table(table: Table) -> str:
     return f'<div class="scroll"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody>\n</table></div>'
 
 
+_MEDIA = {"png": "image/png", "gif": "image/gif", "mp4": "video/mp4"}
 _PAGE = """<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -249,7 +257,8 @@ tr.passed td:last-child { color: #2e7d32; font-weight: 600; }
 tr.failed td { background: #fdecea; }
 tr.failed td:last-child { color: #c62828; font-weight: 600; }
 figure { margin: 16px 0 24px; break-inside: avoid; }
-figure img { display: block; width: 100%; height: auto; border: 1px solid var(--line); border-radius: 3px; }
+figure img, figure video {
+  display: block; width: 100%; height: auto; border: 1px solid var(--line); border-radius: 3px; }
 figcaption { color: var(--grey); font-size: 14px; margin-top: 6px; }
 .figures { display: grid; grid-template-columns: repeat(2, 1fr); gap: 0 20px; }
 @media (max-width: 720px) { main { padding: 20px; } .figures { grid-template-columns: 1fr; } }

@@ -16,7 +16,14 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_simulate import SimulateSection
 
-__all__ = ["body_input_rows", "input_section", "integration_words", "mesh_input_rows", "rigid_sections"]
+__all__ = [
+    "body_input_rows",
+    "initial_rows",
+    "input_section",
+    "integration_words",
+    "mesh_input_rows",
+    "rigid_sections",
+]
 
 _SECTIONS = 4  # rigid bodies with a section of their own at most
 
@@ -44,6 +51,14 @@ def input_section(case: Case) -> Section:
 
 def integration_words(settings: SimulateSection) -> str:
     """Integrator, step or tolerance, output interval and duration."""
+    start = {
+        "check": "",
+        "project": ", joints closed before",
+        "equilibrium": ", from equilibrium",
+        "relax": ", from equilibrium by damped motion",
+    }[settings.start]
+    if settings.duration == 0.0:
+        return f"none: {start.removeprefix(', ')} only"
     words = []
     if settings.step is not None:
         words.append(f"step {number_words(settings.step, 's')}")
@@ -51,8 +66,7 @@ def integration_words(settings: SimulateSection) -> str:
         words.append(f"tolerance {settings.solver_tolerance:g}")
     words.append(f"output interval {number_words(settings.output_interval, 's')}")
     words.append(f"duration {number_words(settings.duration, 's')}")
-    start = {"check": "", "project": ", joints closed before", "equilibrium": ", from equilibrium"}
-    return f"{settings.integrator}: {', '.join(words)}{start[settings.start]}"
+    return f"{settings.integrator}: {', '.join(words)}{start}"
 
 
 def rigid_sections(case: Case) -> list[Section]:
@@ -71,7 +85,7 @@ def rigid_sections(case: Case) -> list[Section]:
             numbers_words(body.centre_of_mass, "m"),
             _inertia(body.inertia),
             body.frame.motion,
-            "; ".join(f"{key.removeprefix('initial ')} {words}" for key, words in _initial(body.initial)),
+            "; ".join(f"{key.removeprefix('initial ')} {words}" for key, words in initial_rows(body.initial)),
         )
         for name, body in rigid.items()
     ]
@@ -90,7 +104,7 @@ def body_input_rows(body: Any) -> list[tuple[str, str]]:
     rows.append(("reference frame", f"{body.frame.motion}, origin: {body.frame.origin.replace('_', ' ')}"))
     if body.frame.motion == "driven":
         rows += _drive(body.frame)
-    return rows + _initial(body.initial)
+    return rows + initial_rows(body.initial)
 
 
 def mesh_input_rows(body: Any) -> list[tuple[str, str]]:
@@ -150,7 +164,7 @@ def _drive(frame: Any) -> list[tuple[str, str]]:
     return rows or [("driven", "no profile: at rest")]
 
 
-def _initial(initial: Any) -> list[tuple[str, str]]:
+def initial_rows(initial: Any) -> list[tuple[str, str]]:
     """Initial state as far as it is given; the rest is at rest where the geometry was drawn."""
     rows = [
         (f"initial {key.replace('_', ' ')}", numbers_words(value, unit))

@@ -33,6 +33,7 @@ __all__ = ["history_section", "load_finite_results", "provenance_section", "run_
 _SENTENCES = 10  # of a diagnosis at most
 _STAGES = ("mesh", "modes", "simulate")
 _CURVES = 6  # modal coordinates in one plot at most
+_MANY = 16  # components of other channels; of more, the smallest and the largest are drawn
 _PLOTS = 8  # histories chosen at most
 _SAMPLES = 16  # fewest samples of a spectrum
 _EXCITED = 1.0e-4  # amplitude of a mode that counts as excited, relative to the largest of its body
@@ -60,7 +61,10 @@ def load_finite_results(case: Case, folder: Path) -> tuple[Results | None, str]:
     message = f"Values are not finite from t = {results.time[count]:.6g} s on; what is shown ends before."
     if not count:
         return None, message
-    return Results(results.source, results.time[:count], channels, columns, results.metadata), message
+    cut = Results(
+        results.source, results.time[:count], channels, columns, results.metadata, results.mesh_file
+    )
+    return cut, message
 
 
 def run_ending(stages: OutputFolder, results: Results | None) -> tuple[Outcome | None, str]:
@@ -231,8 +235,11 @@ def _chosen_channels(case: Case, results: Results) -> tuple[str, ...]:
         if getattr(joint, "drive", None) is not None
         for kind in ("angle", "travel")
     ]
+    owners += [
+        f"{name}.{kind}" for name in case.meshes for kind in ("axial_stress", "von_mises", "strain_drift")
+    ]
     if not (case.joints and case.sensors):
-        for name in case.bodies:
+        for name in (name for name in case.bodies if name not in case.meshes):
             owners += [f"{name}.{kind}" for kind in ("position", "angular_velocity", "reaction_force")]
     chosen = [name for name in owners if name in results and np.any(np.ptp(results[name], axis=0))]
     monitor = ["monitor.violation"] if case.joints and "monitor.violation" in results else []
@@ -261,7 +268,7 @@ def _deviation_items(case: Case, results: Results, album: Album) -> list[Figure 
 
 
 def _curves(results: Results, name: str) -> list[Series]:
-    """Components of a channel; of modal coordinates the largest few, in their order."""
+    """Components of a channel; of modal coordinates the largest few, in their order; of very many their range."""
     history = results[name].reshape(len(results.time), -1)
     components = results.components(name)
     chosen: NDArray[np.int64] = np.arange(history.shape[1])
@@ -269,6 +276,8 @@ def _curves(results: Results, name: str) -> list[Series]:
     if modal:
         largest = np.abs(history).max(axis=0)
         chosen = np.flatnonzero(largest > 1.0e-9 * largest.max())  # the others are at rest, but for rounding
+    if not modal and len(components) > _MANY:
+        return [Series("smallest", history.min(axis=1)), Series("largest", history.max(axis=1))]
     if modal and len(chosen) > _CURVES:
         chosen = np.sort(np.argsort(-largest, kind="stable")[:_CURVES])
     words = "mode {}" if modal else "{}"

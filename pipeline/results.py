@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.mesh_results import MeshShape, read_meshes, write_meshes
 from heavylift.pipeline.model_io import open_hdf5
 from heavylift.pipeline.segments import read_segments
 from heavylift.pipeline.storage import OutputFolder, replacing
@@ -59,6 +61,8 @@ class Results:
         Reads the array of a channel, shape (nr, components), by name.
     metadata
         Outcome, step, digests, versions and sources.
+    meshes
+        File with the shapes of frames and shells, if there may be one.
     """
 
     def __init__(
@@ -68,8 +72,10 @@ class Results:
         channels: Mapping[str, ChannelInfo],
         columns: Mapping[str, Any],
         metadata: Mapping[str, Any],
+        meshes: Path | None = None,
     ) -> None:
         self.source = source
+        self._mesh_file = meshes
         self.time = time
         self.metadata = dict(metadata)
         self._channels = dict(channels)
@@ -94,6 +100,19 @@ class Results:
     def names(self) -> tuple[str, ...]:
         """Names of all channels."""
         return tuple(self._channels)
+
+    @cached_property
+    def meshes(self) -> dict[str, MeshShape]:
+        """Shapes of the frames and shells of the scene, by name; empty if it has none."""
+        if self._mesh_file is None or not self._mesh_file.is_file():
+            return {}
+        with open_hdf5(self._mesh_file, _REMEDY) as file:
+            return read_meshes(file)
+
+    @property
+    def mesh_file(self) -> Path | None:
+        """The file `meshes` is read from."""
+        return self._mesh_file
 
     @property
     def outcome(self) -> str:
@@ -174,7 +193,7 @@ def load_results(source: Case | Path | str, out: Path | str | None = None) -> Re
     }
     metadata = {key: value for key, value in header.items() if key not in {"channels", "first_record"}}
     times = np.concatenate([segment.times for segment in segments])
-    return Results(folder.segments, times, channels, columns, metadata)
+    return Results(folder.segments, times, channels, columns, metadata, folder.meshes)
 
 
 def _results_file(source: Case | Path | str, out: Path | str | None) -> Path:
@@ -212,7 +231,7 @@ def _read_merged(file: Path) -> Results:
             attributes = content["channels"][name].attrs
             components = tuple(json.loads(attributes["components"]))
             channels[name] = ChannelInfo(name, str(attributes["unit"]), components, int(attributes["column"]))
-    return Results(file, time, channels, _Hdf5Columns(file), metadata)
+    return Results(file, time, channels, _Hdf5Columns(file), metadata, file)
 
 
 _JSON_ATTRIBUTES = {"sources", "versions", "channel_order", "overrides"}
@@ -228,6 +247,7 @@ def merge_segments(
     channels: Sequence[ChannelInfo],
     descriptions: Mapping[str, str],
     metadata: Mapping[str, Any],
+    meshes: Sequence[MeshShape] = (),
 ) -> None:
     """Merge the segments of a run into one self-describing HDF5 file.
 
@@ -243,6 +263,8 @@ def merge_segments(
         Words for channels, by the last part of their names or the whole name.
     metadata
         Root attributes: title, digest, outcome, versions, sources, ...
+    meshes
+        Shapes of frames and shells.
     """
     import h5py
 
@@ -251,6 +273,7 @@ def merge_segments(
         target.attrs["channel_order"] = json.dumps([channel.name for channel in channels])
         for key, value in metadata.items():
             target.attrs[key] = value if isinstance(value, (str, int, float)) else json.dumps(value)
+        write_meshes(target, meshes)
         time = target.create_dataset("time", shape=(0,), maxshape=(None,), dtype="f8", chunks=(4096,))
         time.attrs["unit"] = "s"
         time.attrs["description"] = "simulated time of the records"

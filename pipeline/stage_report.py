@@ -37,7 +37,7 @@ def report_stage(work: Work) -> StageReport:
 
     begin = time.process_time()
     folder.mkdir(parents=True, exist_ok=True)
-    paths = write_report(work.case, folder, work.folder.root)
+    paths = write_report(work.case, folder, work.folder.root, work.log)
     files = {str(path.relative_to(folder)): path.stat().st_size for path in paths}
     cpu_s = time.process_time() - begin
     write_json(

@@ -10,6 +10,7 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline.advance import Advancer, stop_requests
 from heavylift.pipeline.channel_descriptions import CHANNEL_DESCRIPTIONS
 from heavylift.pipeline.diagnosis import diagnosis, diagnosis_lines, steps_taken
+from heavylift.pipeline.mesh_results import mesh_shape, save_meshes
 from heavylift.pipeline.provenance import simulate_digest, source_digest, versions
 from heavylift.pipeline.results import ChannelInfo, load_results, merge_segments
 from heavylift.pipeline.segments import remove_segments
@@ -17,6 +18,7 @@ from heavylift.pipeline.stages import StageReport
 from heavylift.pipeline.storage import StopError, read_json, write_json
 
 if TYPE_CHECKING:
+    from heavylift.pipeline.mesh_results import MeshShape
     from heavylift.pipeline.stages import Work
 
 __all__ = ["simulate_stage"]
@@ -53,11 +55,13 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     """Simulate; `cut_off` tells that an earlier run in this folder had begun and did not end."""
     from heavylift.pipeline.assemble_scene import assemble_scene
     from heavylift.pipeline.case_places import in_case
+    from heavylift.solver.meshes import MeshBody
     from heavylift.solver.simulation import Simulation
 
     section, folder, log = work.case.simulate, work.folder, work.log
     assert section is not None
     scene = assemble_scene(work.case, folder)
+    meshes = [mesh_shape(body) for body in scene.bodies if isinstance(body, MeshBody)]
     options: dict[str, Any] = {"record_every": section.record_every}
     if section.solver_tolerance is not None:
         options["tolerance"] = section.solver_tolerance
@@ -67,6 +71,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         simulation = Simulation(scene, section.solver_step, section.integrator, **options)
     with contextlib.suppress(FileNotFoundError):
         folder.results.unlink()  # from here on it would belong to other inputs
+    save_meshes(folder.meshes, meshes)
     # before compiling, which may take long: a kill from here on leaves word that a run had begun
     _write_manifest(work, digest, "unfinished", "", finished=False, details={})
     with in_case(work.case):
@@ -106,7 +111,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     }
     finished = outcome is not Outcome.INTERRUPTED
     if finished:
-        _merge(work, advancer, digest, outcome, message, about)
+        _merge(work, advancer, digest, outcome, message, about, meshes)
     if simulation.step_index:
         drift = _energy_drift(work)
         details["energy_drift"] = drift if math.isfinite(drift) else None
@@ -139,6 +144,7 @@ def _merge(
     outcome: Outcome,
     message: str,
     about: dict[str, Any],
+    meshes: list[MeshShape],
 ) -> None:
     """Merge the segments into the result file."""
     channels = [
@@ -162,7 +168,9 @@ def _merge(
         "versions": versions("simulate"),
         "overrides": list(work.case.overrides),
     }
-    merge_segments(work.folder.segments, work.folder.results, channels, CHANNEL_DESCRIPTIONS, metadata)
+    merge_segments(
+        work.folder.segments, work.folder.results, channels, CHANNEL_DESCRIPTIONS, metadata, meshes
+    )
 
 
 def _energy_drift(work: Work) -> float:

@@ -280,6 +280,8 @@ def mesh_stage(work: Work) -> StageReport:
         work.models[name] = model
         return model_properties(model)
 
+    for name, body in work.case.meshes.items():
+        work.log.say(f"mesh: {name}: a {body.type}, whose elements are simulated themselves, skipped")
     return _body_stage(work, "mesh", work.folder.model, mesh_digest, make)
 
 

@@ -76,6 +76,11 @@ class OutputFolder:
         """Time histories of a simulation that is not finished."""
         return self.root / "simulate" / "segments"
 
+    @property
+    def meshes(self) -> Path:
+        """Shapes of the frames and shells of a simulation, finished or not."""
+        return self.root / "simulate" / "meshes.h5"
+
 
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[Path]:

@@ -75,6 +75,12 @@ KINDS = {
         Kind("moment of inertia", "kg m^2", Dimension(2, 1)),
         Kind("modal coordinate", "m kg^0.5", Dimension(1, 0.5)),
         Kind("modal velocity", "m kg^0.5/s", Dimension(1, 0.5, -1)),
+        Kind("area", "m^2", Dimension(2)),
+        Kind("second moment of area", "m^4", Dimension(4)),
+        Kind("rate", "1/s", Dimension(0, 0, -1)),
+        Kind("force per length", "N/m", Dimension(0, 1, -2)),
+        Kind("moment per length", "N m/m", Dimension(1, 1, -2)),
+        Kind("slope per length", "1/m", Dimension(-1)),
     )
 }
 """The kinds of quantity that cases and results use, by name."""

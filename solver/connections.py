@@ -23,6 +23,8 @@ __all__ = [
     "Ball",
     "Cylindrical",
     "Distance",
+    "EdgeClamp",
+    "EdgeHinge",
     "FixedJoint",
     "Hinge",
     "Joint",
@@ -210,7 +212,7 @@ class SliderHinge(Joint):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FixedJoint(Joint):
-    """The two frames coincide: 6 rows."""
+    """The two frames coincide: 6 rows. A frame of ANCF elements keeps its tangent, 5 rows: it has no torsion."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -229,6 +231,46 @@ class Distance(Joint):
     """
 
     length: float | None = None
+
+
+def _no_nodes() -> NDArray[np.int64]:
+    return np.zeros(0, dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EdgeHinge(Joint):
+    """An edge of a shell turns about itself on the ground, a body or the edge of another shell.
+
+    All along the edge, not in its nodes alone: nodes and tangents of the edge are kept. It stays straight on a
+    rigid or floating body, and bends with the edge of another shell. Joint frames are not used; what counts is
+    how the bodies stand at the start. Reactions are those of each node: ``name.0``, ``name.1``, ...
+
+    Attributes
+    ----------
+    nodes_a
+        Numbers of nodes of the shell `body_a` along the edge, in order, shape (n,).
+    nodes_b
+        Those of `body_b` at the same places, if that is a shell.
+    """
+
+    nodes_a: NDArray[np.int64]
+    nodes_b: NDArray[np.int64] = field(default_factory=_no_nodes)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EdgeClamp(Joint):
+    """An edge of a shell is built in: as `EdgeHinge`, and the surface keeps its angle to the other side.
+
+    Stretch and shear angle of the surface stay free at the edge.
+
+    Attributes
+    ----------
+    nodes_a, nodes_b
+        As in `EdgeHinge`.
+    """
+
+    nodes_a: NDArray[np.int64]
+    nodes_b: NDArray[np.int64] = field(default_factory=_no_nodes)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

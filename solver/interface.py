@@ -58,6 +58,7 @@ __all__ = [
     "check",
     "collect_load",
     "complete",
+    "complete_accelerations",
     "complete_rates",
     "complete_thesis",
     "correct",
@@ -85,6 +86,7 @@ __all__ = [
     "set_targets",
     "set_velocity",
     "solve_again",
+    "spread_impulses",
     "start",
     "store_state",
     "survey",
@@ -342,6 +344,20 @@ def begin_stage(
 @generic
 def free_acceleration(kinds: Any, values: NDArray[np.float64], at: int, work: Workspace) -> None:
     """Bodies: accelerations without joints into `work.velocity`, powers [W] of loads and drives into `work.sums`."""
+
+
+@optional
+def complete_accelerations(
+    kinds: Any, systems: Any, values: NDArray[np.float64], rate: int, work: Workspace
+) -> None:
+    """Bodies that rows see through bases: all their accelerations into the vector at `rate`, by the impulses."""
+
+
+@optional
+def spread_impulses(
+    kinds: Any, systems: Any, values: NDArray[np.float64], at: int, of_velocity: bool, work: Workspace
+) -> None:
+    """Bodies that rows see through bases: what impulses change in their coordinates, or in their velocities."""
 
 
 @generic

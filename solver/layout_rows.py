@@ -72,11 +72,14 @@ def pack_connections(
     The velocities by which a mesh is seen are those of the material points that are in use, so with meshes all
     is packed twice: first to count these points.
     """
-    packed = _pack(scene, ordered, column, integrator, {})
     meshes = [body for body in ordered if isinstance(body, MeshBody)]
     if not meshes:
-        return packed
+        return _pack(scene, ordered, column, integrator, {})
     from heavylift.solver.bodies.ancf.bases import plan_bases
+    from heavylift.solver.joints.mesh_joints import expand_joints
+
+    scene = expand_joints(scene)
+    packed = _pack(scene, ordered, column, integrator, {})
 
     markers = packed.book.of([body.name for body in meshes])
     counts = {

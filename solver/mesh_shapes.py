@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -173,7 +174,7 @@ def grid(points: ArrayLike) -> ShellMesh:
 def _slopes(values: NDArray[np.float64], lengths: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
     """Derivatives along an axis of the parabolas through three neighbours at given distances."""
     places = np.concatenate([[0.0], np.cumsum(lengths)])
-    return np.gradient(values, places, axis=axis, edge_order=min(2, len(lengths)))
+    return np.asarray(np.gradient(values, places, axis=axis, edge_order=2 if len(lengths) > 1 else 1))
 
 
 def _chain(count: int) -> NDArray[np.int64]:
@@ -286,9 +287,7 @@ def spline(points: ArrayLike, n: int | None = None) -> FrameMesh:
 def _equal_lengths(curve: object, knots: NDArray[np.float64], count: int) -> NDArray[np.float64]:
     """Parameters that divide a curve into parts of equal arc length."""
     points, weights = np.polynomial.legendre.leggauss(8)
-    fine = np.unique(
-        np.concatenate([np.linspace(a, b, 17) for a, b in zip(knots[:-1], knots[1:], strict=True)])
-    )
+    fine = np.unique(np.concatenate([np.linspace(a, b, 17) for a, b in pairwise(knots)]))
 
     def length(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.float64]:
         half = 0.5 * (end - start)

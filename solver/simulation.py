@@ -18,6 +18,7 @@ from heavylift.solver.integrate.choice import check_integrator, choose_integrato
 from heavylift.solver.integrate.loop import start_scene, write_record
 from heavylift.solver.interface import NEXT_STEP, STATUS_BLOCK, STATUS_BODY, STATUS_OUTCOME, STEP_COUNT
 from heavylift.solver.layout import Channel, pack_scene
+from heavylift.solver.mesh_warning import mesh_warning
 from heavylift.solver.rows import LAST_REACTION, REACTION, ROW_COLUMNS
 from heavylift.solver.scene import Scene
 
@@ -347,12 +348,16 @@ class Simulation:
                 "a smaller step or tolerance, loads of a sensible size, a rope that is not hauled in whole",
                 "joint",
             ),
+            Outcome.STRAINS_LOST: ("a smaller step, or elasticity 'auto' or 'energy-momentum'", "body"),
             Outcome.NOT_CONVERGED: ("a smaller step, or softer stops and ropes", "joint"),
         }[self.outcome]
+        if status[STATUS_BLOCK] < 0 and part == "joint":  # the iteration of a mesh
+            remedy, part = "a smaller step", "body"
         names = layout.body_names if part == "body" else layout.block_names
         number = int(status[STATUS_BODY if part == "body" else STATUS_BLOCK])
+        element = f", element {-1 - int(status[STATUS_BLOCK])}" if status[STATUS_BLOCK] < 0 else ""
         when = f"t = {self.time:.9g} s (step {self.step_index})"
-        self.message = f"{self.outcome.text} at {when}, {part} {names[number]!r}; try {remedy}"
+        self.message = f"{self.outcome.text} at {when}, {part} {names[number]!r}{element}; try {remedy}"
 
     def _back_to(self, before: dict[str, NDArray[Any]], done: int, records: NDArray[np.float64]) -> None:
         """Repeat what was good: a step that fails at its end leaves no good state behind it."""
@@ -370,6 +375,9 @@ class Simulation:
                 f"energy grew by {self._gain:.3g} J beyond the work done, {self._gain / self._energy:.1%} of the"
                 " largest kinetic and elastic energy: take a smaller step, or damping in stops and ropes"
             )
+        drifted = mesh_warning(self._layout)
+        if drifted:
+            return drifted
         if self.integrator == "accurate":
             from heavylift.solver.integrate.integration import stiffness_seen
 

@@ -34,6 +34,7 @@ from heavylift.solver.integrate.dense_output import choose_nodes, node_weights, 
 from heavylift.solver.integrate.dop853 import NODES, ORDER, STAGES, write_end, write_errors, write_stage
 from heavylift.solver.integrate.integration import (
     AT_CORNER,
+    BASED,
     DRIVEN,
     END,
     END_RATE,
@@ -83,11 +84,13 @@ from heavylift.solver.interface import (
     Workspace,
     add_forces,
     begin_stage,
+    complete_accelerations,
     complete_rates,
     displace,
     free_acceleration,
     load_state,
     measure_error,
+    spread_impulses,
     store_state,
 )
 
@@ -132,7 +135,9 @@ def _evaluate(
     add_forces(forces, time, work)
     free_acceleration(bodies, values, at, work)
     driven = state[DRIVEN] != 0.0
-    constrain(rows, joints, work, time, state[SOLUTIONS], with_reactions or driven)
+    wanted = with_reactions or driven or state[BASED] != 0.0
+    constrain(rows, bodies, joints, work, time, state[SOLUTIONS], wanted)
+    complete_accelerations(bodies, rows, values, out, work)
     if driven:
         add_drive_power(rows, values, at, work)
     for i in range(work.velocity.shape[0]):
@@ -151,13 +156,15 @@ def _project(
     begin_stage(bodies, time, values, at, END_RATE * size, work)
     for i in range(work.velocity.shape[0]):
         work.velocity[i] = 0.0
-    find_displacement(rows, joints, work, time)
+    find_displacement(rows, bodies, joints, work, time)
     displace(bodies, values, at, work)
+    spread_impulses(bodies, rows, values, at, False, work)
     for i in range(work.velocity.shape[0]):
         work.velocity[i] = values[at + i]
     correct_velocity(rows, work)
     for i in range(work.velocity.shape[0]):
         values[at + i] = work.velocity[i]
+    spread_impulses(bodies, rows, values, at, True, work)
 
 
 @kernel(internal=True)

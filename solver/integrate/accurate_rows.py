@@ -18,7 +18,14 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.integrate.row_solver import assemble, factor_rows, solve_rows
-from heavylift.solver.interface import DRIVE_WORK, Workspace, fill_bias, fill_rows, set_targets
+from heavylift.solver.interface import (
+    DRIVE_WORK,
+    Workspace,
+    apply_inverse,
+    fill_bias,
+    fill_rows,
+    set_targets,
+)
 from heavylift.solver.kinds import generic, implement
 from heavylift.solver.rows import (
     DOF,
@@ -81,7 +88,13 @@ def soften_rows(system: RowSystem, softening: float) -> None:
 
 @generic
 def constrain(
-    systems: Any, joints: Any, work: Workspace, time: float, solutions: float, with_reactions: bool
+    systems: Any,
+    bodies: Any,
+    joints: Any,
+    work: Workspace,
+    time: float,
+    solutions: float,
+    with_reactions: bool,
 ) -> None:
     """Rows: accelerations without joints in `work.velocity` become those with them."""
 
@@ -89,14 +102,24 @@ def constrain(
 @implement(constrain, RowSystem)
 @kernel(inline=True, internal=True)
 def constrain_rows(
-    system: RowSystem, joints: Any, work: Workspace, time: float, solutions: float, with_reactions: bool
+    system: RowSystem,
+    bodies: Any,
+    joints: Any,
+    work: Workspace,
+    time: float,
+    solutions: float,
+    with_reactions: bool,
 ) -> None:
-    """One factorisation; each solution starts without impulses, so later ones do not see the softness."""
+    """One factorisation; each solution starts without impulses, so later ones do not see the softness.
+
+    With reactions the impulses are the sums of all solutions in the end.
+    """
     lanes = len(system.shape[1])
     width = ROW_COLUMNS * lanes
     nodes = system.attachments.shape[0] // 2
     fill_rows(joints, False, work, system)
     fill_bias(joints, time, work, system)
+    apply_inverse(bodies, False, system)
     assemble(system)
     factor_rows(system)
     if with_reactions:
@@ -113,16 +136,19 @@ def constrain_rows(
                 at = node * width
                 for r in range(lanes):
                     system.rows[at + REACTION * lanes + r] += system.rows[at + IMPULSE * lanes + r]
+                    system.rows[at + IMPULSE * lanes + r] = system.rows[at + REACTION * lanes + r]
 
 
 @generic
-def find_displacement(systems: Any, joints: Any, work: Workspace, time: float) -> None:
+def find_displacement(systems: Any, bodies: Any, joints: Any, work: Workspace, time: float) -> None:
     """Rows: displacement in `work.velocity` that closes them to first order; the factor is that of this position."""
 
 
 @implement(find_displacement, RowSystem)
 @kernel(internal=True)
-def find_row_displacement(system: RowSystem, joints: Any, work: Workspace, time: float) -> None:
+def find_row_displacement(
+    system: RowSystem, bodies: Any, joints: Any, work: Workspace, time: float
+) -> None:
     """``G d = -g``; the targets of the velocities are kept for `correct_velocity`."""
     lanes = len(system.shape[1])
     width = ROW_COLUMNS * lanes
@@ -138,6 +164,7 @@ def find_row_displacement(system: RowSystem, joints: Any, work: Workspace, time:
             system.rows[at + HALF_IMPULSE * lanes] = system.rows[at + TARGET * lanes]
             system.rows[at + TARGET * lanes] = -system.rows[at + RESIDUAL * lanes]
             system.rows[at + IMPULSE * lanes] = 0.0
+    apply_inverse(bodies, False, system)
     assemble(system)
     factor_rows(system)
     solve_rows(system, work.velocity)

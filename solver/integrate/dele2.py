@@ -28,6 +28,7 @@ from heavylift.solver.interface import (
     FORCES,
     LAST_STEP,
     NEXT_STEP,
+    STATUS_BLOCK,
     STATUS_OUTCOME,
     STEP_COUNT,
     Workspace,
@@ -47,6 +48,10 @@ __all__ = ["run"]
 
 ACCEPTED, SAFETY, SMALLEST_FACTOR, LARGEST_FACTOR = 1.5, 0.85, 0.3, 2.0
 STEP_TOO_SMALL = int(Outcome.STEP_TOO_SMALL)
+NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
+SHORTEST_PART = 1.5 / 256.0
+"""Of a fixed step, to which it is halved while an iteration does not converge."""
+
 SMALLEST_STEP = 1e-9
 """Of the output interval, below which an adaptive run gives up."""
 
@@ -134,10 +139,12 @@ def run(
                 if rest > interval - close:
                     rest = interval
                 h = rest / max(1.0, math.ceil(rest / control[NEXT_STEP] - 1e-6))
+            elif control[NEXT_STEP] < interval:  # after an iteration that did not converge
+                h = interval / math.ceil(interval / control[NEXT_STEP] - 1e-6)
             predict(bodies, time, h)
             evaluate_forces(bodies, forces, work, time + 0.5 * h, True, FORCES)
             factor(bodies, h, work)
-            solve_midpoint(systems, bodies, joints, work, time, h, h)
+            solve_midpoint(systems, bodies, joints, work, time, h, h if tolerance > 0.0 else step)
             correct(bodies, h, work)
             correct_rows(bodies, systems, joints, work, time, h)
             complete(bodies, systems, True, h, work)
@@ -159,6 +166,10 @@ def run(
                 control[NEXT_STEP] = h * factor_of_step
                 if error > ACCEPTED and work.status[STATUS_OUTCOME] == 0:
                     work.status[STATUS_OUTCOME] = STEP_TOO_SMALL  # `estimate_error` left the body
+            elif work.status[STATUS_OUTCOME] == NOT_CONVERGED and h > SHORTEST_PART * step:
+                control[NEXT_STEP] = 0.5 * h  # nothing has been changed yet
+                work.status[STATUS_OUTCOME] = work.status[STATUS_BLOCK] = 0
+                continue
             if work.status[STATUS_OUTCOME] != 0:
                 return index
             advance(bodies, time, h, work)
@@ -166,6 +177,8 @@ def run(
             finish(bodies, h, work)
             if work.status[STATUS_OUTCOME] != 0:
                 return index
+            if tolerance == 0.0:
+                control[NEXT_STEP] = min(2.0 * h, step)
             control[LAST_STEP] = h
             control[STEP_COUNT] += 1.0
             done = step if h == interval else done + h

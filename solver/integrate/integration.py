@@ -1,6 +1,7 @@
 """What the accurate integrator carries between two calls, and the layout of its vectors.
 
-A state vector holds all velocities, then positions and quaternions, then the works of loads and drives.
+A state vector holds all velocities, then positions and quaternions, then the works of loads and drives. Meshes have the
+velocities of their bases among the first, and coordinates and velocities of all nodes behind the quaternions.
 """
 
 from __future__ import annotations
@@ -49,9 +50,10 @@ STATE, STAGE, END, END_RATE, SECOND, FIFTH, THIRD, VECTORS = 0, 13, 14, 15, 16, 
     REJECTIONS,  # so far
     MEMORY,  # longest of the recent steps [s]
     ERROR_BEFORE,  # of the last accepted step, relative to the tolerance
+    BASED,  # 1 if joints hold bodies whose accelerations are not all among those of the workspace
     WORKS,  # of forces, of drives, lost in dampers, at the last record [J]
-) = range(18)
-TIMES = 20  # of the nodes [s]
+) = range(19)
+TIMES = 21  # of the nodes [s]
 HEAD = 32
 SLOTS, NEEDED = 6, 4  # nodes that are kept, and that are needed between corners before records
 NODE_ROWS = 3  # state, rates, second rates
@@ -65,7 +67,11 @@ LOOSEST_LOOP = 1e-6
 """Largest error of a step in scenes with loops, relative to the largest body: with more they leave their branch."""
 
 
-KERNELS = {"RigidBodies": "heavylift.solver.bodies.rigid_accurate"}
+KERNELS = {
+    "RigidBodies": "heavylift.solver.bodies.rigid_accurate",
+    "FrameMeshes": "heavylift.solver.bodies.ancf.accurate",
+    "ShellMeshes": "heavylift.solver.bodies.ancf.accurate",
+}
 """Modules with the kernels of this integrator, by kind of bodies."""
 
 
@@ -92,7 +98,7 @@ def make_integration(
     Raises
     ------
     InputError
-        If there are bodies other than rigid ones, or rows with a law or compliance.
+        If there are bodies with modes, or rows with a law or compliance.
     """
     from heavylift.solver.rows import COMPLIANCE, ROW_COLUMNS, RowSystem
 
@@ -102,7 +108,7 @@ def make_integration(
                 f"bodies of the kind {type(kind).__name__}",
                 source="simulation",
                 key="integrator",
-                expected="rigid bodies for 'accurate'; or 'dele2'",
+                expected="rigid bodies, frames and shells for 'accurate'; or 'dele2'",
             )
         importlib.import_module(KERNELS[type(kind).__name__])
     for system in systems:
@@ -114,16 +120,26 @@ def make_integration(
                 key="integrator",
                 expected="rigid joints and explicit forces for 'accurate'; or 'dele2'",
             )
-    count = work.velocity.shape[0]
-    size = padded(count + count // 6 * 7 + QUADRATURES)
-    state = np.zeros(HEAD + SLOTS * NODE_ROWS * size)
+    from heavylift.solver.bodies.ancf.kind import MARKER_LEVEL, SIZE, STATE_PLACE
     from heavylift.solver.bodies.rigid import DRIVEN as DRIVEN_MOTION
-    from heavylift.solver.bodies.rigid import MOTION, REACH
+    from heavylift.solver.bodies.rigid import MOTION, REACH, RigidBodies
 
-    state[LENGTH] = max(kind.frame[:, REACH].max() for kind in bodies)
-    state[LOADED] = any((kind.markers[:, 4] > 0).any() for kind in bodies)
-    driven = any((kind.table[:, MOTION] == DRIVEN_MOTION).any() for kind in bodies)
+    rigid = [kind for kind in bodies if isinstance(kind, RigidBodies)]
+    meshes = [kind for kind in bodies if not isinstance(kind, RigidBodies)]
+    place = padded(work.velocity.shape[0] + 7 * sum(len(kind.table) for kind in rigid))
+    for kind in meshes:
+        kind.table[:, STATE_PLACE] = place
+        place += 2 * kind.nodal.shape[1]
+    size = padded(place + QUADRATURES)
+    state = np.zeros(HEAD + SLOTS * NODE_ROWS * size)
+    state[LENGTH] = max(
+        [kind.frame[:, REACH].max() for kind in rigid] + [kind.body[:, SIZE].max() for kind in meshes]
+    )
+    loaded = [(kind.markers[:, 4] > 0).any() for kind in rigid]
+    state[LOADED] = any(loaded + [(kind.markers[:, MARKER_LEVEL] > 0).any() for kind in meshes])
+    driven = any((kind.table[:, MOTION] == DRIVEN_MOTION).any() for kind in rigid)
     state[DRIVEN] = driven or any(hasattr(kind, "profiles") for kind in joints)
+    state[BASED] = bool(systems) and any(len(kind.bases) for kind in meshes)
     if all(is_tree(system) for system in systems):
         state[SOLUTIONS], state[SOFTENING], state[LOOSEST] = 1.0, TREE_SOFTENING, math.inf
     else:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from heavylift.solver.integrate.static_newton import CLOSED, Progress, correct
+from heavylift.solver.integrate.static_newton import BALANCED, CLOSED, Progress, correct
 from heavylift.solver.integrate.static_problem import StaticProblem, measure
 
 __all__ = ["follow_load"]
@@ -21,6 +21,12 @@ FIRST_MOVE = 0.2
 
 MOST = 1.0
 """Largest displacement that any step may promise."""
+
+ON_THE_WAY = 1e-5
+"""Residual of steps before the last."""
+
+GROWTH = ((4, 8.0), (6, 4.0), (8, 2.0), (10, 1.0), (1000, 0.5))
+"""Iterations of a step, and by what the next one is longer."""
 
 JUMP = 4.0
 """A step that leads so much farther than promised is one over a limit point."""
@@ -52,11 +58,12 @@ def follow_load(problem: StaticProblem, progress: Progress, target: float = 1.0)
             goal = target
         before, used = problem.snapshot(), progress.iterations
         most = MOST if first else FIRST_MOVE
-        if correct(problem, progress, goal, most=most, farthest=JUMP):
+        enough = BALANCED if goal == target else ON_THE_WAY
+        if correct(problem, progress, goal, most=most, farthest=JUMP, tolerance=enough):
             first = first or abs(step)
             progress.steps += 1
             easy = progress.iterations - used
-            step *= 4.0 if easy <= 4 else 2.0 if easy <= 6 else 1.0 if easy <= 9 else 0.5
+            step *= next(more for most_of, more in GROWTH if easy <= most_of)
             continue
         problem.restore(before)
         step = goal - progress.factor

@@ -101,7 +101,8 @@ class MeshSystem:
         self.first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
         self.base_dofs = [(m.dofs[:, None] + np.arange(3)).ravel() for m in self.matrices]
         on_mesh = np.zeros(len(rows.inertia), dtype=bool)
-        on_mesh[np.concatenate(self.base_dofs)] = True
+        for dofs in self.base_dofs:
+            on_mesh[dofs] = True
         self.dofs = np.flatnonzero((rows.inertia > 0.0) & ~on_mesh)
         self._prescribed = (rows.inertia == 0.0) & ~on_mesh
         self.count = int(self.first[-1]) + len(self.dofs)
@@ -113,7 +114,9 @@ class MeshSystem:
         row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
         self.T = coo_array((value, (row, column)), shape=(len(rows.inertia), self.count)).tocsr()
         masses = [matrices.mass for matrices in self.matrices]
-        self.mass = block_diag([*masses, diags_array(rows.inertia[self.dofs])], format="csc")
+        if len(self.dofs):
+            masses.append(diags_array(rows.inertia[self.dofs]))
+        self.mass = block_diag(masses, format="csc")
 
         self.length = self._extent()
         self.positions, self.scale = self._scales()
@@ -123,9 +126,12 @@ class MeshSystem:
 
     def _extent(self) -> float:
         """Size of the scene [m]."""
-        places = self.rows.survey()[0][:, 1:4]
-        sizes = [float(kind.body[:, SIZE].max()) for kind in self.meshes]
-        return max(*sizes, float(np.linalg.norm(np.ptp(places, axis=0))) + max(sizes))
+        places, inertia = self.rows.survey()[:2]
+        sizes = [float(size) for kind in self.meshes for size in kind.body[:, SIZE]]
+        for first in self.rows.owner_starts[np.isin(self.rows.owner_starts, self.dofs)]:
+            sizes.append(2.0 * float(np.sqrt(inertia[first + 3 : first + 6].max() / inertia[first])))
+        largest = max(sizes, default=0.0)
+        return max(largest, float(np.linalg.norm(np.ptp(places[:, 1:4], axis=0)))) or 1.0
 
     def _scales(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Unknowns that are displacements, and what is large of each."""
@@ -289,13 +295,16 @@ class MeshSystem:
         parts: list[Any] = []
         for kind, matrices in zip(self.meshes, self.matrices, strict=True):
             fill_stiffness(kind)
-            parts.append(
-                matrices.from_blocks(kind.blocks) + matrices.bending - factor * self._follower(kind, matrices)
-            )
-        K = block_diag([*parts, csc_array((len(self.dofs), len(self.dofs)))], format="csc")
+            parts.append(matrices.stiffness(kind.blocks))
+            follower = self._follower(kind, matrices)
+            if follower is not None:
+                parts[-1] = parts[-1] - factor * follower
+        if len(self.dofs):
+            parts.append(csc_array((len(self.dofs), len(self.dofs))))
+        K = parts[0] if len(parts) == 1 else block_diag(parts, format="csc")
         if self._has_inner() or self._turning_loads():
-            K = K + self.T.T @ self._between(factor, multipliers) @ self.T
-        return K.tocsc()
+            K = (K + self.T.T @ self.between(factor, multipliers) @ self.T).tocsc()
+        return K
 
     def _turning_loads(self) -> bool:
         """Whether point forces turn with bodies."""
@@ -304,7 +313,7 @@ class MeshSystem:
         )
 
     def _follower(self, kind: Any, matrices: MeshMatrices) -> Any:
-        """Derivative of follower loads."""
+        """Derivative of follower loads; None if there are none."""
         from scipy.sparse import csc_array
 
         count = len(matrices.places)
@@ -327,17 +336,23 @@ class MeshSystem:
             number = matrices.number(places)
             entries.append((np.repeat(number, len(number)), np.tile(number, len(number)), out.ravel()))
         if not entries:
-            return csc_array((count, count))
+            return None
         row, column, value = (np.concatenate(part) for part in zip(*entries, strict=True))
         kept = (row >= 0) & (column >= 0) & (value != 0.0)
         return csc_array((value[kept], (row[kept], column[kept])), shape=(count, count))
 
-    def _between(self, factor: float, multipliers: NDArray[np.float64]) -> Any:
+    @property
+    def has_springs(self) -> bool:
+        """Whether springs, ropes or compliant joints act."""
+        return bool(self._inner) or (bool(self.layout.systems) and not bool(np.all(self.rows.rigid)))
+
+    def between(self, factor: float, multipliers: NDArray[np.float64] | None = None) -> Any:
         """Minus the derivative of forces on bases and other bodies, reactions kept; by velocities of the workspace."""
         from scipy.sparse import csc_array
 
-        rows = self.rows
-        count = len(rows.inertia)
+        count = len(self.rows.inertia)
+        if multipliers is None:
+            multipliers = np.zeros(int(np.count_nonzero(self.rows.rigid)) if self.layout.systems else 0)
         before = self.snapshot()
         entries: list[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]] = []
         for column, direction, step in self._directions():

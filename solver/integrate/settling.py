@@ -20,18 +20,21 @@ from heavylift.solver.integrate.static_problem import StaticProblem, measure
 __all__ = ["settle"]
 
 STEPS = 400
-FIRST_MOVE, MOST = 0.2, 2.0
-"""Displacement that the first step may promise, and how far any may lead, in units of a large one."""
+FIRST_MOVE, FARTHEST = 0.2, 2.0
+"""Displacement that the first step may promise, in units of a large one; how far any may lead beyond its promise."""
 
 LOOSE = 1e-4
 """Residual of a step that is on its way."""
 
-DIRECT = 0.05
-"""Displacement, in units of a large one, below which Newton's method alone is tried."""
+DIRECT = 0.1
+"""Displacement, in units of a large one, from which Newton's method alone is tried."""
 
-PUSHES, PUSH = 8, 0.03
-RUNAWAY = 40.0
-"""Way in lengths of the scene beyond which nothing seems to hold it."""
+SLOW = 0.02
+"""Displacement of a step below which the scene may creep towards a saddle, where balance is unstable."""
+
+PUSHES, PUSH = 10, 0.03
+RUNAWAY = 150.0
+"""Way in units of a large displacement beyond which nothing seems to hold the scene."""
 
 
 def settle(problem: StaticProblem, progress: Progress, factor: float = 1.0) -> bool:
@@ -56,29 +59,34 @@ def settle(problem: StaticProblem, progress: Progress, factor: float = 1.0) -> b
 
 
 def _sink(problem: StaticProblem, progress: Progress, factor: float) -> bool:
-    """Steps until Newton's method finds the balance."""
+    """Steps until Newton's method finds a balance, stable or not."""
     now = measure(problem, factor, progress.multipliers)
-    mass = problem.mass.diagonal()
-    pull = now.force / mass / problem.scale
-    hold = float(np.abs(pull).max(initial=0.0)) / FIRST_MOVE
-    K, _, shift = stiffness(problem, progress)
-    del K
-    hold = max(hold, shift)
-    went, way = np.zeros(problem.count), 0.0
+    pull = now.force / problem.mass.diagonal() / problem.scale
+    shift = stiffness(problem, progress)[2]
+    hold = max(float(np.abs(pull).max(initial=0.0)) / FIRST_MOVE, shift)
+    way, moved, pushes, shrink = 0.0, np.inf, 0, 0.2
     for _ in range(STEPS):
-        before = problem.snapshot()
+        if moved <= SLOW and pushes < PUSHES and push(problem, progress, PUSH * (pushes + 1)):
+            pushes += 1
+        before = problem.snapshot(), progress.multipliers
         if correct(problem, progress, factor, most=DIRECT, farthest=4.0):
             return True
-        problem.restore(before)
-        hold = max(shift, hold)
-        if correct(problem, progress, factor, anchor=hold, farthest=MOST, tolerance=LOOSE, patience=10):
+        problem.restore(before[0])
+        progress.multipliers = before[1]
+        if correct(
+            problem, progress, factor, anchor=hold, farthest=FARTHEST, tolerance=LOOSE, patience=10
+        ):
             progress.steps += 1
-            way += progress.promised
-            hold *= 0.2 if progress.promised < 0.5 else 0.5
+            moved = progress.promised
+            way += moved
+            hold = max(hold * (shrink if moved < 0.5 else 0.5), shift)
+            shrink = 0.5 * (shrink + 0.2)
             continue
-        problem.restore(before)
-        hold *= 5.0
-        if not np.isfinite(hold) or way * float(np.min(problem.scale)) > RUNAWAY * problem.length:
+        problem.restore(before[0])
+        progress.multipliers = before[1]
+        hold *= 4.0
+        shrink = 0.8
+        moved = np.inf
+        if not np.isfinite(hold) or way > RUNAWAY:
             return False
-    del went
     return False

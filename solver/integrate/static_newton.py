@@ -103,7 +103,7 @@ def correct(
     anchor
         Holds the scene where it begins, by this stiffness per mass [1/s2].
     tolerance
-        Residual that counts as balance.
+        Residual that counts as balance; the smallest that is possible is found unless more is allowed here.
     patience
         Most iterations.
     damped
@@ -121,7 +121,7 @@ def correct(
             return False
         still = size <= STILL and residual <= ROUNDED
         balanced = residual <= POLISHED or (residual <= tolerance and residual > 0.3 * last)
-        if now.gap_size <= CLOSED and (balanced or still or (anchor > 0.0 and residual <= tolerance)):
+        if now.gap_size <= CLOSED and (balanced or still or (tolerance > BALANCED and residual <= tolerance)):
             progress.multipliers, progress.factor = multipliers, factor
             return True
         grown = grown + 1 if residual > last else 0

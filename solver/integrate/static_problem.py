@@ -17,7 +17,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Balance", "Factor", "StaticProblem", "factorise", "measure", "stability_shift", "unstable_count"]
+__all__ = ["Balance", "Factor", "StaticProblem", "factorise", "measure", "scaled", "stability_shift", "unstable_count"]
 
 SOFTNESS = 1e-11
 """Of unit rows relative to the largest stiffness, so that redundant rows share."""
@@ -136,6 +136,16 @@ def stability_shift(problem: StaticProblem, K: Any, weight: float) -> float:
     return max(NEUTRAL * natural, ROUNDING * float(np.abs(K.diagonal() / diagonal).max(initial=0.0)), 1e-300)
 
 
+def scaled(K: Any, inverse: NDArray[np.float64], damping: float) -> Any:
+    """``D K D + damping`` with a diagonal matrix D, sparse by columns."""
+    from scipy.sparse import csc_array, eye_array
+
+    data = K.data * inverse[K.indices]
+    data *= np.repeat(inverse, np.diff(K.indptr))
+    A = csc_array((data, K.indices, K.indptr), shape=K.shape)
+    return (A + damping * eye_array(K.shape[0], format="csc")).tocsc() if damping > 0.0 else A
+
+
 class Factor:
     """Solves ``(K + damping diag M) dx - G^T dl = f, G dx = g``.
 
@@ -150,8 +160,7 @@ class Factor:
         from scipy.sparse.linalg import splu
 
         self._root = np.sqrt(problem.mass.diagonal())
-        inverse = diags_array(1.0 / self._root)
-        A = (inverse @ K @ inverse + damping * eye_array(problem.count)).tocsc()
+        A = scaled(K, 1.0 / self._root, damping)
         self._count, rows = problem.count, G.shape[0]
         self._size = float(np.abs(A.diagonal()).max(initial=1e-300))
         self.positive: bool | None = None
@@ -165,7 +174,7 @@ class Factor:
                 self.positive = bool(np.all(factor.U.diagonal() > 0.0))
             self._solve = factor.solve
             return
-        H = G @ inverse
+        H = G @ diags_array(1.0 / self._root)
         self._norm = np.sqrt(np.asarray((H * H).sum(axis=1)).ravel())
         self._norm[self._norm == 0.0] = 1.0
         H = diags_array(1.0 / self._norm) @ H
@@ -205,14 +214,14 @@ def unstable_count(problem: StaticProblem, K: Any, G: Any, shift: float) -> int:
     -----
     From the signs of the pivots of a factor without exchange, by Sylvester's law of inertia.
     """
-    from scipy.sparse import diags_array, eye_array
+    from scipy.sparse import diags_array
     from scipy.sparse.linalg import splu
 
-    inverse = diags_array(1.0 / np.sqrt(problem.mass.diagonal()))
-    A = inverse @ K @ inverse
-    A = 0.5 * (A + A.T) + shift * eye_array(problem.count)
+    inverse = 1.0 / np.sqrt(problem.mass.diagonal())
+    A = scaled(K, inverse, shift)
+    A = 0.5 * (A + A.T)
     if G.shape[0]:
-        H = G @ inverse
+        H = G @ diags_array(inverse)
         norm = np.sqrt(np.asarray((H * H).sum(axis=1)).ravel())
         H = diags_array(1.0 / np.where(norm > 0.0, norm, 1.0)) @ H
         A = A + PENALTY * float(np.abs(A.diagonal()).max()) * (H.T @ H)

@@ -86,6 +86,10 @@ def find_equilibrium(rows: StartRows) -> Equilibrium:
     InputError
         If the joints cannot be closed, or no equilibrium is found; says what is left over.
     """
+    if any(type(kind).__name__ in {"FrameMeshes", "ShellMeshes"} for kind in rows.layout.bodies):
+        from heavylift.solver.integrate.mesh_statics import find_mesh_equilibrium
+
+        return find_mesh_equilibrium(rows)
     project_start(rows)
     rows.put_velocity(np.zeros(len(rows.inertia)))
     begin = rows.survey()[0]

@@ -9,6 +9,7 @@ from heavylift.numerics.jit import kernel, view
 from heavylift.numerics.small import cross
 from heavylift.solver.interface import Workspace
 from heavylift.solver.joints.row_writing import (
+    Vector,
     hinge_angle,
     hinge_rate,
     near_angle,
@@ -25,6 +26,7 @@ __all__ = [
     "TRAVEL_CHANNELS",
     "add_force",
     "add_moment",
+    "add_pull",
     "add_torque",
     "clear_reaction",
     "reactions",
@@ -98,6 +100,24 @@ def add_moment(
     e, c = vector(work, marker), vector(work, partner)
     moment = reactions(system, block)[index]
     turn = cross(e[0], e[1], e[2], c[0], c[1], c[2])
+    for k in range(3):
+        row[column + 3 + k] += moment * turn[k]
+
+
+@kernel(internal=True)
+def add_pull(
+    system: RowSystem,
+    block: int,
+    index: int,
+    factor: float,
+    arm: Vector,
+    pull: Vector,
+    row: NDArray[np.float64],
+    column: int,
+) -> None:
+    """Moment ``factor arm x pull`` on b of a row that pulls at a vector `arm` on b, times its reaction."""
+    moment = factor * reactions(system, block)[index]
+    turn = cross(arm[0], arm[1], arm[2], pull[0], pull[1], pull[2])
     for k in range(3):
         row[column + 3 + k] += moment * turn[k]
 

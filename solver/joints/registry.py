@@ -21,6 +21,7 @@ from heavylift.solver.connections import (
     SliderHinge,
     Universal,
 )
+from heavylift.solver.joints.mesh_rows import EdgeSeam, FrameWeld, SquareJoint
 from heavylift.solver.joints.packing import JointPlace, MarkerBook, start_frames
 from heavylift.solver.rows import COMPLIANCE, RELAXATION, RIGID, ROW_COLUMNS, Attachment, RowSystem, pack_rows
 
@@ -54,6 +55,13 @@ DRIVEN_MODULES: dict[type, str] = {
 }
 """Those for joints with a `drive`: a row more."""
 
+MESH_MODULES: dict[type, str] = {
+    SquareJoint: "squares",
+    FrameWeld: "frame_weld",
+    EdgeSeam: "edge_seam",
+}
+"""Those for what joints on frames and edges of shells become."""
+
 
 def joint_module(joint: Joint) -> Any:
     """The module that serves a joint.
@@ -64,7 +72,7 @@ def joint_module(joint: Joint) -> Any:
         If there is none for its type.
     """
     driven = getattr(joint, "drive", None) is not None
-    name = (DRIVEN_MODULES if driven else JOINT_MODULES).get(type(joint))
+    name = (DRIVEN_MODULES if driven else JOINT_MODULES | MESH_MODULES).get(type(joint))
     if name is None:
         raise InputError(
             f"a {type(joint).__name__}",
@@ -122,7 +130,10 @@ def pack_joints(
             JointPlace(len(ordered) + i, column, start_frames(joint, bodies))
             for i, (joint, column) in enumerate(members)
         ]
-        ordered += [(joint, module.ROTATIONAL) for joint, _ in members]
+        ordered += [
+            (joint, joint.rotational if isinstance(joint, (SquareJoint, EdgeSeam)) else module.ROTATIONAL)
+            for joint, _ in members
+        ]
         kinds.append(module.pack([joint for joint, _ in members], places, book))
 
     def system(inverse_mass: Any, monitor: int) -> RowSystem:

@@ -12,7 +12,6 @@ from heavylift.solver.bodies.ancf.elements import (
 )
 from heavylift.solver.bodies.ancf.kind import (
     ACCELERATION,
-    AUTO,
     DISSIPATED_WORK,
     EXPLICIT,
     EXTERNAL,
@@ -106,10 +105,7 @@ def advance_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> N
         add_mesh_work(kind, body, step)
         iterated, scheme = is_iterated(kind, body), kind.table[body, SCHEME]
         if not iterated and scheme != EXPLICIT:
-            if scheme == AUTO:
-                copy_strains(kind, body, OLD_STRAIN, STRAIN)  # `iterate` has found them
-            else:
-                add_strain_rates((kind,), body, MID_Q, MID_V, STRAIN, step)
+            copy_strains(kind, body, OLD_STRAIN, STRAIN)  # `iterate` has found them
         for i in range(first, last):
             q[i] += step * middle[i]
             acceleration[i] = rate * (middle[i] - v[i])

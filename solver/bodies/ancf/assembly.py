@@ -160,7 +160,7 @@ def add_matrix_products(
     kind: Meshes, body: int, v: int, mass: float, q: int, bending: float, out: int
 ) -> None:
     """``nodal[out] += mass M nodal[v] + bending K_b nodal[q]``."""
-    vectors, lanes = len(kind.shape[0]) // 3, len(kind.shape[1])
+    vectors = len(kind.shape[0]) // 3
     nodes = 2 if vectors == 2 else 4
     count = nodes * vectors
     first = kind.table[body, FIRST_ELEMENT]

@@ -15,7 +15,10 @@ from heavylift.solver.bodies.ancf.types import type_of
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.meshes import FrameBody, MeshBody, ShellBody
 
-__all__ = ["Base", "Bases", "MarkerEntry", "plan_bases"]
+__all__ = ["Base", "Bases", "MarkerEntry", "frame_tangent", "plan_bases"]
+
+TRIAD = (1, 2)
+"""Vectors of a shell that directions turn with."""
 
 ALONG = 1e-6
 """Largest sine of the angle between a direction on a frame and its tangent."""
@@ -51,7 +54,11 @@ class Bases:
 
     def add(self, element: int, local: tuple[float, ...], vectors: Sequence[int]) -> int:
         """Number of the first of some bases at a point, which follow each other."""
-        key = (element, tuple(round(x, 12) for x in local), tuple(vectors))
+        place = (element, tuple(round(x, 12) for x in local))
+        key = (*place, tuple(vectors))
+        pair = self._known.get((*place, TRIAD))
+        if pair is not None and len(vectors) == 1 and vectors[0] in TRIAD:
+            return pair + TRIAD.index(vectors[0])
         if key not in self._known:
             self._known[key] = len(self.bases)
             values = type_of(self.body).shape_values
@@ -76,7 +83,7 @@ def plan_bases(body: MeshBody, markers: BodyMarkers) -> Bases:
     """
     bases = Bases(body)
     of_type = type_of(body)
-    for number, vector, direction, level, place, slope in zip(
+    given = zip(
         markers.numbers,
         markers.vectors,
         markers.directions,
@@ -84,6 +91,10 @@ def plan_bases(body: MeshBody, markers: BodyMarkers) -> Bases:
         markers.places,
         markers.slopes,
         strict=True,
+    )
+    # triads first: single slopes at the same point are then among their bases
+    for number, vector, direction, level, place, slope in sorted(
+        given, key=lambda one: not one[2] or bool(one[5])
     ):
         element, local = of_type.locate(body, place, body.name, "point")
         data = np.zeros(0)
@@ -96,7 +107,7 @@ def plan_bases(body: MeshBody, markers: BodyMarkers) -> Bases:
             data = np.array([_sense(body, bases.bases[base], vector)])
         else:
             assert isinstance(body, ShellBody)
-            base, kind = bases.add(element, local, (1, 2)), TRIAD_MARKER
+            base, kind = bases.add(element, local, TRIAD), TRIAD_MARKER
             coordinates = of_type.start_coordinates(body)[body.elements[element]].reshape(-1, 3)
             a, b = (bases.bases[base + i].shape @ coordinates for i in range(2))
             data = np.array([axis @ vector for axis in _triad(a, b)])
@@ -111,11 +122,28 @@ def _triad(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[NDArray[np.f
     return first, np.cross(third, first), third
 
 
+def frame_tangent(body: FrameBody, point: NDArray[np.float64], source: str) -> NDArray[np.float64]:
+    """Unit tangent of a frame at a material point [m], in its own axes, unloaded.
+
+    Raises
+    ------
+    InputError
+        If the point is off the frame.
+    """
+    of_type = type_of(body)
+    element, local = of_type.locate(body, np.asarray(point, dtype=np.float64), source, "point")
+    return _unit_tangent(body, Base(element, of_type.shape_values(body, element, local, 1)))
+
+
+def _unit_tangent(body: FrameBody, base: Base) -> NDArray[np.float64]:
+    coordinates = type_of(body).start_coordinates(body)[body.elements[base.element]].reshape(-1, 3)
+    tangent = np.asarray(base.shape @ coordinates)
+    return tangent / np.linalg.norm(tangent)
+
+
 def _sense(body: FrameBody, base: Base, direction: NDArray[np.float64]) -> float:
     """1 along the tangent, -1 against it."""
-    coordinates = type_of(body).start_coordinates(body)[body.elements[base.element]].reshape(-1, 3)
-    tangent = base.shape @ coordinates
-    tangent /= np.linalg.norm(tangent)
+    tangent = _unit_tangent(body, base)
     if not np.linalg.norm(np.cross(tangent, direction)) <= ALONG:
         raise InputError(
             f"a direction {np.round(direction, 6).tolist()} on a frame with tangent {np.round(tangent, 6).tolist()}",

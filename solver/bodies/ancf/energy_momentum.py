@@ -26,6 +26,7 @@ from heavylift.solver.bodies.ancf.assembly import (
     start_step_matrix,
 )
 from heavylift.solver.bodies.ancf.elements import add_stiffness, add_stress_forces, find_strains
+from heavylift.solver.bodies.ancf.faults import blame_element, blame_largest
 from heavylift.solver.bodies.ancf.joints import take_impulses
 from heavylift.solver.bodies.ancf.kind import (
     AUTO,
@@ -39,15 +40,17 @@ from heavylift.solver.bodies.ancf.kind import (
     CHANGED_OVER,
     DOF,
     DRIFT,
+    DRIFT_ELEMENT,
     DRIFT_TOLERANCE,
+    EXPLICIT,
     FIRST_BASE,
     FIRST_STRAIN,
     ITERATIONS,
+    LARGEST_DRIFT,
     LOAD,
     MID_Q,
     MID_V,
     MOMENTUM,
-    NUMBER,
     OLD_STRAIN,
     RIGHT,
     SCHEME,
@@ -74,8 +77,6 @@ from heavylift.solver.bodies.ancf.step import (
 )
 from heavylift.solver.interface import (
     CHANGED,
-    STATUS_BODY,
-    STATUS_OUTCOME,
     Workspace,
     iterate,
     refactor_rows,
@@ -95,7 +96,10 @@ STALLED = 0.3
 """Ratio of two changes above which a nearly converged iteration is at the limit of rounding."""
 
 MOST_ROUNDS = 60
-NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
+NOT_CONVERGED, STRAINS_LOST = int(Outcome.NOT_CONVERGED), int(Outcome.STRAINS_LOST)
+
+LOST = 1.0
+"""Distance of carried strains from those of the shape with which they have nothing to do with it any more."""
 
 
 @kernel(internal=True)
@@ -158,17 +162,21 @@ def _refactor(kind: Meshes, body: int, step: float) -> None:
 
 
 @kernel(internal=True)
-def _change_over(kind: Meshes, body: int, time: float, step: float) -> None:
-    """From carried strains to those of the shape, once they are too far apart."""
-    if kind.table[body, SCHEME] != AUTO or is_iterated(kind, body) or kind.body[body, CHANGE] >= 0.0:
+def _watch_drift(kind: Meshes, body: int, time: float, step: float, work: Workspace) -> None:
+    """Once a step: change over from carried strains to those of the shape when they are too far apart, or stop."""
+    if is_iterated(kind, body) or kind.table[body, SCHEME] == EXPLICIT or kind.body[body, CHANGE] >= 0.0:
         return
     find_drift(kind, body, step)
-    kind.body[body, CHANGE] = 0.0  # once a step
-    if not kind.body[body, DRIFT] <= kind.body[body, DRIFT_TOLERANCE]:
+    kind.body[body, CHANGE] = 0.0
+    drift = kind.body[body, DRIFT]
+    kind.body[body, LARGEST_DRIFT] = max(drift, kind.body[body, LARGEST_DRIFT])
+    if kind.table[body, SCHEME] == AUTO and not drift <= kind.body[body, DRIFT_TOLERANCE]:
         kind.body[body, CHANGED_OVER] = 1.0
         kind.body[body, CHANGE_TIME] = time
         kind.body[body, CHANGE] = -1.0
         find_strains((kind,), body, Q, STRAIN)
+    elif not drift <= LOST and math.isfinite(drift):  # what is not finite is found by `check`
+        blame_element(kind, body, int(kind.body[body, DRIFT_ELEMENT]), STRAINS_LOST, work)
 
 
 @implement(iterate, FrameMeshes)
@@ -177,7 +185,7 @@ def _change_over(kind: Meshes, body: int, time: float, step: float) -> None:
 def iterate_meshes(kind: Meshes, systems, joints, work: Workspace, time: float, step: float) -> None:  # type: ignore[no-untyped-def]
     """One round of Newton's method for each body of this scheme, with its joints."""
     for body in range(kind.table.shape[0]):
-        _change_over(kind, body, time, step)
+        _watch_drift(kind, body, time, step, work)
         if not is_iterated(kind, body):
             continue
         before = kind.body[body, CHANGE]
@@ -216,5 +224,4 @@ def iterate_meshes(kind: Meshes, systems, joints, work: Workspace, time: float, 
         if change > CONVERGED * size and not (stalled and change <= NEARLY * size):
             work.control[CHANGED] += 1.0
             if kind.body[body, ITERATIONS] > MOST_ROUNDS:
-                work.status[STATUS_OUTCOME] = NOT_CONVERGED
-                work.status[STATUS_BODY] = kind.table[body, NUMBER]
+                blame_largest(kind, body, RIGHT, NOT_CONVERGED, work)

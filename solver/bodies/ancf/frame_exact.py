@@ -2,7 +2,8 @@
 
 With ``d = r'`` and ``c = r''`` (by arc length of the reference): ``e = |d| - 1`` and ``K = d x c / |d|^2``, whose
 product with E I is the moment; the geometric curvature, over ``|d|^3``, is not conjugate to it (J. Gerstmayr and
-H. Irschik, J. Sound Vib. 318, 2008). Where the reference is straight, the strains of a bending point are the three components of K.
+H. Irschik, J. Sound Vib. 318, 2008). Where the reference is straight, the strains of a bending point are the three
+components of K.
 
 Where it is curved they are one number, ``|K| - |K_0|``: without torsion round sections turn about the axis until their
 energy is least, and ``min |K - R K_0|`` over all turns R is just this. So a curved element resists no bending out of
@@ -325,15 +326,15 @@ def add_exact_stiffness(
             fb = add_vector(fb, tension * constants[at + SHAPE + 1], d)
             fc = add_vector(fc, tension * constants[at + SHAPE + 2], d)
             isotropic = scale * geometric * stretch * inverse
-            m = _square((scale - isotropic) * inverse * inverse, d)
-            m = (m[0] + isotropic, m[1] + isotropic, m[2] + isotropic, m[3], m[4], m[5])
+            h = _square((scale - isotropic) * inverse * inverse, d)
+            h = (h[0] + isotropic, h[1] + isotropic, h[2] + isotropic, h[3], h[4], h[5])
             at += PRODUCTS
-            aa = add_symmetric(aa, constants[at], m)
-            sab = add_symmetric(sab, constants[at + 1], m)
-            sac = add_symmetric(sac, constants[at + 2], m)
-            bb = add_symmetric(bb, constants[at + 3], m)
-            sbc = add_symmetric(sbc, constants[at + 4], m)
-            cc = add_symmetric(cc, constants[at + 5], m)
+            aa = add_symmetric(aa, constants[at], h)
+            sab = add_symmetric(sab, constants[at + 1], h)
+            sac = add_symmetric(sac, constants[at + 2], h)
+            bb = add_symmetric(bb, constants[at + 3], h)
+            sbc = add_symmetric(sbc, constants[at + 4], h)
+            cc = add_symmetric(cc, constants[at + 5], h)
         ab, ac, bc = full(sab), full(sac), full(sbc)
         place += AXIAL_POINTS
         for g in range(BENDING_POINTS):

@@ -5,6 +5,8 @@ Mass, bending and everything that kernels take from `constants` are made here, o
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -82,7 +84,7 @@ def strain_counts(body: FrameBody) -> NDArray[np.int64]:
     """Strains of every element, shape (e,)."""
     if body.model != "exact":
         return np.full(len(body.elements), AXIAL_POINTS, dtype=np.int64)
-    straight = np.array([_reference(body, e).straight for e in range(len(body.elements))])
+    straight = np.array([element.straight for element in _references(body)])
     return AXIAL_POINTS + BENDING_POINTS * np.where(straight, 3, 1)
 
 
@@ -90,8 +92,7 @@ def element_data(body: FrameBody) -> list[NDArray[np.float64]]:
     """Constants of every element; equal elements share one array."""
     known: dict[tuple[int, float, float], NDArray[np.float64]] = {}
     found = []
-    for e in range(len(body.elements)):
-        element = _reference(body, e)
+    for e, element in enumerate(_references(body)):
         number = int(body.element_sections[e]) if len(body.element_sections) else 0
         strain = float(body.axial_strains[e]) if len(body.axial_strains) else 0.0
         if not element.straight:
@@ -106,14 +107,14 @@ def element_data(body: FrameBody) -> list[NDArray[np.float64]]:
 
 def load_shape(body: FrameBody, element: int) -> NDArray[np.float64]:
     """Integral of the shape functions along the axis [m] (of slopes: [m2]), shape (4,)."""
-    reference = _reference(body, element)
+    reference = _references(body)[element]
     xi, weights = gauss_points(16)
     return (weights * reference.metric(xi)) @ hermite(xi, reference.length)
 
 
 def shape_values(body: FrameBody, element: int, local: tuple[float, ...], vector: int) -> NDArray[np.float64]:
     """Row of ``r`` (vector 0) or ``r'`` (1) at ``(xi,)``, in [0, 1], over the vectors of the element, shape (4,)."""
-    reference = _reference(body, element)
+    reference = _references(body)[element]
     return hermite(local[0], reference.length) if vector == 0 else reference.slopes(local[0])
 
 
@@ -138,7 +139,7 @@ def locate(body: FrameBody, point: NDArray[np.float64], source: str, key: str) -
     for e in np.argsort(lower, kind="stable"):
         if lower[e] > best:
             break
-        distance, xi = _nearest(_reference(body, int(e)), point)
+        distance, xi = _nearest(_references(body)[e], point)
         if distance < best - 1e-12 * size:
             best, place = distance, (int(e), xi)
     if not best <= 1e-6 * size:
@@ -173,25 +174,24 @@ def _nearest(element: ReferenceElement, point: NDArray[np.float64]) -> tuple[flo
     return float(np.linalg.norm(element.points(xi) - point)), xi
 
 
-def _reference(body: FrameBody, element: int) -> ReferenceElement:
-    nodes = body.elements[element]
-    tangents = body.tangents[nodes] / np.linalg.norm(body.tangents[nodes], axis=1, keepdims=True)
-    vectors = np.stack((body.nodes[nodes], tangents), axis=1).reshape(4, 3)
-    found = reference_element(vectors)
-    if found is None or (body.model != "exact" and not found.straight):
-        what = "not straight" if found is not None else "as long as zero, or turned back"
-        wanted = "tangents along the curve from its first to its second node"
-        if body.model != "exact":
-            wanted = (
-                "tangents along the line from its first to its second node, or model 'exact' if it is curved"
+@lru_cache(maxsize=16)
+def _references(body: FrameBody) -> tuple[ReferenceElement, ...]:
+    """All elements before they are deformed."""
+    vectors = start_coordinates(body)[body.elements].reshape(-1, 4, 3)
+    found = []
+    for e, nodes in enumerate(body.elements):
+        element = reference_element(vectors[e])
+        if element is None or (body.model != "exact" and not element.straight):
+            wanted = "tangents along the line from its first to its second node"
+            raise InputError(
+                f"the element between nodes {nodes.tolist()} is "
+                + ("turned back" if element is None else "not straight"),
+                source=body.name,
+                key=f"elements[{e}]",
+                expected=f"{wanted} (of a curve: model 'exact')",
             )
-        raise InputError(
-            f"the element between nodes {nodes.tolist()} is {what}",
-            source=body.name,
-            key=f"elements[{element}]",
-            expected=wanted,
-        )
-    return found
+        found.append(element)
+    return tuple(found)
 
 
 def _data(
@@ -294,7 +294,7 @@ def check_frame(body: FrameBody) -> None:
                 key=f"elements[{e}]",
                 expected="two nodes at different places",
             )
-        _reference(body, e)
+    _references(body)
     _check_supports(body)
     for i, load in enumerate(body.loads):
         _check_load(body, i, load)

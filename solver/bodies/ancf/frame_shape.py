@@ -17,6 +17,13 @@ __all__ = ["ReferenceElement", "gauss_points", "hermite", "reference_element"]
 STRAIGHT = 1e-6
 """Largest angle between tangent and chord of an element that counts as straight [rad]."""
 
+EXPONENTS = np.arange(4)
+CUBICS = np.zeros((3, 4, 4))
+"""Coefficients of 1, xi, xi^2, xi^3 in the shape functions of an element of length 1, by derivative."""
+CUBICS[0] = [[1, 0, 0, 0], [0, 1, 0, 0], [-3, -2, 3, -1], [2, 1, -2, 1]]
+CUBICS[1, :3] = CUBICS[0, 1:] * np.array([[1], [2], [3]])
+CUBICS[2, :3] = CUBICS[1, 1:] * np.array([[1], [2], [3]])
+
 LENGTH_POINTS = 24
 """Gauss points of the length of a curve: 15 digits up to half a turn."""
 
@@ -30,14 +37,8 @@ def gauss_points(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 def hermite(xi: NDArray[np.float64] | float, length: float, derivative: int = 0) -> NDArray[np.float64]:
     """Shape functions or their derivatives by ``xi``, shape (..., 4): of r, r' of the first node and of the second."""
-    x = np.asarray(xi, dtype=np.float64)
-    if derivative == 0:
-        rows = (1 - x * x * (3 - 2 * x), x * (1 - x) ** 2, x * x * (3 - 2 * x), x * x * (x - 1))
-    elif derivative == 1:
-        rows = (6 * x * (x - 1), 1 + x * (3 * x - 4), 6 * x * (1 - x), x * (3 * x - 2))
-    else:
-        rows = (12 * x - 6, 6 * x - 4, 6 - 12 * x, 6 * x - 2)
-    return np.stack((rows[0], length * rows[1], rows[2], length * rows[3]), axis=-1)
+    powers = np.asarray(xi, dtype=np.float64)[..., None] ** EXPONENTS
+    return powers @ CUBICS[derivative] * np.array([1.0, length, 1.0, length])
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,18 +107,20 @@ def reference_element(vectors: NDArray[np.float64]) -> ReferenceElement | None:
     direction = chord / length
     if max(np.linalg.norm(vectors[1] - direction), np.linalg.norm(vectors[3] - direction)) < STRAIGHT:
         # equal elements get equal lengths, whatever their nodes are rounded to
-        return ReferenceElement(float(f"{length:.14g}"), vectors, straight=True)
+        return ReferenceElement(float(f"{length:.13g}"), vectors, straight=True)
     xi, weights = gauss_points(LENGTH_POINTS)
-    shortest = length
-    for _ in range(200):  # the length contracts towards that of the curve which it makes
-        speeds = np.linalg.norm(hermite(xi, length, 1) @ vectors, axis=1)
-        longer = float(weights @ speeds)
-        if abs(longer - length) <= 4e-16 * longer:
+    rows = hermite(xi, 1.0, 1)
+    fixed, slopes = rows[:, ::2] @ vectors[::2], rows[:, 1::2] @ vectors[1::2]
+    shortest, change = length, np.inf
+    for _ in range(20):  # Newton for the length of the curve that it makes
+        rates = fixed + length * slopes
+        speeds = np.linalg.norm(rates, axis=1)
+        gain = weights @ (np.sum(rates * slopes, axis=1) / speeds)
+        change = (weights @ speeds - length) / (1.0 - gain)
+        length += change
+        if abs(change) <= 1e-15 * length:
             break
-        length = longer
-    else:
-        if abs(longer - length) > 1e-12 * longer:
-            return None
-    if not length < 2.0 * shortest or np.min(speeds) < 0.3 * length:
+    usable = abs(change) < 1e-12 * length and 0.999 * shortest < length < 2.0 * shortest
+    if not usable or np.min(speeds) < 0.3 * length:  # folded, or turned back
         return None
     return ReferenceElement(length, vectors, straight=False)

@@ -50,8 +50,9 @@ __all__ = ["FrameMeshes", "Meshes", "ShellMeshes"]
     BASE_STEP,  # place in `constants` of the coefficient of the bending matrix in the constant part of the step matrix
     LAST_RESULT,  # record column of the drift, the last of the body
     WORK_PLACE,  # of the scratch of the factorisation in a set
-) = range(25)
-TABLE_COLUMNS = 25
+    STATE_PLACE,  # of the kind in a state vector of the accurate integrator
+) = range(26)
+TABLE_COLUMNS = 26
 
 CARRIED, ENERGY_MOMENTUM, AUTO, EXPLICIT = range(4)
 """Values of `SCHEME`; `AUTO` becomes `ENERGY_MOMENTUM` in `body[CHANGED_OVER]`."""
@@ -98,8 +99,9 @@ STRAIN_ROWS = 3
     CHANGE,  # last change of an iteration
     CHANGE_TIME,  # when the energy-momentum scheme took over [s]
     BEFORE,  # the change before the last
+    LARGEST_DRIFT,  # so far
     SCRATCH,  # nine numbers
-) = (0, 9, *range(12, 30))
+) = (0, 9, *range(12, 31))
 BODY_COLUMNS = 40
 
 # columns of `elements`; nodes are offsets in a row of `nodal`
@@ -138,7 +140,7 @@ class FrameMeshes(NamedTuple):
         Block shape for `heavylift.numerics.lanes`: 6 rows, 8 lanes. A node takes 8 places in a row of `nodal`: ``r``,
         ``r'``, two of padding.
     table
-        By body, see the columns; shape (bodies, 25).
+        By body, see the columns; shape (bodies, 26).
     elements
         Shape (elements, 6 + 2 pairs).
     constants

@@ -142,6 +142,14 @@ class _Builder:
         self.constant_count += len(self.constants[-1])
         return place
 
+    def store_each(self, blocks: Sequence[NDArray[np.float64]]) -> list[int]:
+        """Append blocks, each array once; returns the place of each."""
+        places: dict[int, int] = {}
+        for block in blocks:
+            if id(block) not in places:
+                places[id(block)] = self.store(block)
+        return [places[id(block)] for block in blocks]
+
     def add(
         self, body: MeshBody, number: int, dof: int, column: int, bases: Bases, sensors: BodyMarkers
     ) -> None:
@@ -150,7 +158,7 @@ class _Builder:
         base_nodes = -(-len(bases.bases) // self.per_node)
         first_element, count = sum(map(len, self.elements)), len(body.elements)  # type: ignore[attr-defined]
         strains = np.asarray(self.type.strain_counts(body), dtype=np.int64)
-        places = [self.store(block) for block in self.type.element_data(body)]
+        places = self.store_each(self.type.element_data(body))
         elements = np.zeros((count, 6 + 2 * len(self.type.pairs)), dtype=np.int64)
         global_nodes = first_node + np.asarray(body.elements, dtype=np.int64)  # type: ignore[attr-defined]
         elements[:, : self.type.nodes_per_element] = global_nodes * self.lanes
@@ -207,7 +215,7 @@ class _Builder:
                 first_base, len(bases.bases), first_load, len(self.loads.rows) - first_load,
                 self.strain_count, int(strains.sum()), SCHEMES[body.elasticity], 0, 0,
                 self.store(self.type.body_constants(body)), 0, 0, self.store(np.full(1, -1.0)),
-                column + record_width(body) - 1, 0,
+                column + record_width(body) - 1, 0, 0,
             ]
         )  # fmt: skip
         self.node_count += nodes + base_nodes
@@ -314,9 +322,9 @@ def _base_blocks(pattern: BlockPattern, table: NDArray[np.int64]) -> NDArray[np.
     rows = []
     for body, line in enumerate(table):
         first, count = int(line[3] + line[4]), int(line[5])
-        for i in range(count):
-            for j in range(i + 1):
-                rows.append((body, i, j, pattern.place(first + i, first + j)[0]))
+        rows += [
+            (body, i, j, pattern.place(first + i, first + j)[0]) for i in range(count) for j in range(i + 1)
+        ]
     return np.array(rows, dtype=np.int64).reshape(-1, 4)
 
 

@@ -66,6 +66,8 @@ def _check_arrays(body: ShellBody) -> None:
         bad = np.argwhere(~np.isfinite(array))
         if len(bad):
             _fail(body, f"{key}[{bad[0][0]}]", f"{array[tuple(bad[0])]}", "finite numbers")
+    if np.asarray(body.elements).dtype.kind not in "iu":
+        _fail(body, "elements", f"numbers of type {np.asarray(body.elements).dtype}", "whole numbers")
     for number, nodes in enumerate(body.elements):
         if not (np.all(nodes >= 0) and np.all(nodes < n)):
             _fail(body, f"elements[{number}]", f"nodes {nodes.tolist()}", f"numbers from 0 to {n - 1}")
@@ -92,10 +94,17 @@ def _check_sections(body: ShellBody) -> None:
             if not 0.0 < value < np.inf:
                 _fail(body, f"{key}.{name}", f"{value}", "a positive number")
         if not -1.0 < section.poissons_ratio < 0.5:
-            _fail(body, f"{key}.poissons_ratio", f"{section.poissons_ratio}", "more than -1 and less than 0.5")
+            _fail(
+                body, f"{key}.poissons_ratio", f"{section.poissons_ratio}", "more than -1 and less than 0.5"
+            )
     given = len(body.element_sections)
     if given not in (0, len(body.elements)):
-        _fail(body, "element_sections", f"{given} numbers", f"one for each of {len(body.elements)} elements, or none")
+        _fail(
+            body,
+            "element_sections",
+            f"{given} numbers",
+            f"one for each of {len(body.elements)} elements, or none",
+        )
     numbers = section_numbers(body)
     bad = np.flatnonzero((numbers < 0) | (numbers >= len(body.sections)))
     if len(bad):

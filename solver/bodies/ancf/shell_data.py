@@ -14,7 +14,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["FUNCTIONS", "NODE_PLACES", "gauss_rule", "hermite", "tables"]
+__all__ = ["FUNCTIONS", "NODE_PLACES", "XI_PAIRS", "gauss_rule", "hermite", "tables"]
 
 LANES = 8
 
@@ -52,6 +52,10 @@ FUNCTIONS = tuple(
 """Functions along xi and eta whose product belongs to each of the 16 vectors, node by node."""
 
 
+XI_PAIRS = tuple((row, column) for row in range(4) for column in range(row + 1))
+"""Pairs of functions along xi that stiffness is made of."""
+
+
 def gauss_rule(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Points and weights on the unit interval."""
     points, weights = np.polynomial.legendre.leggauss(count)
@@ -79,7 +83,7 @@ def tables(count: int) -> NDArray[np.float64]:
     out[XI:WEIGHTS].reshape(LANES, 2, 4)[:count] = np.stack([H, dH], axis=1)
     out[WEIGHTS:PAIRS].reshape(2, LANES)[:, :count] = weights
     pairs = out[PAIRS:PRODUCTS].reshape(10, LANES, 4)
-    for number, (i, k) in enumerate((i, k) for i in range(4) for k in range(i + 1)):
+    for number, (i, k) in enumerate(XI_PAIRS):
         pairs[number, :count] = np.stack(
             [dH[:, i] * dH[:, k], dH[:, i] * H[:, k], H[:, i] * dH[:, k], H[:, i] * H[:, k]], axis=1
         )

@@ -66,7 +66,12 @@ def node_places(kind: ShellMeshes, element: int, row: int) -> Four:
     """Where the nodes of an element begin in a row of `nodal`, counted from the first row."""
     first = row * kind.nodal.shape[1]
     nodes = kind.elements
-    return first + nodes[element, 0], first + nodes[element, 1], first + nodes[element, 2], first + nodes[element, 3]
+    return (
+        first + nodes[element, 0],
+        first + nodes[element, 1],
+        first + nodes[element, 2],
+        first + nodes[element, 3],
+    )
 
 
 @implement(find_strains, ShellMeshes)
@@ -174,7 +179,7 @@ def measure_shell_drift(kind: ShellMeshes, body: int, first: int, second: int) -
     """Differences per length squared of the mesh lines they belong to, which makes them strains."""
     C, strains = kind.constants, kind.strains
     count = int(C[kind.table[body, CONSTANTS] + COUNT])
-    begin, largest, found = kind.table[body, FIRST_ELEMENT], -1.0, 0
+    begin, largest, found, lost = kind.table[body, FIRST_ELEMENT], -1.0, 0, 0.0
     for element in range(begin, begin + kind.table[body, ELEMENTS]):
         before = largest
         for line in range(count):
@@ -186,9 +191,10 @@ def measure_shell_drift(kind: ShellMeshes, body: int, first: int, second: int) -
                 d2 = abs(strains[first, at + 8 + g] - strains[second, at + 8 + g]) / yy
                 d3 = abs(strains[first, at + 16 + g] - strains[second, at + 16 + g])
                 largest = max(largest, d1, d2, d3 / math.sqrt(xx * yy))
+                lost += 0.0 * (d1 + d2 + d3)  # NaN, which `max` passes over
         if largest > before:
             found = element - begin
-    kind.body[body, DRIFT] = max(largest, 0.0)
+    kind.body[body, DRIFT] = max(largest, 0.0) + lost
     kind.body[body, DRIFT_ELEMENT] = found
 
 

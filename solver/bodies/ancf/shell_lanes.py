@@ -7,15 +7,13 @@ are read, so coordinates are used as they lie. As in `heavylift.numerics.lanes`,
 vectors by itself. Places of numbers: `heavylift.solver.bodies.ancf.shell_data`.
 """
 
-
-
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from llvmlite import ir
-from numba.core import cgutils, types
+from numba.core import cgutils
 from numba.extending import intrinsic
 
 from heavylift.solver.bodies.ancf.shell_data import (
@@ -31,115 +29,20 @@ from heavylift.solver.bodies.ancf.shell_data import (
     WEIGHTS,
     XI,
 )
+from heavylift.solver.bodies.ancf.shell_lane_code import Lanes, element_code
 
 __all__ = [
-    "Lanes",
     "add_element_forces",
     "add_element_pressure",
     "add_element_rates",
     "contracted",
-    "element_code",
     "put_element_strains",
     "slopes_of_line",
     "write_forces",
 ]
 
-FLAGS = ("contract", "nsz", "arcp")
-"""The rounding flags of `heavylift.numerics.jit.kernel`."""
-
 Vectors = list[list[Any]]
 """By function along xi and component."""
-
-
-class Lanes:
-    """Writes vector instructions on eight lanes."""
-
-    def __init__(self, context: Any, builder: ir.IRBuilder) -> None:
-        self.context, self.builder = context, builder
-        self.vector = ir.VectorType(ir.DoubleType(), LANES)
-
-    def pointer(self, array_type: Any, array: Any, offset: Any) -> Any:
-        """Address of the double at an offset of a contiguous array."""
-        data = self.context.make_array(array_type)(self.context, self.builder, array).data
-        return self.at(data, offset)
-
-    def at(self, pointer: Any, index: Any) -> Any:
-        if isinstance(index, int):
-            index = ir.Constant(ir.IntType(64), index)
-        return self.builder.gep(pointer, [index], source_etype=ir.DoubleType())
-
-    def line(self, pointer: Any, first: int, index: Any, size: int) -> Any:
-        """Address of the numbers of a line."""
-        return self.at(self.at(pointer, first), self.builder.mul(index, ir.Constant(ir.IntType(64), size)))
-
-    def load(self, pointer: Any, index: int, lanes: int = LANES) -> Any:
-        kind = ir.VectorType(ir.DoubleType(), lanes)
-        place = self.builder.bitcast(self.at(pointer, index), kind.as_pointer())
-        return self.builder.load(place, align=8, typ=kind)
-
-    def store(self, value: Any, pointer: Any, index: int) -> None:
-        place = self.builder.bitcast(self.at(pointer, index), value.type.as_pointer())
-        self.builder.store(value, place, align=8)
-
-    def number(self, pointer: Any, index: int) -> Any:
-        return self.builder.load(self.at(pointer, index), typ=ir.DoubleType())
-
-    def spread(self, number: Any) -> Any:
-        """The same number in all lanes."""
-        undefined = ir.Constant(self.vector, ir.Undefined)
-        one = self.builder.insert_element(undefined, number, ir.Constant(ir.IntType(32), 0))
-        mask = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
-        return self.builder.shuffle_vector(one, undefined, mask)
-
-    def choose(self, a: Any, b: Any, mask: Sequence[int]) -> Any:
-        """Lanes of two vectors: numbers from their count on mean the second."""
-        return self.builder.shuffle_vector(
-            a, b, ir.Constant(ir.VectorType(ir.IntType(32), len(mask)), list(mask))
-        )
-
-    def zero(self) -> Any:
-        return ir.Constant(self.vector, [0.0] * LANES)
-
-    def half(self) -> Any:
-        return ir.Constant(self.vector, [0.5] * LANES)
-
-    def multiply(self, a: Any, b: Any) -> Any:
-        return self.builder.fmul(a, b, flags=FLAGS)
-
-    def add(self, a: Any, b: Any) -> Any:
-        return self.builder.fadd(a, b, flags=FLAGS)
-
-    def subtract(self, a: Any, b: Any) -> Any:
-        return self.builder.fsub(a, b, flags=FLAGS)
-
-    def sum(self, *products: tuple[Any, Any]) -> Any:
-        """Sum of products."""
-        total = self.multiply(*products[0])
-        for a, b in products[1:]:
-            total = self.add(total, self.multiply(a, b))
-        return total
-
-    def memory(self, vectors: int) -> Any:
-        """Room for vectors on the stack."""
-        place = cgutils.alloca_once(self.builder, self.vector, size=vectors)
-        return self.builder.bitcast(place, ir.DoubleType().as_pointer())
-
-    def sums_of_lanes(self, vectors: list[Any]) -> Any:
-        """The sum over the lanes of each of eight vectors, in order."""
-        pairs = []
-        for x, y in zip(vectors[::2], vectors[1::2], strict=True):
-            even = self.choose(x, y, [0, 8, 2, 10, 4, 12, 6, 14])
-            odd = self.choose(x, y, [1, 9, 3, 11, 5, 13, 7, 15])
-            pairs.append(self.add(even, odd))
-        while len(pairs) > 1:
-            pairs = [
-                self.add(
-                    self.choose(x, y, [0, 1, 4, 5, 8, 9, 12, 13]),
-                    self.choose(x, y, [2, 3, 6, 7, 10, 11, 14, 15]),
-                )
-                for x, y in zip(pairs[::2], pairs[1::2], strict=True)
-            ]
-        return pairs[0]
 
 
 def node_place(i: int, j: int, k: int) -> tuple[int, int]:
@@ -173,9 +76,7 @@ def contracted(
     return out
 
 
-def slopes_of_line(
-    code: Lanes, functions: Any, sums: tuple[Vectors, Vectors]
-) -> tuple[list[Any], list[Any]]:
+def slopes_of_line(code: Lanes, functions: Any, sums: tuple[Vectors, Vectors]) -> tuple[list[Any], list[Any]]:
     """``r_xi`` and ``r_eta`` on a line, by component."""
     H = [code.spread(code.number(functions, i)) for i in range(4)]
     dH = [code.spread(code.number(functions, 4 + i)) for i in range(4)]
@@ -204,7 +105,9 @@ def lines(code: Lanes, tables: Any) -> Any:
     return cgutils.for_range(code.builder, count)
 
 
-def add_to_nodes(code: Lanes, nodes: Sequence[Any], products: Callable[[int, int, int], Any], factor: Any) -> None:
+def add_to_nodes(
+    code: Lanes, nodes: Sequence[Any], products: Callable[[int, int, int], Any], factor: Any
+) -> None:
     """Add the sums over lanes of a product for every function along xi and eta and component."""
     vectors: dict[tuple[int, int], Any] = {}
     for i in range(4):
@@ -225,13 +128,21 @@ def add_to_nodes(code: Lanes, nodes: Sequence[Any], products: Callable[[int, int
 
 
 def write_forces(
-    code: Lanes, tables: Any, data: Any, nodes: Sequence[Any], strains: Any, forces: Sequence[Any], factor: Any
+    code: Lanes,
+    tables: Any,
+    data: Any,
+    nodes: Sequence[Any],
+    strains: Any,
+    forces: Sequence[Any],
+    factor: Any,
 ) -> None:
     """``f += factor B^T D e``, one component at a time so that all its sums stay in registers."""
     memory = code.memory(3 * LANES)
     with lines(code, tables) as loop:
         stress = stress_of_line(
-            code, code.line(data, POINTS, loop.index, LINE), code.line(strains, 0, loop.index, STRAINS_PER_LINE)
+            code,
+            code.line(data, POINTS, loop.index, LINE),
+            code.line(strains, 0, loop.index, STRAINS_PER_LINE),
         )
         for c, value in enumerate(stress):
             code.store(value, code.line(memory, 0, loop.index, STRAINS_PER_LINE), 8 * c)
@@ -265,32 +176,6 @@ def write_forces(
     )
 
 
-def element_code(
-    arguments: Sequence[Any], groups: Sequence[int], write: Callable[..., None]
-) -> tuple[Any, Callable[..., Any]]:
-    """Signature and generator of an intrinsic on arrays with one or more offsets each, then numbers.
-
-    `write` gets, for each array, one pointer or as many as it has offsets, then the numbers as doubles.
-    """
-    signature = types.void(*arguments)
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        code = Lanes(context, builder)
-        given, at = [], 0
-        for offsets in groups:
-            kind, array = signature.args[at], values[at]
-            places = [code.pointer(kind, array, values[at + 1 + o]) for o in range(offsets)]
-            given.append(places if offsets > 1 else places[0])
-            at += 1 + offsets
-        numbers = [
-            context.cast(builder, values[i], signature.args[i], types.float64) for i in range(at, len(values))
-        ]
-        write(code, *given, *numbers)
-        return context.get_dummy_value()
-
-    return signature, generate
-
-
 @intrinsic
 def put_element_strains(typingctx, constants, tables, constants_2, data, nodal, n0, n1, n2, n3, strains, at):  # type: ignore[no-untyped-def]
     """``e = (r_a.r_b - X_a.X_b)/2`` at all Gauss points."""
@@ -312,11 +197,30 @@ def put_element_strains(typingctx, constants, tables, constants_2, data, nodal, 
 
 @intrinsic
 def add_element_rates(  # type: ignore[no-untyped-def]
-    typingctx, constants, tables, constants_2, data, nodal, n0, n1, n2, n3, nodal_2, v0, v1, v2, v3, strains, at, factor
+    typingctx,
+    constants,
+    tables,
+    constants_2,
+    data,
+    nodal,
+    n0,
+    n1,
+    n2,
+    n3,
+    nodal_2,
+    v0,
+    v1,
+    v2,
+    v3,
+    strains,
+    at,
+    factor,
 ):
     """``e += factor B v`` at all Gauss points."""
 
-    def write(code: Lanes, tables: Any, data: Any, nodes: Any, speeds: Any, strains: Any, factor: Any) -> None:
+    def write(
+        code: Lanes, tables: Any, data: Any, nodes: Any, speeds: Any, strains: Any, factor: Any
+    ) -> None:
         sums, rates = (contracted(code, tables, data, place) for place in (nodes, speeds))
         factor = code.spread(factor)
         with lines(code, tables) as loop:
@@ -324,9 +228,7 @@ def add_element_rates(  # type: ignore[no-untyped-def]
             a, b = slopes_of_line(code, functions, sums)
             da, db = slopes_of_line(code, functions, rates)
             out = code.line(strains, 0, loop.index, STRAINS_PER_LINE)
-            changes = [
-                code.sum(*zip(x, y, strict=True)) for x, y in ((a, da), (b, db), (a + b, db + da))
-            ]
+            changes = [code.sum(*zip(x, y, strict=True)) for x, y in ((a, da), (b, db), (a + b, db + da))]
             for c, change in enumerate(changes):
                 code.store(code.add(code.load(out, 8 * c), code.multiply(factor, change)), out, 8 * c)
 
@@ -338,7 +240,24 @@ def add_element_rates(  # type: ignore[no-untyped-def]
 
 @intrinsic
 def add_element_forces(  # type: ignore[no-untyped-def]
-    typingctx, constants, tables, constants_2, data, nodal, n0, n1, n2, n3, strains, at, nodal_2, f0, f1, f2, f3, factor
+    typingctx,
+    constants,
+    tables,
+    constants_2,
+    data,
+    nodal,
+    n0,
+    n1,
+    n2,
+    n3,
+    strains,
+    at,
+    nodal_2,
+    f0,
+    f1,
+    f2,
+    f3,
+    factor,
 ):
     """``f += factor B^T D e``."""
     arguments = (
@@ -362,7 +281,9 @@ def add_element_pressure(  # type: ignore[no-untyped-def]
         with lines(code, tables) as loop:
             functions = code.line(tables, XI, loop.index, 8)
             a, b = slopes_of_line(code, functions, sums)
-            weight = code.multiply(weights, code.spread(code.number(code.line(tables, WEIGHTS + 8, loop.index, 1), 0)))
+            weight = code.multiply(
+                weights, code.spread(code.number(code.line(tables, WEIGHTS + 8, loop.index, 1), 0))
+            )
             for k in range(3):
                 m, n = (k + 1) % 3, (k + 2) % 3
                 area = code.subtract(code.multiply(a[m], b[n]), code.multiply(a[n], b[m]))

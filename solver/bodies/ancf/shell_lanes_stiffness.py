@@ -10,8 +10,6 @@ They are summed over xi for each pair ``i >= k`` of functions along xi, with all
 over eta for all pairs of functions along eta, which are the lanes then.
 """
 
-
-
 from __future__ import annotations
 
 from typing import Any
@@ -33,15 +31,10 @@ from heavylift.solver.bodies.ancf.shell_data import (
     PRODUCTS,
     STRAINS_PER_LINE,
     XI,
+    XI_PAIRS,
 )
-from heavylift.solver.bodies.ancf.shell_lanes import (
-    Lanes,
-    contracted,
-    element_code,
-    lines,
-    slopes_of_line,
-    stress_of_line,
-)
+from heavylift.solver.bodies.ancf.shell_lane_code import Lanes, element_code
+from heavylift.solver.bodies.ancf.shell_lanes import contracted, lines, slopes_of_line, stress_of_line
 
 __all__ = ["BLOCK_ORDER", "add_element_stiffness"]
 
@@ -110,7 +103,7 @@ def add_element_stiffness(  # type: ignore[no-untyped-def]
     ) -> None:
         of_lines = code.memory(21 * LANES)
         _write_lines(code, tables, data, nodes, strains, of_lines, geometric)
-        expanded = code.memory(10 * EXPANDED // LANES)
+        expanded = code.memory(len(XI_PAIRS) * EXPANDED // LANES)
         _write_expanded(code, tables, data, of_lines, expanded, scale)
         _write_blocks(code, expanded, places, blocks, order)
 
@@ -138,7 +131,12 @@ def _write_lines(
         def combined(c: Any, d: Any) -> list[Any]:
             return [code.sum((c, x), (d, y)) for x, y in zip(a, b, strict=True)]
 
-        first, both, second, other = combined(D11, D13), combined(D13, D33), combined(D23, D22), combined(D33, D23)
+        first, both, second, other = (
+            combined(D11, D13),
+            combined(D13, D33),
+            combined(D23, D22),
+            combined(D33, D23),
+        )
         mixed, mixed_2 = combined(D13, D12), combined(D33, D23)
         number = 0
         for x, y, N in ((first, both, N11), (other, second, N22)):
@@ -172,7 +170,7 @@ def _write_expanded(code: Lanes, tables: Any, data: Any, of_lines: Any, expanded
     a, b = (code.number(data, LENGTHS + c) for c in range(2))
     scales = code.memory(2)
     powers = [scale, builder.fmul(scale, a), builder.fmul(scale, builder.fmul(a, a))]
-    for number, (i, k) in enumerate((i, k) for i in range(4) for k in range(i + 1)):
+    for number, (i, k) in enumerate(XI_PAIRS):
         builder.store(powers[i % 2 + k % 2], code.at(scales, number))
     ones = ir.Constant(code.vector, [1.0] * LANES)
     lengths = code.spread(b)
@@ -181,7 +179,7 @@ def _write_expanded(code: Lanes, tables: Any, data: Any, of_lines: Any, expanded
     along_eta = code.multiply(along_j, along_l)
     over_xi = code.memory(36)
 
-    with cgutils.for_range(builder, ir.Constant(ir.IntType(64), 10)) as pair:
+    with cgutils.for_range(builder, ir.Constant(ir.IntType(64), len(XI_PAIRS))) as pair:
         functions = code.line(tables, PAIRS, pair.index, 4 * LANES)
         # types 11 and 22 first, then 12 and 21: so many sums fit into the registers
         for kinds in ((0, 3), (1, 2)):
@@ -210,9 +208,7 @@ def _write_expanded(code: Lanes, tables: Any, data: Any, of_lines: Any, expanded
                     number = code.spread(code.number(numbers, 8 * (9 * kind + 3 * p + q)))
                     for half in range(2):
                         total = builder.load(parts[pq][half], typ=code.vector)
-                        builder.store(
-                            code.add(total, code.multiply(vectors[half], number)), parts[pq][half]
-                        )
+                        builder.store(code.add(total, code.multiply(vectors[half], number)), parts[pq][half])
         factor = code.multiply(code.spread(code.number(code.at(scales, pair.index), 0)), along_eta)
         out = code.line(expanded, 0, pair.index, EXPANDED)
         for pq in range(9):

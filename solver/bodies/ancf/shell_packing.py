@@ -61,9 +61,7 @@ def start_coordinates(body: ShellBody) -> NDArray[np.float64]:
     return np.concatenate([body.nodes[:, np.newaxis], body.slopes], axis=1)
 
 
-def shape_values(
-    body: ShellBody, element: int, local: tuple[float, ...], vector: int
-) -> NDArray[np.float64]:
+def shape_values(body: ShellBody, element: int, local: tuple[float, ...], vector: int) -> NDArray[np.float64]:
     """Share of each nodal vector of an element in a vector at a point of it, shape (16,).
 
     Parameters

@@ -41,7 +41,7 @@ __all__ = [
 ]
 
 MATRIX_POINTS = 8
-"""Along each direction, for mass and bending: exact for the mass, and to rounding for bending where lines are straight."""
+"""Along each direction, for mass and bending: exact for all masses and for bending of parallelograms."""
 
 EQUAL = 12
 """Decimals of the shape, in lengths of the element, by which elements count as equal."""
@@ -277,7 +277,9 @@ def _membrane(
     C[:, 2, 2] = 0.5 * (1.0 - nu)
     area = np.outer(weights, weights).ravel() * at.areas * elastic[:, 0:1]
     D = np.einsum("ep,eprm,ers,epsn->epmn", area, T, C, T, optimize=True)
-    return metric, np.stack([D[..., r, c] for r, c in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))], axis=-1)
+    return metric, np.stack(
+        [D[..., r, c] for r, c in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))], axis=-1
+    )
 
 
 @lru_cache(maxsize=16)

@@ -176,7 +176,12 @@ class MeshMatrices:
         shape = (len(self.places), len(self.places))
         order = csc_array((np.arange(1, kept.sum() + 1), (rows[kept], columns[kept])), shape=shape)
         order.sort_indices()
-        return sources[kept][order.data - 1], order.indices, order.indptr
+        sources = sources[kept][order.data - 1]
+        order.data[:] = np.arange(1, len(sources) + 1)
+        bending = self.bending.tocoo()
+        self._bending_data = np.zeros(len(sources))
+        self._bending_data[order[bending.coords] - 1] = bending.data
+        return sources, order.indices, order.indptr
 
     def number(self, places: NDArray[np.int64]) -> NDArray[np.int64]:
         """Numbers of the free coordinates at some places, -1 for others."""
@@ -213,10 +218,10 @@ class MeshMatrices:
         inverse = (vectors[:, good] / values[good]) @ vectors[:, good].T
         return X @ (inverse / root[:, None] / root[None, :])
 
-    def from_blocks(self, blocks: NDArray[np.float64]) -> Any:
-        """A set of blocks as a sparse matrix by columns."""
+    def stiffness(self, blocks: NDArray[np.float64]) -> Any:
+        """A set of blocks and the bending matrix as one sparse matrix by columns."""
         from scipy.sparse import csc_array
 
         sources, indices, pointers = self._pattern
         shape = (len(self.places), len(self.places))
-        return csc_array((blocks[sources], indices, pointers), shape=shape)
+        return csc_array((blocks[sources] + self._bending_data, indices, pointers), shape=shape)

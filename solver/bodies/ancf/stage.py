@@ -157,11 +157,8 @@ def _write_triad(kind: Meshes, marker: int, work: Workspace) -> None:
         for k in range(3):
             f1, f2, f3 = d2 * e3[k] - d3 * e2[k], d3 * e1[k] - d1 * e3[k], d1 * e2[k] - d2 * e1[k]
             for c in range(3):
-                if which == 0:
-                    value = size * (-b1 * b2 * f1 * e3[c] - f2 * e3[c] + f3 * e2[c])
-                else:
-                    value = b2 * f1 * e3[c]
-                M[SCRATCH + 3 * k + c] = value
+                of_a = size * (-b1 * b2 * f1 * e3[c] - f2 * e3[c] + f3 * e2[c])
+                M[SCRATCH + 3 * k + c] = of_a if which == 0 else b2 * f1 * e3[c]
         rate = ra if which == 0 else rb
         t1 += M[SCRATCH] * rate[0] + M[SCRATCH + 1] * rate[1] + M[SCRATCH + 2] * rate[2]
         t2 += M[SCRATCH + 3] * rate[0] + M[SCRATCH + 4] * rate[1] + M[SCRATCH + 5] * rate[2]

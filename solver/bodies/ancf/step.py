@@ -73,6 +73,7 @@ from heavylift.solver.bodies.ancf.kind import (
     ShellMeshes,
     V,
 )
+from heavylift.solver.bodies.ancf.faults import blame_largest
 from heavylift.solver.bodies.ancf.loads import gather_loads
 from heavylift.solver.interface import (
     ERROR,
@@ -267,8 +268,7 @@ def check_meshes(kind: Meshes, step: float, work: Workspace) -> None:
         for i in range(first, last):
             total += abs(speed[i])
         if not math.isfinite(total):
-            work.status[STATUS_OUTCOME] = NOT_FINITE
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+            blame_largest(kind, body, MID_V, NOT_FINITE, work)
         elif kind.table[body, SCHEME] == EXPLICIT and step > kind.body[body, STEP_LIMIT]:
             work.status[STATUS_OUTCOME] = STEP_TOO_LARGE
             work.status[STATUS_BODY] = kind.table[body, NUMBER]

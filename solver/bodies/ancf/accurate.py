@@ -1,0 +1,277 @@
+"""Frames and shells in the accurate integrator: ``M q'' = f - B^T C e(q) - K_b q`` with the constant factor of the mass.
+
+Coordinates and velocities of a kind stand in the state vector as in a row of `nodal`, one row after the other, from
+`STATE_PLACE` on. Among the velocities of all bodies a mesh has those of its bases, whose accelerations the joints see and
+change; the impulses of the rows then go to all nodes by the same factor that gave the bases their compliance. Losses
+and the work of loads are integrated with the motion.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.ancf.assembly import add_matrix_products
+from heavylift.solver.bodies.ancf.elements import add_strain_rates, add_stress_forces, find_strains
+from heavylift.solver.bodies.ancf.joints import take_impulses
+from heavylift.solver.bodies.ancf.kind import (
+    BASE_NODES,
+    FIRST_STRAIN,
+    FORWARD,
+    FREE,
+    LOAD,
+    MASS_SET,
+    MID_Q,
+    MID_V,
+    NUMBER,
+    RIGHT,
+    SHAPE_STRAIN,
+    STATE_PLACE,
+    STIFFNESS_DAMPING,
+    STRAIN,
+    STRAINS,
+    TIME,
+    VISCOUS,
+    FrameMeshes,
+    Meshes,
+    Q,
+    ShellMeshes,
+    V,
+)
+from heavylift.solver.bodies.ancf.loads import gather_loads
+from heavylift.solver.bodies.ancf.second_rates import write_second_rates
+from heavylift.solver.bodies.ancf.stage import fill_mesh_markers, write_bases
+from heavylift.solver.bodies.ancf.step import (
+    add_gravity,
+    node_span,
+    scatter_back,
+    solve_forward,
+    write_free_bases,
+)
+from heavylift.solver.interface import (
+    DISSIPATED,
+    ERROR,
+    EXTERNAL_WORK,
+    FORCES,
+    STATUS_BODY,
+    Workspace,
+    begin_stage,
+    complete_accelerations,
+    complete_rates,
+    displace,
+    free_acceleration,
+    load_state,
+    measure_error,
+    spread_impulses,
+    store_state,
+)
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+
+@implement(load_state, FrameMeshes)
+@implement(load_state, ShellMeshes)
+@kernel(internal=True)
+def load_mesh_state(kind: Meshes, values: NDArray[np.float64], at: int, work: Workspace) -> None:
+    """Coordinates, then velocities; those of the bases too."""
+    place, count = at + kind.table[0, STATE_PLACE], kind.nodal.shape[1]
+    for i in range(count):
+        values[place + i] = kind.nodal[Q, i]
+        values[place + count + i] = kind.nodal[V, i]
+    write_bases(kind, V, values[at : at + work.velocity.shape[0]])
+
+
+@implement(begin_stage, FrameMeshes)
+@implement(begin_stage, ShellMeshes)
+@kernel(internal=True)
+def begin_mesh_stage(
+    kind: Meshes, time: float, values: NDArray[np.float64], at: int, rate: int, work: Workspace
+) -> None:
+    """Coordinates into the rows of the midpoint, then markers from these."""
+    place, count = kind.table[0, STATE_PLACE], kind.nodal.shape[1]
+    q, v = kind.nodal[MID_Q], kind.nodal[MID_V]
+    for i in range(count):
+        q[i] = values[at + place + i]
+    for i in range(count):
+        v[i] = values[at + place + count + i]
+    for i in range(count):
+        values[rate + place + i] = v[i]
+    for body in range(kind.table.shape[0]):
+        kind.body[body, TIME] = time
+    if kind.bases.shape[0] > 0:
+        write_bases(kind, MID_V, values[at : at + work.velocity.shape[0]])
+        fill_mesh_markers(kind, True, FORCES, work)
+        write_second_rates(kind, FORCES, work)
+
+
+@implement(free_acceleration, FrameMeshes)
+@implement(free_acceleration, ShellMeshes)
+@kernel(internal=True)
+def free_mesh_acceleration(kind: Meshes, values: NDArray[np.float64], at: int, work: Workspace) -> None:
+    """All forces, and forward substitution; the bases get their accelerations, the nodes later."""
+    loaded = kind.loads.shape[0] > 0 or kind.bases.shape[0] > 0
+    if loaded:
+        gather_loads(kind, MID_Q, work)
+    right = kind.nodal[RIGHT]
+    for body in range(kind.table.shape[0]):
+        first, last = node_span(kind, body)
+        for i in range(first, last):
+            right[i] = 0.0
+        if loaded:
+            _add_loads(kind, body, work)
+        add_gravity(kind, body, work, 1.0)
+        add_internal_forces(kind, body, MID_Q, RIGHT)
+        if kind.body[body, VISCOUS] > 0.0 or kind.body[body, STIFFNESS_DAMPING] > 0.0:
+            _add_damping(kind, body, work)
+        solve_forward(kind, body, MASS_SET)
+        write_free_bases(kind, body, work)
+
+
+@kernel(internal=True)
+def add_internal_forces(kind: Meshes, body: int, q: int, force: int) -> None:
+    """``nodal[force] -= B^T C e(q) + K_b q``."""
+    add_matrix_products(kind, body, q, 0.0, q, -1.0, force)
+    find_strains((kind,), body, q, SHAPE_STRAIN)
+    add_stress_forces((kind,), body, q, SHAPE_STRAIN, force, -1.0)
+
+
+@kernel(internal=True, reassociate=True)
+def _add_loads(kind: Meshes, body: int, work: Workspace) -> None:
+    """Loads and their power."""
+    first, last = node_span(kind, body)
+    right, load, speed = kind.nodal[RIGHT], kind.nodal[LOAD], kind.nodal[MID_V]
+    power = 0.0
+    for i in range(first, last):
+        power += load[i] * speed[i]
+    for i in range(first, last):
+        right[i] += load[i]
+    work.sums[EXTERNAL_WORK] += power
+
+
+@kernel(internal=True, reassociate=True)
+def _add_damping(kind: Meshes, body: int, work: Workspace) -> None:
+    """``-a M v - b (B^T C B + K_b) v`` and the power that it takes."""
+    first, last = node_span(kind, body)
+    viscous, stiff = kind.body[body, VISCOUS], kind.body[body, STIFFNESS_DAMPING]
+    right, force, speed = kind.nodal[RIGHT], kind.nodal[FORWARD], kind.nodal[MID_V]
+    for i in range(first, last):
+        force[i] = 0.0
+    add_matrix_products(kind, body, MID_V, viscous, MID_V, stiff, FORWARD)
+    if stiff > 0.0:
+        begin = kind.table[body, FIRST_STRAIN]
+        for i in range(begin, begin + kind.table[body, STRAINS]):
+            kind.strains[SHAPE_STRAIN, i] = 0.0
+        add_strain_rates((kind,), body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
+        add_stress_forces((kind,), body, MID_Q, SHAPE_STRAIN, FORWARD, 1.0)
+    lost = 0.0
+    for i in range(first, last):
+        lost += force[i] * speed[i]
+    for i in range(first, last):
+        right[i] -= force[i]
+    work.sums[DISSIPATED] += lost
+
+
+@implement(complete_accelerations, FrameMeshes)
+@implement(complete_accelerations, ShellMeshes)
+@kernel(internal=True)
+def complete_mesh_accelerations(  # type: ignore[no-untyped-def]
+    kind: Meshes, systems, values: NDArray[np.float64], rate: int, work: Workspace
+) -> None:
+    """Back substitution with the reactions on the bases."""
+    take_impulses(kind, systems, RIGHT)
+    place, right = rate + kind.table[0, STATE_PLACE] + kind.nodal.shape[1], kind.nodal[RIGHT]
+    for body in range(kind.table.shape[0]):
+        first, last = node_span(kind, body)
+        scatter_back(kind, body, MASS_SET)
+        for i in range(first, last):
+            values[place + i] = right[i]
+
+
+@implement(spread_impulses, FrameMeshes)
+@implement(spread_impulses, ShellMeshes)
+@kernel(internal=True)
+def spread_mesh_impulses(  # type: ignore[no-untyped-def]
+    kind: Meshes, systems, values: NDArray[np.float64], at: int, of_velocity: bool, work: Workspace
+) -> None:
+    """``M^-1 J^T P`` to coordinates or velocities."""
+    if kind.bases.shape[0] == 0:
+        return
+    take_impulses(kind, systems, RIGHT)
+    place, right = at + kind.table[0, STATE_PLACE], kind.nodal[RIGHT]
+    if of_velocity:
+        place += kind.nodal.shape[1]
+    for body in range(kind.table.shape[0]):
+        if kind.table[body, BASE_NODES] > 0:
+            first, last = node_span(kind, body)
+            for i in range(first, last):
+                right[i] = 0.0
+            scatter_back(kind, body, MASS_SET)
+            for i in range(first, last):
+                values[place + i] += right[i]
+
+
+@implement(displace, FrameMeshes)
+@implement(displace, ShellMeshes)
+@kernel(internal=True)
+def displace_meshes(kind: Meshes, values: NDArray[np.float64], at: int, work: Workspace) -> None:
+    """Nothing: `spread_impulses` moves all nodes."""
+
+
+@implement(complete_rates, FrameMeshes)
+@implement(complete_rates, ShellMeshes)
+@kernel(internal=True)
+def complete_mesh_rates(
+    kind: Meshes, values: NDArray[np.float64], at: int, rate: int, second: int, work: Workspace
+) -> None:
+    """``q' = v``, ``q'' = v'``; velocities are interpolated as rates of the coordinates only."""
+    place, count = kind.table[0, STATE_PLACE], kind.nodal.shape[1]
+    for i in range(place, place + count):
+        values[rate + i] = values[at + count + i]
+        values[second + i] = values[rate + count + i]
+        values[second + count + i] = 0.0
+
+
+@implement(measure_error, FrameMeshes)
+@implement(measure_error, ShellMeshes)
+@kernel(internal=True)
+def measure_mesh_error(
+    kind: Meshes, values: NDArray[np.float64], fifth: int, third: int, work: Workspace
+) -> None:
+    """Of the nodes: ``e5^2 / sqrt(e5^2 + e3^2/100)``, as of DOP853."""
+    place, lanes = kind.table[0, STATE_PLACE] + kind.nodal.shape[1], len(kind.shape[1])
+    for body in range(kind.table.shape[0]):
+        first, last = node_span(kind, body)
+        largest = 0.0
+        for node in range(place + first, place + last, lanes):
+            e5 = e3 = 0.0
+            for k in range(node, node + 3):
+                e5 += values[fifth + k] ** 2
+                e3 += values[third + k] ** 2
+            error = e5 * e5 / (e5 + 0.01 * e3) if e5 > 0.0 else e5
+            if error > largest or math.isnan(error):  # which stays
+                largest = error
+        largest = math.sqrt(largest)
+        if largest > work.control[ERROR] or math.isnan(largest):
+            work.control[ERROR] = largest
+            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+
+
+@implement(store_state, FrameMeshes)
+@implement(store_state, ShellMeshes)
+@kernel(internal=True)
+def store_mesh_state(
+    kind: Meshes, time: float, values: NDArray[np.float64], at: int, rate: int, work: Workspace
+) -> None:
+    """Velocities are the rates of the coordinates; strains those of the shape."""
+    place, count = kind.table[0, STATE_PLACE], kind.nodal.shape[1]
+    for i in range(count):
+        speed = values[rate + place + i] * kind.nodal[FREE, i]
+        values[at + place + count + i] = speed
+        kind.nodal[Q, i] = values[at + place + i]
+        kind.nodal[V, i] = speed
+    for body in range(kind.table.shape[0]):
+        find_strains((kind,), body, Q, STRAIN)

@@ -1,0 +1,164 @@
+"""Joints on frames and along edges of shells, told in rows on points and slopes before a scene is packed.
+
+Shells carry a triad at every point, so all joints work on them as on rigid bodies. Frames have a tangent and nothing
+else: fixed joints and hinges keep it, others work where all their directions are along it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.bodies.ancf.bases import ALONG, frame_tangent, plan_bases
+from heavylift.solver.connections import (
+    EdgeClamp,
+    EdgeHinge,
+    FixedJoint,
+    Hinge,
+    Joint,
+    JointMotor,
+    JointSpring,
+)
+from heavylift.solver.joints.edges import expand_edge
+from heavylift.solver.joints.mesh_rows import FrameWeld, Square, SquareJoint
+from heavylift.solver.joints.packing import JointPlace, MarkerBook, refuse_opposite, start_frames
+from heavylift.solver.meshes import FrameBody, MeshBody
+from heavylift.solver.scene import AnyBody, Scene
+
+__all__ = ["expand_joints"]
+
+BETWEEN = "a small rigid body between, or another joint"
+
+
+def expand_joints(scene: Scene) -> Scene:
+    """The scene with all joints on frames, and all edges of shells, as joints that have rows of their own.
+
+    Raises
+    ------
+    InputError
+        If a joint is not on the mesh, or wants more of a frame than its tangent; names joint and body.
+    """
+    bodies = {body.name: body for body in scene.bodies}
+    joints: list[Joint] = []
+    changed = set()
+    for joint in scene.joints:
+        sides = [bodies.get(name) for name in (joint.body_a, joint.body_b)]
+        if isinstance(joint, (EdgeHinge, EdgeClamp)):
+            parts = expand_edge(joint, scene.bodies)
+        elif isinstance(joint, (FixedJoint, Hinge)) and any(isinstance(side, FrameBody) for side in sides):
+            parts = [_on_frame(joint, bodies)]
+        else:
+            parts = [joint]
+        if parts != [joint]:
+            changed.add(joint.name)
+        if any(isinstance(side, MeshBody) for side in sides):
+            for part in parts:
+                _check(part, joint, bodies)
+        joints += parts
+    for force in scene.forces:
+        if isinstance(force, (JointSpring, JointMotor)) and force.joint in changed:
+            raise InputError(
+                f"the joint {force.joint!r} has no angle: one of its sides is a frame or the edge of a shell",
+                source=force.name,
+                key="joint",
+                expected="a hinge on a small rigid body that is fixed to the frame or shell",
+            )
+    return replace(scene, joints=tuple(joints))
+
+
+def _check(part: Joint, joint: Joint, bodies: Mapping[str, AnyBody]) -> None:
+    """Pack a joint alone: what does not fit its meshes is then known by its name."""
+    from heavylift.solver.joints.registry import joint_module
+
+    book = MarkerBook()
+    place = JointPlace(0, 0, start_frames(part, list(bodies.values())))
+    joint_module(part).pack([part], [place], book)
+    for name in (part.body_a, part.body_b):
+        body = bodies.get(name)
+        if not isinstance(body, MeshBody):
+            continue
+        try:
+            plan_bases(body, book.of([name])[0])
+        except InputError as error:
+            raise InputError(
+                f"{error.problem}, on {name!r}",
+                source=joint.name,
+                key=error.key,
+                expected=f"{error.expected}: {BETWEEN}" if error.key == "axis" else error.expected,
+            ) from None
+
+
+def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, AnyBody]) -> Joint:
+    """A fixed joint or hinge with a frame on one side or on both."""
+    if isinstance(joint, Hinge):
+        for key, used in (
+            ("drive", joint.drive),
+            ("limits", joint.limits),
+            ("friction", joint.friction or None),
+        ):
+            if used is not None:
+                raise InputError(
+                    "a hinge on a frame has no angle",
+                    source=joint.name,
+                    key=key,
+                    expected="none, or a small rigid body between",
+                )
+    tangents = [
+        frame.axes.T @ frame_tangent(side, frame.point, joint.name) if isinstance(side, FrameBody) else None
+        for side, frame in (
+            (bodies.get(joint.body_a), joint.frame_a),
+            (bodies.get(joint.body_b), joint.frame_b),
+        )
+    ]
+    place = JointPlace(0, 0, start_frames(joint, list(bodies.values())))
+    refuse_opposite(joint, place, (2,) if isinstance(joint, Hinge) else (0, 1, 2))
+    common = {
+        key: getattr(joint, key)
+        for key in ("name", "body_a", "body_b", "frame_a", "frame_b", "compliance", "relaxation")
+    }
+    z = np.array([0.0, 0.0, 1.0])
+    axis = isinstance(joint, Hinge) and not all(
+        tangent is None or np.linalg.norm(np.cross(tangent, z)) <= ALONG for tangent in tangents
+    )
+    a, b = tangents
+    if a is not None and b is not None:
+        if axis or not np.linalg.norm(np.cross(a, b)) <= ALONG:
+            raise InputError(
+                f"the frames {joint.body_a!r} and {joint.body_b!r} meet with tangents"
+                f" {np.round(a, 6).tolist()} and {np.round(b, 6).tolist()} in axes of the joint",
+                source=joint.name,
+                key="axes",
+                expected="along the axis of a hinge, or parallel tangents of a fixed joint: a frame has no torsion;"
+                f" else {BETWEEN}",
+            )
+        return FrameWeld(**common, normal=place.frames[0].axes @ _across(a)[0])
+    tangent = a if a is not None else b
+    assert tangent is not None
+    if axis:
+        if not abs(tangent[2]) <= ALONG:
+            raise InputError(
+                f"the axis is {np.degrees(np.arccos(min(abs(tangent[2]), 1.0))):.4g} deg from the tangent of the frame",
+                source=joint.name,
+                key="axis",
+                expected=f"an axis along the tangent or square to it; else {BETWEEN}",
+            )
+        normals = z[None, :]
+    else:
+        normals = _across(tangent)
+    frame = joint.frame_b if a is not None else joint.frame_a
+    squares = tuple(
+        Square(1, frame.axes @ normal) if a is not None else Square(frame.axes @ normal, 1)
+        for normal in normals
+    )
+    return SquareJoint(**common, squares=squares)
+
+
+def _across(direction: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Two unit directions square to a unit direction and to each other, as rows."""
+    first = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
+    first /= np.linalg.norm(first)
+    return np.array([first, np.cross(direction, first)])

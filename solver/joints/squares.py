@@ -1,0 +1,127 @@
+"""Joints of points and of vectors that are square to each other: frames, and edges of shells on other bodies.
+
+::
+
+    p_b - p_a = 0,    f_k c_k . e_k = 0    (k = 1 ... 4 at most)
+
+with directions or slopes c on a, e on b. A frame has no torsion, so two normals t of the other side are all that
+holds its tangent: ``t . r' = 0``; the cross product of tangents, as in "Integrated simulation ... (2018)", eq. 192,
+has three rows of rank two. The stretch ``|r'|`` stays free.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.connections import JointFrame
+from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
+from heavylift.solver.joints.mesh_rows import SquareJoint
+from heavylift.solver.joints.packing import JointPlace, MarkerBook, point_markers
+from heavylift.solver.joints.reactions import add_pull, write_reaction
+from heavylift.solver.joints.row_writing import (
+    difference,
+    dot,
+    put_direction_row,
+    put_point_rows,
+    residuals,
+    square_bias,
+    targets,
+    vector,
+    write_point_bias,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import RowSystem
+
+__all__ = ["SquareJoints", "pack"]
+
+MOST = 4
+BLOCK, POINT_A, POINT_B, COLUMN, COUNT, PAIRS = range(6)
+
+
+class SquareJoints(NamedTuple):
+    """All such joints of a scene.
+
+    Attributes
+    ----------
+    table
+        Block, point markers of a and b, record column, number of pairs, markers of each pair; shape (n, 13).
+    factors
+        Of each pair, shape (n, 4).
+    """
+
+    table: NDArray[np.int64]
+    factors: NDArray[np.float64]
+
+
+def pack(joints: Sequence[SquareJoint], places: Sequence[JointPlace], book: MarkerBook) -> SquareJoints:
+    """Make the kind."""
+    table = np.full((len(joints), PAIRS + 2 * MOST), -1, dtype=np.int64)
+    factors = np.zeros((len(joints), MOST))
+    for row, joint, place, own in zip(table, joints, places, factors, strict=True):
+        row[:PAIRS] = (place.block, *point_markers(book, joint), place.column, len(joint.squares))
+        for k, square in enumerate(joint.squares):
+            row[PAIRS + 2 * k] = _marker(book, joint.body_a, joint.frame_a, square.a)
+            row[PAIRS + 2 * k + 1] = _marker(book, joint.body_b, joint.frame_b, square.b)
+            own[k] = square.factor
+    return SquareJoints(table, factors)
+
+
+def _marker(book: MarkerBook, body: str, frame: JointFrame, vector: NDArray[np.float64] | int) -> int:
+    if isinstance(vector, int):
+        return book.slope(body, vector, at=frame.point)
+    return book.direction(body, vector, at=frame.point)
+
+
+@implement(fill_rows, SquareJoints)
+@kernel(internal=True)
+def fill_square_rows(kind: SquareJoints, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+    """Rows from the markers."""
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
+        block, point_a, point_b = entry[BLOCK], entry[POINT_A], entry[POINT_B]
+        put_point_rows(system, 2 * block, 0, work, point_a, -1.0)
+        put_point_rows(system, 2 * block + 1, 0, work, point_b, 1.0)
+        g = residuals(system, block)
+        if with_residual:
+            g[0], g[1], g[2] = difference(work, point_a, point_b)
+        for k in range(entry[COUNT]):
+            a, b, f = entry[PAIRS + 2 * k], entry[PAIRS + 2 * k + 1], kind.factors[j, k]
+            c, e = vector(work, a), vector(work, b)
+            put_direction_row(system, 2 * block, 3 + k, work, a, (f * e[0], f * e[1], f * e[2]))
+            put_direction_row(system, 2 * block + 1, 3 + k, work, b, (f * c[0], f * c[1], f * c[2]))
+            if with_residual:
+                g[3 + k] = f * dot(c, e)
+
+
+@implement(fill_bias, SquareJoints)
+@kernel(internal=True)
+def fill_square_bias(kind: SquareJoints, time: float, work: Workspace, system: RowSystem) -> None:
+    """Quadratic velocity terms."""
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
+        write_point_bias(system, entry[BLOCK], work, entry[POINT_A], entry[POINT_B])
+        target = targets(system, entry[BLOCK])
+        for k in range(entry[COUNT]):
+            a, b = entry[PAIRS + 2 * k], entry[PAIRS + 2 * k + 1]
+            target[3 + k] = -kind.factors[j, k] * square_bias(work, a, b)
+
+
+@implement(record_joints, SquareJoints)
+@kernel(internal=True)
+def record_square_joints(
+    kind: SquareJoints, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+) -> None:
+    """Reaction on b."""
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
+        block, column = entry[BLOCK], entry[COLUMN]
+        write_reaction(system, block, row, column)
+        for k in range(entry[COUNT]):
+            c = vector(work, entry[PAIRS + 2 * k])
+            e = vector(work, entry[PAIRS + 2 * k + 1])
+            add_pull(system, block, 3 + k, kind.factors[j, k], e, c, row, column)

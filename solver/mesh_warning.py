@@ -1,0 +1,45 @@
+"""What the user should know of how frames and shells were stepped."""
+
+from __future__ import annotations
+
+from heavylift.solver.layout import Layout
+
+__all__ = ["mesh_warning"]
+
+
+def mesh_warning(layout: Layout) -> str:
+    """Meshes whose carried strains drifted too far, as a sentence; empty if none.
+
+    Parameters
+    ----------
+    layout
+        Packed scene after a run. Scenes without meshes import nothing for this.
+    """
+    parts = []
+    for kind in layout.bodies:
+        if "strains" not in kind._fields:
+            continue
+        from heavylift.solver.bodies.ancf.kind import (
+            CARRIED,
+            CHANGE_TIME,
+            CHANGED_OVER,
+            DRIFT_TOLERANCE,
+            LARGEST_DRIFT,
+            NUMBER,
+            SCHEME,
+        )
+
+        for line, numbers in zip(kind.table, kind.body, strict=True):
+            name = layout.body_names[line[NUMBER]]
+            if numbers[CHANGED_OVER]:
+                parts.append(
+                    f"{name!r} changed over to the energy-momentum scheme at t = {numbers[CHANGE_TIME]:.6g} s, where its"
+                    f" carried strains had drifted by more than {numbers[DRIFT_TOLERANCE]:g}"
+                )
+            elif line[SCHEME] == CARRIED and numbers[LARGEST_DRIFT] > numbers[DRIFT_TOLERANCE]:
+                parts.append(
+                    f"the carried strains of {name!r} drifted by up to {numbers[LARGEST_DRIFT]:.3g} from those of its"
+                    " shape: its stresses are wrong by as much times the modulus; take a smaller step, or elasticity"
+                    " 'auto'"
+                )
+    return "; ".join(parts)

@@ -1,0 +1,148 @@
+"""Packs one frame into a `FrameMeshes` whose blocks do not overlap: a place of its own for each pair of nodes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.lanes import block_shape
+from heavylift.solver.bodies.ancf import elements as generics
+from heavylift.solver.bodies.ancf import frame_elements  # noqa: F401  implements the generic functions
+from heavylift.solver.bodies.ancf.frame_packing import (
+    body_constants,
+    element_data,
+    start_coordinates,
+    strain_counts,
+)
+from heavylift.solver.bodies.ancf.kind import (
+    BODY_COLUMNS,
+    CONSTANTS,
+    ELEMENT_BLOCKS,
+    ELEMENT_DATA,
+    ELEMENT_STRAIN,
+    ELEMENTS,
+    FIRST_ELEMENT,
+    FRAME_PAIRS,
+    NODAL_ROWS,
+    NODES,
+    STRAIN_ROWS,
+    STRAINS,
+    TABLE_COLUMNS,
+    FrameMeshes,
+    Q,
+)
+
+if TYPE_CHECKING:
+    from heavylift.solver.meshes import FrameBody
+
+__all__ = ["ELEMENTS", "FIRST_ELEMENT", "get", "matrix", "pack", "put"]
+
+LANES = 8
+
+
+def pack(body: FrameBody, *, swap: bool = False) -> FrameMeshes:
+    """The kind of one frame, in its start shape; `swap` stores the pairs of different nodes transposed."""
+    count, nodes = len(body.elements), len(body.nodes)
+    known: dict[int, int] = {}
+    constants = [body_constants(body), np.zeros(64)]
+    size = 1 + 64
+    elements = np.zeros((count, 12), dtype=np.int64)
+    for e, data in enumerate(element_data(body)):
+        if id(data) not in known:
+            known[id(data)] = size
+            constants.append(data)
+            size += len(data)
+        elements[e, :2] = LANES * body.elements[e]
+        elements[e, ELEMENT_DATA] = known[id(data)]
+    strains = strain_counts(body)
+    elements[:, ELEMENT_STRAIN] = np.cumsum(strains) - strains
+    for p, (i, j) in enumerate(FRAME_PAIRS):
+        elements[:, ELEMENT_BLOCKS + 2 * p] = 48 * (3 * np.arange(count) + p)
+        elements[:, ELEMENT_BLOCKS + 2 * p + 1] = int(swap and i != j)
+    table = np.zeros((1, TABLE_COLUMNS), dtype=np.int64)
+    table[0, [NODES, ELEMENTS, STRAINS, CONSTANTS]] = nodes, count, strains.sum(), 0
+    unused = dict.fromkeys(FrameMeshes._fields, np.zeros((0, 6), dtype=np.int64))
+    used = {
+        "shape": block_shape(6),
+        "table": table,
+        "elements": elements,
+        "constants": np.concatenate(constants),
+        "body": np.zeros((1, BODY_COLUMNS)),
+        "nodal": np.zeros((NODAL_ROWS, LANES * nodes)),
+        "strains": np.zeros((STRAIN_ROWS, int(strains.sum()))),
+        "blocks": np.zeros(48 * 3 * count),
+    }
+    kind = FrameMeshes(**(unused | used))
+    put(kind, Q, start_coordinates(body).ravel())
+    return kind
+
+
+def put(kind: FrameMeshes, row: int, q: np.ndarray) -> None:
+    """Coordinates, six a node, into a row."""
+    kind.nodal[row].reshape(-1, LANES)[:, :6] = q.reshape(-1, 6)
+
+
+def get(kind: FrameMeshes, row: int) -> np.ndarray:
+    """Coordinates of a row, six a node; what lies in the padding must be zero."""
+    rows = kind.nodal[row].reshape(-1, LANES)
+    assert not np.any(rows[:, 6:])
+    return rows[:, :6].ravel().copy()
+
+
+def matrix(kind: FrameMeshes) -> np.ndarray:
+    """All blocks as one dense symmetric matrix."""
+    size = 6 * kind.table[0, NODES]
+    total = np.zeros((size, size))
+    for row in kind.elements:
+        for p, (i, j) in enumerate(FRAME_PAIRS):
+            at, swapped = row[ELEMENT_BLOCKS + 2 * p : ELEMENT_BLOCKS + 2 * p + 2]
+            block = kind.blocks[at : at + 48].reshape(6, LANES)
+            assert not np.any(block[:, 6:])
+            entry = block[:, :6] if swapped else block[:, :6].T
+            a, b = 6 * (row[i] // LANES), 6 * (row[j] // LANES)
+            total[a : a + 6, b : b + 6] += entry
+            if i != j:
+                total[b : b + 6, a : a + 6] += entry.T
+    return total
+
+
+@kernel
+def find_strains(kind, body, q, strain):
+    generics.find_strains((kind,), body, q, strain)
+
+
+@kernel
+def add_strain_rates(kind, body, q, v, strain, factor):
+    generics.add_strain_rates((kind,), body, q, v, strain, factor)
+
+
+@kernel
+def add_stress_forces(kind, body, q, strain, force, factor):
+    generics.add_stress_forces((kind,), body, q, strain, force, factor)
+
+
+@kernel
+def add_stiffness(kind, body, q, strain, force, factor, scale, geometric):
+    generics.add_stiffness((kind,), body, q, strain, force, factor, scale, geometric)
+
+
+@kernel
+def measure_strain_energy(kind, body, strain):
+    generics.measure_strain_energy((kind,), body, strain)
+
+
+@kernel
+def measure_drift(kind, body, first, second):
+    generics.measure_drift((kind,), body, first, second)
+
+
+@kernel
+def add_follower_load(kind, body, q, element, load, data, factor):
+    generics.add_follower_load((kind,), body, q, element, load, data, factor)
+
+
+@kernel
+def record_elements(kind, body, row, column):
+    generics.record_elements((kind,), body, row, column)

@@ -1,0 +1,217 @@
+"""Shells as the arrays of their kind, by hand: every pair of nodes of an element has a block of its own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.lanes import block_shape
+from heavylift.solver.bodies.ancf import shell_elements  # noqa: F401  registers the kernels
+from heavylift.solver.bodies.ancf.elements import (
+    add_follower_load,
+    add_stiffness,
+    add_strain_rates,
+    add_stress_forces,
+    find_strains,
+    measure_drift,
+    measure_strain_energy,
+    record_elements,
+)
+from heavylift.solver.bodies.ancf.kind import (
+    BODY_COLUMNS,
+    CONSTANTS,
+    ELEMENT_BLOCKS,
+    ELEMENT_DATA,
+    ELEMENT_NODES,
+    ELEMENT_STRAIN,
+    ELEMENTS,
+    FIRST_ELEMENT,
+    NODAL_ROWS,
+    SHELL_PAIRS,
+    STRAIN_ROWS,
+    TABLE_COLUMNS,
+    Q,
+    ShellMeshes,
+)
+from heavylift.solver.bodies.ancf.shell_packing import (
+    body_constants,
+    element_data,
+    start_coordinates,
+    strain_counts,
+)
+from heavylift.solver.meshes import ShellBody, ShellSection
+
+LANES, BLOCK = 16, 12 * 16
+
+STEEL = ShellSection(0.01, 7850.0, 2.1e11, 0.3)
+
+
+def shell(mesh: Any, section: ShellSection = STEEL, **more: Any) -> ShellBody:
+    """A body on a mesh of `heavylift.solver.mesh_shapes`."""
+    return ShellBody(
+        name="plate",
+        nodes=mesh.nodes,
+        slopes=mesh.slopes,
+        elements=mesh.elements,
+        lengths=mesh.lengths,
+        sections=(section,),
+        **more,
+    )
+
+
+def element(
+    vectors: np.ndarray, lengths: tuple[float, float], section: ShellSection = STEEL, **more: Any
+) -> ShellBody:
+    """One element with nodal vectors of shape (4, 4, 3)."""
+    return ShellBody(
+        name="plate",
+        nodes=vectors[:, 0].copy(),
+        slopes=vectors[:, 1:].copy(),
+        elements=np.array([[0, 1, 2, 3]]),
+        lengths=np.array([lengths]),
+        sections=(section,),
+        **more,
+    )
+
+
+def distorted_element(section: ShellSection = STEEL, **more: Any) -> ShellBody:
+    """One element whose lines are neither straight nor square to each other, in a plane of any direction."""
+    a, b = 1.3, 0.8
+    flat = np.zeros((4, 4, 3))
+    flat[:, 0, :2] = [[0.0, 0.0], [1.4, 0.1], [1.2, 0.9], [-0.2, 0.7]]
+    flat[:, 1, :2] = [[1.0, 0.2], [1.1, -0.1], [0.9, 0.1], [1.2, 0.1]]
+    flat[:, 2, :2] = [[-0.3, 1.0], [-0.1, 1.1], [-0.2, 0.9], [-0.1, 1.0]]
+    flat[:, 3, :2] = [[0.1, 0.05], [-0.1, 0.1], [0.1, -0.1], [0.05, 0.1]]
+    turn = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+    vectors = flat @ turn.T
+    vectors[:, 0] += [3.0, -2.0, 1.0]
+    return element(vectors, (a, b), section, **more)
+
+
+def rotation() -> np.ndarray:
+    """A rotation by an angle and axis of no meaning."""
+    turn = np.linalg.qr(np.random.default_rng(8).normal(size=(3, 3)))[0]
+    return turn * np.linalg.det(turn)
+
+
+def pack(bodies: list[ShellBody], swaps: int = 0) -> ShellMeshes:
+    """The kind of some shells; `swaps` seeds which blocks are stored transposed (none at 0)."""
+    constants: list[np.ndarray] = []
+    table = np.zeros((len(bodies), TABLE_COLUMNS), dtype=np.int64)
+    elements, nodes, start, strains, pairs = [], 0, [], 0, 0
+    rng = np.random.default_rng(swaps)
+
+    def store(values: np.ndarray) -> int:
+        place = sum(map(len, constants))
+        constants.append(values)
+        return place
+
+    for row, body in zip(table, bodies, strict=True):
+        row[CONSTANTS] = store(body_constants(body))
+        row[FIRST_ELEMENT], row[ELEMENTS] = len(elements), len(body.elements)
+        for own, data, count in zip(body.elements, element_data(body), strain_counts(body), strict=True):
+            line = np.zeros(ELEMENT_BLOCKS + 2 * len(SHELL_PAIRS), dtype=np.int64)
+            line[ELEMENT_NODES : ELEMENT_NODES + 4] = (nodes + own) * LANES
+            line[ELEMENT_DATA], line[ELEMENT_STRAIN] = store(data), strains
+            for p, (i, j) in enumerate(SHELL_PAIRS):
+                line[ELEMENT_BLOCKS + 2 * p] = pairs * BLOCK
+                line[ELEMENT_BLOCKS + 2 * p + 1] = int(swaps and i != j and rng.integers(2))
+                pairs += 1
+            elements.append(line)
+            strains += int(count)
+        nodes += len(body.nodes)
+        start.append(start_coordinates(body).reshape(-1, 12))
+    nodal = np.zeros((NODAL_ROWS, nodes * LANES))
+    nodal[Q].reshape(nodes, LANES)[:, :12] = np.vstack(start)
+    given = {
+        "shape": block_shape(12),
+        "table": table,
+        "elements": np.array(elements),
+        "constants": np.concatenate(constants),
+        "body": np.zeros((len(bodies), BODY_COLUMNS)),
+        "nodal": nodal,
+        "strains": np.zeros((STRAIN_ROWS, strains)),
+        "blocks": np.zeros(pairs * BLOCK),
+    }
+    empty = np.zeros((0, 8), dtype=np.int64)
+    return ShellMeshes(**{name: given.get(name, empty) for name in ShellMeshes._fields})
+
+
+def put(kind: ShellMeshes, row: int, coordinates: np.ndarray) -> None:
+    """Set a row of `nodal` to vectors of nodes, shape (n, 4, 3)."""
+    kind.nodal[row].reshape(-1, LANES)[:, :12] = coordinates.reshape(-1, 12)
+
+
+def taken(kind: ShellMeshes, row: int) -> np.ndarray:
+    """Vectors of nodes of a row of `nodal`, shape (n, 4, 3); checks that padding is left alone."""
+    rows = kind.nodal[row].reshape(-1, LANES)
+    assert not rows[:, 12:].any()
+    return rows[:, :12].reshape(-1, 4, 3).copy()
+
+
+def stiffness(kind: ShellMeshes) -> np.ndarray:
+    """The blocks as one matrix over all coordinates, shape (12 n, 12 n)."""
+    nodes = kind.nodal.shape[1] // LANES
+    out = np.zeros((nodes, 12, nodes, 12))
+    for line in kind.elements:
+        for p, (i, j) in enumerate(SHELL_PAIRS):
+            place, swap = line[ELEMENT_BLOCKS + 2 * p : ELEMENT_BLOCKS + 2 * p + 2]
+            block = kind.blocks[place : place + BLOCK].reshape(12, LANES)
+            assert not block[:, 12:].any()
+            block = block[:, :12] if swap else block[:, :12].T
+            m, n = line[i] // LANES, line[j] // LANES
+            out[m, :, n] += block
+            if i != j:
+                out[n, :, m] += block.T
+    return out.reshape(12 * nodes, 12 * nodes)
+
+
+@kernel
+def find(kind: ShellMeshes, body: int, q: int, strain: int) -> None:
+    find_strains((kind,), body, q, strain)
+
+
+@kernel
+def add_rates(kind: ShellMeshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
+    add_strain_rates((kind,), body, q, v, strain, factor)
+
+
+@kernel
+def add_forces(kind: ShellMeshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
+    add_stress_forces((kind,), body, q, strain, force, factor)
+
+
+@kernel
+def add_both(
+    kind: ShellMeshes,
+    body: int,
+    q: int,
+    strain: int,
+    force: int,
+    factor: float,
+    scale: float,
+    geometric: float,
+) -> None:
+    add_stiffness((kind,), body, q, strain, force, factor, scale, geometric)
+
+
+@kernel
+def energy(kind: ShellMeshes, body: int, strain: int) -> None:
+    measure_strain_energy((kind,), body, strain)
+
+
+@kernel
+def drift(kind: ShellMeshes, body: int, first: int, second: int) -> None:
+    measure_drift((kind,), body, first, second)
+
+
+@kernel
+def follow(kind: ShellMeshes, body: int, q: int, number: int, load: int, data: int, factor: float) -> None:
+    add_follower_load((kind,), body, q, number, load, data, factor)
+
+
+@kernel
+def recorded(kind: ShellMeshes, body: int, row: np.ndarray, column: int) -> None:
+    record_elements((kind,), body, row, column)

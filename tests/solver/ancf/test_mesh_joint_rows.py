@@ -1,0 +1,341 @@
+"""Markers and rows of joints on frames and shells against plain geometry and differences, in one compiled scene."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "joints"))
+from joint_scenes import RESIDUALS, Pose, make_joint
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.ancf.kind import MARKER_NUMBER, FrameMeshes, Q, ShellMeshes, V
+from heavylift.solver.bodies.ancf.stage import write_bases
+from heavylift.solver.connections import GROUND, EdgeClamp, EdgeHinge, FixedJoint, Hinge, JointFrame
+from heavylift.solver.integrate.loop import start_scene
+from heavylift.solver.interface import (
+    POINT,
+    POINT_VELOCITY,
+    RECORD,
+    fill_markers,
+    fill_rows,
+    set_targets,
+    write_velocity,
+)
+from heavylift.solver.layout import pack_scene
+from heavylift.solver.mesh_shapes import line, quadrilateral, rectangle
+from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSection
+from heavylift.solver.rows import DOF, PANEL, RESIDUAL, ROW_COLUMNS, SCALE, WIDTH
+from heavylift.solver.scene import PointForce, RigidBody, Scene
+
+ON_SHELLS = ("ball", "distance", "fixed", "hinge", "planar", "slider", "universal")
+BENT = np.array([[0.0, 0.0, 0.0], [1.2, 0.1, 0.0], [1.1, 0.9, 0.0], [-0.1, 0.8, 0.0]])
+
+
+@kernel
+def probe(bodies: Any, joints: Any, system: Any, work: Any) -> None:
+    """All rows and markers at the carried state."""
+    fill_markers(bodies, False, RECORD, work)
+    fill_rows(joints, True, work, system)
+    set_targets(joints, 0.0, 0.1, False, work, system)
+    write_velocity(bodies, work)
+
+
+def cubic(t: float, derivative: int = 0) -> np.ndarray:
+    """Hermite polynomials: value at 0, slope at 0, value at 1, slope at 1."""
+    powers = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]], dtype=float)
+    for _ in range(derivative):
+        powers = powers[:, 1:] * np.arange(1, powers.shape[1])
+    return powers @ t ** np.arange(powers.shape[1])
+
+
+def pose_of(body: Any) -> tuple[np.ndarray, np.ndarray]:
+    return np.asarray(body.position), Rotation.from_quat(body.orientation, scalar_first=True).as_matrix()
+
+
+@dataclass
+class Spot:
+    """A material point: body, element, place on it."""
+
+    body: Any
+    element: int
+    local: tuple[float, ...]
+
+    def vector(self, q: np.ndarray, which: int) -> np.ndarray:
+        """A vector of the nodes at the point, in body axes, from those of the nodes, shape (n, vectors, 3)."""
+        nodes = q[self.body.elements[self.element]]
+        if isinstance(self.body, FrameBody):
+            places = self.body.nodes[self.body.elements[self.element]]
+            length = np.linalg.norm(places[1] - places[0])
+            h = cubic(self.local[0], which) * [1.0, length, 1.0, length] / length**which
+            return h @ nodes.reshape(4, 3)
+        lengths = self.body.lengths[self.element]
+        dx, dy = ((0, 0), (1, 0), (0, 1), (1, 1))[which]
+        fx = cubic(self.local[0], dx) * [1.0, lengths[0], 1.0, lengths[0]] / lengths[0] ** dx
+        fy = cubic(self.local[1], dy) * [1.0, lengths[1], 1.0, lengths[1]] / lengths[1] ** dy
+        total = np.zeros(3)
+        for node, (i, j) in zip(nodes, ((0, 0), (1, 0), (1, 1), (0, 1)), strict=True):
+            for slope, (k, m) in zip(node, ((0, 0), (1, 0), (0, 1), (1, 1)), strict=True):
+                total += fx[2 * i + k] * fy[2 * j + m] * slope
+        return total
+
+    def triad(self, q: np.ndarray) -> np.ndarray:
+        """Axes of the slopes in body axes, as columns."""
+        a, b = self.vector(q, 1), self.vector(q, 2)
+        first, third = a / np.linalg.norm(a), np.cross(a, b) / np.linalg.norm(np.cross(a, b))
+        return np.column_stack([first, np.cross(third, first), third])
+
+    @property
+    def start(self) -> np.ndarray:
+        """Vectors of all nodes of the body, unloaded."""
+        if isinstance(self.body, FrameBody):
+            return np.stack([self.body.nodes, self.body.tangents], axis=1)
+        return np.concatenate([self.body.nodes[:, None], self.body.slopes], axis=1)
+
+    @property
+    def point(self) -> np.ndarray:
+        return self.vector(self.start, 0)
+
+
+@dataclass
+class Model:
+    """The packed scene, and what each joint keeps in plain geometry."""
+
+    rng: np.random.Generator
+    bodies: dict[str, Any]
+    layout: Any = None
+    joints: list[Any] = field(default_factory=list)
+    spots: dict[tuple[str, str], Spot] = field(default_factory=dict)
+    offsets: dict[str, int] = field(default_factory=dict)
+
+    def pack(self, forces: tuple[Any, ...]) -> None:
+        self.layout = pack_scene(Scene(tuple(self.bodies.values()), forces, joints=tuple(self.joints)))
+        start_scene(self.layout.bodies, self.layout.work, 0.0)
+        self.kinds = [kind for kind in self.layout.bodies if isinstance(kind, (FrameMeshes, ShellMeshes))]
+        self.rigid = next(kind for kind in self.layout.bodies if kind not in self.kinds)
+        for kind, of_type in zip(self.kinds, (FrameBody, ShellBody), strict=True):
+            for line_of, body in zip(
+                kind.table, [b for b in self.bodies.values() if isinstance(b, of_type)], strict=True
+            ):
+                self.offsets[body.name] = int(line_of[3])
+        self.start = [kind.nodal[Q].copy() for kind in self.kinds]
+
+    def mesh(self, name: str, row: int = Q) -> np.ndarray:
+        """Vectors of the nodes of a mesh, shape (n, vectors, 3), a view."""
+        body = self.bodies[name]
+        kind = self.kinds[isinstance(body, ShellBody)]
+        lanes, rows = len(kind.shape[1]), len(kind.shape[0])
+        first = self.offsets[name]
+        nodes = kind.nodal[row].reshape(-1, lanes)[first : first + len(body.nodes), :rows]
+        return nodes.reshape(len(body.nodes), -1, 3) if False else nodes
+
+    def q(self, name: str) -> np.ndarray:
+        nodes = self.mesh(name)
+        return nodes.reshape(len(nodes), -1, 3)
+
+    def meshes(self) -> list[str]:
+        return [name for name, body in self.bodies.items() if not isinstance(body, RigidBody)]
+
+    def bend(self, seed: int) -> None:
+        """All meshes deformed and moving."""
+        rng = np.random.default_rng(seed)
+        for kind, start in zip(self.kinds, self.start, strict=True):
+            kind.nodal[Q] = start
+            kind.nodal[V] = 0.0
+        for name in self.meshes():
+            self.mesh(name)[...] += 0.15 * rng.normal(size=self.mesh(name).shape)
+            self.mesh(name, V)[...] = rng.normal(size=self.mesh(name).shape)
+
+    def shift(self, step: float) -> None:
+        for kind in self.kinds:
+            kind.nodal[Q] += step * kind.nodal[V]
+
+    def fill(self) -> None:
+        layout = self.layout
+        layout.work.jacobian[:] = 0.0
+        probe(layout.bodies, layout.joints, layout.systems[0], layout.work)
+
+    def along(self, find: Any, h: float = 1e-5) -> Any:
+        """Central difference of fourth order along the velocities of the meshes."""
+        values = []
+        for i in (-2, -1, 1, 2):
+            self.shift(i * h)
+            self.fill()
+            values.append(np.array(find()))
+            self.shift(-i * h)
+        self.fill()
+        return (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * h)
+
+    @property
+    def table(self) -> np.ndarray:
+        system = self.layout.systems[0]
+        return system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))
+
+    def block(self, name: str) -> int:
+        return self.layout.block_names.index(name)
+
+    def rows(self, name: str) -> np.ndarray:
+        """Jacobian of a joint over all velocities of the workspace."""
+        system, block = self.layout.systems[0], self.block(name)
+        lanes = len(system.shape[1])
+        J = np.zeros((lanes, len(self.layout.work.velocity)))
+        for side in (0, 1):
+            entry = system.attachments[2 * block + side]
+            panel = system.panels[entry[PANEL] : entry[PANEL] + entry[WIDTH] * lanes].reshape(-1, lanes)
+            J[:, entry[DOF] : entry[DOF] + entry[WIDTH]] += panel.T
+        return J[self.table[block, SCALE] > 0.0]
+
+    def residual(self, name: str) -> np.ndarray:
+        block = self.block(name)
+        return self.table[block, RESIDUAL][self.table[block, SCALE] > 0.0]
+
+    def side(self, joint: Any, side: str) -> Pose:
+        """Joint frame in the world: fixed in the triad of the point on a shell."""
+        name, frame = (getattr(joint, f"{what}_{side}") for what in ("body", "frame"))
+        if name == GROUND:
+            return Pose(frame.point, frame.axes)
+        position, R = pose_of(self.bodies[name])
+        if isinstance(self.bodies[name], RigidBody):
+            return Pose(position + R @ frame.point, R @ frame.axes)
+        spot, q = self.spots[joint.name, side], self.q(name)
+        axes = frame.axes
+        if isinstance(self.bodies[name], ShellBody):
+            axes = spot.triad(q) @ spot.triad(spot.start).T @ axes
+        return Pose(position + R @ spot.vector(q, 0), R @ axes)
+
+
+SECTION = FrameSection(density=7800.0, youngs_modulus=2e8, area=0.01, second_moment=3e-4)
+SHEET = ShellSection(0.01, 7850.0, 2e8, 0.3)
+
+
+def frame(name: str, place: np.ndarray, turn: Rotation) -> FrameBody:
+    mesh = line([0.0, 0.0, 0.0], [1.0, 2.0, -0.5], 3)
+    return FrameBody(
+        name=name,
+        nodes=mesh.nodes,
+        tangents=mesh.tangents,
+        elements=mesh.elements,
+        sections=(SECTION,),
+        position=place,
+        orientation=turn.as_quat(scalar_first=True),
+    )
+
+
+def shell(name: str, mesh: Any, place: np.ndarray, turn: Rotation) -> ShellBody:
+    return ShellBody(
+        name=name,
+        nodes=mesh.nodes,
+        slopes=mesh.slopes,
+        elements=mesh.elements,
+        lengths=mesh.lengths,
+        sections=(SHEET,),
+        position=place,
+        orientation=turn.as_quat(scalar_first=True),
+    )
+
+
+@pytest.fixture(scope="module")
+def model() -> Model:
+    rng = np.random.default_rng(3)
+    turns = [Rotation.random(rng=rng) for _ in range(6)]
+    strip = rectangle(1.0, 0.6, 2, 2)
+    bodies: dict[str, Any] = {
+        "rod": RigidBody("rod", 2.0, np.diag([0.3, 0.4, 0.6]), orientation=turns[0].as_quat(scalar_first=True)),
+        "f1": frame("f1", np.array([0.3, -0.2, 0.1]), turns[1]),
+        "f2": frame("f2", np.zeros(3), turns[2]),
+        "s1": shell("s1", quadrilateral(BENT, 2, 2), np.array([0.5, 0.0, 0.2]), turns[3]),
+        "s2": shell("s2", strip, np.array([0.1, 0.2, 0.3]), turns[4]),
+        "s3": shell("s3", strip, np.zeros(3), turns[5]),
+    }
+    model = Model(rng, bodies)
+
+    def frame_at(name: str, spot: Spot | None, point: np.ndarray, axes: np.ndarray) -> JointFrame:
+        """World place and axes in the frame of a body."""
+        if name == GROUND:
+            return JointFrame(point, axes)
+        _, R = pose_of(bodies[name])
+        return JointFrame(spot.point if spot else R.T @ point, R.T @ axes)
+
+    for i, kind in enumerate(ON_SHELLS):
+        b = "rod" if i % 2 else "s2"
+        a_spot = Spot(bodies["s1"], i % 4, (0.3 + 0.05 * i, 0.6))
+        b_spot = Spot(bodies["s2"], 3, (0.2, 0.1 * i)) if b == "s2" else None
+        axes = Rotation.random(rng=rng).as_matrix()
+        other = axes @ Rotation.from_rotvec([np.pi / 2, 0, 0]).as_matrix() if kind == "universal" else axes
+        a_frame = frame_at("s1", a_spot, np.zeros(3), axes)
+        made = make_joint(kind, "s1", b, a_frame, frame_at(b, b_spot, np.zeros(3), other))
+        model.joints.append(made)
+        model.spots[kind, "a"] = a_spot
+        if b_spot:
+            model.spots[kind, "b"] = b_spot
+
+    def on_frame(kind: Any, name: str, a: str, b: str, spots: dict[str, Spot], axes: np.ndarray) -> None:
+        frames = {side: frame_at(n, spots.get(side), np.zeros(3), axes) for side, n in (("a", a), ("b", b))}
+        model.joints.append(kind(name=name, body_a=a, body_b=b, frame_a=frames["a"], frame_b=frames["b"]))
+        for side, spot in spots.items():
+            model.spots[name, side] = spot
+
+    f1, f2 = (Spot(bodies[name], 1, (0.4,)) for name in ("f1", "f2"))
+    tilted = Rotation.random(rng=rng).as_matrix()
+    on_frame(FixedJoint, "clamp_rigid", "f1", "rod", {"a": f1}, tilted)
+    on_frame(FixedJoint, "clamp_ground", GROUND, "f1", {"b": f1}, tilted)
+    on_frame(FixedJoint, "clamp_shell", "s1", "f2", {"a": Spot(bodies["s1"], 2, (0.7, 0.2)), "b": f2}, tilted)
+    tangent = pose_of(bodies["f1"])[1] @ f1.vector(f1.start, 1)
+    across = np.linalg.svd(tangent[None])[2][1:]
+    on_frame(
+        Hinge, "hinge_across", "f1", "s2", {"a": f1, "b": Spot(bodies["s2"], 0, (0.5, 0.5))},
+        np.column_stack([np.cross(across[0], tangent), tangent, across[0]]) * [1, 1, 1],
+    )  # fmt: skip
+    on_frame(
+        Hinge, "hinge_along", "rod", "f1", {"b": f1},
+        np.column_stack([across[0], np.cross(tangent, across[0]), tangent]),
+    )  # fmt: skip
+    # the second frame turned in its own axes so that both tangents are one in axes of the joint
+    start2 = Spot(bodies["f2"], 0, (0.9,))
+    own = np.column_stack([across[0], np.cross(tangent, across[0]), tangent])
+    first = frame_at("f1", f1, np.zeros(3), own)
+    t2 = start2.vector(start2.start, 1)
+    m2 = np.linalg.svd(t2[None])[2][1]
+    second = JointFrame(start2.point, np.column_stack([m2, np.cross(t2, m2), t2]))
+    model.turned = (first, second)
+    edges = {name: rectangle(1.0, 0.6, 2, 2).edges for name in ("s2", "s3")}
+    model.joints += [
+        EdgeHinge(name="eh", body_a="s2", body_b="rod", nodes_a=edges["s2"]["y_min"]),
+        EdgeClamp(name="ec", body_a="s2", body_b=GROUND, nodes_a=edges["s2"]["x_max"]),
+        EdgeHinge(
+            name="sh", body_a="s2", body_b="s3", nodes_a=edges["s2"]["x_min"], nodes_b=edges["s3"]["x_max"][::-1]
+        ),
+        EdgeClamp(name="sc", body_a="s3", body_b="s2", nodes_a=edges["s3"]["y_max"], nodes_b=edges["s2"]["y_min"]),
+    ]
+    forces = (
+        PointForce("push", "s3", Spot(bodies["s3"], 1, (0.3, 0.8)).point, np.zeros(1), np.ones((1, 3)), "body"),
+    )
+    model.pack(forces)
+    return model
+
+
+def test_markers_move_as_their_jacobians_say(model: Model) -> None:
+    """Points, tangents, triads and slopes of turned bodies, two and more of a kind; rates and windows of velocities."""
+    seen = 0
+    for seed in range(3):
+        model.bend(seed)
+        model.fill()
+        work = model.layout.work
+        numbers = np.concatenate([kind.markers[:, MARKER_NUMBER] for kind in model.kinds])
+        slope = model.along(lambda: work.markers[numbers, POINT : POINT + 3])  # noqa: B023
+        np.testing.assert_allclose(work.markers[numbers, POINT_VELOCITY : POINT_VELOCITY + 3], slope, atol=1e-8)
+        for kind in model.kinds:
+            for number, body, *_ in kind.markers:
+                first, count = kind.table[body, 1], 3 * kind.table[body, 11]
+                J = work.jacobian[number]
+                rate = J[:, :count] @ work.velocity[first : first + count]
+                np.testing.assert_allclose(rate, work.markers[number, POINT_VELOCITY:][:3], atol=1e-11)
+                assert not J[:, count:].any()
+                seen += 1
+    assert seen > 300

@@ -1,0 +1,110 @@
+"""Section forces and stresses of shells against closed forms of constant strain and curvature."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from shell_scenes import distorted_element, pack, put, recorded, rotation, shell
+
+from heavylift.solver.bodies.ancf.kind import Q as PRESENT
+from heavylift.solver.bodies.ancf.shell_packing import result_channels, start_coordinates
+from heavylift.solver.bodies.ancf.shell_results import nodal_stresses
+from heavylift.solver.mesh_shapes import rectangle
+from heavylift.solver.meshes import ShellBody, ShellSection
+
+
+def record(body: ShellBody, coordinates: np.ndarray) -> dict[str, np.ndarray]:
+    kind = pack([body])
+    put(kind, PRESENT, coordinates)
+    channels = result_channels(body)
+    width = sum(len(parts) for _, _, parts in channels)
+    row = np.full(width + 4, np.nan)
+    recorded(kind, 0, row, 3)
+    assert np.isnan(row[[0, 1, 2, -1]]).all()
+    assert np.isfinite(row[3:-1]).all()
+    ends = np.cumsum([3] + [len(parts) for _, _, parts in channels])
+    return {
+        name: row[a:b].reshape(-1, 3)
+        for (name, _, _), a, b in zip(channels, ends[:-1], ends[1:], strict=True)
+    }
+
+
+def test_section_forces_of_constant_strain_and_curvature() -> None:
+    body = shell(rectangle(1.3, 0.8, 1, 1), ShellSection(0.02, 1.0, 1e9, 0.3))
+    q = start_coordinates(body)
+    x, y = body.nodes[:, 0], body.nodes[:, 1]
+    x, y = x - 0.65, y - 0.4  # flat at the centre
+    exx, eyy, exy, kxx, kyy, kxy = 1e-3, -4e-4, 6e-4, 2e-2, 1e-2, -3e-2
+    stretch = np.array([[1 + exx, exy, 0], [exy, 1 + eyy, 0], [0, 0, 1]])
+    q = q @ stretch
+    q[:, 0, 2] += 0.5 * kxx * x**2 + 0.5 * kyy * y**2 + kxy * x * y
+    q[:, 1, 2] += kxx * x + kxy * y
+    q[:, 2, 2] += kyy * y + kxy * x
+    q[:, 3, 2] += kxy
+    q = q @ rotation().T
+    got = record(body, q)
+    C, D, t = 1e9 * 0.02 / 0.91, 1e9 * 0.02**3 / 12.0 / 0.91, 0.02
+    E = 0.5 * (stretch @ stretch - np.eye(3))
+    N = C * np.array([E[0, 0] + 0.3 * E[1, 1], E[1, 1] + 0.3 * E[0, 0], 0.7 * E[0, 1]])
+    M = D * np.array([kxx + 0.3 * kyy, kyy + 0.3 * kxx, 0.7 * kxy])
+    np.testing.assert_allclose(got["membrane_force"][0], N, rtol=1e-9)
+    np.testing.assert_allclose(got["bending_moment"][0], M, rtol=1e-9)
+    sides = [N / t - 6 * M / t**2, N / t, N / t + 6 * M / t**2]
+    mises = [np.sqrt(s[0] ** 2 - s[0] * s[1] + s[1] ** 2 + 3 * s[2] ** 2) for s in sides]
+    np.testing.assert_allclose(got["von_mises"][0], mises, rtol=1e-9)
+
+
+def test_a_positive_moment_presses_the_top() -> None:
+    # bent towards +z, the top (z > 0) is shortened; a stretch that balances it leaves the bottom with twice the stress
+    body = shell(rectangle(1.0, 1.0, 1, 1), ShellSection(0.02, 1.0, 1e9, 0.0))
+    q, x, k = (
+        start_coordinates(body),
+        np.array([-0.5, 0.5])[np.round(start_coordinates(body)[:, 0, 0]).astype(int)],
+        1e-2,
+    )
+    q[..., 0] *= 1.0 + 1e-4
+    q[:, 0, 2], q[:, 1, 2] = 0.5 * k * x**2, k * x
+    got = record(body, q)
+    assert got["bending_moment"][0, 0] > 0.0
+    top, middle, bottom = got["von_mises"][0]
+    assert top < 1e-2 * middle
+    assert bottom == pytest.approx(2.0 * middle, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    "body", [shell(rectangle(1.3, 0.8, 1, 1)), distorted_element()], ids=["rectangle", "distorted"]
+)
+def test_axes_of_section_forces_follow_the_reference_not_the_mesh(body: ShellBody) -> None:
+    # a homogeneous strain has the same principal forces and equivalent stress on any element
+    stretch = np.diag([1.001, 0.9995, 1.0])
+    start = start_coordinates(body)
+    frame = np.linalg.svd(start[:, 0] - start[:, 0].mean(axis=0))[2]  # plane axes as rows
+    got = record(body, start @ frame.T @ stretch @ frame)
+    N = got["membrane_force"][0]
+    exx, eyy = 0.5 * (1.001**2 - 1.0), 0.5 * (0.9995**2 - 1.0)
+    C = 2.1e11 * 0.01 / 0.91
+    principal = sorted([C * (exx + 0.3 * eyy), C * (eyy + 0.3 * exx)])
+    np.testing.assert_allclose(np.linalg.eigvalsh([[N[0], N[2]], [N[2], N[1]]]), principal, rtol=1e-9)
+    assert np.abs(got["bending_moment"]).max() < 1e-9 * C
+    nodal = nodal_stresses(body, start @ frame.T @ stretch @ frame)
+    np.testing.assert_allclose(nodal, np.broadcast_to(got["von_mises"][0], (4, 3)), rtol=1e-8)
+
+
+def test_nodal_stresses_are_means_over_elements() -> None:
+    left = ShellSection(0.01, 1.0, 1e9, 0.0)
+    mesh = rectangle(2.0, 1.0, 2, 1)
+    body = ShellBody(
+        name="plate",
+        nodes=mesh.nodes,
+        slopes=mesh.slopes,
+        elements=mesh.elements,
+        lengths=mesh.lengths,
+        sections=(left, ShellSection(0.01, 1.0, 3e9, 0.0)),
+        element_sections=np.array([0, 1]),
+    )
+    q = start_coordinates(body)
+    q[..., 0] *= 1.001
+    strain = 0.5 * (1.001**2 - 1.0)
+    middle = nodal_stresses(body, q)[:, 1]
+    expected = np.where(mesh.nodes[:, 0] < 0.5, 1e9, np.where(mesh.nodes[:, 0] > 1.5, 3e9, 2e9)) * strain
+    np.testing.assert_allclose(middle, expected, rtol=1e-9)
