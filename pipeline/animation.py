@@ -22,6 +22,7 @@ __all__ = ["ENCODER", "choose_format", "evenly", "shown_seconds", "write_animati
 ENCODER = "imageio_ffmpeg"
 """Package that brings an encoder for MP4."""
 _SAMPLES = 6  # frames that the palette is made from
+_WHITE = 244  # of 255: brighter colours become white
 _FASTEST = 50.0  # frames a second that viewers of GIF show
 _SHORTEST, _LONGEST = 4.0, 15.0
 
@@ -95,9 +96,11 @@ def _write_gif(path: Path, pictures: list[bytes], rate: float) -> None:
     sheet = Image.new("RGB", (width, height * len(samples)), "white")
     for row, sample in enumerate(samples):
         sheet.paste(sample, (0, row * height))
-    palette = sheet.quantize(256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-    colours = np.array(palette.getpalette()).reshape(-1, 3)
-    colours[np.argmax(colours.sum(axis=1))] = 255  # white has been averaged with its like
+    found = sheet.quantize(256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).getpalette()
+    colours = np.array(found).reshape(-1, 3)
+    # what is nearly white stands beside white in the coarse search for the nearest colour, and would take its place
+    colours[(colours.min(axis=1) >= _WHITE) | (colours.sum(axis=1) == colours.sum(axis=1).max())] = 255
+    palette = Image.new("P", (1, 1))
     palette.putpalette(colours.ravel().tolist())
     flat = [_opened(png).quantize(palette=palette, dither=Image.Dither.NONE) for png in pictures]
     # times in hundredths of a second: rounded so that they add up

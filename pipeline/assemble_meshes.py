@@ -2,30 +2,24 @@
 
 from __future__ import annotations
 
-import contextlib
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.case_mesh_geometry import counts_of
+from heavylift.pipeline.assemble_mesh_shapes import Place, frame_mesh, shell_mesh
 from heavylift.pipeline.case_mesh_supports import CORNERS, EDGES
-from heavylift.solver import mesh_shapes
 from heavylift.solver import meshes as m
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_geometry import BoxGroup
     from heavylift.pipeline.case_mesh_geometry import (
-        FrameGeometry,
         FrameSectionTable,
-        MeshFiles,
-        ShellGeometry,
         ShellSectionTable,
     )
     from heavylift.pipeline.case_mesh_loads import FrameLoad, ShellLoad
@@ -41,19 +35,6 @@ NEAR = 1e-6
 """Distance from a node, relative to the size of the mesh, at which a point or box still means it."""
 SQUARE = 1e-9
 """Deviation from one of the component of a normal along the axis it belongs to."""
-
-
-@dataclass(frozen=True)
-class _Place:
-    """A body of a case, for errors: where something in it stands in the case file."""
-
-    case: Case
-    name: str
-
-    def error(self, key: str, problem: str, expected: str) -> InputError:
-        """An error at a key below the body."""
-        place = self.case.place(f"bodies.{self.name}.{key}")
-        return InputError(problem, source=self.case.file, key=place, expected=expected)
 
 
 def assemble_frame(
@@ -73,8 +54,8 @@ def assemble_frame(
     InputError
         If a node, element or point is not there; what is wrong with the mesh is left to the solver.
     """
-    place = _Place(case, name)
-    mesh = _frame_mesh(place, body.geometry)
+    place = Place(case, name)
+    mesh = frame_mesh(place, body.geometry)
     sections, chosen = _sections(place, body, mesh)
     supports = []
     for index, support in enumerate(body.supports):
@@ -101,8 +82,8 @@ def assemble_shell(
     case: Case, name: str, body: ShellBodySection, initial: Mapping[str, NDArray[np.float64]]
 ) -> m.ShellBody:
     """Shell of a case: parameters and errors as of `assemble_frame`."""
-    place = _Place(case, name)
-    mesh = _shell_mesh(place, body.geometry)
+    place = Place(case, name)
+    mesh = shell_mesh(place, body.geometry)
     sections, chosen = _sections(place, body, mesh)
     supports = [
         made
@@ -127,84 +108,11 @@ def assemble_shell(
     return _checked(place, shell)
 
 
-def check_on_mesh(
-    body: m.FrameBody | m.ShellBody, point: Sequence[float] | NDArray[np.float64], source: object, key: str
-) -> None:
+def check_on_mesh(body: m.FrameBody | m.ShellBody, point: ArrayLike, source: object, key: str) -> None:
     """Refuse a point that is not on the unloaded mesh of a body [m, frame of the body]."""
     from heavylift.solver.bodies.ancf.types import type_of
 
     type_of(body).locate(body, np.asarray(point, dtype=np.float64), str(source), key)
-
-
-def _frame_mesh(place: _Place, geometry: FrameGeometry) -> FrameMesh:
-    if geometry.type == "line":
-        return mesh_shapes.line(geometry.start, geometry.end, geometry.elements)
-    if geometry.type == "arc":
-        normal: NDArray[np.float64] = np.array(geometry.normal) / np.linalg.norm(geometry.normal)
-        reference = np.array(geometry.reference)
-        first = reference - (normal @ reference) * normal
-        return mesh_shapes.arc(
-            geometry.centre,
-            geometry.radius,
-            geometry.first,
-            geometry.last,
-            geometry.elements,
-            axes=(first, np.cross(normal, first)),
-        )
-    with _told(place):
-        return mesh_shapes.spline(_points(place, geometry), geometry.elements)
-
-
-def _shell_mesh(place: _Place, geometry: ShellGeometry) -> ShellMesh:
-    nx, ny = counts_of(geometry.elements)
-    with _told(place):
-        if geometry.type == "rectangle":
-            return mesh_shapes.rectangle(*geometry.size, nx, ny)
-        if geometry.type == "quadrilateral":
-            return mesh_shapes.quadrilateral(geometry.corners, nx, ny)
-        points = _points(place, geometry)
-        if len(points) != (nx + 1) * (ny + 1):
-            raise InputError(
-                f"{len(points)} points for {nx} x {ny} elements",
-                key="file",
-                expected=f"{(nx + 1) * (ny + 1)}, one more than elements in each direction",
-            )
-        return mesh_shapes.grid(points.reshape(ny + 1, nx + 1, 3).swapaxes(0, 1))
-
-
-@contextlib.contextmanager
-def _told(place: _Place) -> Iterator[None]:
-    """Put the place in the case file into errors on a geometry."""
-    try:
-        yield
-    except InputError as error:
-        if error.source:
-            raise
-        raise place.error(f"geometry.{error.key}", error.problem, error.expected) from None
-
-
-def _points(place: _Place, geometry: MeshFiles) -> NDArray[np.float64]:
-    """Points of a geometry, from its table or its file, shape (n, 3)."""
-    if geometry.file is None:
-        return np.array(geometry.points)
-    file = place.case.folder / geometry.file
-    rows = []
-    try:
-        lines = file.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(error), source=file, expected="a readable text file") from None
-    for number, line in enumerate(lines, start=1):
-        text = line.partition("#")[0].strip()
-        if not text:
-            continue
-        try:
-            row = [float(entry) for entry in text.split(",")]
-        except ValueError:
-            row = []
-        if len(row) != 3 or not np.all(np.isfinite(row)):
-            raise InputError(f"{line!r}", source=file, key=f"line {number}", expected="x,y,z in m")
-        rows.append(row)
-    return np.array(rows).reshape(-1, 3)
 
 
 def _common(body: Any, initial: Mapping[str, NDArray[np.float64]]) -> dict[str, Any]:
@@ -236,7 +144,7 @@ def _prestrain(
 
 
 def _sections(
-    place: _Place, body: FrameBodySection | ShellBodySection, mesh: FrameMesh | ShellMesh
+    place: Place, body: FrameBodySection | ShellBodySection, mesh: FrameMesh | ShellMesh
 ) -> tuple[list[Any], NDArray[np.int64]]:
     """Tables of the sections, that of all elements first, and the number of that of each element."""
     tables: list[FrameSectionTable | ShellSectionTable] = [body.section, *body.sections.values()]
@@ -254,7 +162,7 @@ def _sections(
     return tables, chosen
 
 
-def _numbers(place: _Place, key: str, numbers: Sequence[int], count: int, what: str) -> NDArray[np.int64]:
+def _numbers(place: Place, key: str, numbers: Sequence[int], count: int, what: str) -> NDArray[np.int64]:
     """Numbers that must be those of nodes or elements."""
     for position, number in enumerate(numbers):
         if number >= count:
@@ -271,7 +179,7 @@ def _inside(box: BoxGroup, points: NDArray[np.float64], margin: float) -> NDArra
 
 
 def _nodes(
-    place: _Place, key: str, support: Any, nodes: NDArray[np.float64], named: Sequence[int]
+    place: Place, key: str, support: Any, nodes: NDArray[np.float64], named: Sequence[int]
 ) -> NDArray[np.int64]:
     """Nodes of a support: those of its named place, or by number, point or box."""
     if named:
@@ -298,7 +206,7 @@ def _nodes(
 
 
 def _shell_supports(
-    place: _Place, index: int, support: ShellSupportSection, mesh: ShellMesh
+    place: Place, index: int, support: ShellSupportSection, mesh: ShellMesh
 ) -> list[m.Support]:
     """Supports of one table, one an edge: edges along x and along y hold different slopes."""
     key = f"supports.{index}"
@@ -320,7 +228,7 @@ def _shell_supports(
 
 
 def _edge_fixed(
-    place: _Place, key: str, support: ShellSupportSection, edge: str, slopes: NDArray[np.float64]
+    place: Place, key: str, support: ShellSupportSection, edge: str, slopes: NDArray[np.float64]
 ) -> dict[str, str]:
     """Axes that an edge holds, by vector; the table of `heavylift.pipeline.case_mesh_supports`."""
     along, across = ("slope_y", "slope_x") if edge.startswith("x") else ("slope_x", "slope_y")
@@ -336,7 +244,7 @@ def _edge_fixed(
     return held
 
 
-def _normal_axis(place: _Place, key: str, slopes: NDArray[np.float64]) -> str:
+def _normal_axis(place: Place, key: str, slopes: NDArray[np.float64]) -> str:
     """Axis of the body across the plane of the mesh."""
     normal = np.cross(slopes[0, 0], slopes[0, 1])
     normal /= max(float(np.linalg.norm(normal)), np.finfo(float).tiny)
@@ -351,10 +259,12 @@ def _normal_axis(place: _Place, key: str, slopes: NDArray[np.float64]) -> str:
 
 
 def _load(
-    place: _Place, index: int, load: FrameLoad | ShellLoad, mesh: FrameMesh | ShellMesh
+    place: Place, index: int, load: FrameLoad | ShellLoad, mesh: FrameMesh | ShellMesh
 ) -> m.DistributedLoad | m.FollowerLoad:
     key = f"loads.{index}"
-    times = {"times": np.array(load.times), "factors": np.array(load.factors)} if load.times else {}
+    times: dict[str, Any] = {}
+    if load.times:
+        times = {"times": np.array(load.times), "factors": np.array(load.factors)}
     if load.type == "follower_force":
         if load.node is not None:
             _numbers(place, f"{key}.node", [load.node], len(mesh.nodes), "node")
@@ -383,7 +293,7 @@ _SHAPE_KEYS = ("elements", "nodes", "tangents", "slopes", "lengths")
 """What the solver says of arrays that come from the geometry."""
 
 
-def _checked(place: _Place, body: AnyMesh) -> AnyMesh:
+def _checked(place: Place, body: AnyMesh) -> AnyMesh:
     """The body, if the solver takes it; what it refuses is told at the table that made it."""
     from heavylift.solver.bodies.ancf.types import type_of
 

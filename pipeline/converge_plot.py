@@ -27,13 +27,16 @@ def plot_study(study: ConvergenceStudy, path: Path) -> None:
     FigureCanvasAgg(figure)
     cost, refinement = figure.subplots(1, 2, sharey=True)
     errors = [row.error for row in study.rows]
-    cost.loglog([row.cpu_s for row in study.rows], errors, "o-", color="C0")
-    for row in study.rows:
+    costly = any(row.cpu_s > 0.0 for row in study.rows)  # not where only a start is computed
+    cost.set_visible(costly)
+    if costly:
+        cost.loglog([row.cpu_s for row in study.rows], errors, "o-", color="C0")
+    for row in study.rows if costly else ():
         label = f"{row.value:g}" if isinstance(row.value, (int, float)) else str(row.value)
         cost.annotate(label, (row.cpu_s, row.error), textcoords="offset points", xytext=(5, 4), fontsize=8)
-    kind = "relative error" if study.relative else "error"
+    kind_of_error = f"{'relative error' if study.relative else 'error'} of {study.quantity}"
     cost.set_xlabel("CPU time [s]")
-    cost.set_ylabel(f"{kind} of {study.quantity}")
+    cost.set_ylabel(kind_of_error)
     values = [row.value for row in study.rows]
     if all(isinstance(value, (int, float)) for value in values):
         refinement.loglog(values, errors, "o-", color="C0")
@@ -46,9 +49,10 @@ def plot_study(study: ConvergenceStudy, path: Path) -> None:
             refinement.loglog([row.value for row in used], line, "k--", label=f"order {study.order:.2f}")
             refinement.legend(loc="upper left")
         refinement.set_xlabel(f"{study.parameter} (SI)")
+        refinement.set_ylabel("" if costly else kind_of_error)
     else:
         refinement.set_visible(False)
-    for axes in (cost, refinement):
+    for axes in (cost, refinement) if costly else (refinement,):
         _tidy(axes)
         axes.margins(0.18)
     figure.suptitle(f"{study.case}: convergence with {study.parameter}")

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.picture_surface import Surface
 
-__all__ = ["Camera", "View", "choose_view", "fit_camera"]
+__all__ = ["Camera", "View", "choose_view", "fit_camera", "plane_view"]
 
 _HALF_ANGLE = np.radians(11.0)  # half the vertical field of view: a mild perspective, parallels stay readable
 _BEHIND = 1.0e-9
@@ -98,6 +98,35 @@ def fit_camera(view: View, points: ArrayLike, aspect: float, *, margin: float = 
     a = 0.5 * ((x + t_x * z).max() + (x - t_x * z).min())
     b = 0.5 * ((y + t_y * z).max() + (y - t_y * z).min())
     return Camera(view, np.array([a, b, distance]) @ matrix, float(_HALF_ANGLE), aspect)
+
+
+def plane_view(points: NDArray[np.float64], up: NDArray[np.float64], *, flat: float) -> View | None:
+    """View across the plane that all points lie in; None if they do not.
+
+    Parameters
+    ----------
+    points
+        Shape (n, 3).
+    up
+        Direction that points up in the picture, unless the plane is across it: then y does, or z.
+    flat
+        Depth of the points relative to their extent that still counts as plane.
+    """
+    _, extents, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
+    if len(extents) > 2 and extents[2] > flat * extents[0]:
+        return None
+    if len(extents) > 2 and extents[1] > 1.0e-6 * extents[0]:
+        normal = axes[2]
+    else:  # a line is seen from where `up` can point upwards
+        normal = np.cross(axes[0], up)
+        if np.linalg.norm(normal) < 1.0e-6 * np.linalg.norm(up):
+            normal = np.cross(axes[0], np.eye(3)[np.argmin(np.abs(axes[0]))])
+        normal /= np.linalg.norm(normal)
+    if abs(normal @ up) > 0.5 * np.linalg.norm(up):
+        up = np.array([0.0, 1.0, 0.0]) if abs(normal[1]) < 0.5 else np.array([0.0, 0.0, 1.0])
+    view = View.looking(normal, up)
+    right = np.array(view.right)
+    return view if right[np.argmax(np.abs(right))] > 0.0 else View.looking(-normal, up)
 
 
 def choose_view(surface: Surface, *, up: ArrayLike | None = None) -> View:

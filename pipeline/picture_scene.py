@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from textwrap import shorten
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,116 +14,34 @@ from heavylift.pipeline.picture_annotations import (
     add_triad,
     emptiest_corner,
 )
-from heavylift.pipeline.picture_camera import Camera, View, choose_view, fit_camera
-from heavylift.pipeline.picture_drawings import (
-    BANDED,
-    DIVERGING,
-    INK,
-    colours,
-    deformation_scale,
-    round_down,
-    stress_bands,
-    stress_limit,
-    stress_unit,
-)
-from heavylift.pipeline.picture_meshes import MeshSkin, Skin, frame_radius, join, rest_coordinates
+from heavylift.pipeline.picture_camera import View, choose_view, fit_camera, plane_view
+from heavylift.pipeline.picture_drawings import INK, deformation_scale, round_down, stress_unit
+from heavylift.pipeline.picture_meshes import MeshSkin, Skin, frame_radius, join
 from heavylift.pipeline.picture_others import Others, Seen
 from heavylift.pipeline.picture_render import Drawing, Lines
+from heavylift.pipeline.picture_run import Exaggeration, MeshRun, Scale, Shot, stress_scale
 from heavylift.pipeline.picture_surface import Surface
 from heavylift.pipeline.png import figure_png
 from heavylift.pipeline.signals import scaled_unit
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
     from heavylift.pipeline.picture_render import Renderer
-    from heavylift.solver.meshes import FrameBody, ShellBody
 
-__all__ = ["Exaggeration", "MeshRun", "Scale", "ScenePainter", "Shot"]
+__all__ = ["ScenePainter"]
 
 _DPI = 100
 _HEAD, _FOOT, _BAR = 84, 34, 130  # pixels above, below and beside the image
 _LOOKS = 24  # records that view, camera and widths of tubes are chosen by
 _THIN = 4.0e-3  # radius of a tube relative to the scene below which it is widened
 _SMALL = 1.0e-2  # displacement relative to the scene below which it is drawn larger
+_VALUES = 2_000_000  # stresses that a common scale is chosen by
 _WEIGHT = 4  # of lines beside borders of shells in the choice of the view
 _EDGES = 1600  # elements at most whose sides are drawn
 _FLAT = {True: 1.0e-6, False: 1.0e-3}  # relative depth of a scene with or without shells that counts as plane
-
-
-@dataclass(frozen=True, eq=False)
-class MeshRun:
-    """A frame or shell and its motion.
-
-    Attributes
-    ----------
-    body
-        Unloaded shape, sections, and the pose of its frame, which stands still.
-    coordinates
-        Vectors of the nodes in world axes at a record, shape (n, 2 or 4, 3).
-    lengths
-        Of the unloaded elements of a frame [m], shape (e,); found if None.
-    """
-
-    body: FrameBody | ShellBody
-    coordinates: Callable[[int], NDArray[np.float64]]
-    lengths: NDArray[np.float64] | None = None
-
-    @property
-    def rest(self) -> NDArray[np.float64]:
-        """Vectors of the nodes of the unloaded shape in world axes, shape (n, 2 or 4, 3)."""
-        from heavylift.numerics.rotation import rotation_matrix
-
-        moved = rest_coordinates(self.body) @ rotation_matrix(self.body.orientation).T
-        moved[:, 0] += self.body.position
-        return moved
-
-
-class Exaggeration(NamedTuple):
-    """What is drawn larger than it is: displacements, and radii of tubes by the name of the frame."""
-
-    displacement: float
-    radius: dict[str, float]
-
-    @property
-    def words(self) -> str:
-        """For the picture; empty if all is as it is."""
-        parts = [f"displacement × {self.displacement:g}"] if self.displacement != 1.0 else []
-        factors = sorted({factor for factor in self.radius.values() if factor != 1.0})
-        for factor in factors:
-            names = [name for name, own in self.radius.items() if own == factor]
-            who = "" if len(names) == len(self.radius) else f" of {', '.join(names)}"
-            parts.append(f"radius{who} × {factor:g}")
-        return f"drawn with {' and '.join(parts)}" if parts else ""
-
-
-class Shot(NamedTuple):
-    """Camera, and the middle of what it shows, where lengths are measured [m]."""
-
-    camera: Camera
-    middle: NDArray[np.float64]
-
-
-class Scale(NamedTuple):
-    """Colours of stress: end of the scale, number of bands, whether it begins at minus its end; pascals in its unit."""
-
-    limit: float
-    bands: int
-    signed: bool
-    divisor: float
-    unit: str
-
-    @property
-    def colours(self) -> tuple[str, ...]:
-        """One a band."""
-        return colours(DIVERGING if self.signed else BANDED, self.bands)
-
-    @property
-    def limits(self) -> tuple[float, float]:
-        """Ends in the unit of the scale."""
-        return (-self.limit if self.signed else 0.0), self.limit
 
 
 class ScenePainter:
@@ -214,22 +131,28 @@ class ScenePainter:
 
     def scale(self, records: Sequence[int]) -> Scale:
         """Colours that suit all of some records."""
-        values = [self._skin(record).values for record in records]
-        peak = max(abs(self._skin(record).largest) for record in records) if self._shells else 0.0
-        return self._scale(np.concatenate(values), peak)
+        peak = 0.0
+        values: list[NDArray[np.float64]] = []
+        for record in records:
+            skin = self._skin(record)
+            peak = max(peak, abs(skin.largest))
+            thinned = 1 + len(records) * len(skin.values) // _VALUES
+            values += [skin.values[::thinned], np.array([skin.largest])]
+        return stress_scale(np.concatenate(values), peak, signed=not self._shells)
 
     def shot(self, records: Sequence[int]) -> Shot:
         """Camera that sees all of some records."""
-        return self._fit([self._visible(record) for record in records])
+        return self._fit([self._positions(record) for record in records])
 
     def picture(self, record: int, *, title: str, note: str = "") -> bytes:
         """One record with its own colours, as PNG."""
-        skin = self._skin(record)
-        scale = self._scale(skin.values, 0.0)
-        shot = self._fit([self._visible(record)])
+        parts = self._parts(record)
+        skin = join(list(parts.values()))
+        scale = stress_scale(skin.values, abs(skin.largest), signed=not self._shells)
+        shot = self._fit([skin.points, self._seen(record).points])
         drawing = self._drawing(record, skin, scale)
         pixels = self._renderer.render(drawing, shot.camera, self._image)
-        words = [self.when(record), note, self._largest(record)]
+        words = [self.when(record), note, self._largest(parts)]
         return self._figure(
             pixels,
             drawing,
@@ -240,10 +163,10 @@ class ScenePainter:
             corner=emptiest_corner(pixels),
         )
 
-    def images(self, records: Sequence[int], *, title: str) -> Any:
+    def images(self, records: Sequence[int], *, title: str) -> Iterator[bytes]:
         """Iterator of PNG pictures of some records, all with the same camera and colours."""
         scale, shot = self.scale(records), self.shot(records)
-        corner = self._common_corner(records, scale, shot)
+        corner = self._common_corner(records, shot)
         for record in records:
             drawing = self._drawing(record, self._skin(record), scale)
             pixels = self._renderer.render(drawing, shot.camera, self._image)
@@ -274,22 +197,22 @@ class ScenePainter:
             nodes.append(self._others.seen(record).points)
         return np.concatenate(nodes)
 
-    def _visible(self, record: int) -> NDArray[np.float64]:
-        return np.concatenate([self._skin(record).points, self._seen(record).points])
-
     def _drawn(self, name: str, record: int) -> NDArray[np.float64]:
         run, factor = self._meshes[name], self._exaggeration.displacement
         now = run.coordinates(record)
         return now if factor == 1.0 else run.rest + factor * (now - run.rest)
 
-    def _skin(self, record: int) -> Skin:
+    def _parts(self, record: int) -> dict[str, Skin]:
         exact = self._exaggeration.displacement == 1.0
-        return join(
-            [
-                self._skins[name].skin(run.coordinates(record), None if exact else self._drawn(name, record))
-                for name, run in self._meshes.items()
-            ]
-        )
+        return {
+            name: self._skins[name].skin(
+                run.coordinates(record), None if exact else self._drawn(name, record)
+            )
+            for name, run in self._meshes.items()
+        }
+
+    def _skin(self, record: int) -> Skin:
+        return join(list(self._parts(record).values()))
 
     def _seen(self, record: int) -> Seen:
         return self._others.seen(record) if self._others is not None else Seen()
@@ -323,24 +246,17 @@ class ScenePainter:
                 *(run.rest[:, 0] for run in self._meshes.values()),
             ]
         )
-        _, extents, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
         up = np.array([0.0, 0.0, 1.0]) if self._up is None else np.asarray(self._up, dtype=float)
-        if len(extents) > 2 and extents[2] <= _FLAT[self._shells] * extents[0]:
-            normal = axes[2] if extents[1] > 1e-6 * extents[0] else _level(axes[0], up)
-            if abs(normal @ up) > 0.5 * np.linalg.norm(up):
-                up = np.array([0.0, 1.0, 0.0]) if abs(normal[1]) < 0.5 else np.array([0.0, 0.0, 1.0])
-            view = View.looking(normal, up)
-            right = np.array(view.right)
-            return view if right[np.argmax(np.abs(right))] > 0.0 else View.looking(-normal, up)
+        across = plane_view(points, up, flat=_FLAT[self._shells])
+        if across is not None:
+            return across
         record = self._looks[-1]
         skin = self._skin(record)
         nodes, edges = [skin.points], [skin.outline]
         lines = [self._skins[name].lines(self._drawn(name, record)) for name in self._frames]
         lines += [(line.points, line.ends) for line in self._seen(record).lines]
-        for (
-            points,
-            ends,
-        ) in lines:  # repeated: a short rope must be seen as well as the long border of a shell
+        # repeated, so that a short rope is seen as well as the long border of a shell
+        for points, ends in lines:
             edges.append(np.tile(ends + sum(len(part) for part in nodes), (_WEIGHT, 1)))
             nodes.append(points)
         together = np.concatenate(nodes)
@@ -358,15 +274,6 @@ class ScenePainter:
         points = np.concatenate([*parts, *rest])
         camera = fit_camera(self._view, points, self._image[0] / self._image[1], margin=0.06)
         return Shot(camera, 0.5 * (points.min(axis=0) + points.max(axis=0)))
-
-    def _scale(self, stress: NDArray[np.float64], peak: float) -> Scale:
-        values = np.abs(stress)
-        divisor, unit = stress_unit(max(peak, float(values.max(initial=0.0))))
-        largest = stress_limit(values / divisor)
-        if self._shells:
-            return Scale(*stress_bands(largest), signed=False, divisor=divisor, unit=unit)
-        limit, bands = stress_bands(largest, most=6)  # on each side of zero
-        return Scale(limit, 2 * bands, signed=True, divisor=divisor, unit=unit)
 
     def _drawing(self, record: int, skin: Skin, scale: Scale) -> Drawing:
         rest = []
@@ -394,26 +301,23 @@ class ScenePainter:
             patches=seen.patches,
         )
 
-    def _largest(self, record: int) -> str:
+    def _largest(self, parts: Mapping[str, Skin]) -> str:
         """Largest stress of a record and where it is."""
-        skins = {name: self._skins[name].skin(run.coordinates(record)) for name, run in self._meshes.items()}
-        name, skin = max(skins.items(), key=lambda item: abs(item[1].largest))
+        name, skin = max(parts.items(), key=lambda item: abs(item[1].largest))
         value = abs(skin.largest) if self._shells else skin.largest
         divisor, unit = stress_unit(abs(value))
         return f"largest {value / divisor:.4g} {unit} in {name}, element {skin.where}"
 
-    def _common_corner(self, records: Sequence[int], scale: Scale, shot: Shot) -> tuple[int, int]:
+    def _common_corner(self, records: Sequence[int], shot: Shot) -> tuple[int, int]:
         """Corner of the triad that is free in a few pictures spread over all."""
         few = [records[k] for k in np.unique(np.linspace(0, len(records) - 1, 6).round().astype(int))]
-        darkest = np.minimum.reduce(
-            [
-                self._renderer.render(
-                    self._drawing(record, self._skin(record), scale), shot.camera, self._image
-                )
-                for record in few
-            ]
-        )
-        return emptiest_corner(darkest)
+        points = np.concatenate([self._skin(record).points for record in few])
+        place = shot.camera.project(points)[:, :2] * self._image
+        width, height = self._image
+        covered = np.full((height, width, 1), 255, dtype=np.uint8)
+        columns, rows = np.clip(place.astype(int), 0, [width - 1, height - 1]).T
+        covered[height - 1 - rows, columns] = 0
+        return emptiest_corner(covered)
 
     def _figure(
         self,
@@ -481,12 +385,3 @@ class ScenePainter:
         length = round_down(0.2 * self._image[0] / per_metre)
         unit, factor = ("mm", 1.0e3) if length < 0.1 else ("m", 1.0)
         return length * factor, length * per_metre, unit
-
-
-def _level(line: NDArray[np.float64], up: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Direction across a straight line from which it is seen with `up` upwards, if possible."""
-    across = np.cross(line, up)
-    if np.linalg.norm(across) < 1e-6:
-        across = np.cross(line, np.eye(3)[np.argmin(np.abs(line))])
-    unit: NDArray[np.float64] = across / np.linalg.norm(across)
-    return unit

@@ -28,6 +28,7 @@ STAGE_SOURCES = {
     "simulate": (
         "solver",
         "pipeline/assemble_connections.py",
+        "pipeline/assemble_mesh_shapes.py",
         "pipeline/assemble_meshes.py",
         "pipeline/assemble_scene.py",
         "pipeline/advance.py",

@@ -38,7 +38,9 @@ def mesh_sections(case: Case, results: Results | None) -> list[Section]:
 def mesh_facts(body: Any, shape: MeshShape | None) -> list[tuple[str, str]]:
     """What a frame or shell is, from its table, and its mesh once it is known."""
     rows = [("geometry", _geometry(body.geometry)), ("section", _section(body.section))]
-    rows += [(f"section {name}", _section(section)) for name, section in body.sections.items()]
+    for name, section in body.sections.items():
+        places = [_region(region) for region in body.regions if region.section == name]
+        rows.append((f"section {name}", f"{_section(section)}; {', '.join(places) or 'not used'}"))
     if shape is not None:
         vectors = 1 + shape.vectors.shape[1]
         count = len(shape.nodes)
@@ -48,14 +50,9 @@ def mesh_facts(body: Any, shape: MeshShape | None) -> list[tuple[str, str]]:
     for key, unit in (("axial_force", "N"), ("axial_strain", "")):
         if getattr(body, key, None) is not None:
             rows.append((key.replace("_", " ") + " as drawn", number_words(getattr(body, key), unit)))
-    damping = [
-        f"{key} {number_words(value, unit)}"
-        for key, unit, value in (
-            ("viscous", "1/s", body.damping.viscous),
-            ("stiffness times", "s", body.damping.stiffness),
-        )
-        if value
-    ]
+    damping = [f"viscous {body.damping.viscous:.6g} 1/s"] if body.damping.viscous else []
+    if body.damping.stiffness:
+        damping.append(f"{number_words(body.damping.stiffness, 's')} times the stiffness")
     rows += [("damping", ", ".join(damping))] if damping else []
     rows += [("support", _support(support)) for support in body.supports]
     rows += [("load", _load(load)) for load in body.loads]
@@ -80,6 +77,13 @@ def _geometry(given: Any) -> str:
         "grid": lambda g: g.file or f"{len(g.points)} points",
     }[given.type](given)
     return f"{given.type}: {words}; {count}"
+
+
+def _region(region: Any) -> str:
+    """Elements of a region."""
+    if region.box is None:
+        return f"elements {numbers_words(region.elements, '')}"
+    return f"from {numbers_words(region.box.lower, 'm')} to {numbers_words(region.box.upper, 'm')}"
 
 
 def _section(section: Any) -> str:
@@ -165,29 +169,30 @@ def _places(results: Results, shape: MeshShape) -> Table:
     drawn = shape.world_nodes()
     moved = np.linalg.norm(positions - drawn, axis=2)
     record, farthest = np.unravel_index(int(np.argmax(moved)), moved.shape)
-    when = number_words(float(results.time[record]), "s")
-    unit = scaled_unit("m", [np.ptp(drawn, axis=0)])
+    size = float(np.ptp(drawn, axis=0).max())
+    unit = scaled_unit("m", [np.array([size])])
+    records = {"first record": 0, "last record": -1} if len(positions) > 1 else {"recorded": 0}
     rows = [
         (
             f"{word} (node {node})",
             *(
-                ", ".join(f"{x / unit.divisor + 0.0:.7g}" for x in point)
-                for point in (drawn[node], positions[0, node], positions[-1, node])
+                ", ".join(f"{round(x / size, 9) * size / unit.divisor + 0.0:.7g}" for x in point)
+                for point in (drawn[node], *(positions[index, node] for index in records.values()))
             ),
         )
         for word, node in _named_nodes(shape).items()
     ]
-    largest = number_words(float(moved[record, farthest]), "m")
-    rows.append((f"farthest from its place (node {farthest})", f"{largest} at {when}", "", ""))
-    return short_table(
-        (
-            "node",
-            f"drawn in the world [{unit.text}]",
-            f"first record [{unit.text}]",
-            f"last record [{unit.text}]",
-        ),
-        rows,
-    )
+    largest = number_words(float(moved[record, farthest]), "m") + _when(results, int(record), " at ")
+    rows.append((f"farthest from its place (node {farthest})", largest, *([""] * len(records))))
+    columns = ["drawn in the world", *records]
+    return short_table(("node", *(f"{column} [{unit.text}]" for column in columns)), rows)
+
+
+def _when(results: Results, record: int, word: str) -> str:
+    """Time of a record, if there are several."""
+    if len(results.time) < 2:
+        return ""
+    return word + number_words(float(results.time[record]), "s")
 
 
 def _named_nodes(shape: MeshShape) -> dict[str, int]:
@@ -213,13 +218,15 @@ def _extremes(results: Results, name: str) -> Table:
         if channel not in results:
             continue
         history = results[channel].reshape(len(results.time), -1)
-        unit = scaled_unit(results.unit(channel), [history])
-        row = [f"{kind.replace('_', ' ')} [{unit.text or '1'}]"]
+        pure = results.unit(channel) == "1"
+        unit = scaled_unit("" if pure else results.unit(channel), [history])
+        words = kind.replace("_", " ")
+        row = [words if pure else f"{words} [{unit.text}]"]
         for index in (int(np.argmin(history)), int(np.argmax(history))):
             record, column = np.unravel_index(index, history.shape)
-            place = _component_words(results.components(channel)[column])
-            when = number_words(float(results.time[record]), "s")
-            row.append(f"{history[record, column] / unit.divisor + 0.0:.6g}{place}, {when}")
+            place = _component_words(results.components(channel)[column]) if history.shape[1] > 1 else ""
+            value = history[record, column] / (1.0 if pure else unit.divisor) + 0.0
+            row.append(f"{value:.6g}{place}{_when(results, int(record), ', ')}")
         rows.append(tuple(row))
     return short_table(("over all elements and records", "smallest", "largest"), rows)
 

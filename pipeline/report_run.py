@@ -90,9 +90,11 @@ def run_section(case: Case, stages: OutputFolder, results: Results | None) -> li
     if not known:
         return []
     rows = [("outcome", " ".join(str(known[key]) for key in ("outcome", "message") if known.get(key)))]
-    rows.append(("integrator", integration_words(case.simulate)))
+    statics = case.simulate.duration == 0.0
+    if not statics:
+        rows.append(("integrator", integration_words(case.simulate)))
     rows += _diagnosis_rows(known)
-    if results is not None and len(results.time):
+    if results is not None and len(results.time) and not statics:
         rows.append(
             ("simulated time", f"{_with_unit(float(results.time[-1]), 's')}, {len(results.time)} records")
         )
@@ -103,7 +105,7 @@ def run_section(case: Case, stages: OutputFolder, results: Results | None) -> li
         ("compile time", ("compile_s", "compile_seconds"), "{:.3g} s"),
     ):
         value = next((known[key] for key in keys if isinstance(known.get(key), (int, float))), None)
-        if value is not None and math.isfinite(value):
+        if value is not None and math.isfinite(value) and not (statics and value == 0.0):
             rows.append((label, words.format(value)))
     if results is not None and len(results.time) > 1 and "energy.balance" in results:
         rows.append(("largest drift of the energy balance", f"{energy_drift(results):.2e}, relative"))
@@ -112,7 +114,7 @@ def run_section(case: Case, stages: OutputFolder, results: Results | None) -> li
 
 def _diagnosis_rows(known: dict[str, Any]) -> list[tuple[str, str]]:
     """What the solver said of the scene: chosen integrator, degrees of freedom, redundant joints, free motions."""
-    rows = [("choice", str(known.get("choice") or ""))]
+    rows = [(key, str(known.get(key) or "")) for key in ("choice", "start")]
     for label, key in (
         ("degrees of freedom", "degrees_of_freedom"),
         ("redundant joints", "redundant"),

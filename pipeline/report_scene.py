@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from heavylift.pipeline.mesh_results import MeshShape
     from heavylift.pipeline.picture_others import Others
     from heavylift.pipeline.picture_render import Renderer
-    from heavylift.pipeline.picture_scene import MeshRun, ScenePainter
+    from heavylift.pipeline.picture_run import MeshRun
+    from heavylift.pipeline.picture_scene import ScenePainter
     from heavylift.pipeline.report import Album
     from heavylift.pipeline.results import Results
     from heavylift.pipeline.storage import OutputFolder
@@ -102,7 +103,7 @@ def scene_painter(case: Case, stages: OutputFolder, results: Results, renderer: 
 
 def mesh_run(shape: MeshShape, results: Results) -> MeshRun:
     """A recorded frame or shell, as pictures need it."""
-    from heavylift.pipeline.picture_scene import MeshRun
+    from heavylift.pipeline.picture_run import MeshRun
 
     channels = [f"{shape.name}.{vector}" for vector in _VECTORS[shape.type]]
     count = len(shape.nodes)

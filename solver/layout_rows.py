@@ -13,7 +13,7 @@ from heavylift.solver.coordinates import attachments, first_dofs, inverse_masses
 from heavylift.solver.interface import FORCES
 from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.meshes import MeshBody
-from heavylift.solver.rows import Rows, classify_rows
+from heavylift.solver.rows import Rows, RowSystem, classify_rows
 from heavylift.solver.scene import AnyBody, Gravity, PointForce, Scene
 
 if TYPE_CHECKING:
@@ -119,11 +119,12 @@ def _pack(
         packed.forces = laws.forces
     if scene.joints or laws is not None:
         inverse_mass = inverse_masses(ordered, bases)
-        made: Rows | None = make_system(inverse_mass, packed.column) if scene.joints else None
+        held: RowSystem | None = make_system(inverse_mass, packed.column) if scene.joints else None
+        made: Rows | None = held
         if laws is not None:
             from heavylift.solver.joints.law_system import extend_system
 
-            made = extend_system(made, laws.blocks, inverse_mass, packed.column, laws=laws.fitted)
+            made = extend_system(held, laws.blocks, inverse_mass, packed.column, laws=laws.fitted)
         assert made is not None  # one of the two made it
         classify_rows(made)
         packed.systems = (made,)

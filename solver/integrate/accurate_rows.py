@@ -146,9 +146,7 @@ def find_displacement(systems: Any, bodies: Any, joints: Any, work: Workspace, t
 
 @implement(find_displacement, RowSystem)
 @kernel(internal=True)
-def find_row_displacement(
-    system: RowSystem, bodies: Any, joints: Any, work: Workspace, time: float
-) -> None:
+def find_row_displacement(system: RowSystem, bodies: Any, joints: Any, work: Workspace, time: float) -> None:
     """``G d = -g``; the targets of the velocities are kept for `correct_velocity`."""
     lanes = len(system.shape[1])
     width = ROW_COLUMNS * lanes

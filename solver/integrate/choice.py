@@ -9,12 +9,14 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.connections import GROUND, Hinge, JointSpring, Spring
 from heavylift.solver.coordinates import inverse_scales
+from heavylift.solver.integrate.mesh_rates import highest_rate
+from heavylift.solver.meshes import MeshBody
 from heavylift.solver.scene import FlexibleBody, Scene
 
-__all__ = ["check_integrator", "choose_integrator", "stiff_part"]
+__all__ = ["check_integrator", "choose_integrator", "stiff_mesh", "stiff_part"]
 
 LARGEST_RATE = 60.0
-"""Fastest spring or damper, times the output interval, that an explicit integrator still follows cheaply."""
+"""Fastest spring, damper or element, times the output interval, that an explicit integrator still follows cheaply."""
 
 
 def choose_integrator(scene: Scene, interval: float) -> tuple[str, str]:
@@ -27,7 +29,7 @@ def choose_integrator(scene: Scene, interval: float) -> tuple[str, str]:
     interval
         Time between outputs [s]: what takes many steps an output is stiff.
     """
-    reason = _not_smooth(scene) or stiff_part(scene, interval)
+    reason = _not_smooth(scene) or stiff_part(scene, interval) or stiff_mesh(scene, interval)
     if reason:
         return "dele2", f"dele2, because {reason}"
     return "accurate", "accurate, because everything in the scene is smooth and nothing is stiff"
@@ -108,6 +110,16 @@ def stiff_part(scene: Scene, interval: float) -> str:
             return (
                 f"{force.name!r} has a rate of {rate:.3g} 1/s, {rate * interval:.0f} times that of the output"
             )
+    return ""
+
+
+def stiff_mesh(scene: Scene, interval: float) -> str:
+    """The first frame or shell that vibrates too fast, as words; empty if none."""
+    for body in scene.bodies:
+        if isinstance(body, MeshBody):
+            rate = highest_rate(body)
+            if rate * interval > LARGEST_RATE:
+                return f"elements of {body.name!r} vibrate at {rate:.3g} 1/s, {rate * interval:.0f} times that of the output"
     return ""
 
 

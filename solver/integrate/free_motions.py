@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.ancf.kind import FREE, NODES, ORIGIN, ROTATION, SIZE, FIRST_NODE, NUMBER, Q
+from heavylift.solver.bodies.ancf.kind import FIRST_NODE, FREE, NODES, NUMBER, ORIGIN, ROTATION, SIZE, Q
 from heavylift.solver.integrate.mesh_system import MeshSystem
 from heavylift.solver.integrate.motion_words import motion_words
 
@@ -150,7 +150,12 @@ def _rigid_motions(
             fixed.append(np.zeros((0, 1)))
             owner.append(number)
     if not motions:
-        return np.zeros((system.count, 0)), np.zeros((0, 0)), np.zeros((6 * bodies, 0)), np.zeros(0, dtype=np.int64)
+        return (
+            np.zeros((system.count, 0)),
+            np.zeros((0, 0)),
+            np.zeros((6 * bodies, 0)),
+            np.zeros(0, dtype=np.int64),
+        )
     from scipy.linalg import block_diag
 
     return np.hstack(motions), block_diag(*fixed), np.hstack(parameters), np.array(owner)

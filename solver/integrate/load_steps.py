@@ -11,7 +11,7 @@ import numpy as np
 from heavylift.solver.integrate.static_newton import BALANCED, CLOSED, Progress, correct
 from heavylift.solver.integrate.static_problem import StaticProblem, measure
 
-__all__ = ["follow_load"]
+__all__ = ["follow_load", "promise"]
 
 SMALLEST_STEP = 1e-3
 """Relative to the first step, or to the load factor at hand if that is larger."""
@@ -19,7 +19,7 @@ SMALLEST_STEP = 1e-3
 FIRST_MOVE = 0.2
 """Largest displacement that the first step may promise, in units of a large one."""
 
-MOST = 1.0
+MOST = 0.5
 """Largest displacement that any step may promise."""
 
 ON_THE_WAY = 1e-5
@@ -28,8 +28,16 @@ ON_THE_WAY = 1e-5
 GROWTH = ((4, 8.0), (6, 4.0), (8, 2.0), (10, 1.0), (1000, 0.5))
 """Iterations of a step, and by what the next one is longer."""
 
-JUMP = 4.0
+JUMP = 2.5
 """A step that leads so much farther than promised is one over a limit point."""
+
+
+def promise(problem: StaticProblem, progress: Progress, target: float = 1.0) -> float:
+    """Displacement that the stiffness at hand promises for a load factor, in units of a large one."""
+    before = problem.snapshot()
+    correct(problem, progress, target, most=0.0)
+    problem.restore(before)
+    return progress.promised
 
 
 def follow_load(problem: StaticProblem, progress: Progress, target: float = 1.0) -> bool:

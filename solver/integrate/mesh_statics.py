@@ -18,7 +18,7 @@ from heavylift.solver.bodies.ancf.kind import Q
 from heavylift.solver.integrate.arc_length import trace_path
 from heavylift.solver.integrate.consistent_start import close_velocities
 from heavylift.solver.integrate.free_motions import FreeMotions, find_free_motions
-from heavylift.solver.integrate.load_steps import follow_load
+from heavylift.solver.integrate.load_steps import follow_load, promise
 from heavylift.solver.integrate.mesh_system import MeshSystem
 from heavylift.solver.integrate.relaxation import relax
 from heavylift.solver.integrate.settling import settle
@@ -28,6 +28,10 @@ from heavylift.solver.integrate.static_problem import unstable_count
 from heavylift.solver.integrate.statics import Equilibrium
 
 __all__ = ["find_mesh_equilibrium", "relax_to_equilibrium"]
+
+SLACK = 100.0
+"""Displacement, in units of a large one, that the stiffness without loads promises: of membranes, which find their
+stiffness on the way. They settle in fewer iterations than load steps take."""
 
 
 @dataclass
@@ -81,7 +85,7 @@ def find_mesh_equilibrium(rows: StartRows) -> Equilibrium:
     search, motions = _search(rows)
     system, progress = search.system, search.progress
     found = False
-    if motions.count == 0:
+    if motions.count == 0 and promise(system, progress) <= SLACK:
         found = _along_path(search)
         if found and not _is_stable(search):
             search.way += ", pushed to a stable branch"

@@ -73,9 +73,7 @@ def _sink(problem: StaticProblem, progress: Progress, factor: float) -> bool:
             return True
         problem.restore(before[0])
         progress.multipliers = before[1]
-        if correct(
-            problem, progress, factor, anchor=hold, farthest=FARTHEST, tolerance=LOOSE, patience=10
-        ):
+        if correct(problem, progress, factor, anchor=hold, farthest=FARTHEST, tolerance=LOOSE, patience=10):
             progress.steps += 1
             moved = progress.promised
             way += moved

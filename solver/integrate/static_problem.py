@@ -17,7 +17,16 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Balance", "Factor", "StaticProblem", "factorise", "measure", "scaled", "stability_shift", "unstable_count"]
+__all__ = [
+    "Balance",
+    "Factor",
+    "StaticProblem",
+    "factorise",
+    "measure",
+    "scaled",
+    "stability_shift",
+    "unstable_count",
+]
 
 SOFTNESS = 1e-11
 """Of unit rows relative to the largest stiffness, so that redundant rows share."""

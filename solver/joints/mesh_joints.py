@@ -25,7 +25,7 @@ from heavylift.solver.connections import (
 )
 from heavylift.solver.joints.edges import expand_edge
 from heavylift.solver.joints.mesh_rows import FrameWeld, Square, SquareJoint
-from heavylift.solver.joints.packing import JointPlace, MarkerBook, refuse_opposite, start_frames
+from heavylift.solver.joints.packing import JointPlace, MarkerBook, start_frames
 from heavylift.solver.meshes import FrameBody, MeshBody
 from heavylift.solver.scene import AnyBody, Scene
 
@@ -115,7 +115,6 @@ def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, AnyBody]) -> Joint
         )
     ]
     place = JointPlace(0, 0, start_frames(joint, list(bodies.values())))
-    refuse_opposite(joint, place, (2,) if isinstance(joint, Hinge) else (0, 1, 2))
     common = {
         key: getattr(joint, key)
         for key in ("name", "body_a", "body_b", "frame_a", "frame_b", "compliance", "relaxation")
@@ -125,6 +124,8 @@ def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, AnyBody]) -> Joint
         tangent is None or np.linalg.norm(np.cross(tangent, z)) <= ALONG for tangent in tangents
     )
     a, b = tangents
+    if not axis:
+        _refuse_opposite(joint, place, a, b)
     if a is not None and b is not None:
         if axis or not np.linalg.norm(np.cross(a, b)) <= ALONG:
             raise InputError(
@@ -155,6 +156,22 @@ def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, AnyBody]) -> Joint
         for normal in normals
     )
     return SquareJoint(**common, squares=squares)
+
+
+def _refuse_opposite(
+    joint: Joint, place: JointPlace, a: NDArray[np.float64] | None, b: NDArray[np.float64] | None
+) -> None:
+    """Rows on tangents vanish for opposite ones too; what the joint wants is told by its axes."""
+    tangent = a if a is not None else b
+    one, other = (frame.axes @ tangent for frame in place.frames)
+    if not one @ other > 0.0:
+        raise InputError(
+            f"the tangent is {np.degrees(np.arccos(np.clip(one @ other, -1.0, 1.0))):.0f} deg from its place at the"
+            " start",
+            source=joint.name,
+            key="axes",
+            expected="the same direction on both sides",
+        )
 
 
 def _across(direction: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -17,6 +17,8 @@ def png(colour, size=(64, 48)):
 
     image = Image.new("RGB", size, "white")
     image.paste(colour, (10, 10, 30, 30))
+    for k in range(12):  # a soft edge, as anti-aliasing leaves it
+        image.paste((244 + k, 250, 255 - k), (40 + k, 5, 41 + k, 45))
     buffer = io.BytesIO()
     image.save(buffer, format="png")
     return buffer.getvalue()

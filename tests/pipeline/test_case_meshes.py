@@ -318,3 +318,46 @@ def test_what_a_scene_of_meshes_conserves(folder):
     for cause in ("supports of 'beam'", "loads of 'plate'", "viscous damping of 'beam'", "gravity"):
         assert cause in text
     assert "loads of 'arch'" not in text
+
+
+@pytest.mark.slow
+def test_an_equilibrium_alone_is_one_record(tmp_path):
+    """Tip of a cantilever under a small load, ``q l^4 / 8 E I``, through all stages."""
+    from heavylift.pipeline import load_results, run_case
+
+    (tmp_path / "case.toml").write_text(
+        """
+        title = "Cantilever"
+        [bodies.beam]
+        type = "frame"
+        geometry = { type = "line", start = [0, 0, 0], end = ["10 m", 0, 0], elements = 4 }
+        section = { density = 1000, young_modulus = "1 GPa", diameter = "1 m" }
+        supports = [{ at = "start", fix = "clamped" }]
+        loads = [{ force = [0, 0, "-1 N/m"] }]
+        [[sensors]]
+        name = "tip"
+        body = "beam"
+        point = ["10 m", 0, 0]
+        [simulate]
+        start = "equilibrium"
+        duration = 0
+        [[check]]
+        id = "tip"
+        quantity = "channel.tip.position.z.end"
+        reference = -2.5464790894703255e-5
+        tolerance = { relative = 1e-6 }
+        source = "q l^4 / 8 E I"
+        """
+    )
+    case = load_case(tmp_path)
+    report = run_case(case)
+    results = load_results(case)
+    assert report.message == ""
+    assert len(results.time) == 1
+    deflection = 1.0 * 10.0**4 / (8.0 * 1e9 * math.pi / 64.0)
+    assert results["tip.position"][0, 2] == pytest.approx(-deflection, rel=1e-6)
+    assert results.meshes["beam"].elements.shape == (4, 2)
+    text = (report.folder.stage("report") / "report.md").read_text()
+    assert "Passed: the only check" in text
+    assert "none: from equilibrium only" in text
+    assert all(stage.skipped for stage in run_case(case).stages)

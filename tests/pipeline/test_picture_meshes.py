@@ -9,7 +9,8 @@ from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotatio
 from heavylift.pipeline.picture_meshes import MeshSkin, join, rest_coordinates
 from heavylift.pipeline.picture_others import Others, rope_line
 from heavylift.pipeline.picture_render import Renderer, RenderingUnavailableError, rendering_backend
-from heavylift.pipeline.picture_scene import MeshRun, ScenePainter
+from heavylift.pipeline.picture_run import MeshRun
+from heavylift.pipeline.picture_scene import ScenePainter
 from heavylift.solver.connections import Ball, JointFrame, SpringRope
 from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSection
 from heavylift.solver.scene import RigidBody, Scene

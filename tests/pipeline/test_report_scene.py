@@ -38,7 +38,7 @@ initial = { position = [0, 0, "1 m"] }
 name = "pin"
 type = "ball"
 between = ["bar", "block"]
-at = [0, 0, 0]
+at = [0, 0, "1 m"]
 [simulate]
 step = "10 ms"
 output_interval = "10 ms"
@@ -140,7 +140,7 @@ def test_animation_that_cannot_be_made_is_said(case, tmp_path):
     assert "No animation: there is no history of a frame or shell" in text
     off = with_report(case, animation={"enabled": False})
     write_report(off, tmp_path / "report", tmp_path / "nothing")
-    assert "animation" not in (tmp_path / "report" / "report.md").read_text()
+    assert "No animation" not in (tmp_path / "report" / "report.md").read_text()
 
 
 def test_films_are_embedded_as_video_and_linked_in_markdown():

@@ -1,9 +1,9 @@
-"""Frames and shells in the accurate integrator: ``M q'' = f - B^T C e(q) - K_b q`` with the constant factor of the mass.
+"""Frames and shells in the accurate integrator: ``M q'' = f - B^T C e(q) - K_b q``, M factored once.
 
 Coordinates and velocities of a kind stand in the state vector as in a row of `nodal`, one row after the other, from
-`STATE_PLACE` on. Among the velocities of all bodies a mesh has those of its bases, whose accelerations the joints see and
-change; the impulses of the rows then go to all nodes by the same factor that gave the bases their compliance. Losses
-and the work of loads are integrated with the motion.
+`STATE_PLACE` on. Among the velocities of all bodies a mesh has those of its bases, whose accelerations the joints
+see and change; the impulses of the rows then go to all nodes by the same factor that gave the bases their
+compliance. Losses and the work of loads are integrated with the motion.
 """
 
 from __future__ import annotations
@@ -15,7 +15,12 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.assembly import add_matrix_products
-from heavylift.solver.bodies.ancf.elements import add_strain_rates, add_stress_forces, find_strains
+from heavylift.solver.bodies.ancf.elements import (
+    add_elastic_forces,
+    add_strain_rates,
+    add_stress_forces,
+    find_strains,
+)
 from heavylift.solver.bodies.ancf.joints import take_impulses
 from heavylift.solver.bodies.ancf.kind import (
     BASE_NODES,
@@ -44,13 +49,9 @@ from heavylift.solver.bodies.ancf.kind import (
 from heavylift.solver.bodies.ancf.loads import gather_loads
 from heavylift.solver.bodies.ancf.second_rates import write_second_rates
 from heavylift.solver.bodies.ancf.stage import fill_mesh_markers, write_bases
-from heavylift.solver.bodies.ancf.step import (
-    add_gravity,
-    node_span,
-    scatter_back,
-    solve_forward,
-    write_free_bases,
-)
+from heavylift.solver.bodies.ancf.step import add_gravity, write_free_bases
+from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
+from heavylift.solver.integrate.combination import PART, combine_part
 from heavylift.solver.interface import (
     DISSIPATED,
     ERROR,
@@ -73,6 +74,13 @@ from heavylift.solver.kinds import implement
 __all__: list[str] = []
 
 
+@kernel(inline=True, internal=True)
+def _copy(source: NDArray[np.float64], at: int, to: NDArray[np.float64], to_at: int, count: int) -> None:
+    """Whole nodes, so that vector registers hold them."""
+    for i in range(0, count, PART):
+        combine_part(to, to_at + i, source, at + i, 0, (0,), (1.0,))
+
+
 @implement(load_state, FrameMeshes)
 @implement(load_state, ShellMeshes)
 @kernel(internal=True)
@@ -93,13 +101,9 @@ def begin_mesh_stage(
 ) -> None:
     """Coordinates into the rows of the midpoint, then markers from these."""
     place, count = kind.table[0, STATE_PLACE], kind.nodal.shape[1]
-    q, v = kind.nodal[MID_Q], kind.nodal[MID_V]
-    for i in range(count):
-        q[i] = values[at + place + i]
-    for i in range(count):
-        v[i] = values[at + place + count + i]
-    for i in range(count):
-        values[rate + place + i] = v[i]
+    _copy(values, at + place, kind.nodal[MID_Q], 0, count)
+    _copy(values, at + place + count, kind.nodal[MID_V], 0, count)
+    _copy(values, at + place + count, values, rate + place, count)
     for body in range(kind.table.shape[0]):
         kind.body[body, TIME] = time
     if kind.bases.shape[0] > 0:
@@ -124,19 +128,11 @@ def free_mesh_acceleration(kind: Meshes, values: NDArray[np.float64], at: int, w
         if loaded:
             _add_loads(kind, body, work)
         add_gravity(kind, body, work, 1.0)
-        add_internal_forces(kind, body, MID_Q, RIGHT)
+        add_elastic_forces((kind,), body, MID_Q, RIGHT, -1.0)
         if kind.body[body, VISCOUS] > 0.0 or kind.body[body, STIFFNESS_DAMPING] > 0.0:
             _add_damping(kind, body, work)
         solve_forward(kind, body, MASS_SET)
-        write_free_bases(kind, body, work)
-
-
-@kernel(internal=True)
-def add_internal_forces(kind: Meshes, body: int, q: int, force: int) -> None:
-    """``nodal[force] -= B^T C e(q) + K_b q``."""
-    add_matrix_products(kind, body, q, 0.0, q, -1.0, force)
-    find_strains((kind,), body, q, SHAPE_STRAIN)
-    add_stress_forces((kind,), body, q, SHAPE_STRAIN, force, -1.0)
+        write_free_bases(kind, body, 0.0, work)
 
 
 @kernel(internal=True, reassociate=True)
@@ -187,8 +183,7 @@ def complete_mesh_accelerations(  # type: ignore[no-untyped-def]
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         scatter_back(kind, body, MASS_SET)
-        for i in range(first, last):
-            values[place + i] = right[i]
+        _copy(right, first, values, place + first, last - first)
 
 
 @implement(spread_impulses, FrameMeshes)

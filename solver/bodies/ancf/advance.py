@@ -34,19 +34,12 @@ from heavylift.solver.bodies.ancf.kind import (
     ShellMeshes,
     V,
 )
-from heavylift.solver.bodies.ancf.step import is_iterated, node_span
+from heavylift.solver.bodies.ancf.step import is_iterated
+from heavylift.solver.bodies.ancf.substitution import copy_strains, node_span
 from heavylift.solver.interface import Workspace, advance
 from heavylift.solver.kinds import implement
 
-__all__ = ["copy_strains", "find_drift"]
-
-
-@kernel(internal=True)
-def copy_strains(kind: Meshes, body: int, of: int, to: int) -> None:
-    """One row of `strains` into another, of one body."""
-    first = kind.table[body, FIRST_STRAIN]
-    for i in range(first, first + kind.table[body, STRAINS]):
-        kind.strains[to, i] = kind.strains[of, i]
+__all__ = ["add_mesh_work", "find_drift"]
 
 
 @kernel(internal=True)

@@ -1,8 +1,8 @@
 """What a type of ANCF element offers: generic functions over all elements of one body.
 
 Rows are those of `nodal` and `strains`; the body is its row of `table`. Forces are added in the places of
-the nodes, stiffness to the blocks of the step matrix, both without regard to fixed coordinates. None of them
-knows of bending matrices and mass matrices: these are constant, see `constants`.
+the nodes, stiffness to the blocks of the step matrix, both without regard to fixed coordinates. None of them but
+`add_elastic_forces` knows of bending matrices and mass matrices: these are constant, see `constants`.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from heavylift.solver.kinds import generic
 
 __all__ = [
+    "add_elastic_forces",
     "add_follower_load",
     "add_stiffness",
     "add_strain_rates",
@@ -39,6 +40,11 @@ def add_strain_rates(kinds: Any, body: int, q: int, v: int, strain: int, factor:
 @generic
 def add_stress_forces(kinds: Any, body: int, q: int, strain: int, force: int, factor: float) -> None:
     """``nodal[force] += factor B(q)^T C strains[strain]``."""
+
+
+@generic
+def add_elastic_forces(kinds: Any, body: int, q: int, force: int, factor: float) -> None:
+    """``nodal[force] += factor (B^T C e(q) + K_b q)`` in one pass; row `SHAPE_STRAIN` is scratch."""
 
 
 @generic

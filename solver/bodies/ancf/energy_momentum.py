@@ -36,6 +36,7 @@ from heavylift.solver.bodies.ancf.kind import (
     BASES,
     BEFORE,
     CHANGE,
+    CHANGE_OF_V,
     CHANGE_TIME,
     CHANGED_OVER,
     DOF,
@@ -50,7 +51,6 @@ from heavylift.solver.bodies.ancf.kind import (
     LOAD,
     MID_Q,
     MID_V,
-    MOMENTUM,
     OLD_STRAIN,
     RIGHT,
     SCHEME,
@@ -66,15 +66,11 @@ from heavylift.solver.bodies.ancf.kind import (
     Meshes,
     Q,
     ShellMeshes,
+    V,
 )
 from heavylift.solver.bodies.ancf.stage import base_value
-from heavylift.solver.bodies.ancf.step import (
-    add_gravity,
-    is_iterated,
-    node_span,
-    scatter_back,
-    solve_forward,
-)
+from heavylift.solver.bodies.ancf.step import add_gravity, is_iterated
+from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
 from heavylift.solver.interface import (
     CHANGED,
     Workspace,
@@ -134,14 +130,15 @@ def _write_residual(kind: Meshes, body: int, step: float, work: Workspace) -> No
     """What is missing to the balance of momentum of the step, into `RIGHT`; the impulses stand in row `TRIAL`."""
     half = 0.5 * step
     first, last = node_span(kind, body)
-    right = kind.nodal[RIGHT]
+    right, viscous = kind.nodal[RIGHT], 1.0 + half * kind.body[body, VISCOUS]
     for i in range(first, last):
         kind.nodal[MID_Q, i] = kind.nodal[Q, i] + half * kind.nodal[MID_V, i]
         kind.nodal[TRIAL, i] = kind.nodal[Q, i] + step * kind.nodal[MID_V, i]
-        right[i] = kind.nodal[MOMENTUM, i] + half * kind.nodal[LOAD, i]
+        kind.nodal[CHANGE_OF_V, i] = kind.nodal[V, i] - viscous * kind.nodal[MID_V, i]
+        right[i] = half * kind.nodal[LOAD, i]
     add_gravity(kind, body, work, half)
-    viscous, stiff = kind.body[body, VISCOUS], kind.body[body, STIFFNESS_DAMPING]
-    add_matrix_products(kind, body, MID_V, -(1.0 + half * viscous), MID_Q, -half, RIGHT)
+    add_matrix_products(kind, body, CHANGE_OF_V, 1.0, MID_Q, -half, RIGHT)
+    stiff = kind.body[body, STIFFNESS_DAMPING]
     if stiff > 0.0:
         add_matrix_products(kind, body, MID_V, 0.0, MID_V, -half * stiff, RIGHT)
     _average_strains(kind, body, step)

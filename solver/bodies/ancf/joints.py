@@ -25,7 +25,8 @@ from heavylift.solver.bodies.ancf.kind import (
     V,
 )
 from heavylift.solver.bodies.ancf.stage import write_bases
-from heavylift.solver.bodies.ancf.step import is_iterated, node_span, scatter_back
+from heavylift.solver.bodies.ancf.step import is_iterated
+from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back
 from heavylift.solver.interface import (
     Workspace,
     add_row_impulses,
@@ -156,7 +157,7 @@ def complete_meshes(kind: Meshes, systems, at_midpoint: bool, step: float, work:
                 right[i] = kind.nodal[FORWARD, i]
             scatter_back(kind, body, MASS_SET if kind.table[body, SCHEME] == EXPLICIT else STEP_SET)
             for i in range(first, last):
-                kind.nodal[MID_V, i] = right[i]
+                kind.nodal[MID_V, i] = kind.nodal[V, i] + right[i]
         elif kind.table[body, BASE_NODES] > 0:
             for i in range(first, last):
                 right[i] = 0.0

@@ -66,7 +66,7 @@ CARRIED, ENERGY_MOMENTUM, AUTO, EXPLICIT = range(4)
     MID_V,  # velocities of the stage, then scratch of the projection
     RIGHT,  # right-hand side and solution of the stage
     LOAD,  # external forces of the stage: loads, gravity, forces on bases
-    MOMENTUM,  # M v at the start of the step
+    CHANGE_OF_V,  # of the velocities to the midpoint, in an iteration
     FREE,  # 1, or 0 for coordinates that are fixed
     WEIGHT,  # M times a unit acceleration along x, y, z: lies in the position vectors as one number a vector
     TRIAL,  # coordinates at the end of the step in an iteration

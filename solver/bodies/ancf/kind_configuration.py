@@ -32,7 +32,7 @@ from heavylift.solver.bodies.ancf.kind import (
     V,
 )
 from heavylift.solver.bodies.ancf.stage import base_value
-from heavylift.solver.bodies.ancf.step import scatter_back
+from heavylift.solver.bodies.ancf.substitution import scatter_back
 from heavylift.solver.interface import Workspace, collect_load, move, put_velocity, survey
 from heavylift.solver.kinds import implement
 

@@ -41,7 +41,7 @@ from heavylift.solver.bodies.ancf.kind import (
     ShellMeshes,
     V,
 )
-from heavylift.solver.bodies.ancf.step import node_span
+from heavylift.solver.bodies.ancf.substitution import node_span
 from heavylift.solver.interface import (
     ANGULAR_MOMENTUM,
     DISSIPATED,

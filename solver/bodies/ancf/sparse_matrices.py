@@ -97,7 +97,9 @@ class MeshMatrices:
         nodes = kind.elements[:, : self.nodes]
         return (nodes[:, :, None] + 3 * np.arange(self.vectors)).reshape(len(nodes), -1)
 
-    def _scalar(self, kind: Meshes, which: int) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+    def _scalar(
+        self, kind: Meshes, which: int
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
         """Mass (0) or bending (1) matrices of the elements over places of vectors."""
         places = self._vector_places(kind)
         count = places.shape[1]

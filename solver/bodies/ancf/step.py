@@ -17,25 +17,24 @@ from __future__ import annotations
 
 import math
 
-from heavylift.numerics.block_factor import backward_blocks, forward_blocks
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.bodies.ancf.assembly import (
     add_matrix_products,
     clear_fixed,
     factor_set,
-    set_size,
     start_step_matrix,
 )
 from heavylift.solver.bodies.ancf.elements import (
+    add_elastic_forces,
     add_stiffness,
     add_strain_rates,
     add_stress_forces,
     find_strains,
 )
+from heavylift.solver.bodies.ancf.faults import blame_largest
 from heavylift.solver.bodies.ancf.kind import (
     ACCELERATION,
-    BASE_NODES,
     BASE_PLACE,
     BASES,
     CHANGE,
@@ -44,27 +43,24 @@ from heavylift.solver.bodies.ancf.kind import (
     ENERGY_MOMENTUM,
     EXPLICIT,
     FIRST_BASE,
-    FIRST_COLUMN,
-    FIRST_NODE,
+    FIRST_STRAIN,
     FORWARD,
-    FREE,
-    LAST_COLUMN,
     LOAD,
     MASS_SET,
     MID_Q,
     MID_V,
-    MOMENTUM,
-    NODES,
     NUMBER,
+    OLD_STRAIN,
     RIGHT,
     ROTATION,
     SCHEME,
     SHAPE_STRAIN,
-    STEP_LIMIT,
     STEP_SET,
     STIFFNESS_DAMPING,
     STRAIN,
+    STRAINS,
     TIME,
+    TRIAL,
     VISCOUS,
     WEIGHT,
     FrameMeshes,
@@ -73,8 +69,15 @@ from heavylift.solver.bodies.ancf.kind import (
     ShellMeshes,
     V,
 )
-from heavylift.solver.bodies.ancf.faults import blame_largest
 from heavylift.solver.bodies.ancf.loads import gather_loads
+from heavylift.solver.bodies.ancf.stability import (
+    FIRST_ROUNDS,
+    find_step_limit,
+    follow_step_limit,
+    start_power_iteration,
+)
+from heavylift.solver.bodies.ancf.stage import base_value
+from heavylift.solver.bodies.ancf.substitution import copy_strains, node_span, solve_forward
 from heavylift.solver.interface import (
     ERROR,
     FIELD,
@@ -90,7 +93,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement
 
-__all__ = ["add_gravity", "is_iterated", "node_span", "scatter_back", "solve_forward"]
+__all__ = ["add_gravity", "is_iterated", "write_free_bases"]
 
 NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE)
 
@@ -101,61 +104,15 @@ def is_iterated(kind: Meshes, body: int) -> bool:
     return kind.table[body, SCHEME] == ENERGY_MOMENTUM or kind.body[body, CHANGED_OVER] != 0.0
 
 
-@kernel(inline=True, internal=True)
-def node_span(kind: Meshes, body: int) -> tuple[int, int]:
-    """Places of the nodes of a body in a row of `nodal`."""
-    lanes = len(kind.shape[1])
-    first = kind.table[body, FIRST_NODE] * lanes
-    return first, first + kind.table[body, NODES] * lanes
-
-
 @kernel(internal=True)
-def solve_forward(kind: Meshes, body: int, which: int) -> None:
-    """Forward substitution of row `RIGHT` with the factor of a set; the bases are left with ``-J A^-1 r``."""
-    lanes = len(kind.shape[1])
-    first, last = node_span(kind, body)
-    right, free = kind.nodal[RIGHT], kind.nodal[FREE]
-    for i in range(first, last):
-        right[i] *= free[i]
-    for i in range(last, last + kind.table[body, BASE_NODES] * lanes):
-        right[i] = 0.0
-    forward_blocks(
-        kind.shape,
-        kind.columns,
-        kind.lower,
-        kind.blocks,
-        which * set_size(kind),
-        kind.table[body, FIRST_COLUMN],
-        kind.table[body, LAST_COLUMN],
-        right,
-        0,
-    )
-
-
-@kernel(internal=True)
-def scatter_back(kind: Meshes, body: int, which: int) -> None:
-    """Back substitution of row `RIGHT`, with minus the impulses in the places of the bases."""
-    backward_blocks(
-        kind.shape,
-        kind.columns,
-        kind.lower,
-        kind.blocks,
-        which * set_size(kind),
-        kind.table[body, FIRST_COLUMN],
-        kind.table[body, LAST_COLUMN],
-        kind.nodal[RIGHT],
-        0,
-    )
-
-
-@kernel(internal=True)
-def write_free_bases(kind: Meshes, body: int, work: Workspace) -> None:
-    """Velocities of the bases without joints, after `solve_forward`, into the workspace."""
+def write_free_bases(kind: Meshes, body: int, start: float, work: Workspace) -> None:
+    """What the bases do without joints, after `solve_forward`, into the workspace; `start` times velocities is added."""
     dof, first = kind.table[body, DOF], kind.table[body, FIRST_BASE]
     for i in range(kind.table[body, BASES]):
         place = kind.bases[first + i, BASE_PLACE]
+        y = base_value(kind, first + i, V)
         for k in range(3):
-            work.velocity[dof + 3 * i + k] = -kind.nodal[RIGHT, place + k]
+            work.velocity[dof + 3 * i + k] = start * y[k] - kind.nodal[RIGHT, place + k]
 
 
 @kernel(internal=True)
@@ -184,9 +141,12 @@ def add_gravity(kind: Meshes, body: int, work: Workspace, factor: float) -> None
 @implement(start, ShellMeshes)
 @kernel(internal=True)
 def start_meshes(kind: Meshes, time: float, work: Workspace) -> None:
-    """Carried strains are those of the shape at the start."""
+    """Carried strains are those of the shape at the start; the explicit scheme learns what its steps may be."""
     for body in range(kind.table.shape[0]):
         find_strains((kind,), body, Q, STRAIN)
+        if kind.table[body, SCHEME] == EXPLICIT:
+            start_power_iteration(kind, body)
+            find_step_limit(kind, body, FIRST_ROUNDS)
 
 
 @implement(predict, FrameMeshes)
@@ -213,34 +173,43 @@ def predict_meshes(kind: Meshes, time: float, step: float) -> None:
 @implement(factor, ShellMeshes)
 @kernel(internal=True)
 def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
-    """Matrix and right-hand side of the stage, factor and forward substitution."""
+    """Matrix and right-hand side of the stage, factor and forward substitution.
+
+    Notes
+    -----
+    Solved for the change ``w = vb - v`` of the velocity: in stiff bodies the matrix is large against the mass, and its
+    rounding times the whole velocity would lose energy steadily::
+
+        A w = h/2 ( f - a M v - K_b (q + (h/2 + b) v) - B^T C (s + (h/2 + b) B v) ) + G^T P
+    """
     half = 0.5 * step
     gather_loads(kind, MID_Q, work)
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
-        right, load, momentum = kind.nodal[RIGHT], kind.nodal[LOAD], kind.nodal[MOMENTUM]
+        right, load, ahead = kind.nodal[RIGHT], kind.nodal[LOAD], kind.nodal[TRIAL]
         for i in range(first, last):
-            momentum[i] = 0.0
-        add_matrix_products(kind, body, V, 1.0, Q, 0.0, MOMENTUM)
-        for i in range(first, last):
-            right[i] = momentum[i] + half * load[i]
+            right[i] = half * load[i]
         add_gravity(kind, body, work, half)
         if kind.table[body, SCHEME] == EXPLICIT:
             _add_explicit_forces(kind, body, half)
             solve_forward(kind, body, MASS_SET)
         else:
-            add_matrix_products(kind, body, V, 0.0, Q, -half, RIGHT)
-            viscous = 1.0 + half * kind.body[body, VISCOUS]
-            stiff = half * (half + kind.body[body, STIFFNESS_DAMPING])
-            start_step_matrix(kind, body, viscous, stiff)
-            add_stiffness((kind,), body, MID_Q, STRAIN, RIGHT, -half, stiff, 0.0)
+            viscous = kind.body[body, VISCOUS]
+            delay = half + kind.body[body, STIFFNESS_DAMPING]
+            for i in range(first, last):
+                ahead[i] = kind.nodal[Q, i] + delay * kind.nodal[V, i]
+            add_matrix_products(kind, body, V, -half * viscous, TRIAL, -half, RIGHT)
+            copy_strains(kind, body, STRAIN, OLD_STRAIN)
+            add_strain_rates((kind,), body, MID_Q, V, OLD_STRAIN, delay)
+            start_step_matrix(kind, body, 1.0 + half * viscous, half * delay)
+            add_stiffness((kind,), body, MID_Q, OLD_STRAIN, RIGHT, -half, half * delay, 0.0)
             clear_fixed(kind, body, STEP_SET)
             factor_set(kind, body, STEP_SET)
             solve_forward(kind, body, STEP_SET)
         forward = kind.nodal[FORWARD]
         for i in range(first, last):
             forward[i] = right[i]
-        write_free_bases(kind, body, work)
+        write_free_bases(kind, body, 1.0, work)
         kind.body[body, CHANGE] = -1.0
 
 
@@ -248,12 +217,15 @@ def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
 def _add_explicit_forces(kind: Meshes, body: int, half: float) -> None:
     """Elastic and damping forces at the midpoint: the position form of the leapfrog."""
     viscous, stiff = kind.body[body, VISCOUS], kind.body[body, STIFFNESS_DAMPING]
-    add_matrix_products(kind, body, MID_V, -half * viscous, MID_Q, -half, RIGHT)
-    find_strains((kind,), body, MID_Q, SHAPE_STRAIN)
+    add_elastic_forces((kind,), body, MID_Q, RIGHT, -half)
+    if viscous > 0.0 or stiff > 0.0:
+        add_matrix_products(kind, body, MID_V, -half * viscous, MID_V, -half * stiff, RIGHT)
     if stiff > 0.0:
-        add_matrix_products(kind, body, MID_V, 0.0, MID_V, -half * stiff, RIGHT)
+        first = kind.table[body, FIRST_STRAIN]
+        for i in range(first, first + kind.table[body, STRAINS]):
+            kind.strains[SHAPE_STRAIN, i] = 0.0
         add_strain_rates((kind,), body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
-    add_stress_forces((kind,), body, MID_Q, SHAPE_STRAIN, RIGHT, -half)
+        add_stress_forces((kind,), body, MID_Q, SHAPE_STRAIN, RIGHT, -half)
 
 
 @implement(check, FrameMeshes)
@@ -269,7 +241,7 @@ def check_meshes(kind: Meshes, step: float, work: Workspace) -> None:
             total += abs(speed[i])
         if not math.isfinite(total):
             blame_largest(kind, body, MID_V, NOT_FINITE, work)
-        elif kind.table[body, SCHEME] == EXPLICIT and step > kind.body[body, STEP_LIMIT]:
+        elif kind.table[body, SCHEME] == EXPLICIT and step > follow_step_limit(kind, body, work):
             work.status[STATUS_OUTCOME] = STEP_TOO_LARGE
             work.status[STATUS_BODY] = kind.table[body, NUMBER]
 

@@ -29,13 +29,8 @@ from heavylift.solver.bodies.ancf.kind import (
     V,
 )
 from heavylift.solver.bodies.ancf.loads import gather_loads
-from heavylift.solver.bodies.ancf.step import (
-    add_gravity,
-    node_span,
-    scatter_back,
-    solve_forward,
-    write_free_bases,
-)
+from heavylift.solver.bodies.ancf.step import add_gravity, write_free_bases
+from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
 from heavylift.solver.interface import Workspace, complete_thesis, thesis_advance, thesis_velocity
 from heavylift.solver.kinds import implement
 
@@ -46,7 +41,7 @@ __all__: list[str] = []
 @implement(thesis_velocity, ShellMeshes)
 @kernel(internal=True)
 def thesis_velocity_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> None:
-    """``M v+ = M v + h ( f - Q(q) - damping )``, without joints."""
+    """``M (v+ - v) = h ( f - Q(q) - damping )``, without joints."""
     for body in range(kind.table.shape[0]):
         kind.body[body, TIME] = time
     gather_loads(kind, Q, work)
@@ -58,14 +53,14 @@ def thesis_velocity_meshes(kind: Meshes, time: float, step: float, work: Workspa
             right[i] = step * kind.nodal[LOAD, i]
             kind.nodal[MID_Q, i] = kind.nodal[Q, i]
         add_gravity(kind, body, work, step)
-        add_matrix_products(kind, body, V, 1.0 - step * viscous, Q, -step, RIGHT)
+        add_matrix_products(kind, body, V, -step * viscous, Q, -step, RIGHT)
         find_strains((kind,), body, Q, SHAPE_STRAIN)
         if stiff > 0.0:
             add_matrix_products(kind, body, V, 0.0, V, -step * stiff, RIGHT)
             add_strain_rates((kind,), body, Q, V, SHAPE_STRAIN, stiff)
         add_stress_forces((kind,), body, Q, SHAPE_STRAIN, RIGHT, -step)
         solve_forward(kind, body, MASS_SET)
-        write_free_bases(kind, body, work)
+        write_free_bases(kind, body, 1.0, work)
 
 
 @implement(complete_thesis, FrameMeshes)
@@ -78,7 +73,7 @@ def complete_thesis_meshes(kind: Meshes, systems, work: Workspace) -> None:  # t
         first, last = node_span(kind, body)
         scatter_back(kind, body, MASS_SET)
         for i in range(first, last):
-            kind.nodal[MID_V, i] = kind.nodal[RIGHT, i]
+            kind.nodal[MID_V, i] = kind.nodal[V, i] + kind.nodal[RIGHT, i]
 
 
 @implement(thesis_advance, FrameMeshes)

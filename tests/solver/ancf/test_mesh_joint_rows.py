@@ -16,8 +16,15 @@ from joint_scenes import RESIDUALS, Pose, make_joint
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.kind import MARKER_NUMBER, FrameMeshes, Q, ShellMeshes, V
-from heavylift.solver.bodies.ancf.stage import write_bases
-from heavylift.solver.connections import GROUND, EdgeClamp, EdgeHinge, FixedJoint, Hinge, JointFrame
+from heavylift.solver.connections import (
+    GROUND,
+    EdgeClamp,
+    EdgeHinge,
+    FixedJoint,
+    Hinge,
+    JointFrame,
+    axes_about,
+)
 from heavylift.solver.integrate.loop import start_scene
 from heavylift.solver.interface import (
     POINT,
@@ -118,7 +125,6 @@ class Model:
         self.layout = pack_scene(Scene(tuple(self.bodies.values()), forces, joints=tuple(self.joints)))
         start_scene(self.layout.bodies, self.layout.work, 0.0)
         self.kinds = [kind for kind in self.layout.bodies if isinstance(kind, (FrameMeshes, ShellMeshes))]
-        self.rigid = next(kind for kind in self.layout.bodies if kind not in self.kinds)
         for kind, of_type in zip(self.kinds, (FrameBody, ShellBody), strict=True):
             for line_of, body in zip(
                 kind.table, [b for b in self.bodies.values() if isinstance(b, of_type)], strict=True
@@ -127,15 +133,15 @@ class Model:
         self.start = [kind.nodal[Q].copy() for kind in self.kinds]
 
     def mesh(self, name: str, row: int = Q) -> np.ndarray:
-        """Vectors of the nodes of a mesh, shape (n, vectors, 3), a view."""
+        """Coordinates of the nodes of a mesh, shape (n, 3 vectors), a view."""
         body = self.bodies[name]
         kind = self.kinds[isinstance(body, ShellBody)]
         lanes, rows = len(kind.shape[1]), len(kind.shape[0])
         first = self.offsets[name]
-        nodes = kind.nodal[row].reshape(-1, lanes)[first : first + len(body.nodes), :rows]
-        return nodes.reshape(len(body.nodes), -1, 3) if False else nodes
+        return kind.nodal[row].reshape(-1, lanes)[first : first + len(body.nodes), :rows]
 
     def q(self, name: str) -> np.ndarray:
+        """Vectors of the nodes of a mesh, shape (n, vectors, 3)."""
         nodes = self.mesh(name)
         return nodes.reshape(len(nodes), -1, 3)
 
@@ -151,6 +157,13 @@ class Model:
         for name in self.meshes():
             self.mesh(name)[...] += 0.15 * rng.normal(size=self.mesh(name).shape)
             self.mesh(name, V)[...] = rng.normal(size=self.mesh(name).shape)
+
+    def rest(self, *, keep_velocity: bool = False) -> None:
+        """The shape of the start."""
+        for kind, start in zip(self.kinds, self.start, strict=True):
+            kind.nodal[Q] = start
+            if not keep_velocity:
+                kind.nodal[V] = 0.0
 
     def shift(self, step: float) -> None:
         for kind in self.kinds:
@@ -245,8 +258,13 @@ def model() -> Model:
     rng = np.random.default_rng(3)
     turns = [Rotation.random(rng=rng) for _ in range(6)]
     strip = rectangle(1.0, 0.6, 2, 2)
+    local = axes_about(np.array([1.0, 2.0, -0.5]))
+    flip = np.diag([1.0, -1.0, -1.0])  # the second frame runs the other way
+    turns[2] = turns[1] * Rotation.from_matrix(local @ (local @ flip).T)
     bodies: dict[str, Any] = {
-        "rod": RigidBody("rod", 2.0, np.diag([0.3, 0.4, 0.6]), orientation=turns[0].as_quat(scalar_first=True)),
+        "rod": RigidBody(
+            "rod", 2.0, np.diag([0.3, 0.4, 0.6]), orientation=turns[0].as_quat(scalar_first=True)
+        ),
         "f1": frame("f1", np.array([0.3, -0.2, 0.1]), turns[1]),
         "f2": frame("f2", np.zeros(3), turns[2]),
         "s1": shell("s1", quadrilateral(BENT, 2, 2), np.array([0.5, 0.0, 0.2]), turns[3]),
@@ -282,39 +300,46 @@ def model() -> Model:
             model.spots[name, side] = spot
 
     f1, f2 = (Spot(bodies[name], 1, (0.4,)) for name in ("f1", "f2"))
+    tangent = pose_of(bodies["f1"])[1] @ f1.vector(f1.start, 1)
+    across = np.linalg.svd(tangent[None])[2][1:]
     tilted = Rotation.random(rng=rng).as_matrix()
     on_frame(FixedJoint, "clamp_rigid", "f1", "rod", {"a": f1}, tilted)
     on_frame(FixedJoint, "clamp_ground", GROUND, "f1", {"b": f1}, tilted)
     on_frame(FixedJoint, "clamp_shell", "s1", "f2", {"a": Spot(bodies["s1"], 2, (0.7, 0.2)), "b": f2}, tilted)
-    tangent = pose_of(bodies["f1"])[1] @ f1.vector(f1.start, 1)
-    across = np.linalg.svd(tangent[None])[2][1:]
     on_frame(
         Hinge, "hinge_across", "f1", "s2", {"a": f1, "b": Spot(bodies["s2"], 0, (0.5, 0.5))},
-        np.column_stack([np.cross(across[0], tangent), tangent, across[0]]) * [1, 1, 1],
+        np.column_stack([np.cross(tangent, across[0]), tangent, across[0]]),
     )  # fmt: skip
     on_frame(
         Hinge, "hinge_along", "rod", "f1", {"b": f1},
         np.column_stack([across[0], np.cross(tangent, across[0]), tangent]),
     )  # fmt: skip
-    # the second frame turned in its own axes so that both tangents are one in axes of the joint
-    start2 = Spot(bodies["f2"], 0, (0.9,))
-    own = np.column_stack([across[0], np.cross(tangent, across[0]), tangent])
-    first = frame_at("f1", f1, np.zeros(3), own)
-    t2 = start2.vector(start2.start, 1)
-    m2 = np.linalg.svd(t2[None])[2][1]
-    second = JointFrame(start2.point, np.column_stack([m2, np.cross(t2, m2), t2]))
-    model.turned = (first, second)
+    weld = {
+        side: JointFrame(spot.point, axes) for side, spot, axes in (("a", f1, local), ("b", f2, local @ flip))
+    }
+    model.joints.append(
+        FixedJoint(name="weld", body_a="f1", body_b="f2", frame_a=weld["a"], frame_b=weld["b"])
+    )
+    model.spots["weld", "a"], model.spots["weld", "b"] = f1, f2
     edges = {name: rectangle(1.0, 0.6, 2, 2).edges for name in ("s2", "s3")}
     model.joints += [
         EdgeHinge(name="eh", body_a="s2", body_b="rod", nodes_a=edges["s2"]["y_min"]),
         EdgeClamp(name="ec", body_a="s2", body_b=GROUND, nodes_a=edges["s2"]["x_max"]),
         EdgeHinge(
-            name="sh", body_a="s2", body_b="s3", nodes_a=edges["s2"]["x_min"], nodes_b=edges["s3"]["x_max"][::-1]
+            name="sh",
+            body_a="s2",
+            body_b="s3",
+            nodes_a=edges["s2"]["x_min"],
+            nodes_b=edges["s3"]["x_max"][::-1],
         ),
-        EdgeClamp(name="sc", body_a="s3", body_b="s2", nodes_a=edges["s3"]["y_max"], nodes_b=edges["s2"]["y_min"]),
+        EdgeClamp(
+            name="sc", body_a="s3", body_b="s2", nodes_a=edges["s3"]["y_max"], nodes_b=edges["s2"]["y_min"]
+        ),
     ]
     forces = (
-        PointForce("push", "s3", Spot(bodies["s3"], 1, (0.3, 0.8)).point, np.zeros(1), np.ones((1, 3)), "body"),
+        PointForce(
+            "push", "s3", Spot(bodies["s3"], 1, (0.3, 0.8)).point, np.zeros(1), np.ones((1, 3)), "body"
+        ),
     )
     model.pack(forces)
     return model
@@ -329,7 +354,9 @@ def test_markers_move_as_their_jacobians_say(model: Model) -> None:
         work = model.layout.work
         numbers = np.concatenate([kind.markers[:, MARKER_NUMBER] for kind in model.kinds])
         slope = model.along(lambda: work.markers[numbers, POINT : POINT + 3])  # noqa: B023
-        np.testing.assert_allclose(work.markers[numbers, POINT_VELOCITY : POINT_VELOCITY + 3], slope, atol=1e-8)
+        np.testing.assert_allclose(
+            work.markers[numbers, POINT_VELOCITY : POINT_VELOCITY + 3], slope, atol=1e-8
+        )
         for kind in model.kinds:
             for number, body, *_ in kind.markers:
                 first, count = kind.table[body, 1], 3 * kind.table[body, 11]
@@ -339,3 +366,114 @@ def test_markers_move_as_their_jacobians_say(model: Model) -> None:
                 assert not J[:, count:].any()
                 seen += 1
     assert seen > 300
+
+
+FREE = 1e-8
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_rows_are_the_rates_of_what_they_keep(model: Model, seed: int) -> None:
+    """Jacobians times velocities against differences of the residuals, of all joints far from closed."""
+    model.bend(seed)
+    model.fill()
+    velocity = model.layout.work.velocity.copy()
+    for name in model.layout.block_names:
+        if name == "weld":
+            continue
+        rate = model.along(lambda: model.residual(name))  # noqa: B023
+        np.testing.assert_allclose(model.rows(name) @ velocity, rate, atol=FREE * max(1, np.abs(rate).max()))
+
+
+@pytest.mark.parametrize("name", ON_SHELLS)
+def test_joints_on_shells_keep_what_they_keep_on_rigid_bodies(model: Model, name: str) -> None:
+    """The triad of the slopes carries the joint frame."""
+    joint = next(joint for joint in model.joints if joint.name == name)
+    for seed in range(3):
+        model.bend(seed)
+        model.fill()
+        expected = RESIDUALS[name](model.side(joint, "a"), model.side(joint, "b"), 0.0)
+        np.testing.assert_allclose(model.residual(name), expected, atol=1e-12)
+
+
+def test_axes_of_a_following_force_are_the_triad_at_its_point(model: Model) -> None:
+    """Markers of the point force are the first of the scene: its point, then the axes of the body there."""
+    for seed in range(3):
+        model.bend(seed)
+        model.fill()
+        spot, q = Spot(model.bodies["s3"], 1, (0.3, 0.8)), model.q("s3")
+        position, R = pose_of(model.bodies["s3"])
+        found = model.layout.work.markers[:4, POINT : POINT + 3]
+        np.testing.assert_allclose(found[0], position + R @ spot.vector(q, 0), atol=1e-13)
+        axes = R @ spot.triad(q) @ spot.triad(spot.start).T
+        np.testing.assert_allclose(found[1:], axes.T, atol=1e-13)
+
+
+def test_fixed_joint_in_the_middle_of_a_shell_takes_six_motions(model: Model) -> None:
+    """Rank six, of rows as unit vectors; its flat start is no exception."""
+    model.rest()
+    model.fill()
+    rows = model.rows("fixed")
+    values = np.linalg.svd(rows / np.linalg.norm(rows, axis=1, keepdims=True), compute_uv=False)
+    assert len(values) == 6
+    assert values[-1] > 0.1 * values[0]
+
+
+@pytest.mark.parametrize("name", ["clamp_rigid", "clamp_ground", "clamp_shell", "weld", "hinge_along"])
+def test_clamped_frame_keeps_its_tangent_only(model: Model, name: str) -> None:
+    """Five rows: points, and a residual as long as the part of the tangent across its place."""
+    joint = next(joint for joint in model.joints if joint.name == name)
+    side, other = ("a", "b") if isinstance(model.bodies.get(joint.body_a), FrameBody) else ("b", "a")
+    spot = model.spots[name, side]
+    own = getattr(joint, f"frame_{side}").axes.T @ spot.vector(spot.start, 1)
+    for seed in range(3):
+        model.bend(seed)
+        model.fill()
+        body = getattr(joint, f"body_{side}")
+        tangent = pose_of(model.bodies[body])[1] @ spot.vector(model.q(body), 1)
+        if name == "weld":
+            tip = model.spots[name, other]
+            axis = pose_of(model.bodies["f2"])[1] @ tip.vector(model.q("f2"), 1)
+            axis, tangent = tangent / np.linalg.norm(tangent), axis
+        else:
+            axis = model.side(joint, other).axes @ own
+        residual = model.residual(name)
+        assert len(residual) == 5
+        assert np.linalg.norm(residual[3:]) == pytest.approx(
+            np.linalg.norm(tangent - (tangent @ axis) * axis), rel=1e-12
+        )
+
+
+def test_weld_follows_both_tangents(model: Model) -> None:
+    """Its rows are rates of the residual where it is closed."""
+    model.bend(1)
+    model.rest(keep_velocity=True)
+    model.fill()
+    np.testing.assert_allclose(model.residual("weld")[3:], 0.0, atol=1e-14)
+    rate = model.along(lambda: model.residual("weld"))
+    np.testing.assert_allclose(model.rows("weld") @ model.layout.work.velocity, rate, atol=FREE)
+
+
+def test_hinge_across_a_frame_keeps_the_tangent_square_to_its_axis(model: Model) -> None:
+    joint = next(joint for joint in model.joints if joint.name == "hinge_across")
+    spot = model.spots["hinge_across", "a"]
+    for seed in range(3):
+        model.bend(seed)
+        model.fill()
+        tangent = pose_of(model.bodies["f1"])[1] @ spot.vector(model.q("f1"), 1)
+        assert model.residual("hinge_across")[3:] == pytest.approx(
+            [tangent @ model.side(joint, "b").axes[:, 2]]
+        )
+
+
+@pytest.mark.parametrize(("name", "count"), [("eh", 5), ("ec", 7), ("sh", 6), ("sc", 8)])
+def test_edges_are_independent_rows_that_start_closed(model: Model, name: str, count: int) -> None:
+    """Straight edges: hinge of 5 and clamp of 7 rows a node on a body, of 6 and 8 rows on another shell."""
+    model.rest()
+    model.fill()
+    for node in range(3):
+        rows = model.rows(f"{name}.{node}")
+        assert len(rows) == count
+        values = np.linalg.svd(rows / np.linalg.norm(rows, axis=1, keepdims=True), compute_uv=False)
+        assert values[-1] > 0.1 * values[0]
+        if name in ("eh", "ec"):
+            np.testing.assert_allclose(model.residual(f"{name}.{node}"), 0.0, atol=1e-14)

@@ -1,0 +1,132 @@
+"""Substitutions with the factor of a mesh, and where its nodes and strains are.
+
+The mass matrix couples coordinates of the same axis only, and so does its factor. For frames, whose explicit schemes
+spend much of their time here, there are substitutions that read just that third of the blocks.
+"""
+
+from __future__ import annotations
+
+from heavylift.numerics.block_factor import backward_blocks, forward_blocks
+from heavylift.numerics.block_pattern import LOWER, LOWER_COUNT, NODE, PIVOT
+from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.ancf.assembly import set_size
+from heavylift.solver.bodies.ancf.kind import (
+    BASE_NODES,
+    FIRST_COLUMN,
+    FIRST_NODE,
+    FIRST_STRAIN,
+    FREE,
+    LAST_COLUMN,
+    MASS_SET,
+    NODES,
+    RIGHT,
+    STRAINS,
+    Meshes,
+)
+
+__all__ = ["copy_strains", "node_span", "scatter_back", "solve_forward"]
+
+LANES = 8
+"""Places of a node of a frame, and of a column of a block."""
+
+
+@kernel(inline=True, internal=True)
+def node_span(kind: Meshes, body: int) -> tuple[int, int]:
+    """Places of the nodes of a body in a row of `nodal`."""
+    lanes = len(kind.shape[1])
+    first = kind.table[body, FIRST_NODE] * lanes
+    return first, first + kind.table[body, NODES] * lanes
+
+
+@kernel(internal=True)
+def _forward_axes(kind: Meshes, body: int, base: int) -> None:
+    """`forward_blocks` with a factor that does not couple axes: two numbers a node and axis."""
+    x, blocks, lower = kind.nodal[RIGHT], kind.blocks, kind.lower
+    for column in range(kind.table[body, FIRST_COLUMN], kind.table[body, LAST_COLUMN]):
+        z, pivot = kind.columns[column, NODE] * LANES, base + kind.columns[column, PIVOT]
+        first, count = kind.columns[column, LOWER], kind.columns[column, LOWER_COUNT]
+        for k in range(3):
+            at = pivot + (LANES + 1) * k
+            a = x[z + k]
+            b = x[z + 3 + k] - blocks[at + 3] * a
+            a *= blocks[at]
+            b *= blocks[at + 3 * (LANES + 1)]
+            x[z + k], x[z + 3 + k] = a, b
+            for l in range(first, first + count):
+                later, place = lower[l, 0] * LANES + k, base + lower[l, 1] + (LANES + 1) * k
+                u, v = x[later], x[later + 3]
+                u -= blocks[place] * a + blocks[place + 3 * LANES] * b
+                v -= blocks[place + 3] * a + blocks[place + 3 * LANES + 3] * b
+                x[later], x[later + 3] = u, v
+
+
+@kernel(internal=True)
+def _backward_axes(kind: Meshes, body: int, base: int) -> None:
+    """`backward_blocks` with a factor that does not couple axes."""
+    x, blocks, lower = kind.nodal[RIGHT], kind.blocks, kind.lower
+    for column in range(kind.table[body, LAST_COLUMN] - 1, kind.table[body, FIRST_COLUMN] - 1, -1):
+        z, pivot = kind.columns[column, NODE] * LANES, base + kind.columns[column, PIVOT]
+        first, count = kind.columns[column, LOWER], kind.columns[column, LOWER_COUNT]
+        for k in range(3):
+            at = pivot + (LANES + 1) * k
+            a = b = 0.0
+            for l in range(first, first + count):
+                later, place = lower[l, 0] * LANES + k, base + lower[l, 1] + (LANES + 1) * k
+                u, v = x[later], x[later + 3]
+                a += blocks[place] * u + blocks[place + 3] * v
+                b += blocks[place + 3 * LANES] * u + blocks[place + 3 * LANES + 3] * v
+            b = x[z + 3 + k] - blocks[at + 3 * (LANES + 1)] * b
+            x[z + k], x[z + 3 + k] = x[z + k] - blocks[at] * a - blocks[at + 3] * b, b
+
+
+@kernel(internal=True)
+def solve_forward(kind: Meshes, body: int, which: int) -> None:
+    """Forward substitution of row `RIGHT` with the factor of a set; the bases are left with ``-J A^-1 r``."""
+    lanes = len(kind.shape[1])
+    first, last = node_span(kind, body)
+    right, free = kind.nodal[RIGHT], kind.nodal[FREE]
+    for i in range(first, last):
+        right[i] *= free[i]
+    for i in range(last, last + kind.table[body, BASE_NODES] * lanes):
+        right[i] = 0.0
+    if which == MASS_SET and lanes == LANES:
+        _forward_axes(kind, body, which * set_size(kind))
+        return
+    forward_blocks(
+        kind.shape,
+        kind.columns,
+        kind.lower,
+        kind.blocks,
+        which * set_size(kind),
+        kind.table[body, FIRST_COLUMN],
+        kind.table[body, LAST_COLUMN],
+        right,
+        0,
+    )
+
+
+@kernel(internal=True)
+def scatter_back(kind: Meshes, body: int, which: int) -> None:
+    """Back substitution of row `RIGHT`, with minus the impulses in the places of the bases."""
+    if which == MASS_SET and len(kind.shape[1]) == LANES:
+        _backward_axes(kind, body, which * set_size(kind))
+        return
+    backward_blocks(
+        kind.shape,
+        kind.columns,
+        kind.lower,
+        kind.blocks,
+        which * set_size(kind),
+        kind.table[body, FIRST_COLUMN],
+        kind.table[body, LAST_COLUMN],
+        kind.nodal[RIGHT],
+        0,
+    )
+
+
+@kernel(internal=True)
+def copy_strains(kind: Meshes, body: int, of: int, to: int) -> None:
+    """One row of `strains` into another, of one body."""
+    first = kind.table[body, FIRST_STRAIN]
+    for i in range(first, first + kind.table[body, STRAINS]):
+        kind.strains[to, i] = kind.strains[of, i]

@@ -1,0 +1,313 @@
+"""Frames and shells in the accurate integrator, and the longest steps of the explicit scheme."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from frame_oracle import OracleElement
+from frame_oracle import Section as OracleSection
+from scipy.integrate import solve_ivp
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
+from heavylift.solver.bodies.ancf.kind import MARKER_TYPE, STEP_LIMIT, TANGENT_MARKER, TRIAD_MARKER
+from heavylift.solver.bodies.ancf.stability import SHARE
+from heavylift.solver.connections import GROUND, Ball, FixedJoint, Hinge, JointFrame, Spring
+from heavylift.solver.integrate.accurate import make_integration
+from heavylift.solver.integrate.mesh_rates import highest_rate
+from heavylift.solver.interface import POINT, POINT_BIAS, POINT_VELOCITY, begin_stage
+from heavylift.solver.layout import pack_scene
+from heavylift.solver.mesh_shapes import rectangle
+from heavylift.solver.meshes import (
+    DistributedLoad,
+    FrameBody,
+    FrameSection,
+    MeshBody,
+    ShellBody,
+    ShellSection,
+    Support,
+)
+from heavylift.solver.scene import Gravity, RigidBody, Scene
+from heavylift.solver.simulation import Simulation
+
+LENGTH, AREA, DENSITY, INERTIA = 1.2, 0.0018, 5540.0, 1.215e-8
+G = 9.81
+
+
+def frame(count: int, **more: Any) -> FrameBody:
+    """The straight frame of the flexible pendulum of Berzeri and Shabana along x."""
+    x = np.linspace(0.0, LENGTH, count + 1)
+    section = FrameSection(
+        density=DENSITY, youngs_modulus=more.pop("modulus", 0.7e6), area=AREA, second_moment=INERTIA
+    )
+    return FrameBody(
+        name="frame",
+        nodes=np.column_stack([x, 0.0 * x, 0.0 * x]),
+        tangents=np.tile([1.0, 0.0, 0.0], (count + 1, 1)),
+        elements=np.column_stack([np.arange(count), np.arange(1, count + 1)]),
+        sections=(section,),
+        **more,
+    )
+
+
+def shell(count: tuple[int, int] = (2, 2), **more: Any) -> ShellBody:
+    mesh = rectangle(1.0, 0.8, *count)
+    return ShellBody(
+        name="shell",
+        nodes=mesh.nodes,
+        slopes=mesh.slopes,
+        elements=mesh.elements,
+        lengths=mesh.lengths,
+        sections=(ShellSection(thickness=0.01, density=1000.0, youngs_modulus=1e6, poissons_ratio=0.3),),
+        **more,
+    )
+
+
+def pinned(count: int, **more: Any) -> Scene:
+    held = (Support(np.array([0]), {"position": "xyz"}),)
+    return Scene(bodies=(frame(count, supports=held, **more),), forces=(Gravity(np.array([0.0, -G, 0.0])),))
+
+
+def channel(simulation: Simulation, records: np.ndarray, name: str) -> np.ndarray:
+    found = next(c for c in simulation.channels if c.name == name)
+    return records[:, found.column : found.column + len(found.components)]
+
+
+def accurately(scene: Scene, interval: float, count: int, tolerance: float) -> tuple[Simulation, np.ndarray]:
+    simulation = Simulation(scene, interval, "accurate", tolerance=tolerance)
+    _, records = simulation.advance(count)
+    assert simulation.outcome is Outcome.COMPLETED, simulation.message
+    return simulation, records
+
+
+def ends(first: str, a: Any, second: str, b: Any) -> dict[str, Any]:
+    """Of a joint between two points."""
+    frames = {
+        "frame_a": JointFrame(np.array(a, dtype=float)),
+        "frame_b": JointFrame(np.array(b, dtype=float)),
+    }
+    return {"body_a": first, "body_b": second, **frames}
+
+
+def weld(name: str, *points: Any) -> FixedJoint:
+    return FixedJoint(name=name, **ends(*points))
+
+
+def tip(simulation: Simulation, records: np.ndarray) -> np.ndarray:
+    return channel(simulation, records, "frame.position")[:, -3:]
+
+
+def oracle_tip(count: int, exact: bool, times: np.ndarray) -> np.ndarray:
+    """Of the pendulum, by elements of complex arithmetic and the method of another library."""
+    length = LENGTH / count
+    section = OracleSection(EA=0.7e6 * AREA, EI=0.7e6 * INERTIA, mass=DENSITY * AREA)
+    reference = np.array([[0.0, 0, 0], [1, 0, 0], [length, 0, 0], [1, 0, 0]])
+    element = OracleElement(reference, section, exact)
+    size = 6 * (count + 1)
+    M = np.zeros((size, size))
+    for e in range(count):
+        own = slice(6 * e, 6 * e + 12)
+        M[own, own] += np.kron(element.mass_matrix(), np.eye(3))
+    unit = np.tile([0.0, -G, 0.0, 0.0, 0.0, 0.0], count + 1)
+    weight = M @ unit
+    inverse = np.zeros((size, size))
+    inverse[3:, 3:] = np.linalg.inv(M[3:, 3:])
+    q0 = np.tile([0.0, 0, 0, 1, 0, 0], count + 1)
+    q0[::6] = length * np.arange(count + 1)
+
+    def rate(_: float, state: np.ndarray) -> np.ndarray:
+        q, force = state[:size], weight.copy()
+        for e in range(count):
+            own = slice(6 * e, 6 * e + 12)
+            force[own] -= element.forces(q[own], element.strains(q[own]))
+            if not exact:
+                force[own] -= np.kron(element.bending_matrix(), np.eye(3)) @ q[own]
+        return np.concatenate([state[size:], inverse @ force])
+
+    found = solve_ivp(
+        rate, (0.0, times[-1]), np.concatenate([q0, 0.0 * q0]), "DOP853", times, rtol=1e-10, atol=1e-10
+    )
+    return found.y[size - 6 : size - 3].T
+
+
+def test_the_pendulum_falls_as_independent_elements_do() -> None:
+    interval, count = 0.03, 10
+    expected = oracle_tip(3, exact=True, times=interval * np.arange(1, count + 1))
+    deviations = []
+    for tolerance in (1e-5, 1e-8):
+        found = accurately(pinned(3, model="exact"), interval, count, tolerance)
+        deviations.append(np.abs(tip(*found) - expected).max())
+    assert deviations[0] < 1e-5, deviations
+    assert deviations[1] < 1e-8, deviations
+
+
+def test_errors_follow_the_tolerance_and_energy_stays() -> None:
+    scene = pinned(8)
+    best = tip(*accurately(scene, 0.05, 12, 1e-12))
+    errors = []
+    for tolerance in (1e-5, 1e-7, 1e-9):
+        simulation, records = accurately(scene, 0.05, 12, tolerance)
+        errors.append(np.abs(tip(simulation, records) - best).max())
+        balance = channel(simulation, records, "energy.balance")
+        kinetic = channel(simulation, records, "energy.kinetic").max()
+        assert np.ptp(balance) < 30.0 * tolerance / 1e-5 * kinetic * 1e-5
+        assert errors[-1] < tolerance
+    assert errors[2] < 1e-2 * errors[0]
+
+
+def test_loads_and_dampers_are_in_the_balance() -> None:
+    load = DistributedLoad(
+        np.array([3.0, 0.0, 5.0]), times=np.array([0.0, 0.1, 0.2]), factors=np.array([0.0, 1, 0])
+    )
+    scene = pinned(3, loads=(load,), viscous_damping=2.0, stiffness_damping=1e-3)
+    simulation, records = accurately(scene, 0.02, 15, 1e-9)
+    assert channel(simulation, records, "energy.dissipated")[-1] > 0.1
+    assert abs(channel(simulation, records, "energy.external_work")[-1]) > 0.01
+    assert np.ptp(channel(simulation, records, "energy.balance")) < 1e-6
+
+
+def test_the_energy_momentum_scheme_comes_to_the_same_with_its_order() -> None:
+    best = tip(*accurately(pinned(3), 0.02, 10, 1e-11))
+    errors = []
+    for step in (2e-3, 1e-3, 5e-4):
+        every = round(0.02 / step)
+        simulation = Simulation(pinned(3, elasticity="energy-momentum"), step, record_every=every)
+        _, records = simulation.advance(10 * every)
+        errors.append(np.abs(tip(simulation, records) - best).max())
+    assert np.all(np.abs(np.log2(np.array(errors[:-1]) / errors[1:]) - 2.0) < 0.1), errors
+
+
+def rod_and_frame(elasticity: str = "auto") -> Scene:
+    """A rigid rod on a hinge, a frame on a ball at its end, square to it, and a spring from the ground to the frame."""
+    rod = RigidBody(
+        name="rod", mass=1.0, inertia=np.diag([1e-3, 0.02, 0.02]), position=np.array([-0.25, 0.0, 0.0])
+    )
+    body = frame(3, elasticity=elasticity, orientation=np.array([math.sqrt(0.5), 0.0, math.sqrt(0.5), 0.0]))
+    joints = (
+        Hinge(name="hinge", **ends(GROUND, (-0.5, 0, 0), "rod", (-0.25, 0, 0))),
+        Ball(name="ball", **ends("rod", (0.25, 0, 0), "frame", (0, 0, 0))),
+    )
+    spring = Spring(
+        name="spring",
+        body_a=GROUND,
+        point_a=np.array([0.0, 0.5, -0.9]),
+        body_b="frame",
+        point_b=np.array([0.9, 0.0, 0.0]),
+        length=0.4,
+        stiffness=20.0,
+    )
+    return Scene(bodies=(rod, body), joints=joints, forces=(Gravity(np.array([0.0, -G, 0.0])), spring))
+
+
+def test_joints_and_forces_act_through_material_points() -> None:
+    """The scheme of second order, extrapolated, and the energy; the ball stays closed."""
+    simulation, records = accurately(rod_and_frame(), 0.02, 10, 1e-10)
+    found = tip(simulation, records)
+    rough = []
+    for step in (1e-3, 5e-4):
+        every = round(0.02 / step)
+        other = Simulation(rod_and_frame("energy-momentum"), step, record_every=every)
+        _, others = other.advance(10 * every)
+        assert other.outcome is Outcome.COMPLETED, other.message
+        rough.append(tip(other, others))
+    coarse, fine = (np.abs(part - found).max() for part in rough)
+    assert fine < 1e-4
+    assert coarse / fine == pytest.approx(4.0, rel=0.05)
+    assert np.abs((4.0 * rough[1] - rough[0]) / 3.0 - found).max() < 0.01 * fine
+    assert np.ptp(channel(simulation, records, "energy.balance")) < 1e-7
+    assert channel(simulation, records, "joints.violation").max() < 1e-12
+
+
+@kernel
+def begin(bodies: Any, values: np.ndarray, size: int, work: Any) -> None:
+    begin_stage(bodies, 0.0, values, 0, size, work)
+
+
+def test_second_rates_of_directions_are_those_of_differences() -> None:
+    joints = (
+        weld("a", GROUND, (0.3, 0.3, 0.0), "shell", (0.3, 0.3, 0.0)),
+        weld("b", GROUND, (0.5, 0, 0), "frame", (0.5, 0, 0)),
+    )
+    layout = pack_scene(Scene(bodies=(frame(2), shell()), joints=joints), "accurate")
+    integration = make_integration(layout.bodies, layout.joints, layout.systems, layout.work)
+    size = len(integration.vectors) // 19
+    rng = np.random.default_rng(3)
+    types = set()
+    states, step = {}, 1e-5
+    for kind in layout.bodies:
+        place, count = kind.table[0, -1], kind.nodal.shape[1]
+        states[place] = (kind.nodal[0] + 0.1 * rng.normal(size=count), rng.normal(size=count))
+        types |= set(kind.markers[:, MARKER_TYPE])
+    assert {TANGENT_MARKER, TRIAD_MARKER} <= types
+
+    def markers(time: float) -> np.ndarray:
+        for place, (q, v) in states.items():
+            integration.vectors[place : place + len(q)] = q + time * v
+            integration.vectors[place + len(q) : place + 2 * len(q)] = v
+        begin(layout.bodies, integration.vectors, size, layout.work)
+        return layout.work.markers.copy()
+
+    centre, before, after = markers(0.0), markers(-step), markers(step)
+    for value, rate in ((POINT, POINT_VELOCITY), (POINT_VELOCITY, POINT_BIAS)):
+        slope = (after - before)[:, value : value + 3] / (2.0 * step)
+        largest = np.abs(slope).max()
+        assert largest > 0.1
+        np.testing.assert_allclose(centre[:, rate : rate + 3], slope, atol=1e-7 * max(1.0, largest))
+
+
+@pytest.mark.parametrize(("count", "expected"), [(10, 2.218e-3), (20, 1.083e-3)])
+def test_the_explicit_scheme_knows_its_longest_step(count: int, expected: float) -> None:
+    """Of eigenvalues of the dense matrices at rest."""
+    simulation = Simulation(pinned(count, elasticity="explicit"), 1e-4)
+    simulation.warm_up()
+    limit = simulation._layout.bodies[0].body[0, STEP_LIMIT]
+    assert limit == pytest.approx(SHARE * expected, rel=0.02)
+    body = pinned(count).bodies[0]
+    assert isinstance(body, MeshBody)
+    assert 0.5 * expected < 2.0 / highest_rate(body) < expected
+
+
+def test_a_longer_explicit_step_is_refused() -> None:
+    simulation = Simulation(pinned(10, elasticity="explicit"), 1.7e-3)
+    simulation.advance(3)
+    assert simulation.outcome is Outcome.STEP_TOO_LARGE
+    assert "frame" in simulation.message
+
+
+def test_auto_is_accurate_only_where_elements_are_slow() -> None:
+    soft, stiff = (Simulation(pinned(4, modulus=modulus), 0.01, "auto") for modulus in (0.7e6, 2.1e11))
+    assert soft.integrator == "accurate"
+    assert stiff.integrator == "dele2"
+    assert "vibrate" in stiff.choice
+
+
+@pytest.mark.slow
+def test_a_shell_on_a_hinge_and_a_fixed_joint() -> None:
+    """Accelerations of directions matter: energy is kept and the scheme of second order comes to the same."""
+
+    def scene(elasticity: str) -> Scene:
+        plate = RigidBody(
+            name="bar", mass=1.0, inertia=np.diag([0.01, 0.02, 0.02]), position=np.array([1.2, 0.4, 0.0])
+        )
+        joints = (
+            Hinge(name="hinge", **ends(GROUND, (0, 0.4, 0), "shell", (0, 0.4, 0))),
+            weld("weld", "shell", (1.0, 0.4, 0), "bar", (-0.2, 0, 0)),
+        )
+        gravity = Gravity(np.array([0.0, -1.0, -3.0]))
+        return Scene(bodies=(shell(elasticity=elasticity), plate), joints=joints, forces=(gravity,))
+
+    simulation, records = accurately(scene("auto"), 0.02, 10, 1e-9)
+    found = channel(simulation, records, "bar.position")
+    rough = []
+    for step in (1e-3, 5e-4):
+        every = round(0.02 / step)
+        other = Simulation(scene("energy-momentum"), step, record_every=every)
+        _, others = other.advance(10 * every)
+        rough.append(channel(other, others, "bar.position"))
+    coarse, fine = (np.abs(part - found).max() for part in rough)
+    assert coarse / fine == pytest.approx(4.0, rel=0.1)
+    assert np.ptp(channel(simulation, records, "energy.balance")) < 1e-6
+    assert channel(simulation, records, "joints.violation").max() < 1e-10
