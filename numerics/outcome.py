@@ -38,7 +38,7 @@ _TEXTS = {
     Outcome.CHECK_FAILED: "a check failed",
     Outcome.BAD_INPUT: "bad input",
     Outcome.NOT_FINITE: "stopped: a value is not finite",
-    Outcome.STEP_TOO_LARGE: "stopped: the step is too large for the rotation speed",
+    Outcome.STEP_TOO_LARGE: "stopped: the step is too large",
     Outcome.INTERRUPTED: "interrupted",
     Outcome.DISK_FULL: "stopped: the disk is full",
     Outcome.LOCKED: "another run works in this folder",

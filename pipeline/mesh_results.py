@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.storage import replacing
 
 if TYPE_CHECKING:
@@ -97,11 +96,15 @@ class MeshShape:
 
     def world_nodes(self) -> NDArray[np.float64]:
         """Positions of the nodes in the world [m], shape (n, 3)."""
+        from heavylift.numerics.rotation import rotation_matrix
+
         points: NDArray[np.float64] = self.position + self.nodes @ rotation_matrix(self.orientation).T
         return points
 
     def world_vectors(self) -> NDArray[np.float64]:
         """Derivatives at the nodes in world axes, shape of `vectors`."""
+        from heavylift.numerics.rotation import rotation_matrix
+
         turned: NDArray[np.float64] = self.vectors @ rotation_matrix(self.orientation).T
         return turned
 

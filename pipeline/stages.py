@@ -26,7 +26,14 @@ __all__ = ["STAGES", "RunReport", "StageReport", "load_changed_case", "run_case"
 
 STAGES = ("mesh", "modes", "simulate", "report")
 
-REPORTED = {Outcome.NOT_FINITE, Outcome.STEP_TOO_LARGE}
+REPORTED = {
+    Outcome.NOT_FINITE,
+    Outcome.STEP_TOO_LARGE,
+    Outcome.NOT_CONVERGED,
+    Outcome.NOT_CLOSED,
+    Outcome.STEP_TOO_SMALL,
+    Outcome.STRAINS_LOST,
+}
 """Ends of a simulation that leave results worth a report; after the others there is no disk, or no wish."""
 
 

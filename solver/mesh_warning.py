@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from heavylift.solver.interface import STATUS_BODY
 from heavylift.solver.layout import Layout
 
-__all__ = ["mesh_warning"]
+__all__ = ["explicit_limit", "mesh_warning"]
 
 
 def mesh_warning(layout: Layout) -> str:
@@ -43,3 +44,22 @@ def mesh_warning(layout: Layout) -> str:
                     " 'auto'"
                 )
     return "; ".join(parts)
+
+
+def explicit_limit(layout: Layout) -> str:
+    """What would have helped the body that stopped, if its step was explicit; empty if not.
+
+    Parameters
+    ----------
+    layout
+        Packed scene whose status names the body.
+    """
+    for kind in layout.bodies:
+        if "strains" not in kind._fields:
+            continue
+        from heavylift.solver.bodies.ancf.kind import NUMBER, STEP_LIMIT
+
+        for line, numbers in zip(kind.table, kind.body, strict=True):
+            if line[NUMBER] == layout.work.status[STATUS_BODY]:
+                return f"a step below {numbers[STEP_LIMIT]:.3g} s, the limit of explicit elastic forces"
+    return ""

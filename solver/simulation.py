@@ -18,7 +18,7 @@ from heavylift.solver.integrate.choice import check_integrator, choose_integrato
 from heavylift.solver.integrate.loop import start_scene, write_record
 from heavylift.solver.interface import NEXT_STEP, STATUS_BLOCK, STATUS_BODY, STATUS_OUTCOME, STEP_COUNT
 from heavylift.solver.layout import Channel, pack_scene
-from heavylift.solver.mesh_warning import mesh_warning
+from heavylift.solver.mesh_warning import explicit_limit, mesh_warning
 from heavylift.solver.rows import LAST_REACTION, REACTION, ROW_COLUMNS
 from heavylift.solver.scene import Scene
 
@@ -36,6 +36,8 @@ INTEGRATORS = {
 
 DEFAULT_TOLERANCES = {"dele2": 1e-5, "accurate": 1e-7}
 """[m]; of the displacement in a step."""
+
+TURNS_TOO_FAR = "a smaller step: the body turns too far in one step"
 
 _CARRIED = (
     "frame",
@@ -342,7 +344,7 @@ class Simulation:
         self.outcome = Outcome(int(status[STATUS_OUTCOME]))
         remedy, part = {
             Outcome.NOT_FINITE: ("a smaller step, or loads and initial values of a sensible size", "body"),
-            Outcome.STEP_TOO_LARGE: ("a smaller step: the body turns too far in one step", "body"),
+            Outcome.STEP_TOO_LARGE: (explicit_limit(layout) or TURNS_TOO_FAR, "body"),
             Outcome.STEP_TOO_SMALL: ("a larger tolerance, or 'dele2' for a stiff scene", "body"),
             Outcome.NOT_CLOSED: (
                 "a smaller step or tolerance, loads of a sensible size, a rope that is not hauled in whole",

@@ -16,11 +16,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.integrate.static_newton import BALANCED, CLOSED, Progress, correct, large
+from heavylift.solver.integrate.static_newton import BALANCED, CLOSED, ROUNDED, Progress, correct, large
 from heavylift.solver.integrate.static_problem import (
     StaticProblem,
     factorise,
     measure,
+    rounding_floor,
     stability_shift,
     unstable_count,
 )
@@ -179,18 +180,20 @@ def _step(
     problem.move(went)
     factor = progress.factor + more
     multipliers = progress.multipliers + more * tangent[1]
-    last = np.inf
+    last, floor = np.inf, 0.0
     for iteration in range(1, PATIENCE + 1):
         now = measure(problem, factor, multipliers)
         if not np.isfinite(now.residual):
             return None
-        good = now.residual <= POLISHED or (now.residual <= BALANCED and now.residual > 0.3 * last)
+        enough = max(BALANCED, min(floor, ROUNDED))
+        good = now.residual <= POLISHED or (now.residual <= enough and now.residual > 0.3 * last)
         if now.gap_size <= CLOSED and good:
             progress.factor, progress.multipliers, progress.residual = factor, multipliers, now.residual
             return went, iteration
         last = now.residual
         K = problem.tangent(factor, multipliers)
         progress.iterations += 1
+        floor = rounding_floor(problem, K, now.weight)
         solver = factorise(problem, K, now.G, 0.0, check=False)
         if solver is None:
             return None

@@ -19,11 +19,12 @@ from heavylift.solver.integrate.static_problem import (
     StaticProblem,
     factorise,
     measure,
+    rounding_floor,
     stability_shift,
     unstable_count,
 )
 
-__all__ = ["BALANCED", "CLOSED", "Progress", "correct", "large", "push", "stiffness"]
+__all__ = ["BALANCED", "CLOSED", "ROUNDED", "Progress", "correct", "large", "push", "stiffness"]
 
 BALANCED = 1e-8
 """Residual relative to the loads that counts as equilibrium; iterations go on below it while they help."""
@@ -111,7 +112,7 @@ def correct(
     """
     multipliers, mass = progress.multipliers.copy(), problem.mass.diagonal()
     went = np.zeros(problem.count)
-    last, best, grown, size = np.inf, np.inf, 0, np.inf
+    last, best, grown, size, floor = np.inf, np.inf, 0, np.inf, 0.0
     for iteration in range(patience + 1):
         now = measure(problem, factor, multipliers)
         force = now.force - anchor * mass * went
@@ -120,7 +121,8 @@ def correct(
         if not np.isfinite(residual):
             return False
         still = size <= STILL and residual <= ROUNDED
-        balanced = residual <= POLISHED or (residual <= tolerance and residual > 0.3 * last)
+        enough = max(tolerance, min(floor, ROUNDED))
+        balanced = residual <= POLISHED or (residual <= enough and residual > 0.3 * last)
         if now.gap_size <= CLOSED and (balanced or still or (tolerance > BALANCED and residual <= tolerance)):
             progress.multipliers, progress.factor = multipliers, factor
             return True
@@ -130,6 +132,7 @@ def correct(
         last, best = residual, min(best, residual)
         K = problem.tangent(factor, multipliers)
         progress.iterations += 1
+        floor = rounding_floor(problem, K, now.weight)
         solver = (
             _positive(problem, K, now, anchor) if damped else factorise(problem, K, now.G, 0.0, check=False)
         )

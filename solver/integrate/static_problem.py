@@ -37,6 +37,7 @@ PENALTY = 1e3
 NEUTRAL = 1e-8
 """Of the squared frequency that loads and size of a scene make: a stiffness below it is none."""
 
+EPSILON = 2e-16
 LEAST_FACTOR = 1e-3
 """Of the loads that residuals are compared with, however small the factor is."""
 
@@ -135,6 +136,15 @@ def measure(problem: StaticProblem, factor: float, multipliers: NDArray[np.float
     return Balance(
         force, load, G, gap, residual, float(np.abs(gap).max(initial=0.0)) / problem.length, weight
     )
+
+
+def rounding_floor(problem: StaticProblem, K: Any, weight: float) -> float:
+    """Residual relative to the loads that rounding leaves: forces are differences of far larger ones."""
+    reference = np.where(np.isfinite(problem.scale), 1.0, 1.0 / problem.length)
+    reference[problem.positions] = problem.length
+    force = abs(K) @ reference
+    noise = EPSILON * float(np.sqrt(np.sum(force * force / problem.mass.diagonal())))
+    return noise / weight if weight > 0.0 else 0.0
 
 
 def stability_shift(problem: StaticProblem, K: Any, weight: float) -> float:

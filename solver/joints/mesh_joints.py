@@ -124,8 +124,10 @@ def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, AnyBody]) -> Joint
         tangent is None or np.linalg.norm(np.cross(tangent, z)) <= ALONG for tangent in tangents
     )
     a, b = tangents
+    tangent = a if a is not None else b
+    assert tangent is not None
     if not axis:
-        _refuse_opposite(joint, place, a, b)
+        _refuse_opposite(joint, place, tangent)
     if a is not None and b is not None:
         if axis or not np.linalg.norm(np.cross(a, b)) <= ALONG:
             raise InputError(
@@ -137,8 +139,6 @@ def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, AnyBody]) -> Joint
                 f" else {BETWEEN}",
             )
         return FrameWeld(**common, normal=place.frames[0].axes @ _across(a)[0])
-    tangent = a if a is not None else b
-    assert tangent is not None
     if axis:
         if not abs(tangent[2]) <= ALONG:
             raise InputError(
@@ -158,11 +158,8 @@ def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, AnyBody]) -> Joint
     return SquareJoint(**common, squares=squares)
 
 
-def _refuse_opposite(
-    joint: Joint, place: JointPlace, a: NDArray[np.float64] | None, b: NDArray[np.float64] | None
-) -> None:
+def _refuse_opposite(joint: Joint, place: JointPlace, tangent: NDArray[np.float64]) -> None:
     """Rows on tangents vanish for opposite ones too; what the joint wants is told by its axes."""
-    tangent = a if a is not None else b
     one, other = (frame.axes @ tangent for frame in place.frames)
     if not one @ other > 0.0:
         raise InputError(

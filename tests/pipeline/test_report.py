@@ -286,7 +286,7 @@ def test_a_run_that_stopped_without_any_file_is_the_verdict(case, tmp_path, monk
     manifest = {"outcome": "step_too_large", "message": "bar turns 2 rad a step"}
     write_json(OutputFolder(out).manifest("simulate"), manifest)
     _, _, text, _ = read(write_report(case, out / "report", out))
-    assert "Stopped: the step is too large for the rotation speed. bar turns 2 rad a step." in text
+    assert "Stopped: the step is too large. bar turns 2 rad a step." in text
     manifest = {"outcome": "interrupted", "message": ""}
     write_json(OutputFolder(out).manifest("simulate"), manifest)
     files, *_ = read(write_report(case, out / "report", out))

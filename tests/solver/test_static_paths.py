@@ -27,7 +27,9 @@ def chain(links: bool, upright: bool = False) -> Truss:
     nodes = np.column_stack([np.zeros(n + 1), along] if upright else [along, np.zeros(n + 1)])
     pairs = [[i, i + 1] for i in range(n)]
     load = np.tile([0.0, -10.0], n)
-    return Truss(nodes, [] if links else pairs, 1e8, np.arange(2, 2 * n + 2), load, links=pairs if links else [])
+    return Truss(
+        nodes, [] if links else pairs, 1e8, np.arange(2, 2 * n + 2), load, links=pairs if links else []
+    )
 
 
 def test_load_steps_reach_the_closed_solution_below_the_limit_load() -> None:

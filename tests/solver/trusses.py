@@ -42,7 +42,11 @@ class Truss:
         mass: float = 1.0,
     ) -> None:
         self.x = np.array(nodes, dtype=float)
-        self.bars, self.stiffness, self.free = np.array(bars, dtype=int).reshape(-1, 2), stiffness, np.array(free)
+        self.bars, self.stiffness, self.free = (
+            np.array(bars, dtype=int).reshape(-1, 2),
+            stiffness,
+            np.array(free),
+        )
         self.load = np.array(load, dtype=float)
         placed = np.linalg.norm(np.diff(self.x[self.bars], axis=1).reshape(-1, 2), axis=1)
         self.lengths = placed if lengths is None else np.array(lengths, dtype=float)
@@ -112,9 +116,7 @@ class Truss:
 
 def shallow_truss(load: float, height: float = 0.2, stiffness: float = 1e4) -> Truss:
     """Two bars from supports at x = -1 and 1 m to an apex, which is loaded downwards."""
-    return Truss(
-        [[-1.0, 0.0], [1.0, 0.0], [0.0, height]], [[0, 2], [1, 2]], stiffness, [4, 5], [0.0, -load]
-    )
+    return Truss([[-1.0, 0.0], [1.0, 0.0], [0.0, height]], [[0, 2], [1, 2]], stiffness, [4, 5], [0.0, -load])
 
 
 def apex_load(z: float, height: float = 0.2, stiffness: float = 1e4) -> float:

@@ -137,11 +137,9 @@ def cantilevers(modulus: float, **more: Any) -> Part:
 def bridge(**more: Any) -> Part:
     """Three soft frames on balls from bank to bank, released level, and what keeps the kinds of a scene the same."""
     places = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.8, 0.1, 0.0], [2.4, 0.0, 0.0]])
-    bodies: list[Any] = []
-    joints: list[Any] = []
     names = (GROUND, "first", "second", "third", GROUND)
-    for i in range(3):
-        bodies.append(bar(names[i + 1], places[i], places[i + 1], 3, 1e7, **more))
+    bodies: list[Any] = [bar(names[i + 1], places[i], places[i + 1], 3, 1e7, **more) for i in range(3)]
+    joints: list[Any] = []
     for i, place in enumerate(places):
         frame = JointFrame(place)
         joints.append(

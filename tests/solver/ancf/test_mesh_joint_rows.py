@@ -16,6 +16,7 @@ from joint_scenes import RESIDUALS, Pose, make_joint
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.kind import MARKER_NUMBER, FrameMeshes, Q, ShellMeshes, V
+from heavylift.solver.bodies.ancf.second_rates import write_second_rates
 from heavylift.solver.connections import (
     GROUND,
     EdgeClamp,
@@ -30,6 +31,7 @@ from heavylift.solver.interface import (
     POINT,
     POINT_VELOCITY,
     RECORD,
+    fill_bias,
     fill_markers,
     fill_rows,
     set_targets,
@@ -38,7 +40,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.mesh_shapes import line, quadrilateral, rectangle
 from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSection
-from heavylift.solver.rows import DOF, PANEL, RESIDUAL, ROW_COLUMNS, SCALE, WIDTH
+from heavylift.solver.rows import DOF, PANEL, RESIDUAL, ROW_COLUMNS, SCALE, TARGET, WIDTH
 from heavylift.solver.scene import PointForce, RigidBody, Scene
 
 ON_SHELLS = ("ball", "distance", "fixed", "hinge", "planar", "slider", "universal")
@@ -52,6 +54,18 @@ def probe(bodies: Any, joints: Any, system: Any, work: Any) -> None:
     fill_rows(joints, True, work, system)
     set_targets(joints, 0.0, 0.1, False, work, system)
     write_velocity(bodies, work)
+
+
+@kernel
+def probe_second_rates(kind: Any, work: Any) -> None:
+    """Second rates of the markers on a mesh without accelerations of its nodes."""
+    write_second_rates(kind, RECORD, work)
+
+
+@kernel
+def probe_targets(joints: Any, system: Any, work: Any) -> None:
+    """Targets of accelerations."""
+    fill_bias(joints, 0.0, work, system)
 
 
 def cubic(t: float, derivative: int = 0) -> np.ndarray:
@@ -184,6 +198,26 @@ class Model:
             self.shift(-i * h)
         self.fill()
         return (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * h)
+
+    def targets(self, name: str) -> np.ndarray:
+        """Of the accelerations of the rows of a joint."""
+        layout = self.layout
+        self.fill()
+        for kind in self.kinds:
+            probe_second_rates(kind, layout.work)
+        probe_targets(layout.joints, layout.systems[0], layout.work)
+        block = self.block(name)
+        return self.table[block, TARGET][self.table[block, SCALE] > 0.0].copy()
+
+    def second(self, name: str, h: float = 1e-3) -> np.ndarray:
+        """Second difference of the residual of a joint along even motions of all nodes."""
+        values = []
+        for i in (-2, -1, 0, 1, 2):
+            self.shift(i * h)
+            self.fill()
+            values.append(self.residual(name).copy())
+            self.shift(-i * h)
+        return (-values[0] + 16 * values[1] - 30 * values[2] + 16 * values[3] - values[4]) / (12 * h * h)
 
     @property
     def table(self) -> np.ndarray:
@@ -477,3 +511,30 @@ def test_edges_are_independent_rows_that_start_closed(model: Model, name: str, c
         assert values[-1] > 0.1 * values[0]
         if name in ("eh", "ec"):
             np.testing.assert_allclose(model.residual(f"{name}.{node}"), 0.0, atol=1e-14)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_targets_of_accelerations_are_second_derivatives(model: Model, seed: int) -> None:
+    """For integrators that work with accelerations: what the rows would do if no node accelerated."""
+    model.bend(seed)
+    for name in model.layout.block_names:
+        if name != "weld":
+            second = model.second(name)
+            np.testing.assert_allclose(
+                model.targets(name), -second, atol=2e-6 * max(1.0, np.abs(second).max())
+            )
+
+
+def test_weld_bends_as_its_stretch_changes(model: Model) -> None:
+    """One linear map moves both frames, and the second stretches as well: the tangents part with the square of time."""
+    model.bend(0)
+    model.rest(keep_velocity=True)
+    rng = np.random.default_rng(4)
+    A = 0.3 * rng.normal(size=(3, 3))
+    for name, stretch in (("f1", 0.0), ("f2", 0.4)):
+        _, R = pose_of(model.bodies[name])
+        q = model.q(name) @ R.T
+        model.mesh(name, V)[...] = ((q @ A.T + stretch * q) @ R).reshape(len(q), -1)
+    second = model.second("weld")
+    assert np.abs(second[3:]).max() > 1e-2
+    np.testing.assert_allclose(model.targets("weld")[3:], -second[3:], atol=1e-6)
