@@ -8,15 +8,24 @@ from heavylift.solver.layout import Layout
 __all__ = ["explicit_limit", "mesh_warning"]
 
 
-def mesh_warning(layout: Layout) -> str:
+LARGEST_LOSS = 0.02
+"""Energy that a scene with meshes loses without dampers, relative to the largest in motion, that is worth a warning."""
+
+
+def mesh_warning(layout: Layout, loss: float) -> str:
     """Meshes whose carried strains drifted too far, as a sentence; empty if none.
 
     Parameters
     ----------
     layout
         Packed scene after a run. Scenes without meshes import nothing for this.
+    loss
+        Largest loss of the energy balance relative to the largest kinetic and elastic energy.
     """
     parts = []
+    meshes = any("strains" in kind._fields for kind in layout.bodies)
+    if meshes and loss > LARGEST_LOSS:
+        parts.append(f"the balance of energy lost {loss:.1%} of the largest energy in motion: take a smaller step")
     for kind in layout.bodies:
         if "strains" not in kind._fields:
             continue
@@ -34,8 +43,8 @@ def mesh_warning(layout: Layout) -> str:
             name = layout.body_names[line[NUMBER]]
             if numbers[CHANGED_OVER]:
                 parts.append(
-                    f"{name!r} changed over to the energy-momentum scheme at t = {numbers[CHANGE_TIME]:.6g} s, where its"
-                    f" carried strains had drifted by more than {numbers[DRIFT_TOLERANCE]:g}"
+                    f"{name!r} changed over to the energy-momentum scheme at t = {numbers[CHANGE_TIME]:.6g} s,"
+                    f" where its carried strains had drifted by more than {numbers[DRIFT_TOLERANCE]:g}"
                 )
             elif line[SCHEME] == CARRIED and numbers[LARGEST_DRIFT] > numbers[DRIFT_TOLERANCE]:
                 parts.append(

@@ -53,6 +53,9 @@ _CARRIED = (
 LARGEST_GAIN = 0.02
 """Gain of the energy balance, relative to the largest kinetic and elastic energy, that is worth a warning."""
 
+SMALLEST_ENERGY, ROUNDING = 1e-9, 1e-9
+"""Least scale of the energy [J], and relative to the largest potential energy."""
+
 FIRST_STEP = 1e-3
 """Of the output interval: the first step that is tried with a tolerance."""
 PROBE_STEP, SMALLEST_PROBE = 1e-4, 1e-8
@@ -172,7 +175,7 @@ class Simulation:
         self.cpu_seconds = 0.0
         self.compile_seconds = 0.0
         self._first_balance: float | None = None
-        self._gain = self._energy = 0.0
+        self._gain = self._loss = self._energy = 0.0
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()
@@ -307,14 +310,21 @@ class Simulation:
         return times, records[:count]
 
     def _watch_energy(self, records: NDArray[np.float64]) -> None:
-        """Largest gain of the energy balance since the first record, and largest energy in motion."""
+        """Largest gain and loss of the energy balance since the first record, and largest energy in motion.
+
+        Notes
+        -----
+        What rounding does to scenes at rest is not worth a word, so the scale has a floor.
+        """
         column = {channel.name: channel.column for channel in self.channels}
         balance = records[:, column["energy.balance"]]
         moving = records[:, column["energy.kinetic"]] + records[:, column["energy.elastic"]]
         if len(balance) and np.all(np.isfinite(balance)):
             self._first_balance = balance[0] if self._first_balance is None else self._first_balance
             self._gain = max(self._gain, float(balance.max() - self._first_balance))
-            self._energy = max(self._energy, float(moving.max()))
+            self._loss = max(self._loss, float(self._first_balance - balance.min()))
+            floor = SMALLEST_ENERGY + ROUNDING * float(np.abs(records[:, column["energy.potential"]]).max())
+            self._energy = max(self._energy, float(moving.max()), floor)
 
     def _call(self, first: int, last: int, every: int, records: NDArray[np.float64]) -> int:
         layout = self._layout
@@ -377,7 +387,7 @@ class Simulation:
                 f"energy grew by {self._gain:.3g} J beyond the work done, {self._gain / self._energy:.1%} of the"
                 " largest kinetic and elastic energy: take a smaller step, or damping in stops and ropes"
             )
-        drifted = mesh_warning(self._layout)
+        drifted = mesh_warning(self._layout, self._loss / self._energy if self._energy > 0.0 else 0.0)
         if drifted:
             return drifted
         if self.integrator == "accurate":

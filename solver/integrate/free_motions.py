@@ -52,7 +52,7 @@ def find_free_motions(system: MeshSystem) -> FreeMotions:
         The scene.
     """
     places = system.rows.survey()[0]
-    motions, fixed, parameters, owner = _rigid_motions(system, places)
+    motions, fixed, parameters = _rigid_motions(system, places)
     if not motions.shape[1]:
         return FreeMotions(0, "", "")
     parts = [fixed, _unit(system.all_rows() @ motions)]
@@ -86,7 +86,7 @@ def _unit(rows: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _rigid_motions(
     system: MeshSystem, places: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Independent rigid motions of all bodies.
 
     Returns
@@ -97,11 +97,9 @@ def _rigid_motions(
         Of the coordinates that are held, in units of the size of their body, shape (m, n).
     parameters
         Velocity of the point and spin of each body as in `survey`, shape (6 bodies, n).
-    owner
-        Number of the body of each motion.
     """
     bodies = len(places)
-    motions, fixed, parameters, owner = [], [], [], []
+    motions, fixed, parameters = [], [], []
     for number, (kind, matrices, first) in system.body_unknowns().items():
         row = int(np.flatnonzero(kind.table[:, NUMBER] == number)[0])
         line, numbers = kind.table[row], kind.body[row]
@@ -135,7 +133,6 @@ def _rigid_motions(
         scaled = np.zeros((6 * bodies, basis.shape[1]))
         scaled[6 * number : 6 * number + 6] = basis / np.array([1.0, 1.0, 1.0, size, size, size])[:, None]
         parameters.append(scaled)
-        owner += [number] * basis.shape[1]
     rows = system.rows
     for number in range(bodies):
         dofs = np.flatnonzero(rows.owner[system.dofs] == number)
@@ -148,17 +145,11 @@ def _rigid_motions(
             motions.append(own)
             parameters.append(given)
             fixed.append(np.zeros((0, 1)))
-            owner.append(number)
     if not motions:
-        return (
-            np.zeros((system.count, 0)),
-            np.zeros((0, 0)),
-            np.zeros((6 * bodies, 0)),
-            np.zeros(0, dtype=np.int64),
-        )
+        return np.zeros((system.count, 0)), np.zeros((0, 0)), np.zeros((6 * bodies, 0))
     from scipy.linalg import block_diag
 
-    return np.hstack(motions), block_diag(*fixed), np.hstack(parameters), np.array(owner)
+    return np.hstack(motions), block_diag(*fixed), np.hstack(parameters)
 
 
 def _words(system: MeshSystem, places: NDArray[np.float64], free: NDArray[np.float64]) -> str:

@@ -128,8 +128,10 @@ class MeshSystem:
         """Size of the scene [m]."""
         places, inertia = self.rows.survey()[:2]
         sizes = [float(size) for kind in self.meshes for size in kind.body[:, SIZE]]
-        for first in self.rows.owner_starts[np.isin(self.rows.owner_starts, self.dofs)]:
-            sizes.append(2.0 * float(np.sqrt(inertia[first + 3 : first + 6].max() / inertia[first])))
+        sizes += [
+            2.0 * float(np.sqrt(inertia[first + 3 : first + 6].max() / inertia[first]))
+            for first in self.rows.owner_starts[np.isin(self.rows.owner_starts, self.dofs)]
+        ]
         largest = max(sizes, default=0.0)
         return max(largest, float(np.linalg.norm(np.ptp(places[:, 1:4], axis=0)))) or 1.0
 
@@ -196,7 +198,7 @@ class MeshSystem:
         force = np.zeros(self.count)
         for kind, matrices, part in zip(self.meshes, self.matrices, self._split(force), strict=True):
             fill_stress_forces(kind)
-            part += kind.nodal[RIGHT, matrices.places] + matrices.bending_force(kind.nodal[Q])
+            part[:] = kind.nodal[RIGHT, matrices.places] + matrices.bending_force(kind.nodal[Q])
         if self._has_inner():
             pull, _ = self._inner_pull()
             force -= self.T.T @ pull
@@ -209,7 +211,7 @@ class MeshSystem:
         force = np.zeros(self.count)
         for kind, matrices, part in zip(self.meshes, self.matrices, self._split(force), strict=True):
             fill_weight_and_loads(kind, layout.work, self.rows.time)
-            part += (kind.nodal[RIGHT] + kind.nodal[LOAD])[matrices.places]
+            part[:] = (kind.nodal[RIGHT] + kind.nodal[LOAD])[matrices.places]
         if len(self.dofs):
             pull = np.zeros(len(self.rows.inertia))
             collect_load(self.others, layout.work, pull)
@@ -239,7 +241,7 @@ class MeshSystem:
         return pull
 
     def _inner_pull(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Forces of everything but loads, rigid joints and meshes (dof_count); reactions of the compliant rows (rows)."""
+        """Forces of all but loads, rigid joints and meshes (dof_count); reactions of the compliant rows (rows)."""
         rows, layout = self.rows, self.layout
         layout.work.velocity[:] = 0.0
         if layout.systems:
@@ -347,7 +349,7 @@ class MeshSystem:
         return bool(self._inner) or (bool(self.layout.systems) and not bool(np.all(self.rows.rigid)))
 
     def between(self, factor: float, multipliers: NDArray[np.float64] | None = None) -> Any:
-        """Minus the derivative of forces on bases and other bodies, reactions kept; by velocities of the workspace."""
+        """Minus the derivative of forces on bases and other bodies by velocities of the workspace; reactions kept."""
         from scipy.sparse import csc_array
 
         count = len(self.rows.inertia)
@@ -366,11 +368,11 @@ class MeshSystem:
             entries.append((places, np.full(len(places), column), slope[places]))
         if not entries:
             return csc_array((count, count))
-        row, column, value = (np.concatenate(part) for part in zip(*entries, strict=True))
-        return csc_array((value, (row, column)), shape=(count, count))
+        heights, columns, values = (np.concatenate(part) for part in zip(*entries, strict=True))
+        return csc_array((values, (heights, columns)), shape=(count, count))
 
     def _directions(self) -> list[tuple[int, NDArray[np.float64], float]]:
-        """Velocity of the workspace, displacement of the unknowns that belongs to it alone, length of the difference."""
+        """Velocity of the workspace, displacement of the unknowns that belongs to it alone, step of the difference."""
         found = []
         for first, changes, dofs, kind in zip(
             self.first[:-1], self._changes, self.base_dofs, self.meshes, strict=True

@@ -187,7 +187,7 @@ class _Motion:
         ]
         | None
     ):
-        """Velocity, accelerations, multipliers, displacement, kinetic energy, energy growth and iterations of a step."""
+        """Velocity, accelerations, multipliers, displacement, kinetic energy, growth of energy, iterations."""
         problem, M = self.problem, self.problem.mass
         am, af, beta, gamma = self.am, self.af, self.beta, self.gamma
         per_mass = (1.0 - am) / (h * h * beta * (1.0 - af))

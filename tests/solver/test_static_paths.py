@@ -50,7 +50,8 @@ def test_load_steps_stop_at_the_limit_load() -> None:
 def test_the_path_goes_over_both_limit_points_and_ends_on_the_stable_branch_beyond() -> None:
     truss, progress = shallow_truss(1.5 * LIMIT), start()
     path = trace_path(truss, progress, longest=0.05, observe=lambda: truss.x[2])
-    assert path.reached and progress.factor == 1.0
+    assert path.reached
+    assert progress.factor == 1.0
     z = np.array(path.observed)[:, 1]
     assert apex_load(z) == pytest.approx(1.5 * LIMIT * np.array(path.factors), abs=1e-7 * LIMIT)
     factors = 1.5 * np.array(path.factors)
@@ -66,7 +67,8 @@ def test_the_path_goes_over_both_limit_points_and_ends_on_the_stable_branch_beyo
 
 def test_settling_finds_the_stable_positions() -> None:
     below, above = shallow_truss(0.99 * LIMIT), shallow_truss(1.2 * LIMIT)
-    assert settle(below, start()) and settle(above, start())
+    assert settle(below, start())
+    assert settle(above, start())
     assert below.x[2, 1] > HEIGHT / np.sqrt(3.0)
     assert above.x[2, 1] < -HEIGHT
     assert apex_load(below.x[2, 1]) == pytest.approx(0.99 * LIMIT, rel=1e-9)
@@ -123,7 +125,8 @@ def test_relaxation_comes_to_rest_where_the_energy_allows() -> None:
     # (1 - s^2)^2 = c 8/(3 sqrt 3) (1 - s), s = z/H, of the start suffices
     truss, progress = shallow_truss(0.5 * LIMIT), start()
     motion = relax(truss, progress)
-    assert motion.at_rest and motion.balance < 0.06
+    assert motion.at_rest
+    assert motion.balance < 0.06
     assert truss.x[2, 1] > HEIGHT / np.sqrt(3.0)
     assert apex_load(truss.x[2, 1]) == pytest.approx(0.5 * LIMIT, rel=1e-9)
     # what was dissipated is at most what the potential lost

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array, diags_array
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 
 class Truss:
@@ -98,7 +100,7 @@ class Truss:
             G[row, 2 * i : 2 * i + 2], G[row, 2 * j : 2 * j + 2] = -d / distance, d / distance
         return csr_array(G[:, self.free]), gap
 
-    def tangent(self, factor: float, multipliers: NDArray[np.float64]) -> Any:
+    def tangent(self, factor: float, multipliers: NDArray[np.float64]) -> Any:  # noqa: ARG002  loads are dead
         K = np.zeros((self.x.size, self.x.size))
         sign = np.array([[1.0, -1.0], [-1.0, 1.0]])
         for bar, length in enumerate(self.lengths):

@@ -3,13 +3,15 @@
 J. C. Simo and N. Tarnow, Z. angew. Math. Phys. 43 (1992): stresses are the mean of those at both ends, their
 directions those of the midpoint::
 
-    M vb + h/2 ( B(qm)^T C (e_n + e_{n+1})/2 + K_b qm ) = M v + h/2 f + G^T P,    qm = q + h/2 vb,  e from q
+    M vb + h/2 ( B(qm)^T C (s_n + s_{n+1})/2 + K_b qm ) = M v + h/2 f + G^T P,    qm = q + h/2 vb
+    s_{n+1} = s_n + e(q_{n+1}) - e(q_n)
 
 which conserves energy and momenta exactly, whatever the quadrature, for strains that are quadratic in q. Damping
 by stiffness takes the rate ``(e_{n+1} - e_n)/h``. The matrix of the carried strains is the first
 approximation of the tangent; it is made again, with the stress in it, while the iteration is slow.
 
-A body that carries strains changes over when these drift too far from the shape.
+A body that carries strains changes over when these drift too far from the shape. What they have drifted stays as a
+strain at rest, so that nothing is kicked, and decays slowly: the body follows it without stress.
 """
 
 from __future__ import annotations
@@ -56,6 +58,7 @@ from heavylift.solver.bodies.ancf.kind import (
     SCHEME,
     SHAPE_STRAIN,
     SIZE,
+    START_STRAIN,
     STEP_SET,
     STIFFNESS_DAMPING,
     STRAIN,
@@ -102,11 +105,11 @@ LOST = 1.0
 def _average_strains(kind: Meshes, body: int, step: float) -> None:
     """Strains whose stress acts in the step, into `OLD_STRAIN`: the mean of both ends, and the rate if damped."""
     find_strains((kind,), body, TRIAL, SHAPE_STRAIN)
-    damping = kind.body[body, STIFFNESS_DAMPING] / step
-    before, after = 0.5 - damping, 0.5 + damping
+    part = 0.5 + kind.body[body, STIFFNESS_DAMPING] / step
     first = kind.table[body, FIRST_STRAIN]
     for i in range(first, first + kind.table[body, STRAINS]):
-        kind.strains[OLD_STRAIN, i] = before * kind.strains[STRAIN, i] + after * kind.strains[SHAPE_STRAIN, i]
+        change = kind.strains[SHAPE_STRAIN, i] - kind.strains[START_STRAIN, i]
+        kind.strains[OLD_STRAIN, i] = kind.strains[STRAIN, i] + part * change
 
 
 @kernel(internal=True)
@@ -171,7 +174,6 @@ def _watch_drift(kind: Meshes, body: int, time: float, step: float, work: Worksp
         kind.body[body, CHANGED_OVER] = 1.0
         kind.body[body, CHANGE_TIME] = time
         kind.body[body, CHANGE] = -1.0
-        find_strains((kind,), body, Q, STRAIN)
     elif not drift <= LOST and math.isfinite(drift):  # what is not finite is found by `check`
         blame_element(kind, body, int(kind.body[body, DRIFT_ELEMENT]), STRAINS_LOST, work)
 
@@ -188,6 +190,7 @@ def iterate_meshes(kind: Meshes, systems, joints, work: Workspace, time: float, 
         before = kind.body[body, CHANGE]
         if before < 0.0:
             kind.body[body, ITERATIONS] = 0.0
+            find_strains((kind,), body, Q, START_STRAIN)
         kind.body[body, ITERATIONS] += 1.0
         take_impulses(kind, systems, TRIAL)
         _write_residual(kind, body, step, work)

@@ -74,9 +74,9 @@ CARRIED, ENERGY_MOMENTUM, AUTO, EXPLICIT = range(4)
 ) = range(12)
 NODAL_ROWS = 12
 
-# rows of `strains`: carried; of the shape, scratch
-STRAIN, SHAPE_STRAIN, OLD_STRAIN = range(3)
-STRAIN_ROWS = 3
+# rows of `strains`: carried; of the shape, scratch, of the shape at the start of a step that iterates
+STRAIN, SHAPE_STRAIN, OLD_STRAIN, START_STRAIN = range(4)
+STRAIN_ROWS = 4
 
 # columns of `body`, by body
 (
@@ -150,7 +150,7 @@ class FrameMeshes(NamedTuple):
     nodal
         Vectors over all nodes and base nodes, shape (12, places).
     strains
-        Vectors over all strains, shape (3, strains).
+        Vectors over all strains, shape (4, strains).
     columns, lower, updates
         Structure of the factor: `heavylift.numerics.block_factor`.
     blocks

@@ -193,14 +193,6 @@ class MeshMatrices:
         """Row of `table` of each load."""
         return np.repeat(np.arange(len(kind.table)), kind.table[:, LOADS])
 
-    def number(self, places: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Numbers of the free coordinates at some places, -1 for others."""
-        return self._number[places]
-
-    def load_bodies(self, kind: Meshes) -> NDArray[np.int64]:
-        """Row of `table` of each load."""
-        return np.repeat(np.arange(len(kind.table)), kind.table[:, LOADS])
-
     def base_changes(self) -> NDArray[np.float64]:
         """``M^-1 J^T (J M^-1 J^T)^-1``: smallest changes of the free coordinates by component of a base.
 

@@ -13,7 +13,16 @@ from scipy.integrate import solve_ivp
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
-from heavylift.solver.bodies.ancf.kind import MARKER_TYPE, STEP_LIMIT, TANGENT_MARKER, TRIAD_MARKER
+from heavylift.solver.bodies.ancf.kind import (
+    MARKER_DATA,
+    MARKER_TYPE,
+    POINT_MARKER,
+    STATE_PLACE,
+    STEP_LIMIT,
+    TANGENT_MARKER,
+    TRIAD_MARKER,
+    VECTOR_MARKER,
+)
 from heavylift.solver.bodies.ancf.stability import SHARE
 from heavylift.solver.connections import GROUND, Ball, FixedJoint, Hinge, JointFrame, Spring
 from heavylift.solver.integrate.accurate import make_integration
@@ -238,10 +247,13 @@ def test_second_rates_of_directions_are_those_of_differences() -> None:
     types = set()
     states, step = {}, 1e-5
     for kind in layout.bodies:
-        place, count = kind.table[0, -1], kind.nodal.shape[1]
+        place, count = kind.table[0, STATE_PLACE], kind.nodal.shape[1]
         states[place] = (kind.nodal[0] + 0.1 * rng.normal(size=count), rng.normal(size=count))
         types |= set(kind.markers[:, MARKER_TYPE])
-    assert {TANGENT_MARKER, TRIAD_MARKER} <= types
+        slope = kind.markers[:, MARKER_TYPE] == VECTOR_MARKER  # the same vector, of unit length
+        kind.markers[slope, MARKER_TYPE] = TANGENT_MARKER
+        kind.markers[slope, MARKER_DATA] = np.flatnonzero(kind.constants == 1.0)[0]
+    assert types == {POINT_MARKER, VECTOR_MARKER, TRIAD_MARKER}
 
     def markers(time: float) -> np.ndarray:
         for place, (q, v) in states.items():
