@@ -1,9 +1,9 @@
 """Work and precision of the flexible pendulum of Berzeri and Shabana (E = 0.7 MPa, 1.2 m, g = 9.81 m/s2, 1 s).
 
-Run with ``python benchmarks/ancf_pendulum.py [repeats]``. For frames of 10, 20 and 40 elements of both models: error of the
-tip against a run of the accurate integrator with a far smaller tolerance on the same mesh (time integration only), largest
-over 20 times, and CPU time of the integration in one thread, median of the repeats. For each integrator the fastest run
-that reaches 1e-2, 1e-4 and 1e-6 m is printed; with ``--all`` every run.
+Run with ``python benchmarks/ancf_pendulum.py [repeats]``. For frames of 10, 20 and 40 elements of both models: error of
+the tip against a run of the accurate integrator with a far smaller tolerance on the same mesh (time integration only),
+largest over 20 times, and CPU time of the integration in one thread, median of the repeats. For each integrator the
+fastest run that reaches 1e-2, 1e-4 and 1e-6 m is printed; with ``--all`` every run.
 """
 
 from __future__ import annotations

@@ -37,6 +37,9 @@ INTEGRATORS = {
 DEFAULT_TOLERANCES = {"dele2": 1e-5, "accurate": 1e-7}
 """[m]; of the displacement in a step."""
 
+AT_REST = ("equilibrium", "relax")
+"""Starts in static equilibrium."""
+
 TURNS_TOO_FAR = "a smaller step: the body turns too far in one step"
 
 _CARRIED = (
@@ -80,7 +83,8 @@ class Simulation:
         records. None: the step is `step`; the accurate integrator always has a tolerance.
     start
         ``"check"``: joints that do not close at the start are an error; ``"project"``: they are closed;
-        ``"equilibrium"``: the scene is brought to rest in static equilibrium first.
+        ``"equilibrium"``: the scene is brought to rest in static equilibrium first; ``"relax"``: the same by a
+        dissipative motion.
 
     Attributes
     ----------
@@ -115,7 +119,7 @@ class Simulation:
         *,
         record_every: int = 1,
         tolerance: float | None = None,
-        start: Literal["check", "project", "equilibrium"] = "check",
+        start: Literal["check", "project", "equilibrium", "relax"] = "check",
     ) -> None:
         _check_positive("step", step, "a positive time [s]")
         if integrator not in {*INTEGRATORS, "auto"}:
@@ -154,9 +158,9 @@ class Simulation:
         self.tolerance = float(tolerance or 0.0)
         self._layout = pack_scene(scene, integrator)
         self._stiff = integrator == "dele2" and bool(stiff_part(scene, step * record_every))
-        if start not in {"check", "project", "equilibrium"}:
+        if start not in {"check", "project", *AT_REST}:
             raise InputError(
-                f"{start!r}", source="simulation", key="start", expected="check, project or equilibrium"
+                f"{start!r}", source="simulation", key="start", expected="check, project, equilibrium or relax"
             )
         self._start_mode = start
         self.start_text = ""
@@ -204,7 +208,7 @@ class Simulation:
         layout = self._layout
         start_scene(layout.bodies, layout.work, 0.0)
         layout.work.control[NEXT_STEP] = FIRST_STEP * self.step if self.tolerance else self.step
-        if layout.block_names or self._start_mode == "equilibrium":
+        if layout.block_names or self._start_mode in AT_REST:
             self._fit_joints()
         if layout.block_names and self.integrator == "dele2":
             self._probe()
@@ -221,6 +225,7 @@ class Simulation:
             "check": check_start,
             "project": project_start,
             "equilibrium": find_equilibrium,
+            "relax": _relax,
         }
         self.start_text = ways[self._start_mode](rows).text
         if self._layout.block_names:
@@ -456,3 +461,10 @@ class Simulation:
 def _check_positive(key: str, value: float, expected: str) -> None:
     if not (value > 0.0 and math.isfinite(value)):
         raise InputError(f"{key} {value!r}", source="simulation", key=key, expected=expected)
+
+
+def _relax(rows: Any) -> Any:
+    """Equilibrium by a dissipative motion; imported when it is asked for."""
+    from heavylift.solver.integrate.mesh_statics import relax_to_equilibrium
+
+    return relax_to_equilibrium(rows)

@@ -48,6 +48,10 @@ class Run:
 RUNS = {
     "reference_g981.csv": Run(160, 0.7e6, 9.81, 0.8),
     "reference_g981_exact.csv": Run(160, 0.7e6, 9.81, 0.8, exact=True),
+    "../flexible_pendulum_g50/reference_g50.csv": Run(160, 0.7e6, 50.0, 0.3),
+    "../flexible_pendulum_g50/reference_g50_exact.csv": Run(160, 0.7e6, 50.0, 0.3, exact=True),
+    "../flexible_pendulum_stiff/reference_plastic.csv": Run(10, 0.7e9, 9.81, 1.0),
+    "../flexible_pendulum_stiff/reference_steel.csv": Run(10, 2.1e11, 9.81, 1.0, tolerance=1e-7),
 }
 
 
@@ -160,7 +164,7 @@ def main() -> None:
         tip, change = Pendulum(run).solution()
         table = np.column_stack([run.times, tip])
         rows = ["time,x,y", *(",".join(map(repr, row)) for row in table.tolist())]
-        Path(__file__).with_name(name).write_text("\n".join(rows) + "\n", encoding="utf-8")
+        (Path(__file__).parent / name).write_text("\n".join(rows) + "\n", encoding="utf-8")
         sys.stdout.write(f"{name}: the energy changes by {change:.1e} J\n")
 
 

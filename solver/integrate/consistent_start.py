@@ -145,8 +145,8 @@ def close_positions(rows: StartRows, tolerance: float = CLOSED, *, quick: bool =
     size = 1.0 + float(np.ptp(rows.survey()[0][:, 1:4], axis=0).max())
     inertia = rows.inertia.copy()  # with needles made thicker: they would turn about themselves to no avail
     for k in range(3, 6):
-        spins = rows.owner_starts + k
-        largest = np.max([rows.inertia[rows.owner_starts + j] for j in range(3, 6)], axis=0)
+        spins = rows.frame_starts + k
+        largest = np.max([rows.inertia[rows.frame_starts + j] for j in range(3, 6)], axis=0)
         inertia[spins] = np.maximum(inertia[spins], NEEDLE * largest)
     rows.start()
     rows.fill()
@@ -217,8 +217,8 @@ def _shift(
 ) -> None:
     """One step of Newton's method, shortened to the largest turn."""
     change, _ = rows.closing(G, rigid, inertia, softness)(-rows.residual[rigid])
-    turns = [change[rows.owner_starts + k] for k in range(3, 6)]
-    turn = float(np.sqrt(np.sum(np.square(turns), axis=0)).max())
+    turns = [change[rows.frame_starts + k] for k in range(3, 6)]
+    turn = float(np.sqrt(np.sum(np.square(turns), axis=0)).max(initial=0.0))
     rows.move(change * min(1.0, LARGEST_TURN / turn if turn > 0.0 else 1.0))
     rows.fill()
 

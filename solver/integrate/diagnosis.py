@@ -97,6 +97,8 @@ def diagnose(rows: StartRows) -> Diagnosis:
     """
     rows.fill()
     scaled, lengths = _scaled(rows)
+    if rows.mesh_bodies:
+        return _count_with_meshes(rows, scaled)
     rigid_blocks = np.unique(scaled.block)
     sides = np.where(np.isin(np.arange(len(rows.sides)), rigid_blocks)[:, None], rows.sides, -1)
     count = len(rows.layout.body_names)
@@ -151,14 +153,34 @@ def diagnose(rows: StartRows) -> Diagnosis:
     )
 
 
+def _count_with_meshes(rows: StartRows, scaled: _Scaled) -> Diagnosis:
+    """Degrees of freedom only: what a mesh that deforms at will leaves free has no name."""
+    from heavylift.solver.bodies.ancf.kind import BASES, FREE
+
+    rank = rank_of(scaled.matrix, scaled.owner, scaled.tolerance)
+    meshes = [kind for kind in rows.layout.bodies if "strains" in kind._fields]
+    coordinates = sum(int(kind.nodal[FREE].sum()) - 3 * int(kind.table[:, BASES].sum()) for kind in meshes)
+    return Diagnosis(
+        degrees_of_freedom=len(rows.free) + coordinates - rank,
+        row_count=scaled.matrix.shape[0],
+        rank=rank,
+        redundant=(),
+        free_motions=(),
+        singular=None,
+    )
+
+
 def _scaled(rows: StartRows) -> tuple[_Scaled, NDArray[np.float64]]:
     """Unit rows over the free velocities, and the factors that take scaled velocities back."""
     from scipy.sparse import diags_array
 
     inertia, owner = rows.inertia, rows.owner
     lengths = np.ones(len(rows.free))
+    meshes = rows.mesh_bodies
     for body in np.unique(owner[rows.free]):
         own = np.flatnonzero(owner == body)
+        if body in meshes:
+            continue  # translations of material points only
         mass = inertia[own[:3]].max()
         place = np.flatnonzero(owner[rows.free] == body)
         kind = rows.free[place] - own[0]

@@ -116,7 +116,7 @@ class StartRows:
         self.inertia = self.survey()[1]
         self.free = np.flatnonzero(self.inertia)
         firsts = self.survey()[0][:, 0].astype(np.int64)
-        order = np.argsort(firsts)
+        order = np.argsort(firsts, kind="stable")  # meshes without bases share it with the next body
         widths = np.diff(np.append(firsts[order], len(self.inertia)))
         self.owner = np.repeat(order, widths)
         system: RowSystem | LawRowSystem | None = layout.systems[0] if layout.systems else None
@@ -244,6 +244,18 @@ class StartRows:
     def owner_starts(self) -> NDArray[np.int64]:
         """First velocity of each body, increasing."""
         return np.flatnonzero(np.diff(self.owner, prepend=-1))
+
+    @property
+    def frame_starts(self) -> NDArray[np.int64]:
+        """First velocity of each body that has a frame with a spin: of all but frames and shells."""
+        starts = self.owner_starts
+        return starts[~np.isin(self.owner[starts], sorted(self.mesh_bodies))]
+
+    @property
+    def mesh_bodies(self) -> set[int]:
+        """Numbers of frames and shells, whose velocities are those of some of their material points."""
+        numbers = (kind.table[:, 0] for kind in self.layout.bodies if "strains" in kind._fields)
+        return {int(number) for own in numbers for number in own}
 
     def unit_rows(
         self, G: Any, rows: NDArray[np.bool_], inertia: NDArray[np.float64]

@@ -124,7 +124,7 @@ def _add_exact(kind: FrameMeshes, body: int, q: int, force: int, factor: float) 
             cc = i * dot(c, c)
             weight = factor * constants[at + WEIGHT] * i
             if curved:
-                square = i * (cc - h * h)
+                square = cc - h * h
                 weight *= 1.0 - constants[at + CURVATURE] / math.sqrt(square) if square > 0.0 else 0.0
             a, b = weight * (2.0 * h * h - cc), -weight * h
             by_d = (a * d[0] + b * c[0], a * d[1] + b * c[1], a * d[2] + b * c[2])

@@ -134,6 +134,33 @@ def cantilevers(modulus: float, **more: Any) -> Part:
     ]
 
 
+def plumb_weld(**more: Any) -> Part:
+    """Two frames welded to one that hangs straight down: its rows never turn."""
+    place, low = np.array([0.0, 12.0, 0.0]), np.array([0.0, 0.0, -0.5])
+    axes = axes_about(low)
+    bodies: list[Any] = [
+        bar("above", np.zeros(3), low, 2, 2.1e9, position=place, **more),
+        bar("below", low, 2 * low, 2, 2.1e9, position=place, **more),
+    ]
+    joints: list[Any] = [
+        FixedJoint(
+            name="ceiling",
+            body_a=GROUND,
+            body_b="above",
+            frame_a=JointFrame(place, axes),
+            frame_b=JointFrame(np.zeros(3), axes),
+        ),
+        FixedJoint(
+            name="plumb",
+            body_a="above",
+            body_b="below",
+            frame_a=JointFrame(low, axes),
+            frame_b=JointFrame(low, axes),
+        ),
+    ]
+    return bodies, joints
+
+
 def bridge(**more: Any) -> Part:
     """Three soft frames on balls from bank to bank, released level, and what keeps the kinds of a scene the same."""
     places = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.8, 0.1, 0.0], [2.4, 0.0, 0.0]])

@@ -83,7 +83,7 @@ def test_edges_on_each_other_coincide_between_nodes(falling: Run) -> None:
         if name == "seam":
             assert np.abs(kink).max() < 0.02
         else:
-            assert np.abs(kink).min() > 0.3  # it folds
+            assert np.abs(kink).max() > 0.3  # it folds
 
 
 @pytest.mark.slow

@@ -32,7 +32,7 @@ def moving() -> Run:
         0.01,
         2.1e9,
         position=np.array([0.0, -5.0, 0.0]),
-        viscous_damping=15.0,
+        viscous_damping=5.0,
         stiffness_damping=2e-3,
     )
     # as free as a rigid plate without weight: gravity is made up for by a force in its middle

@@ -10,7 +10,7 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.bodies.ancf.kind import STRAIN, Q, V
-from heavylift.solver.connections import Ball, JointFrame
+from heavylift.solver.connections import GROUND, Ball, JointFrame, SpringRope
 from heavylift.solver.integrate.mesh_statics import relax_to_equilibrium
 from heavylift.solver.integrate.mesh_system import MeshSystem
 from heavylift.solver.integrate.start_rows import StartRows
@@ -279,6 +279,34 @@ def test_a_body_hung_from_the_middle_of_an_element_pulls_like_a_force() -> None:
     reaction = system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))[0, REACTION, :3]
     assert np.linalg.norm(reaction) == pytest.approx(9.81 * mass, rel=1e-8)
     assert "'ball' can turn" in report.text
+
+
+@pytest.mark.slow
+def test_a_frame_hangs_in_ropes_that_carry_its_weight() -> None:
+    stiffness, length = 1e4, 4.9
+    body = frame(4, FrameSection(7850.0, 2.1e11, 1e-3, 1e-7), {})
+    tops = {x: np.array([x, 0.0, 5.0]) for x in (2.5, 7.5)}
+    ropes = [
+        SpringRope(
+            name=f"rope {x}",
+            body_a=GROUND,
+            point_a=top,
+            body_b="beam",
+            point_b=np.array([x, 0.0, 0.0]),
+            length=length,
+            stiffness=stiffness,
+        )
+        for x, top in tops.items()
+    ]
+    layout = pack_scene(Scene(bodies=(body,), forces=(DOWN,), ropes=tuple(ropes)))
+    find_equilibrium(StartRows(layout))
+    q = coordinates(layout, body)
+    pull = np.zeros(3)
+    for node, top in zip((1, 3), tops.values(), strict=True):
+        along = top - q[node, 0]
+        distance = np.linalg.norm(along)
+        pull += stiffness * (distance - length) * along / distance
+    assert pull == pytest.approx([0.0, 0.0, 7850.0 * 1e-3 * 10.0 * 9.81], rel=1e-7, abs=1e-5)
 
 
 def test_the_stiffness_of_a_scene_is_the_derivative_of_its_forces() -> None:
