@@ -399,7 +399,9 @@ class Simulation:
             from heavylift.solver.integrate.integration import stiffness_seen
 
             if stiffness_seen(self._layout.systems[-1]):
-                return "stability, not accuracy, limited the steps: integrator 'dele2' will be faster"
+                meshes = any("strains" in kind._fields for kind in self._layout.bodies)
+                where = "faster where coarse results are enough" if meshes else "faster"
+                return f"stability, not accuracy, limited the steps: integrator 'dele2' will be {where}"
         return ""
 
     def state(self) -> dict[str, NDArray[Any]]:

@@ -119,7 +119,8 @@ def stiff_mesh(scene: Scene, interval: float) -> str:
         if isinstance(body, MeshBody):
             rate = highest_rate(body)
             if rate * interval > LARGEST_RATE:
-                return f"elements of {body.name!r} vibrate at {rate:.3g} 1/s, {rate * interval:.0f} times that of the output"
+                times = f"{rate * interval:.0f} times that of the output"
+                return f"elements of {body.name!r} vibrate at {rate:.3g} 1/s, {times}"
     return ""
 
 

@@ -106,7 +106,7 @@ def is_iterated(kind: Meshes, body: int) -> bool:
 
 @kernel(internal=True)
 def write_free_bases(kind: Meshes, body: int, start: float, work: Workspace) -> None:
-    """What the bases do without joints, after `solve_forward`, into the workspace; `start` times velocities is added."""
+    """What the bases do without joints, after `solve_forward`, into the workspace, plus `start` times velocities."""
     dof, first = kind.table[body, DOF], kind.table[body, FIRST_BASE]
     for i in range(kind.table[body, BASES]):
         place = kind.bases[first + i, BASE_PLACE]

@@ -27,6 +27,7 @@ from heavylift.solver.scene import Scene
 
 
 def all_parts(**more: object) -> Scene:
+    """Every kind of joint and body of this file."""
     return scene(hung_plate(**more), clamped_plates(2.1e9, **more), folding_panels(2.1e11, **more))
 
 
@@ -112,7 +113,7 @@ def test_hinged_panels_are_a_double_pendulum(falling: Run) -> None:
 @pytest.mark.parametrize("step", [1e-2, 5e-3])
 def test_energy_of_a_plate_on_hooks_stays_bounded(step: float) -> None:
     """Steps a hundred times the explicit limit of the steel plate."""
-    long = run(all_parts(), step, 4.0)
+    long = run(all_parts(elasticity="carried"), step, 4.0)
     assert long.energy_change() < 1e-3 * long["energy.kinetic"].max()
     assert long["monitor.violation"].max() < 1e-3
 
