@@ -18,14 +18,22 @@ from heavylift.solver.bodies.ancf.bases import Bases, plan_bases
 from heavylift.solver.bodies.ancf.kind import (
     ACCELERATION,
     AUTO,
+    BASE_NODES,
     BODY_COLUMNS,
     CARRIED,
+    CLEARS,
     DRIFT_TOLERANCE,
     ENERGY_MOMENTUM,
     EXPLICIT,
+    FIRST_BLOCK,
+    FIRST_CLEAR,
+    FIRST_COLUMN,
     FREE,
+    LAST_BLOCK,
+    LAST_COLUMN,
     MASS,
     NODAL_ROWS,
+    NODES,
     ORIGIN,
     POINT_MARKER,
     ROTATION,
@@ -35,11 +43,13 @@ from heavylift.solver.bodies.ancf.kind import (
     TABLE_COLUMNS,
     VISCOUS,
     WEIGHT,
+    WORK_PLACE,
     Meshes,
     Q,
     V,
 )
 from heavylift.solver.bodies.ancf.load_packing import LoadBook
+from heavylift.solver.bodies.ancf.pattern_tables import base_blocks, block_ranges, clears
 from heavylift.solver.bodies.ancf.types import MeshType, type_of
 from heavylift.solver.interface import RECORD
 from heavylift.solver.markers import BodyMarkers
@@ -226,7 +236,7 @@ class _Builder:
         table = np.array(self.table, dtype=np.int64).reshape(-1, TABLE_COLUMNS)
         edges = np.unique(np.sort(np.vstack(self.edges), axis=1), axis=0)
         edges = edges[edges[:, 0] != edges[:, 1]]
-        groups = np.repeat(np.arange(len(table)), table[:, 4] + table[:, 5])
+        groups = np.repeat(np.arange(len(table)), table[:, NODES] + table[:, BASE_NODES])
         pattern = pack_blocks(
             self.node_count,
             edges,
@@ -235,18 +245,20 @@ class _Builder:
             groups=groups,
             coordinates=np.vstack(self.coordinates),
         )
-        table[:, 8:10] = pattern.ranges
+        table[:, FIRST_COLUMN : LAST_COLUMN + 1] = pattern.ranges
         elements = np.vstack(self.elements)
         for p, (i, j) in enumerate(self.type.pairs):
             a, b = elements[:, i] // self.lanes, elements[:, j] // self.lanes
             elements[:, 6 + 2 * p], elements[:, 7 + 2 * p] = pattern.places(a, b)
         free = np.vstack(self.free)
-        clears, counts = _clears(pattern, free, edges, groups)
-        table[:, 18] = counts
-        table[:, 17] = np.cumsum(counts) - counts
-        base_blocks = _base_blocks(pattern, table)
-        table[:, 24] = pattern.scratch
-        table[:, 20:22] = _block_ranges(pattern, groups, base_blocks, len(self.shape[0]) * self.lanes)
+        fixed, counts = clears(pattern, free, edges, groups)
+        table[:, CLEARS] = counts
+        table[:, FIRST_CLEAR] = np.cumsum(counts) - counts
+        compliance_blocks = base_blocks(pattern, table)
+        table[:, WORK_PLACE] = pattern.scratch
+        table[:, FIRST_BLOCK : LAST_BLOCK + 1] = block_ranges(
+            pattern, groups, compliance_blocks, len(self.shape[0]) * self.lanes
+        )
         nodal = aligned((NODAL_ROWS, self.node_count * self.lanes))
         for row, values in ((Q, self.start), (V, self.speed), (FREE, self.free)):
             nodal[row].reshape(self.node_count, self.lanes)[:, : self.type.rows] = np.vstack(values)
@@ -263,8 +275,8 @@ class _Builder:
             lower=pattern.lower,
             updates=pattern.updates,
             blocks=aligned(SETS * pattern.size),
-            clears=clears,
-            base_blocks=base_blocks,
+            clears=fixed,
+            base_blocks=compliance_blocks,
             bases=self._based(pattern, elements),
             markers=_sorted(self.markers),
             sensors=np.array(self.sensors, dtype=np.int64).reshape(-1, 6),
@@ -291,57 +303,6 @@ def _free(body: MeshBody, of_type: MeshType) -> NDArray[np.float64]:
             for axis in axes:
                 free[np.asarray(support.nodes), of_type.vectors.index(vector), "xyz".index(axis)] = 0.0
     return free
-
-
-def _clears(
-    pattern: BlockPattern, free: NDArray[np.float64], edges: NDArray[np.int64], groups: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Which row or lane of which block is a fixed coordinate, in the order of bodies; their number by body."""
-    fixed = free == 0.0
-    rows: list[tuple[int, int, int, int]] = []
-    on_node: dict[int, list[int]] = {}
-    for a, b in edges:
-        on_node.setdefault(int(a), []).append(int(b))
-        on_node.setdefault(int(b), []).append(int(a))
-    base = ~np.isin(np.arange(len(free)), pattern.columns[:, 0])
-    for node in np.flatnonzero(fixed.any(axis=1) & ~base):
-        coordinates = np.flatnonzero(fixed[node])
-        own, _ = pattern.place(int(node), int(node))
-        for other in on_node.get(int(node), []):
-            place, earlier = pattern.place(int(node), other)
-            rows += [(int(groups[node]), place, 0 if earlier else 1, int(c)) for c in coordinates]
-        for c in coordinates:
-            rows += [(int(groups[node]), own, kind, int(c)) for kind in (0, 1, 2)]
-    rows.sort(key=lambda row: (row[0], row[2] == 2))
-    counts = np.bincount([row[0] for row in rows], minlength=int(groups.max()) + 1)
-    return np.array([row[1:] for row in rows], dtype=np.int64).reshape(-1, 3), counts
-
-
-def _base_blocks(pattern: BlockPattern, table: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Body, later base node, earlier one (counted within the body) and place of the blocks of bases, by body."""
-    rows = []
-    for body, line in enumerate(table):
-        first, count = int(line[3] + line[4]), int(line[5])
-        rows += [
-            (body, i, j, pattern.place(first + i, first + j)[0]) for i in range(count) for j in range(i + 1)
-        ]
-    return np.array(rows, dtype=np.int64).reshape(-1, 4)
-
-
-def _block_ranges(
-    pattern: BlockPattern, groups: NDArray[np.int64], base_blocks: NDArray[np.int64], size: int
-) -> NDArray[np.int64]:
-    """First place and the one behind the last of the blocks of each body, shape (bodies, 2)."""
-    of_column = groups[pattern.columns[:, 0]]
-    counts = pattern.columns[:, 2]
-    places = np.concatenate([pattern.columns[:, 4], pattern.lower[:, 1], base_blocks[:, 3]])
-    owners = np.concatenate([of_column, np.repeat(of_column, counts), base_blocks[:, 0]])
-    ranges = np.array(
-        [[places[owners == g].min(), places[owners == g].max() + size] for g in np.unique(groups)]
-    )
-    if np.any(ranges[1:, 0] < ranges[:-1, 1]):
-        raise AssertionError("blocks of bodies overlap")
-    return ranges.astype(np.int64)
 
 
 def _sorted(markers: list[tuple[int, int, int, int, int, int]]) -> NDArray[np.int64]:

@@ -1,0 +1,35 @@
+"""Every experiment with frames and shells is right, or stops and names the part, or is warned of."""
+
+from __future__ import annotations
+
+import pytest
+from mesh_experiments import MESH_EXPERIMENTS, random_scenes
+
+
+def wrong(rows):
+    """Rows that are not right, as text."""
+    rows = list(rows)
+    assert rows
+    return [
+        f"{row.setting}: {row.measure} {row.value:.2e}, limit {row.limit:.2e} {row.stopped}"
+        for row in rows
+        if not row.right
+    ]
+
+
+@pytest.mark.parametrize("name", ["steel pendulum", "change of scheme"])
+def test_experiment(name):
+    assert not wrong(MESH_EXPERIMENTS[name]())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["free flight", "random meshes"])
+def test_long_experiment(name):
+    assert not wrong(MESH_EXPERIMENTS[name]())
+
+
+@pytest.mark.parametrize("scheme", ["carried", "auto", "explicit"])
+@pytest.mark.parametrize(("what", "count", "steps"), [("frames", 15, 1000), ("shells", 5, 300)])
+def test_some_random_meshes(what, count, steps, scheme):
+    """Others than those of the report."""
+    assert not wrong(random_scenes(what, scheme, range(1000, 1000 + count), steps))
