@@ -12,14 +12,24 @@ import contextlib
 import hashlib
 import os
 import shutil
+import time
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, overload
 
 import numba
+from numba.core import event
 
-__all__ = ["cache_directory", "cache_root", "kernel", "source_digest", "view"]
+__all__ = [
+    "CompileClock",
+    "cache_directory",
+    "cache_root",
+    "compile_clock",
+    "kernel",
+    "source_digest",
+    "view",
+]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -31,6 +41,9 @@ KEPT_CACHES = 4
 
 CACHE_PREFIX = "kernels-"
 """Of the folders below the cache root that are ours; nothing else there is ever removed."""
+
+COMPILER_EVENT = "numba:compiler_lock"
+"""Event of Numba around all of a compilation, and around loading from its cache."""
 
 ROUNDING_FLAGS = frozenset({"contract", "nsz", "arcp"})
 """Allowed to change the last bits; never ``nnan``/``ninf``, which would remove every ``isnan``."""
@@ -149,3 +162,40 @@ def view(function: F) -> F:
     inlined = numba.njit(inline="always", error_model="numpy")(function)
     update_wrapper(inlined, function)
     return inlined
+
+
+class CompileClock(event.Listener):  # type: ignore[misc]
+    """Adds up the CPU time of this thread that goes into compiling kernels or loading them.
+
+    Attributes
+    ----------
+    seconds
+        So far; complete when no kernel is being compiled.
+    """
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+        self._depth = 0
+        self._begin = 0.0
+
+    def on_start(self, event: Any) -> None:
+        """Note the time; kernels compile those that they call."""
+        del event
+        if self._depth == 0:
+            self._begin = time.thread_time()
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:
+        """Add what passed since the outermost start."""
+        del event
+        self._depth -= 1
+        if self._depth == 0:
+            self.seconds += time.thread_time() - self._begin
+
+
+@contextlib.contextmanager
+def compile_clock() -> Iterator[CompileClock]:
+    """Measure what compilation takes of the work that is done inside."""
+    clock = CompileClock()
+    with event.install_listener(COMPILER_EVENT, clock):
+        yield clock

@@ -15,6 +15,8 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
+from heavylift.pipeline.assemble_edges import assemble_edge
+from heavylift.pipeline.case_joints import EdgeJointSection
 from heavylift.pipeline.fields import GROUND
 from heavylift.solver import connections as c
 from heavylift.solver import scene as s
@@ -30,7 +32,15 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case_ropes import PathPointSection, SpringRopeSection, WireRopeSection
     from heavylift.solver.meshes import MeshBody
 
-__all__ = ["Side", "assemble_joints", "assemble_loads", "assemble_ropes", "make_profile", "start_sides"]
+__all__ = [
+    "Side",
+    "assemble_joints",
+    "assemble_loads",
+    "assemble_ropes",
+    "located",
+    "make_profile",
+    "start_sides",
+]
 
 COINCIDENT = 1e-9
 """Distance [m] below which two points are one."""
@@ -111,19 +121,24 @@ def make_profile(profile: ProfileSection[Any] | None) -> s.Profile | None:
 
 def assemble_joints(case: Case, sides: Mapping[str, Side]) -> tuple[c.Joint, ...]:
     """Joints of a case."""
-    found = []
+    found: list[c.Joint] = []
     for index, joint in enumerate(case.joints):
-        with _at(case, f"joints.{index}"):
-            found.append(_JOINTS[joint.type](joint, sides))
+        with located(case, f"joints.{index}"):
+            if isinstance(joint, EdgeJointSection):
+                found.append(assemble_edge(case, joint, sides))
+            else:
+                found.append(_JOINTS[joint.type](joint, sides))
     return tuple(found)
 
 
 @contextlib.contextmanager
-def _at(case: Case, key: str) -> Iterator[None]:
+def located(case: Case, key: str) -> Iterator[None]:
     """Name the place in the case file in errors that know it not."""
     try:
         yield
     except InputError as error:
+        if error.source and str(case.folder) in str(error.source):
+            raise
         place = case.place(f"{key}.{error.key}".removesuffix("."))
         raise InputError(error.problem, source=case.file, key=place, expected=error.expected) from None
 
@@ -230,7 +245,7 @@ def assemble_ropes(case: Case, sides: Mapping[str, Side]) -> tuple[c.Rope | c.Sp
     """Ropes of a case."""
     found: list[c.Rope | c.SpringRope] = []
     for index, rope in enumerate(case.ropes):
-        with _at(case, f"ropes.{index}"):
+        with located(case, f"ropes.{index}"):
             found.append(_wire(rope, sides) if rope.type == "wire" else _spring_rope(rope, sides))
     return tuple(found)
 

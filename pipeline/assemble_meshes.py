@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case_geometry import BoxGroup
     from heavylift.pipeline.case_mesh_geometry import (
         FrameSectionTable,
+        RegionSection,
         ShellSectionTable,
     )
     from heavylift.pipeline.case_mesh_loads import FrameLoad, ShellLoad
@@ -70,7 +71,7 @@ def assemble_frame(
         sections=tuple(_frame_section(section) for section in sections),
         element_sections=chosen,
         model=body.model,
-        axial_strains=_prestrain(body, sections, chosen),
+        axial_strains=_prestrain(place, body, sections, chosen, mesh),
         supports=tuple(supports),
         loads=tuple(_load(place, index, load, mesh) for index, load in enumerate(body.loads)),
         **_common(body, initial),
@@ -131,16 +132,19 @@ def _frame_section(section: FrameSectionTable) -> m.FrameSection:
 
 
 def _prestrain(
-    body: FrameBodySection, sections: Sequence[FrameSectionTable], chosen: NDArray[np.int64]
+    place: Place,
+    body: FrameBodySection,
+    sections: Sequence[FrameSectionTable],
+    chosen: NDArray[np.int64],
+    mesh: FrameMesh,
 ) -> NDArray[np.float64]:
     """Strain of each element in the given shape, shape (e,); none if empty."""
-    if body.axial_strain is not None:
-        return np.full(len(chosen), body.axial_strain)
-    if body.axial_force is None:
-        return np.zeros(0)
     stiffness = np.array([section.young_modulus * section.numbers[0] for section in sections])
-    strains: NDArray[np.float64] = body.axial_force / stiffness[chosen]
-    return strains
+    strains: NDArray[np.float64] = (body.axial_force or 0.0) / stiffness[chosen] + (body.axial_strain or 0.0)
+    for index, region in enumerate(body.regions):
+        if region.axial_strain is not None:
+            strains[_region(place, index, region, mesh)] = region.axial_strain
+    return strains if np.any(strains) else np.zeros(0)
 
 
 def _sections(
@@ -151,15 +155,23 @@ def _sections(
     numbers = {name: number for number, name in enumerate(body.sections, start=1)}
     chosen = np.zeros(len(mesh.elements), dtype=np.int64)
     for index, region in enumerate(body.regions):
-        key = f"regions.{index}"
-        if region.box is not None:
-            found = np.flatnonzero(_inside(region.box, mesh.nodes[mesh.elements].mean(axis=1), 0.0))
-            if not len(found):
-                raise place.error(f"{key}.box", "no element has its centre in it", "a box around elements")
-        else:
-            found = _numbers(place, f"{key}.elements", region.elements, len(chosen), "element")
-        chosen[found] = numbers[region.section]
+        found = _region(place, index, region, mesh)
+        if region.section is not None:
+            chosen[found] = numbers[region.section]
     return tables, chosen
+
+
+def _region(
+    place: Place, index: int, region: RegionSection, mesh: FrameMesh | ShellMesh
+) -> NDArray[np.int64]:
+    """Elements of a region."""
+    key = f"regions.{index}"
+    if region.box is None:
+        return _numbers(place, f"{key}.elements", region.elements, len(mesh.elements), "element")
+    found = np.flatnonzero(_inside(region.box, mesh.nodes[mesh.elements].mean(axis=1), 0.0))
+    if not len(found):
+        raise place.error(f"{key}.box", "no element has its centre in it", "a box around elements")
+    return found
 
 
 def _numbers(place: Place, key: str, numbers: Sequence[int], count: int, what: str) -> NDArray[np.int64]:

@@ -13,13 +13,17 @@ from heavylift.pipeline.assemble_connections import (
     assemble_joints,
     assemble_loads,
     assemble_ropes,
+    located,
     make_profile,
     start_sides,
 )
+from heavylift.pipeline.assemble_edges import joints_of_edge
 from heavylift.pipeline.assemble_meshes import assemble_frame, assemble_shell, check_on_mesh
 from heavylift.pipeline.case_bodies import FlexibleBodySection
+from heavylift.pipeline.case_joints import EdgeJointSection
 from heavylift.pipeline.model_io import read_header, read_model, read_reduced
 from heavylift.solver import scene as s
+from heavylift.solver.connections import EdgeClamp, EdgeHinge
 from heavylift.solver.meshes import FrameBody, ShellBody
 
 if TYPE_CHECKING:
@@ -38,6 +42,7 @@ if TYPE_CHECKING:
     )
     from heavylift.pipeline.storage import OutputFolder
     from heavylift.solver.connections import Joint
+    from heavylift.solver.scene import AnyBody
 
 __all__ = ["assemble_scene", "modal_coordinates"]
 
@@ -89,14 +94,32 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         s.Sensor(sensor.name, sensor.body, sides[sensor.body].local(sensor.point)) for sensor in case.sensors
     )
     joints = assemble_joints(case, sides)
+    edges = _edges(case, joints, bodies)
     for made in bodies:
         if isinstance(made, s.FlexibleBody):
             points = _points_on(case, joints, made.name, origins[made.name])
+            points += [
+                (place, part.frame_b.point + origins[made.name])
+                for place, part in edges
+                if part.body_b == made.name
+            ]
             _check_points(case, points, folder.model(made.name), made.reduced.nodes + origins[made.name])
         elif isinstance(made, (FrameBody, ShellBody)):
             for key, point in _points_on(case, joints, made.name, origins[made.name]):
                 check_on_mesh(made, point, case.file, key)
     return s.Scene(tuple(bodies), tuple(forces), sensors, joints=joints, ropes=assemble_ropes(case, sides))
+
+
+def _edges(case: Case, joints: Sequence[Joint], bodies: Sequence[AnyBody]) -> list[tuple[str, Joint]]:
+    """Dotted keys of sides b, and joints of all nodes of edges; refuses edges that cannot be joined."""
+    found: list[tuple[str, Joint]] = []
+    for index, (joint, made) in enumerate(zip(case.joints, joints, strict=True)):
+        if isinstance(joint, EdgeJointSection):
+            assert isinstance(made, (EdgeHinge, EdgeClamp))
+            with located(case, f"joints.{index}"):
+                place = case.place(f"joints.{index}.between.1")
+                found += [(place, part) for part in joints_of_edge(joint, made, bodies)]
+    return found
 
 
 def _points_on(
@@ -113,6 +136,8 @@ def _points_on(
             sides = zip(force.between, force.points, strict=True)
             found += [(f"forces.{i}.points.{k}", side, point) for k, (side, point) in enumerate(sides)]
     for i, joint in enumerate(joints):
+        if isinstance(joint, (EdgeHinge, EdgeClamp)):
+            continue
         at = getattr(case.joints[i], "at", None) is not None
         ends = ((joint.body_a, joint.frame_a), (joint.body_b, joint.frame_b))
         for k, (side, frame) in enumerate(ends):

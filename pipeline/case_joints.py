@@ -3,14 +3,16 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 
 from heavylift.pipeline.case_bodies import ProfileSection
+from heavylift.pipeline.case_mesh_supports import EdgeName, NodeNumber
 from heavylift.pipeline.fields import (
     GROUND,
     AnyOf,
+    CaseContext,
     Direction,
     LengthVector,
     Positive,
@@ -27,6 +29,9 @@ __all__ = [
     "BallJointSection",
     "CylindricalJointSection",
     "DistanceJointSection",
+    "EdgeClampSection",
+    "EdgeHingeSection",
+    "EdgeJointSection",
     "FixedJointSection",
     "HingeJointSection",
     "Joint",
@@ -278,6 +283,89 @@ class DistanceJointSection(JointSection):
     """Physical compliance [m/N]; 0 is rigid."""
 
 
+NodeList = Annotated[tuple[NodeNumber, ...], Field(min_length=2)]
+
+
+def _list_tag(value: Any) -> str:
+    """Whether nodes are given as one list or as a list of lists."""
+    nested = isinstance(value, (list, tuple)) and any(isinstance(entry, (list, tuple)) for entry in value)
+    return "lists" if nested else "list"
+
+
+class EdgeJointSection(JointSection):
+    """What joints along edges of shells have."""
+
+    edge: EdgeName | None = None
+    """Edge of the shell, the first of its sides."""
+    edges: tuple[EdgeName, EdgeName] | None = None
+    """In place of `edge`, between two shells: an edge of each. They have the same nodes at the start."""
+    nodes: Annotated[
+        Annotated[NodeList, Tag("list")] | Annotated[tuple[NodeList, NodeList], Tag("lists")],
+        Discriminator(_list_tag),
+    ] = ()
+    """In place of names: numbers of nodes along a line of the mesh, in order; between two shells two such lists."""
+
+    @field_validator("between")
+    @classmethod
+    def _has_a_shell_first(cls, value: tuple[str, str], info: ValidationInfo) -> tuple[str, str]:
+        context = CaseContext.of(info)
+        if context is None:
+            return value
+        shells, meshes = context.names.shells, context.names.meshes
+        if value[0] not in shells:
+            turned = value[1] in shells
+            reject(
+                f"{value[0]!r} is no shell",
+                f'["{value[1]}", "{value[0]}"]: the shell first' if turned else "a shell first",
+            )
+        if value[1] in meshes - shells:
+            reject(f"{value[1]!r} is a frame", "a shell, and 'ground', a rigid or flexible body, or a shell")
+        return value
+
+    @model_validator(mode="after")
+    def _has_its_edges(self, info: ValidationInfo) -> Self:
+        given = [key for key in ("edge", "edges", "nodes") if getattr(self, key) not in (None, ())]
+        if len(given) != 1:
+            words = f"both {given[0]!r} and {given[1]!r}" if given else "no edge"
+            reject(words, "one of edge, edges, nodes")
+        context = CaseContext.of(info)
+        if context is None:
+            return self
+        count = {"edge": 1, "edges": 2, "nodes": len(self.node_lists)}[given[0]]
+        wanted = 2 if self.between[1] in context.names.shells else 1
+        if count != wanted:
+            first, other = self.between
+            reject(
+                f"edges of two shells, and {other!r} is none"
+                if wanted == 1
+                else f"an edge of {first!r}, and none of {other!r}",
+                "'edge', or one list of nodes"
+                if wanted == 1
+                else "'edges', or two lists of nodes: one a shell",
+                key=given[0],
+            )
+        return self
+
+    @property
+    def node_lists(self) -> tuple[tuple[int, ...], ...]:
+        """Lists of nodes, one a shell; none where edges are named."""
+        if not self.nodes:
+            return ()
+        return (self.nodes,) if isinstance(self.nodes[0], int) else self.nodes  # type: ignore[return-value]
+
+
+class EdgeHingeSection(EdgeJointSection):
+    """A straight edge of a shell turns about itself on the ground, a body or the edge of another shell."""
+
+    type: Literal["edge_hinge"]
+
+
+class EdgeClampSection(EdgeJointSection):
+    """An edge of a shell is built in at the ground, a body or the edge of another shell, and keeps its angle."""
+
+    type: Literal["edge_clamp"]
+
+
 Joint = Annotated[
     BallJointSection
     | UniversalJointSection
@@ -287,6 +375,8 @@ Joint = Annotated[
     | SliderHingeJointSection
     | FixedJointSection
     | PlanarJointSection
-    | DistanceJointSection,
+    | DistanceJointSection
+    | EdgeHingeSection
+    | EdgeClampSection,
     Field(discriminator="type"),
 ]

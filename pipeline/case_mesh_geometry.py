@@ -26,6 +26,7 @@ __all__ = [
     "ArcGeometry",
     "ElementNumber",
     "FrameGeometry",
+    "FrameRegionSection",
     "FrameSectionTable",
     "GridGeometry",
     "LineGeometry",
@@ -279,7 +280,23 @@ class RegionSection(Section):
         return value
 
 
+class FrameRegionSection(RegionSection):
+    """Elements of a frame with another section or another pre-stress than the others; the last region counts."""
+
+    section: Name | None = None  # type: ignore[assignment]
+    """Name of one of the `sections` of the body; as without the region if absent."""
+    axial_strain: Annotated[float, Quantity("number")] | None = None
+    """Strain in the given shape; as that of the body if absent."""
+
+    @model_validator(mode="after")
+    def _says_something(self) -> Self:
+        if self.section is None and self.axial_strain is None:
+            reject("neither 'section' nor 'axial_strain'", "one of them, or both")
+        return self
+
+
 def check_regions(regions: tuple[RegionSection, ...], sections: dict[str, Any]) -> None:
     """Regions name sections that the body has."""
     for index, region in enumerate(regions):
-        refuse_unknown("section", region.section, sections, key=f"regions.{index}.section")
+        if region.section is not None:
+            refuse_unknown("section", region.section, sections, key=f"regions.{index}.section")

@@ -25,6 +25,7 @@ from heavylift.pipeline.fields import LengthVector, Section, reject
 __all__ = [
     "CORNERS",
     "EDGES",
+    "EdgeName",
     "FrameFixedSection",
     "FrameSupportSection",
     "NodeNumber",
@@ -36,6 +37,7 @@ NodeNumber = Annotated[int, Field(ge=0, strict=True)]
 Axes = Annotated[str, StringConstraints(pattern="^x?y?z?$", min_length=1)]
 
 End = Literal["start", "end"]
+EdgeName = Literal["x_min", "x_max", "y_min", "y_max"]
 Edge = Literal["x_min", "x_max", "y_min", "y_max", "all"]
 Corner = Literal["x_min y_min", "x_max y_min", "x_max y_max", "x_min y_max", "all"]
 EDGES = ("x_min", "x_max", "y_min", "y_max")

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from heavylift.pipeline.case_bodies import FlexibleBodySection, RigidBodySection, RigidInitialSection
 from heavylift.pipeline.case_mesh_geometry import (
     FrameGeometry,
+    FrameRegionSection,
     FrameSectionTable,
     RegionSection,
     ShellGeometry,
@@ -25,8 +26,6 @@ __all__ = ["Body", "FrameBodySection", "MeshBodySection", "ShellBodySection"]
 class MeshBodySection(Section):
     """What frames and shells have."""
 
-    regions: tuple[RegionSection, ...] = ()
-    """Elements with other sections."""
     damping: MeshDampingSection = Field(default_factory=MeshDampingSection)
     """Damping; none if absent."""
     elasticity: Literal["auto", "carried", "energy-momentum", "explicit"] = "auto"
@@ -48,6 +47,8 @@ class FrameBodySection(MeshBodySection):
     """Section of all elements that are in no region."""
     sections: dict[Name, FrameSectionTable] = Field(default_factory=dict)
     """Further sections by name, for `regions`."""
+    regions: tuple[FrameRegionSection, ...] = ()
+    """Elements with other sections or pre-stress."""
     model: Literal["green-lagrange", "exact"] = "green-lagrange"
     """``green-lagrange``: axial strain of Green-Lagrange, for straight elements; ``exact``: stretch and material
     curvature, also for curved elements and large strains."""
@@ -84,6 +85,8 @@ class ShellBodySection(MeshBodySection):
     """Section of all elements that are in no region."""
     sections: dict[Name, ShellSectionTable] = Field(default_factory=dict)
     """Further sections by name, for `regions`."""
+    regions: tuple[RegionSection, ...] = ()
+    """Elements with other sections."""
     gauss_points: Annotated[int, Field(ge=3, le=7, strict=True)] = 5
     """Points along each direction of an element where membrane strains are taken, 3 to 7."""
     supports: tuple[ShellSupportSection, ...] = ()

@@ -6,6 +6,7 @@ import contextlib
 from typing import TYPE_CHECKING
 
 from heavylift.numerics.outcome import InputError, InputErrors
+from heavylift.pipeline.case_simulate import SimulateSection
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -45,6 +46,8 @@ def _placed(error: InputError, known: dict[str, str], case: Case) -> InputError:
         key = f"{known[error.source]}.{error.key}".removesuffix(".")
     elif error.key in known:
         key = known[error.key]
+    elif error.source == "simulation" and error.key in SimulateSection.model_fields:
+        key = f"simulate.{error.key}"
     else:
         key = "simulate" if error.source == "simulation" else error.source
         problem = f"{error.key}: {problem}" if error.key else problem

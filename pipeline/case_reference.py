@@ -46,15 +46,16 @@ class ReferenceSection(Section):
     def _is_recorded(cls, name: str, info: ValidationInfo) -> str:
         context = CaseContext.of(info)
         owner, dot, last = name.partition(".")
-        if not dot or "." in last:
+        number = last.rpartition(".")[0]  # of a node of an edge
+        if not dot or (number and not number.isdecimal()):
             reject(f"{name!r} is no channel", "OWNER.CHANNEL, e.g. 'tip.position'")
         try:
-            kind = channel_kind(name, name, None if context is None else context.names)
+            channel_kind(name, name, None if context is None else context.names)
         except InputError as error:
             reject(error.problem.replace("quantity", "channel"), error.expected)
         if context and owner in context.names.meshes:
             reject(f"{name!r} has columns for every node or element", "the position of a sensor on the body")
-        if context and kind and owner not in {*context.names.names, "energy", "momentum", "monitor"}:
+        if context and owner not in {*context.names.names, "energy", "momentum", "monitor"}:
             reject(
                 f"{name!r} names {owner!r}, which does not exist", f"one of: {', '.join(context.names.names)}"
             )
@@ -73,8 +74,7 @@ class ReferenceSection(Section):
     @property
     def components(self) -> tuple[str, ...] | None:
         """Components the channel may have; None if only the scene tells."""
-        last = self.channel.partition(".")[2]
-        given = channel_components(last)
+        given = channel_components(self.channel.rpartition(".")[2])
         return ("value", *given) if given is not None and len(given) == 1 else given
 
 

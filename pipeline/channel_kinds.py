@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ALL_CHANNELS",
+    "EDGE_JOINTS",
     "JOINT_TRAVELS",
     "MESH_TYPES",
     "RESERVED_NAMES",
@@ -75,8 +76,12 @@ JOINT_TRAVELS: dict[str, frozenset[str]] = {
     "fixed": frozenset(),
     "planar": frozenset(),
     "distance": frozenset(),
+    "edge_hinge": frozenset(),
+    "edge_clamp": frozenset(),
 }
 """Types of joints, and whether they have an angle or a travel."""
+EDGE_JOINTS = frozenset({"edge_hinge", "edge_clamp"})
+"""Types of joints whose channels are those of each node along an edge: ``NAME.0.reaction_force``."""
 
 ALL_CHANNELS = (
     _FRAME | _MODAL | _REACTION | _ANGLE | _TRAVEL | _ROPE | _SPRING | _LOAD | _SHELL_MESH | _FRAME_MESH
@@ -112,6 +117,8 @@ class Declared:
         Names of the bodies.
     meshes
         Names of the frames and shells among them.
+    shells
+        Names of the shells alone.
     joints
         Types of the joints by name.
     channels
@@ -125,6 +132,7 @@ class Declared:
     names: Counter[str] = field(default_factory=Counter)
     bodies: frozenset[str] = frozenset()
     meshes: frozenset[str] = frozenset()
+    shells: frozenset[str] = frozenset()
     joints: Mapping[str, str] = field(default_factory=dict)
     channels: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     references: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
@@ -136,6 +144,7 @@ def declared(document: Mapping[str, Any]) -> Declared:
     """Collect the names of a document as read from TOML, blocks written out."""
     bodies = document.get("bodies", {})
     bodies = bodies if isinstance(bodies, dict) else {}
+    types = {name: str(body.get("type")) for name, body in bodies.items() if isinstance(body, dict)}
     channels: dict[str, Mapping[str, str]] = {}
     for name, body in bodies.items():
         channels[name] = _body_channels(body if isinstance(body, dict) else {})
@@ -150,11 +159,8 @@ def declared(document: Mapping[str, Any]) -> Declared:
     return Declared(
         names=Counter([*bodies, *(name for key in lists for name, _ in _named(document, key))]),
         bodies=frozenset(bodies),
-        meshes=frozenset(
-            name
-            for name, body in bodies.items()
-            if isinstance(body, dict) and str(body.get("type")) in MESH_TYPES
-        ),
+        meshes=frozenset(name for name, kind in types.items() if kind in MESH_TYPES),
+        shells=frozenset(name for name, kind in types.items() if kind == "shell"),
         joints=joints,
         channels=channels,
         references={

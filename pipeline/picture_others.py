@@ -9,7 +9,17 @@ import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.picture_render import Lines, Patch, Points
-from heavylift.solver.connections import GROUND, Rope, RopePoint, Spring, SpringRope
+from heavylift.solver.connections import (
+    GROUND,
+    EdgeClamp,
+    EdgeHinge,
+    Joint,
+    Rope,
+    RopePoint,
+    Spring,
+    SpringRope,
+)
+from heavylift.solver.joints.edges import expand_edge
 from heavylift.solver.meshes import FrameBody, ShellBody
 from heavylift.solver.scene import FlexibleBody, RigidBody
 
@@ -90,7 +100,7 @@ class Others:
         ]
         self._joints = [
             (self._place(joint.body_a, joint.frame_a.point), self._place(joint.body_b, joint.frame_b.point))
-            for joint in scene.joints
+            for joint in _single_joints(scene)
         ]
         pairs = [*self._joints, *self._springs]
         attached = [place for pair in pairs for place in pair]
@@ -263,6 +273,17 @@ def _circle(centre: NDArray[np.float64], radius: float, axis: NDArray[np.float64
     order = np.arange(_CIRCLE)
     ends = np.column_stack([order, np.roll(order, -1)])
     return Lines(centre + radius * circle, ends, colour=_ROPE, width=1.5)
+
+
+def _single_joints(scene: Scene) -> list[Joint]:
+    """Joints at points: along an edge one a node."""
+    return [
+        part
+        for joint in scene.joints
+        for part in (
+            expand_edge(joint, scene.bodies) if isinstance(joint, (EdgeHinge, EdgeClamp)) else (joint,)
+        )
+    ]
 
 
 def _path(rope: Rope | SpringRope) -> list[RopePoint]:

@@ -16,7 +16,8 @@
 =============================================  ==========================================================
 
 Components of the channels of frames and shells begin with the number of a node or element:
-``channel.plate.position.60.z.end``.
+``channel.plate.position.60.z.end``. Channels of joints along edges have the number of a node before their kind:
+``channel.rim.0.reaction_force.z.max``.
 
 What channels there are depends on the owner: a hinge has an ``angle``, a rope a ``tension``; see
 `heavylift.pipeline.channel_kinds`.
@@ -29,7 +30,13 @@ from difflib import get_close_matches
 from typing import NamedTuple
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.channel_kinds import ALL_CHANNELS, RESERVED_NAMES, SCENE_CHANNELS, Declared
+from heavylift.pipeline.channel_kinds import (
+    ALL_CHANNELS,
+    EDGE_JOINTS,
+    RESERVED_NAMES,
+    SCENE_CHANNELS,
+    Declared,
+)
 from heavylift.pipeline.units import KINDS, Kind
 
 __all__ = ["QuantityName", "channel_kind", "parse_quantity_name"]
@@ -140,8 +147,9 @@ def _channel(text: str, parts: list[str], names: Declared | None) -> QuantityNam
             expected="channel.OWNER.KIND.STATISTIC or channel.OWNER.KIND.COMPONENT.STATISTIC with STATISTIC one of "
             + ", ".join(STATISTICS),
         )
-    component = ".".join(parts[3:-1])
-    name = f"{parts[1]}.{parts[2]}"
+    own = 4 if parts[2].isdecimal() and len(parts) > 4 else 3  # a node of an edge stands before the kind
+    component = ".".join(parts[own:-1])
+    name = ".".join(parts[1:own])
     owner = "" if parts[1] in RESERVED_NAMES else parts[1]
     return QuantityName(text, "channel", owner, name, component, parts[-1], channel_kind(name, text, names))
 
@@ -154,6 +162,15 @@ def channel_kind(name: str, text: str, names: Declared | None) -> Kind:
     if not scene and names is not None:
         known = dict(names.channels.get(owner, ALL_CHANNELS))
     key = name if scene else last
+    number, dot, kind = last.partition(".")
+    edge = names is not None and names.joints.get(owner) in EDGE_JOINTS
+    if dot and number.isdecimal() and (edge or names is None):
+        key = kind
+    elif edge:
+        raise InputError(
+            f"quantity {text!r} names no node",
+            expected=f"a channel of a node of the edge, from 0: {owner}.0.reaction_force, {owner}.0.reaction_moment",
+        )
     if key not in known:
         whose = "a channel" if scene else f"a channel of {owner!r}"
         raise InputError(_unknown(text, key, known), expected=f"{whose}: {', '.join(known) or 'none'}")

@@ -20,6 +20,7 @@ from heavylift.pipeline.report_document import (
     to_html,
     to_markdown,
 )
+from heavylift.pipeline.report_edges import edge_sections
 from heavylift.pipeline.report_inputs import input_section, rigid_sections
 from heavylift.pipeline.report_meshes import mesh_sections
 from heavylift.pipeline.report_run import (
@@ -132,6 +133,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
             input_section(case),
             *run_section(case, stages, results),
             *sections,
+            *edge_sections(case, results),
             *history_section(case, stages, results, album),
             *provenance_section(case, stages),
         ),

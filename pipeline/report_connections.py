@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.pipeline.channel_kinds import JOINT_TRAVELS
+from heavylift.pipeline.channel_kinds import EDGE_JOINTS, JOINT_TRAVELS
 from heavylift.pipeline.report_words import (
     number_words,
     numbers_words,
@@ -45,7 +45,9 @@ def connection_tables(case: Case) -> list[Table]:
 
 def _joint(joint: Any) -> tuple[str, ...]:
     at = getattr(joint, "at", None)
-    if at is not None:
+    if joint.type in EDGE_JOINTS:
+        place = _edges(joint)
+    elif at is not None:
         place = numbers_words(at, "m")
     else:
         place = " and ".join(numbers_words(point, "m") for point in joint.points)
@@ -57,6 +59,13 @@ def _joint(joint: Any) -> tuple[str, ...]:
         if getattr(joint, key, None) is not None:
             axis += f", {key.replace('_', ' ')} {numbers_words(getattr(joint, key), '')}"
     return (joint.name, joint.type.replace("_", "-"), " – ".join(joint.between), place, axis, _besides(joint))
+
+
+def _edges(joint: Any) -> str:
+    """Edges of a joint along them."""
+    if joint.edge or joint.edges:
+        return " and ".join(joint.edges or (joint.edge,))
+    return " and ".join(f"nodes {numbers_words(nodes, '')}" for nodes in joint.node_lists)
 
 
 def _besides(joint: Any) -> str:

@@ -41,6 +41,10 @@ def mesh_facts(body: Any, shape: MeshShape | None) -> list[tuple[str, str]]:
     for name, section in body.sections.items():
         places = [_region(region) for region in body.regions if region.section == name]
         rows.append((f"section {name}", f"{_section(section)}; {', '.join(places) or 'not used'}"))
+    for region in body.regions:
+        if getattr(region, "axial_strain", None) is not None:
+            strain = number_words(region.axial_strain, "")
+            rows.append(("axial strain as drawn", f"{strain}; {_region(region)}"))
     if shape is not None:
         vectors = 1 + shape.vectors.shape[1]
         count = len(shape.nodes)

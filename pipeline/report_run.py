@@ -100,12 +100,17 @@ def run_section(case: Case, stages: OutputFolder, results: Results | None) -> li
         )
     for label, keys, words in (
         ("steps", ("steps", "step_count", "step_index"), "{:.0f}"),
-        ("CPU time of the time loop", ("cpu_s", "cpu_seconds"), "{:.3g} s"),
+        ("CPU time", ("cpu_s", "cpu_seconds"), "{:.3g} s"),
+        ("CPU time of the start", ("start_s",), "{:.3g} s"),
         ("CPU time of one step", ("step_us",), "{:.3g} µs"),
         ("compile time", ("compile_s", "compile_seconds"), "{:.3g} s"),
     ):
         value = next((known[key] for key in keys if isinstance(known.get(key), (int, float))), None)
-        if value is not None and math.isfinite(value) and not (statics and value == 0.0):
+        if (
+            value is not None
+            and math.isfinite(value)
+            and not ((statics or "start_s" in keys) and value == 0.0)
+        ):
             rows.append((label, words.format(value)))
     if results is not None and len(results.time) > 1 and "energy.balance" in results:
         rows.append(("largest drift of the energy balance", f"{energy_drift(results):.2e}, relative"))

@@ -20,6 +20,7 @@ from heavylift.pipeline.storage import StopError, read_json, write_json
 if TYPE_CHECKING:
     from heavylift.pipeline.mesh_results import MeshShape
     from heavylift.pipeline.stages import Work
+    from heavylift.solver.simulation import Simulation
 
 __all__ = ["simulate_stage"]
 
@@ -104,14 +105,15 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         "outcome": outcome.name.lower(),
         "steps": steps,
         "step_us": 1e6 * simulation.cpu_seconds / steps if steps else None,
-        "cpu_s": simulation.cpu_seconds,
+        "cpu_s": simulation.start_seconds + simulation.cpu_seconds,
+        "start_s": simulation.start_seconds,
         "compile_s": compile_s,
         "energy_drift": None,
         **about,
     }
     finished = outcome is not Outcome.INTERRUPTED
     if finished:
-        _merge(work, advancer, digest, outcome, message, about, meshes)
+        _merge(work, simulation, digest, outcome, message, about, meshes)
     if simulation.step_index:
         drift = _energy_drift(work)
         details["energy_drift"] = drift if math.isfinite(drift) else None
@@ -139,7 +141,7 @@ def _words(details: dict[str, Any]) -> str:
 
 def _merge(
     work: Work,
-    advancer: Advancer,
+    simulation: Simulation,
     digest: str,
     outcome: Outcome,
     message: str,
@@ -147,9 +149,7 @@ def _merge(
     meshes: list[MeshShape],
 ) -> None:
     """Merge the segments into the result file."""
-    channels = [
-        ChannelInfo(c.name, c.unit, tuple(c.components), c.column) for c in advancer.simulation.channels
-    ]
+    channels = [ChannelInfo(c.name, c.unit, tuple(c.components), c.column) for c in simulation.channels]
     section = work.case.simulate
     assert section is not None
     metadata = {
@@ -158,12 +158,13 @@ def _merge(
         "digest": digest,
         "outcome": outcome.name.lower(),
         "message": message,
-        "step": advancer.simulation.step,
+        "step": simulation.step,
         "tolerance": section.solver_tolerance or 0.0,
         "output_interval": section.output_interval,
-        "steps": steps_taken(advancer.simulation),
+        "steps": steps_taken(simulation),
         **about,
-        "cpu_s": advancer.simulation.cpu_seconds,
+        "cpu_s": simulation.start_seconds + simulation.cpu_seconds,
+        "start_s": simulation.start_seconds,
         "sources": list(work.case.sources),
         "versions": versions("simulate"),
         "overrides": list(work.case.overrides),

@@ -202,7 +202,9 @@ def complete(kinds: Any, systems: Any, at_midpoint: bool, step: float, work: Wor
 
 
 @optional
-def iterate(kinds: Any, systems: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+def iterate(
+    kinds: Any, bodies: Any, systems: Any, joints: Any, work: Workspace, time: float, step: float
+) -> None:
     """Bodies with nonlinear stress: one round of an iteration of the midpoint; counts in `CHANGED` while it goes on."""
 
 
@@ -212,8 +214,8 @@ def add_row_impulses(kinds: Any, body_kind: Any, row: int) -> None:
 
 
 @generic
-def refactor_rows(kinds: Any, bodies: Any) -> None:
-    """Rows: factor of the midpoint again, after the matrices of some bodies have changed."""
+def refactor_rows(kinds: Any, bodies: Any, joints: Any, work: Workspace) -> None:
+    """Rows: markers, rows and factor of the midpoint again, after the midpoint or a matrix of a body has changed."""
 
 
 @generic

@@ -25,7 +25,9 @@ def mesh_warning(layout: Layout, loss: float) -> str:
     parts = []
     meshes = any("strains" in kind._fields for kind in layout.bodies)
     if meshes and loss > LARGEST_LOSS:
-        parts.append(f"the balance of energy lost {loss:.1%} of the largest energy in motion: take a smaller step")
+        parts.append(
+            f"the balance of energy lost {loss:.1%} of the largest energy in motion: take a smaller step"
+        )
     for kind in layout.bodies:
         if "strains" not in kind._fields:
             continue

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.jit import compile_clock
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
 from heavylift.solver.integrate.loop import start_scene, write_record
@@ -101,8 +102,9 @@ class Simulation:
     outcome, message
         How it stands; the message says when and which part if it stopped by itself. The state is then
         that of the last good step.
-    cpu_seconds, compile_seconds
-        CPU time of all `advance` calls, and of compiling or loading the kernels.
+    cpu_seconds, start_seconds, compile_seconds
+        CPU time of all `advance` calls, of bringing the bodies to the start, and of compiling or loading the kernels
+        and looking at the scene.
 
     Raises
     ------
@@ -160,7 +162,10 @@ class Simulation:
         self._stiff = integrator == "dele2" and bool(stiff_part(scene, step * record_every))
         if start not in {"check", "project", *AT_REST}:
             raise InputError(
-                f"{start!r}", source="simulation", key="start", expected="check, project, equilibrium or relax"
+                f"{start!r}",
+                source="simulation",
+                key="start",
+                expected="check, project, equilibrium or relax",
             )
         self._start_mode = start
         self.start_text = ""
@@ -177,6 +182,7 @@ class Simulation:
         self.outcome = Outcome.COMPLETED
         self.message = ""
         self.cpu_seconds = 0.0
+        self.start_seconds = 0.0
         self.compile_seconds = 0.0
         self._first_balance: float | None = None
         self._gain = self._loss = self._energy = 0.0
@@ -193,12 +199,12 @@ class Simulation:
         """Compile the loop for this scene, or load it from the cache, without changing the state."""
         if self._warm:
             return
-        begin = clock.thread_time()
+        begin, found = clock.thread_time(), self.start_seconds
         self._start()
         records = np.empty((0, self.column_count))
         self._call(0, 0, 1, records)
         self._write(np.empty(self.column_count))
-        self.compile_seconds += clock.thread_time() - begin
+        self.compile_seconds += clock.thread_time() - begin - (self.start_seconds - found)
         self._warm = True
 
     def _start(self) -> None:
@@ -227,7 +233,10 @@ class Simulation:
             "equilibrium": find_equilibrium,
             "relax": _relax,
         }
-        self.start_text = ways[self._start_mode](rows).text
+        begin = clock.thread_time()
+        with compile_clock() as compiling:
+            self.start_text = ways[self._start_mode](rows).text
+        self.start_seconds += clock.thread_time() - begin - compiling.seconds
         if self._layout.block_names:
             self.diagnosis = diagnose(rows)
             if self._stiff and not self.diagnosis.redundant:

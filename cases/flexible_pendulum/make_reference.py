@@ -97,7 +97,7 @@ class Pendulum:
         total[3::2] += parts[:, 3]
 
     def slopes(self, e: Array) -> tuple[Array, Array]:
-        """r' and r'' at the Gauss points, shape (n, 5, 2)."""
+        """R' and r'' at the Gauss points, shape (n, 5, 2)."""
         local = np.stack([e[:-2:2], e[1:-2:2], e[2::2], e[3::2]], axis=1)
         return self.S1 @ local, self.S2 @ local
 

@@ -79,7 +79,7 @@ def refine(
     again = False
     while work.status[STATUS_OUTCOME] == 0:
         work.control[CHANGED] = 0.0
-        iterate(bodies, systems, joints, work, time, step)
+        iterate(bodies, bodies, systems, joints, work, time, step)
         if not work.control[CHANGED] > 0.0:
             break
         again = True
@@ -149,7 +149,8 @@ def run(
             correct_rows(bodies, systems, joints, work, time, h)
             complete(bodies, systems, True, h, work)
             refine(bodies, systems, joints, work, time, h)
-            check(bodies, h, work)
+            if work.status[STATUS_OUTCOME] == 0:
+                check(bodies, h, work)
             if tolerance > 0.0:
                 control[ERROR] = 0.0
                 estimate_error(bodies, h, work)

@@ -44,7 +44,15 @@ from heavylift.solver.rows import (
     Rows,
 )
 
-__all__ = ["assemble", "factor_rows", "row_power", "smallest_pivot", "solve_rows", "subtract_rates"]
+__all__ = [
+    "add_impulses",
+    "assemble",
+    "factor_rows",
+    "row_power",
+    "smallest_pivot",
+    "solve_rows",
+    "subtract_rates",
+]
 
 
 @kernel(inline=True, internal=True)
@@ -230,6 +238,27 @@ def solve_rows(system: Rows, velocity: NDArray[np.float64]) -> None:
             z = node * width + SOLUTION * lanes
             for k in range(6):
                 velocity[first + k] += rows[z + k]
+
+
+@kernel(internal=True)
+def add_impulses(system: Rows, velocity: NDArray[np.float64], factor: float) -> None:
+    """``U += factor A^-1 G^T P`` with the impulses of all rows; bodies that are nodes of the system are left out."""
+    lanes = len(system.shape[1])
+    half = system.panels.shape[0] // 2
+    for i in range(system.attachments.shape[0]):
+        holder = system.attachments[i, HOLDER]
+        if holder != DIAGONAL and holder != FACTORED:  # noqa: PLR1714  as above
+            continue
+        dof, panel = system.attachments[i, DOF], system.attachments[i, PANEL]
+        impulse = (system.attachments[i, OWNER] * ROW_COLUMNS + IMPULSE) * lanes
+        for k in range(system.attachments[i, WIDTH]):
+            at = panel + k * lanes + (half if holder == FACTORED else 0)
+            total = 0.0
+            for r in range(lanes):
+                total += system.panels[at + r] * system.rows[impulse + r]
+            if holder == DIAGONAL:
+                total *= system.inverse_mass[dof + k]
+            velocity[dof + k] += factor * total
 
 
 @kernel(internal=True)

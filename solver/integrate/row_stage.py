@@ -14,7 +14,13 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
-from heavylift.solver.integrate.row_solver import assemble, factor_rows, smallest_pivot, solve_rows
+from heavylift.solver.integrate.row_solver import (
+    add_impulses,
+    assemble,
+    factor_rows,
+    smallest_pivot,
+    solve_rows,
+)
 from heavylift.solver.interface import (
     CHANGED,
     FORCES,
@@ -132,9 +138,22 @@ def solve_laws_again(system: LawRowSystem, joints: Any, work: Workspace, time: f
 @implement(refactor_rows, RowSystem)
 @implement(refactor_rows, LawRowSystem)
 @kernel(internal=True)
-def refactor_row_system(system: Rows, bodies: Any) -> None:
-    """What `solve_again` then adds to the velocities belongs to the new matrices."""
-    apply_inverse(bodies, True, system)
+def refactor_row_system(system: Rows, bodies: Any, joints: Any, work: Workspace) -> None:
+    """The impulses stay as they are, and act along the new rows.
+
+    Notes
+    -----
+    Hubs have no velocities of their own to which impulses could be added: with hubs the rows stay, and what
+    `solve_again` adds belongs to the new matrices.
+    """
+    if system.hubs.shape[0] == 0:
+        add_impulses(system, work.velocity, -1.0)
+        fill_markers(bodies, True, FORCES, work)
+        fill_rows(joints, False, work, system)
+        apply_inverse(bodies, True, system)
+        add_impulses(system, work.velocity, 1.0)
+    else:
+        apply_inverse(bodies, True, system)
     assemble(system)
     factor_rows(system)
 

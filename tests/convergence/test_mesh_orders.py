@@ -19,7 +19,9 @@ DATA = Path(__file__).parent / "data"
 SCHEMES = ("carried", "energy-momentum")
 
 
-def scene(count: int, modulus: float, elasticity: str, model: str = "green-lagrange", g: float = 9.81) -> Scene:
+def scene(
+    count: int, modulus: float, elasticity: str, model: str = "green-lagrange", g: float = 9.81
+) -> Scene:
     mesh = line(np.zeros(3), (1.2, 0.0, 0.0), count)
     body = FrameBody(
         name="beam",
@@ -60,7 +62,8 @@ def test_resolved_motion_is_of_second_order(modulus: float, step: float, elastic
     other = SCHEMES[1 - SCHEMES.index(elasticity)]
     fine = path(scene(4, modulus, other), step / 32.0, interval, count)
     errors = [
-        largest(path(scene(4, modulus, elasticity), step / part, interval, count) - fine) for part in (1, 2, 4)
+        largest(path(scene(4, modulus, elasticity), step / part, interval, count) - fine)
+        for part in (1, 2, 4)
     ]
     orders = np.log2(np.divide(errors[:-1], errors[1:]))
     assert np.all(orders > 1.75), (errors, orders)

@@ -64,6 +64,7 @@ class Recorded:
         )
         self.step_index = self.solver_steps = 0
         self.compile_seconds = self.cpu_seconds = 0.0
+        self.start_seconds = 0.25
         self.outcome, self.message = Outcome.COMPLETED, ""
         names = ("kinetic", "elastic", "balance")
         self.channels = [
@@ -99,6 +100,7 @@ def test_the_stage_passes_on_what_is_used_and_reports_what_it_is_told(folder, mo
     details = report.stage("simulate").details
     assert details["steps"] == 300
     assert details["step_us"] == pytest.approx(1.0)
+    assert (details["start_s"], details["cpu_s"]) == pytest.approx((0.25, 0.25 + 300e-6))
     assert (details["integrator"], details["degrees_of_freedom"]) == ("dele2", 1)
     manifest = json.loads((folder / "out" / "simulate" / "manifest.json").read_text())
     assert manifest["details"]["redundant"][6] == "joint 'j6'"

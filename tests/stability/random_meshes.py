@@ -168,8 +168,9 @@ def random_linkage(seed: int) -> Trial:
     spin = 0.3 * np.sqrt(STANDARD_GRAVITY / length) * rng.standard_normal(3)
     block = RigidBody("block", mass, mass * side**2 / 6.0 * np.eye(3), angular_velocity=spin)
     density = 10.0 ** rng.uniform(2.0, 4.0)
-    beam, sheet = line(np.zeros(3), (length, 0.0, 0.0), int(rng.integers(1, 5))), rectangle(
-        length, 0.6 * length, 2, 2
+    beam, sheet = (
+        line(np.zeros(3), (length, 0.0, 0.0), int(rng.integers(1, 5))),
+        rectangle(length, 0.6 * length, 2, 2),
     )
     diameter, thickness = length * 10.0 ** rng.uniform(-3.0, -1.5, 2)
     frame = FrameBody(

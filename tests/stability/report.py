@@ -10,6 +10,7 @@ from pathlib import Path
 sys.path.append(str(Path(__file__).resolve().parent))
 
 from experiments import EXPERIMENTS
+from mesh_experiments import MESH_EXPERIMENTS
 
 
 def main() -> None:
@@ -19,7 +20,7 @@ def main() -> None:
         "Made by `python tests/stability/report.py`; the same experiments are tests. A value is right up to its\n"
         "limit; where a setting asks for the impossible, a run may stop by itself and name the part."
     )
-    for name, experiment in EXPERIMENTS.items():
+    for name, experiment in {**EXPERIMENTS, **MESH_EXPERIMENTS}.items():
         print(f"\n## {name.capitalize()}\n\n{(experiment.__doc__ or '').strip()}\n")
         print("| setting | measure | value | limit |\n|---|---|---|---|")
         for row in experiment():

@@ -26,7 +26,9 @@ SIDE, THICKNESS, POISSON = 1.5, 0.01, 0.3
 BEAMS = {
     "hinged": np.pi * np.arange(1, 6),
     "clamped": np.array([4.730040744863, 7.853204624096, 10.995607838002, 14.137165491257, 17.278759657399]),
-    "cantilever": np.array([1.875104068712, 4.694091132974, 7.854757438238, 10.995540734875, 14.137168391046]),
+    "cantilever": np.array(
+        [1.875104068712, 4.694091132974, 7.854757438238, 10.995540734875, 14.137168391046]
+    ),
 }
 
 
@@ -35,7 +37,12 @@ def beam(**more: object) -> FrameBody:
     mesh = line((0.0, 0.0, 0.0), (LENGTH, 0.0, 0.0), 20)
     section = FrameSection(DENSITY, STEEL, AREA, SECOND_MOMENT)
     return FrameBody(
-        name="beam", nodes=mesh.nodes, tangents=mesh.tangents, elements=mesh.elements, sections=(section,), **more
+        name="beam",
+        nodes=mesh.nodes,
+        tangents=mesh.tangents,
+        elements=mesh.elements,
+        sections=(section,),
+        **more,
     )
 
 
@@ -141,7 +148,9 @@ def test_released_beam_swings_with_its_first_frequency(elasticity: str) -> None:
     times, rows = simulation.advance(2500)
     column = next(c.column for c in simulation.channels if c.name == "beam.position")
     z = rows[:, column + 2 : column + 63 : 3]
-    mode = z @ np.sin(np.pi * body.nodes[:, 0] / LENGTH) / 10.0  # of all half waves of 20 parts the first alone
+    mode = (
+        z @ np.sin(np.pi * body.nodes[:, 0] / LENGTH) / 10.0
+    )  # of all half waves of 20 parts the first alone
     swing = 4.0 * small / np.pi / omega**2
     error = mode + swing * (1.0 - np.cos(omega * times))
     first = np.flatnonzero(np.diff(np.sign(mode + swing)) != 0)

@@ -9,11 +9,13 @@ from heavylift.solver.bodies.ancf.elements import (
     add_stress_forces,
     find_strains,
     measure_drift,
+    measure_strain_energy,
 )
 from heavylift.solver.bodies.ancf.kind import (
     ACCELERATION,
     CHANGED_OVER,
     DISSIPATED_WORK,
+    ELASTIC_ENERGY,
     EXPLICIT,
     EXTERNAL,
     FIRST_STRAIN,
@@ -60,8 +62,12 @@ def find_drift(kind: Meshes, body: int, step: float) -> None:
 
 
 @kernel(internal=True, reassociate=True)
-def add_mesh_work(kind: Meshes, body: int, step: float) -> None:
-    """Work of the loads and losses in the dampers, with the velocities of the stage."""
+def add_mesh_work(kind: Meshes, body: int, step: float, iterated: bool) -> None:
+    """Work of the loads and losses in the dampers, with the velocities of the stage.
+
+    Where the step is iterated the rate of a strain is its change: ``B`` of the midpoint is not, if strains are not
+    quadratic in the coordinates.
+    """
     first, last = node_span(kind, body)
     speed, load, right = kind.nodal[MID_V], kind.nodal[LOAD], kind.nodal[RIGHT]
     external = 0.0
@@ -74,13 +80,19 @@ def add_mesh_work(kind: Meshes, body: int, step: float) -> None:
     for i in range(first, last):
         right[i] = 0.0
     add_matrix_products(kind, body, MID_V, viscous, MID_V, stiff, RIGHT)
-    if stiff > 0.0:
-        begin = kind.table[body, FIRST_STRAIN]
+    lost = 0.0
+    begin = kind.table[body, FIRST_STRAIN]
+    if stiff > 0.0 and iterated:
+        for i in range(begin, begin + kind.table[body, STRAINS]):
+            kind.strains[SHAPE_STRAIN, i] -= kind.strains[START_STRAIN, i]
+        kind.body[body, ELASTIC_ENERGY] = 0.0
+        measure_strain_energy((kind,), body, SHAPE_STRAIN)
+        lost = 2.0 * stiff * kind.body[body, ELASTIC_ENERGY] / (step * step)
+    elif stiff > 0.0:
         for i in range(begin, begin + kind.table[body, STRAINS]):
             kind.strains[SHAPE_STRAIN, i] = 0.0
         add_strain_rates((kind,), body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
         add_stress_forces((kind,), body, MID_Q, SHAPE_STRAIN, RIGHT, 1.0)
-    lost = 0.0
     for i in range(first, last):
         lost += right[i] * speed[i]
     kind.body[body, DISSIPATED_WORK] += step * lost
@@ -116,8 +128,8 @@ def advance_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> N
     rate = 2.0 / step
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
-        add_mesh_work(kind, body, step)
         iterated, scheme = is_iterated(kind, body), kind.table[body, SCHEME]
+        add_mesh_work(kind, body, step, iterated)
         if not iterated and scheme != EXPLICIT:
             copy_strains(kind, body, OLD_STRAIN, STRAIN)  # `iterate` has found them
         for i in range(first, last):

@@ -17,6 +17,7 @@ from heavylift.solver.kinds import generic
 __all__ = [
     "add_elastic_forces",
     "add_follower_load",
+    "add_mean_stress_forces",
     "add_stiffness",
     "add_strain_rates",
     "add_stress_forces",
@@ -40,6 +41,26 @@ def add_strain_rates(kinds: Any, body: int, q: int, v: int, strain: int, factor:
 @generic
 def add_stress_forces(kinds: Any, body: int, q: int, strain: int, force: int, factor: float) -> None:
     """``nodal[force] += factor B(q)^T C strains[strain]``."""
+
+
+@generic
+def add_mean_stress_forces(
+    kinds: Any,
+    body: int,
+    q_start: int,
+    q_end: int,
+    q_mid: int,
+    start_strain: int,
+    end_strain: int,
+    mean_strain: int,
+    force: int,
+    factor: float,
+) -> None:
+    """``nodal[force] += factor Bm^T C strains[mean_strain]``, where ``Bm (q_end - q_start) = e_end - e_start``.
+
+    So the work of a step is that of the mean strain in the change of the strains of the shape, however long the step.
+    `q_mid` is the mean of both ends; at strains that are quadratic in the coordinates ``Bm`` is ``B`` there.
+    """
 
 
 @generic

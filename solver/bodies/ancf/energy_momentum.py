@@ -6,7 +6,8 @@ directions those of the midpoint::
     M vb + h/2 ( B(qm)^T C (s_n + s_{n+1})/2 + K_b qm ) = M v + h/2 f + G^T P,    qm = q + h/2 vb
     s_{n+1} = s_n + e(q_{n+1}) - e(q_n)
 
-which conserves energy and momenta exactly, whatever the quadrature, for strains that are quadratic in q. Damping
+which conserves energy and momenta exactly, whatever the quadrature, for strains that are quadratic in q; for others
+B(qm) gives way to a discrete gradient (`heavylift.solver.bodies.ancf.frame_exact_mean`), and so they do. Damping
 by stiffness takes the rate ``(e_{n+1} - e_n)/h``. The matrix of the carried strains is the first
 approximation of the tangent; it is made again, with the stress in it, while the iteration is slow.
 
@@ -27,7 +28,7 @@ from heavylift.solver.bodies.ancf.assembly import (
     factor_set,
     start_step_matrix,
 )
-from heavylift.solver.bodies.ancf.elements import add_stiffness, add_stress_forces, find_strains
+from heavylift.solver.bodies.ancf.elements import add_mean_stress_forces, add_stiffness, find_strains
 from heavylift.solver.bodies.ancf.faults import blame_element, blame_largest
 from heavylift.solver.bodies.ancf.joints import take_impulses
 from heavylift.solver.bodies.ancf.kind import (
@@ -145,7 +146,9 @@ def _write_residual(kind: Meshes, body: int, step: float, work: Workspace) -> No
     if stiff > 0.0:
         add_matrix_products(kind, body, MID_V, 0.0, MID_V, -half * stiff, RIGHT)
     _average_strains(kind, body, step)
-    add_stress_forces((kind,), body, MID_Q, OLD_STRAIN, RIGHT, -half)
+    add_mean_stress_forces(
+        (kind,), body, Q, TRIAL, MID_Q, START_STRAIN, SHAPE_STRAIN, OLD_STRAIN, RIGHT, -half
+    )
     _add_base_impulses(kind, body, TRIAL)
 
 
@@ -181,7 +184,7 @@ def _watch_drift(kind: Meshes, body: int, time: float, step: float, work: Worksp
 @implement(iterate, FrameMeshes)
 @implement(iterate, ShellMeshes)
 @kernel(internal=True)
-def iterate_meshes(kind: Meshes, systems, joints, work: Workspace, time: float, step: float) -> None:  # type: ignore[no-untyped-def]
+def iterate_meshes(kind: Meshes, bodies, systems, joints, work: Workspace, time: float, step: float) -> None:  # type: ignore[no-untyped-def]
     """One round of Newton's method for each body of this scheme, with its joints."""
     for body in range(kind.table.shape[0]):
         _watch_drift(kind, body, time, step, work)
@@ -194,9 +197,15 @@ def iterate_meshes(kind: Meshes, systems, joints, work: Workspace, time: float, 
         kind.body[body, ITERATIONS] += 1.0
         take_impulses(kind, systems, TRIAL)
         _write_residual(kind, body, step, work)
-        if kind.body[body, ITERATIONS] > 2.0 and kind.body[body, CHANGE] > SLOW * kind.body[body, BEFORE]:
+        slow = kind.body[body, ITERATIONS] > 2.0 and kind.body[body, CHANGE] > SLOW * kind.body[body, BEFORE]
+        if slow:
             _refactor(kind, body, step)
-            refactor_rows(systems, (kind,))
+        # rows of joints were made at the predicted midpoint, which in soft bodies is far from the true one
+        jointed = kind.table[body, BASES] > 0 and (slow or kind.body[body, ITERATIONS] == 1.0)
+        if jointed:
+            refactor_rows(systems, bodies, joints, work)
+            take_impulses(kind, systems, TRIAL)
+        if slow or jointed:
             _write_residual(kind, body, step, work)
         solve_forward(kind, body, STEP_SET)
         first_base, dof = kind.table[body, FIRST_BASE], kind.table[body, DOF]

@@ -18,6 +18,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 from heavylift.solver.bodies.ancf.elements import (
     add_follower_load,
+    add_mean_stress_forces,
     add_stiffness,
     add_strain_rates,
     add_stress_forces,
@@ -60,6 +61,7 @@ from heavylift.solver.bodies.ancf.frame_exact import (
     curvature,
     find_exact_strains,
 )
+from heavylift.solver.bodies.ancf.frame_exact_mean import add_exact_mean_forces
 from heavylift.solver.bodies.ancf.frame_green_lagrange import (
     add_green_lagrange_forces,
     add_green_lagrange_rates,
@@ -113,6 +115,28 @@ def add_frame_forces(kind: FrameMeshes, body: int, q: int, strain: int, force: i
         add_exact_forces(kind, body, q, strain, force, factor)
     else:
         add_green_lagrange_forces(kind, body, q, strain, force, factor)
+
+
+@implement(add_mean_stress_forces, FrameMeshes)
+@kernel(internal=True)
+def add_frame_mean_forces(
+    kind: FrameMeshes,
+    body: int,
+    q_start: int,
+    q_end: int,
+    q_mid: int,
+    start_strain: int,
+    end_strain: int,
+    mean_strain: int,
+    force: int,
+    factor: float,
+) -> None:
+    if _is_exact(kind, body):
+        add_exact_mean_forces(
+            kind, body, q_start, q_end, start_strain, end_strain, mean_strain, force, factor
+        )
+    else:
+        add_green_lagrange_forces(kind, body, q_mid, mean_strain, force, factor)
 
 
 @implement(add_stiffness, FrameMeshes)

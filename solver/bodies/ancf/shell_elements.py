@@ -15,6 +15,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 from heavylift.solver.bodies.ancf.elements import (
     add_follower_load,
+    add_mean_stress_forces,
     add_stiffness,
     add_strain_rates,
     add_stress_forces,
@@ -120,6 +121,24 @@ def add_shell_forces(kind: ShellMeshes, body: int, q: int, strain: int, force: i
             kind.nodal, n0, n1, n2, n3, kind.strains, at,
             kind.nodal, f0, f1, f2, f3, factor,
         )  # fmt: skip
+
+
+@implement(add_mean_stress_forces, ShellMeshes)
+@kernel(internal=True)
+def add_shell_mean_forces(
+    kind: ShellMeshes,
+    body: int,
+    q_start: int,
+    q_end: int,
+    q_mid: int,
+    start_strain: int,
+    end_strain: int,
+    mean_strain: int,
+    force: int,
+    factor: float,
+) -> None:
+    """Strains are quadratic."""
+    add_shell_forces(kind, body, q_mid, mean_strain, force, factor)
 
 
 @implement(add_stiffness, ShellMeshes)

@@ -114,9 +114,8 @@ def find_step_limit(kind: Meshes, body: int, rounds: int) -> None:
     frequency = highest_frequency(kind, body, rounds)
     kind.body[body, STEP_LIMIT] = math.inf
     if frequency > 0.0:
-        damping = 0.5 * (
-            kind.body[body, STIFFNESS_DAMPING] * frequency + kind.body[body, VISCOUS] / frequency
-        )
+        # damping forces take the velocity extrapolated from the step before, which doubles their part in the limit
+        damping = kind.body[body, STIFFNESS_DAMPING] * frequency + kind.body[body, VISCOUS] / frequency
         part = math.sqrt(1.0 + damping * damping) - damping
         kind.body[body, STEP_LIMIT] = SHARE * 2.0 / frequency * part
 

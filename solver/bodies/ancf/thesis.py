@@ -83,7 +83,7 @@ def thesis_advance_meshes(kind: Meshes, time: float, step: float, work: Workspac
     """Coordinates by the end velocity."""
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
-        add_mesh_work(kind, body, step)
+        add_mesh_work(kind, body, step, False)
         for i in range(first, last):
             kind.nodal[V, i] = kind.nodal[MID_V, i]
             kind.nodal[Q, i] += step * kind.nodal[V, i]

@@ -110,12 +110,12 @@ def test_hinged_panels_are_a_double_pendulum(falling: Run) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("step", [1e-2, 5e-3])
-def test_energy_of_a_plate_on_hooks_stays_bounded(step: float) -> None:
-    """Steps a hundred times the explicit limit of the steel plate."""
-    long = run(all_parts(elasticity="carried"), step, 4.0)
-    assert long.energy_change() < 1e-3 * long["energy.kinetic"].max()
-    assert long["monitor.violation"].max() < 1e-3
+@pytest.mark.parametrize("elasticity", ["carried", "auto"])
+def test_energy_of_a_plate_on_hooks_stays_bounded(elasticity: str) -> None:
+    """Steps fifty times the explicit limit of the steel plate."""
+    long = run(all_parts(elasticity=elasticity), 5e-3, 4.0)
+    assert long.energy_change() < 2e-3 * long["energy.kinetic"].max()
+    assert long["monitor.violation"].max() < 0.01
 
 
 @pytest.mark.slow

@@ -18,7 +18,8 @@ from heavylift.solver.simulation import Simulation
 
 def scene(elasticity: str = "auto", gap: float = 0.0) -> Scene:
     """A pinned frame, a rod hung on its end, a plate hung on the rod; the pin may be open by a gap [m]."""
-    frame = bar("frame", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 3, 1e8, elasticity=elasticity)
+    ends = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)
+    frame = bar("frame", *ends, 3, 1e8, elasticity=elasticity, drift_tolerance=1e-5)
     link = rod("link", (1.0, 0.0, 0.0), (1.0, 0.0, -0.5), 2.0)
     mesh = rectangle(0.8, 0.6, 2, 2)
     plate = ShellBody(
@@ -31,7 +32,7 @@ def scene(elasticity: str = "auto", gap: float = 0.0) -> Scene:
         position=np.array([1.0, 0.0, -0.5]),
         elasticity=elasticity,
     )
-    ends = JointFrame(np.array([-0.25, 0.0, 0.0])), JointFrame(np.array([0.25, 0.0, 0.0]))
+    top, bottom = JointFrame(np.array([-0.25, 0.0, 0.0])), JointFrame(np.array([0.25, 0.0, 0.0]))
     joints = (
         Ball(name="pin", body_a=GROUND, body_b="frame", frame_a=JointFrame(np.array([0.0, 0.0, gap]))),
         Ball(
@@ -39,9 +40,9 @@ def scene(elasticity: str = "auto", gap: float = 0.0) -> Scene:
             body_a="frame",
             body_b="link",
             frame_a=JointFrame(np.array([1.0, 0.0, 0.0])),
-            frame_b=ends[0],
+            frame_b=top,
         ),
-        Ball(name="eye", body_a="link", body_b="plate", frame_a=ends[1], frame_b=JointFrame(np.zeros(3))),
+        Ball(name="eye", body_a="link", body_b="plate", frame_a=bottom, frame_b=JointFrame(np.zeros(3))),
     )
     return Scene((frame, link, plate), (DOWN,), (), joints)
 
@@ -127,7 +128,7 @@ def test_open_joint_is_closed_on_demand() -> None:
 
 
 def test_errors_of_a_linkage_fall_with_the_tolerance() -> None:
-    """Against fixed steps of a hundredth of an interval; a hundred times less tolerance is at least ten times better."""
+    """Against a hundred fixed steps an interval; a hundredth of the tolerance is at least five times better."""
     fine = Simulation(scene("energy-momentum"), 1e-4, record_every=100).advance(3000)[1]
     channel = next(c for c in Simulation(scene(), 0.01).channels if c.name == "link.position")
     errors = []
@@ -136,5 +137,5 @@ def test_errors_of_a_linkage_fall_with_the_tolerance() -> None:
         found = simulation.advance(30)[1]
         columns = slice(channel.column, channel.column + 3)
         errors.append(np.abs(found[:, columns] - fine[:, columns]).max())
-    assert errors[1] < 0.1 * errors[0]
-    assert errors[1] < 1e-3
+    assert errors[1] < 0.2 * errors[0]
+    assert errors[1] < 5e-5

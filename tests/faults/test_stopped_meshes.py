@@ -1,0 +1,71 @@
+"""Frames and shells that cannot be in equilibrium, or are stepped too boldly: named by body, element and motion."""
+
+from __future__ import annotations
+
+import pytest
+
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.pipeline import load_case, load_results, run_case
+
+CASE = """
+title = "Cantilever"
+[gravity]
+acceleration = [0, 0, "-9.81 m/s^2"]
+[bodies.beam]
+type = "frame"
+geometry = { type = "line", start = [0, 0, 0], end = ["10 m", 0, 0], elements = 4 }
+section = { density = 1000, young_modulus = "1 GPa", diameter = "1 m" }
+supports = [{ at = "start", fix = "clamped" }]
+[simulate]
+step = "1 ms"
+output_interval = "10 ms"
+duration = "0.2 s"
+"""
+STATICS = ("simulate.start=equilibrium", "simulate.duration=0")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "case.toml").write_text(CASE)
+    return tmp_path
+
+
+@pytest.mark.slow
+def test_a_step_beyond_the_explicit_limit_names_body_and_element_and_leaves_a_report(folder):
+    """Waves of c = sqrt(E/rho) = 1000 m/s cross an element of 2.5 m in 2.5 ms: no explicit step may be longer."""
+    change = ["bodies.beam.elasticity=explicit", "simulate.step=10 ms", "simulate.duration=20 s"]
+    case = load_case(folder, change)
+    report = run_case(case)
+    assert report.outcome is not Outcome.COMPLETED
+    assert "body 'beam', element " in report.message
+    assert " at t = " in report.message
+    limit = float(report.message.partition("try a step below ")[2].partition(" s,")[0])
+    assert 1e-4 < limit < 2.5e-3
+    assert report.stage("report").outcome is Outcome.COMPLETED
+    text = (report.folder.stage("report") / "report.md").read_text()
+    assert "Stopped: " in text
+    assert "body 'beam', element " in text
+    assert "## Frame beam" in text
+    assert load_results(case).outcome == report.outcome.name.lower()
+    again = run_case(case)
+    assert again.message == report.message
+    assert again.stages[-1].skipped
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("supports", "motion"),
+    [
+        ("", "'beam' can move"),
+        ('[{at="start", fix="pinned"}]', "'beam' can"),
+        ('[{at="start", fixed={position="xy", tangent="xyz"}}]', "'beam' can move along z"),
+    ],
+)
+def test_a_load_on_a_free_motion_has_no_equilibrium(folder, supports, motion):
+    case = load_case(folder, [*STATICS, f"bodies.beam.supports={supports}"])
+    with pytest.raises(InputError) as caught:
+        run_case(case)
+    (line,) = str(caught.value).splitlines()
+    assert f"{folder / 'case.toml'}: simulate.start: there is no static equilibrium: " in line
+    assert motion in line
+    assert "expected supports, joints, springs or ropes that hold all bodies" in line
