@@ -164,7 +164,7 @@ def view(function: F) -> F:
     return inlined
 
 
-class CompileClock(event.Listener):  # type: ignore[misc]
+class CompileClock(event.Listener):
     """Adds up the CPU time of this thread that goes into compiling kernels or loading them.
 
     Attributes

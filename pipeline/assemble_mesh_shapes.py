@@ -83,7 +83,9 @@ def _told(place: Place) -> Iterator[None]:
     except InputError as error:
         if error.source:
             raise
-        raise place.error(f"geometry.{error.key}", error.problem, error.expected) from None
+        geometry = place.case.meshes[place.name].geometry
+        key = "corners" if geometry.type == "quadrilateral" and error.key == "points" else error.key
+        raise place.error(f"geometry.{key}", error.problem, error.expected) from None
 
 
 def _points(place: Place, geometry: MeshFiles) -> NDArray[np.float64]:

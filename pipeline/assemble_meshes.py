@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case_meshes import FrameBodySection, ShellBodySection
     from heavylift.solver.mesh_shapes import FrameMesh, ShellMesh
 
-__all__ = ["assemble_frame", "assemble_shell", "check_on_mesh"]
+__all__ = ["assemble_frame", "assemble_shell", "check_on_mesh", "check_pulleys"]
 
 AnyMesh = TypeVar("AnyMesh", m.FrameBody, m.ShellBody)
 
@@ -114,6 +114,26 @@ def check_on_mesh(body: m.FrameBody | m.ShellBody, point: ArrayLike, source: obj
     from heavylift.solver.bodies.ancf.types import type_of
 
     type_of(body).locate(body, np.asarray(point, dtype=np.float64), str(source), key)
+
+
+def check_pulleys(case: Case, body: m.FrameBody) -> None:
+    """Refuse pulleys on a frame whose axis is across it: a frame has no torsion that would carry the axis along."""
+    from heavylift.solver.bodies.ancf.bases import ALONG, frame_tangent
+
+    for i, rope in enumerate(case.ropes):
+        for k, stop in enumerate(rope.path):
+            if stop.body != body.name or not stop.radius:
+                continue
+            axis = np.array([0.0, 0.0, 1.0] if stop.axis is None else stop.axis)
+            tangent = frame_tangent(body, np.array(stop.point), rope.name)
+            if np.linalg.norm(np.cross(tangent, axis)) > ALONG * np.linalg.norm(axis):
+                raise InputError(
+                    f"the axis of a pulley on the frame {body.name!r} is not along its tangent "
+                    f"({', '.join(f'{x:.6g}' for x in tangent)})",
+                    source=case.file,
+                    key=case.place(f"ropes.{i}.path.{k}.axis"),
+                    expected="an axis along the tangent, or a pulley on a small rigid body that is fixed to the frame",
+                )
 
 
 def _common(body: Any, initial: Mapping[str, NDArray[np.float64]]) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from heavylift.pipeline.assemble_connections import (
     start_sides,
 )
 from heavylift.pipeline.assemble_edges import joints_of_edge
-from heavylift.pipeline.assemble_meshes import assemble_frame, assemble_shell, check_on_mesh
+from heavylift.pipeline.assemble_meshes import assemble_frame, assemble_shell, check_on_mesh, check_pulleys
 from heavylift.pipeline.case_bodies import FlexibleBodySection
 from heavylift.pipeline.case_joints import EdgeJointSection
 from heavylift.pipeline.model_io import read_header, read_model, read_reduced
@@ -107,6 +107,8 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         elif isinstance(made, (FrameBody, ShellBody)):
             for key, point in _points_on(case, joints, made.name, origins[made.name]):
                 check_on_mesh(made, point, case.file, key)
+            if isinstance(made, FrameBody):
+                check_pulleys(case, made)
     return s.Scene(tuple(bodies), tuple(forces), sensors, joints=joints, ropes=assemble_ropes(case, sides))
 
 

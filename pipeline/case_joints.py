@@ -351,7 +351,7 @@ class EdgeJointSection(JointSection):
         """Lists of nodes, one a shell; none where edges are named."""
         if not self.nodes:
             return ()
-        return (self.nodes,) if isinstance(self.nodes[0], int) else self.nodes  # type: ignore[return-value]
+        return (self.nodes,) if isinstance(self.nodes[0], int) else self.nodes
 
 
 class EdgeHingeSection(EdgeJointSection):

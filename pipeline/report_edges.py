@@ -56,7 +56,7 @@ def edge_sections(case: Case, results: Results | None) -> list[Section]:
 
 def _histories(results: Results, joint: str, kind: str) -> NDArray[np.float64]:
     """Reactions of all nodes, shape (nodes, records, 3)."""
-    found = []
+    found: list[NDArray[np.float64]] = []
     while f"{joint}.{len(found)}.{kind}" in results:
         found.append(results[f"{joint}.{len(found)}.{kind}"].reshape(len(results.time), 3))
     return np.array(found).reshape(len(found), len(results.time), 3)

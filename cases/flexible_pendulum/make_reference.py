@@ -15,8 +15,8 @@ which is exact for Green-Lagrange strains. DOP853 follows every wave along the r
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +28,7 @@ LENGTH, DENSITY, AREA, SECOND_MOMENT = 1.2, 5540.0, 0.0018, 1.215e-8
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Run:
+class Run(NamedTuple):
     """One pendulum: elements, Young's modulus [Pa], gravity [m/s2], time [s], model, relative tolerance."""
 
     elements: int

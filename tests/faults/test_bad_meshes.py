@@ -10,7 +10,9 @@ import pytest
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case
 from heavylift.pipeline.assemble_scene import assemble_scene
+from heavylift.pipeline.case_places import in_case
 from heavylift.pipeline.storage import OutputFolder
+from heavylift.solver.layout import pack_scene
 
 
 @pytest.fixture
@@ -33,6 +35,8 @@ BEAM, PLATE = "bodies.beam", "bodies.plate"
 QUADRILATERAL = f'{PLATE}.geometry={{type="quadrilateral", elements=[4, 2], corners=[%s]}}'
 GRID = f'{PLATE}.geometry={{type="grid", elements=[2, 1], points=[%s]}}'
 SPLINE = f'{BEAM}.geometry={{type="spline", elements=4, %s}}'
+SPLINE_NODES = f'{BEAM}.geometry={{type="spline", points=[%s]}}'
+TWICE = "[0, 0, 0], [0, 0, 0], [2, 0, 0], [0, 1, 0], [0, 1, 0], [2, 1, 0]"
 CABLE = f"{BEAM}.section={{density=1, young_modulus=1, %s}}"
 UPRIGHT = "[0, 0, 0], [4, 0, 0], [4, 0, 2], [0, 0, 2]"
 TILTED = "[0, 0, 0], [4, 0, 0], [4, 2, 1], [0, 2, 1]"
@@ -61,6 +65,15 @@ TILTED = "[0, 0, 0], [4, 0, 0], [4, 2, 1], [0, 2, 1]"
             "geometry.points",
             "3 points for 2 x 1 elements",
             "6, one",
+        ),
+        # elements without a length
+        (SPLINE_NODES % "[0, 0, 0], [0, 0, 0], [1, 0, 0]", "geometry.points", "at one place", "a distance"),
+        (GRID % TWICE, "geometry.points", "two neighbours are at one place", "a distance along x"),
+        (
+            QUADRILATERAL % "[0, 0, 0], [0, 0, 0], [4, 2, 0], [0, 2, 0]",
+            "geometry.corners",
+            "two neighbours are at one place",
+            "a distance along x",
         ),
         # inverted: the third corner lies inside of the triangle of the others
         (
@@ -181,6 +194,49 @@ def test_a_point_off_the_mesh(meshes, override, key):
     assert f"{meshes / 'case.toml'}: {key}: " in line
     assert " m from the axis" in line or " m away from the shell" in line
     assert "expected a point of " in line
+
+
+@pytest.mark.parametrize(
+    ("override", "key", "problem"),
+    [
+        (
+            'type="hinge", points=[[5, 0, 0], [0, 10, 0]], axes=[[1, 1, 0], [1, 1, 0]]',
+            "joints.0.axis",
+            "45 deg",
+        ),
+        (
+            'type="universal", at=[0, 10, 0], axis=[1, 0, 0], second_axis=[0, 1, 0]',
+            "joints.0.axis",
+            "on 'beam'",
+        ),
+        ('type="slider", at=[0, 10, 0], axis=[1, 0, 0]', "joints.0.axis", "with tangent [1.0, 0.0, 0.0]"),
+        ('type="hinge", at=[0, 10, 0], axis=[1, 0, 0], friction=1', "joints.0.friction", "has no angle"),
+    ],
+)
+def test_what_a_frame_cannot_carry(meshes, override, key, problem):
+    """It has no torsion: joints that need a direction across its tangent are refused by their names."""
+    case = load_case(meshes, [f'joints=[{{name="j", between=["beam", "ground"], {override}}}]'])
+    scene = assemble_scene(case, OutputFolder(meshes / "out"))
+    with pytest.raises(InputError) as caught, in_case(case):
+        pack_scene(scene, "dele2")
+    (line,) = str(caught.value).splitlines()
+    assert f": {key}: " in line
+    assert problem in line
+    assert "a small rigid body between" in line.partition("; expected ")[2]
+
+
+def test_a_pulley_on_a_frame_has_its_axis_along_it(meshes):
+    ends = '{body="ground", point=[0, 0, 9]}, {body="ground", point=[5, 5, 9]}'
+    first, last = ends.split("}, ")
+    stop = '{body="beam", point=[5, 0, 0], radius=0.1, axis=[%s]}'
+    rope = (
+        'ropes=[{type="wire", name="rope", axial_stiffness=1e5, path=[' + f"{first}}}, {stop}, {last}" + "]}]"
+    )
+    line = complaint(meshes, rope % "0, 0, 1")
+    assert ": ropes.0.path.1.axis: the axis of a pulley on the frame 'beam' is not along its tangent" in line
+    assert "expected an axis along the tangent, or a pulley on a small rigid body" in line
+    case = load_case(meshes, [rope % "-2, 0, 0"])
+    assert len(assemble_scene(case, OutputFolder(meshes / "out")).ropes) == 1
 
 
 @pytest.mark.parametrize(("corners", "good"), [(UPRIGHT, True), (TILTED, False)])

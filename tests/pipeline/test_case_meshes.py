@@ -60,6 +60,25 @@ def test_a_pre_tension_is_the_same_force_in_every_section(folder):
     np.testing.assert_allclose(stiffness * beam.axial_strains, 1e6)
 
 
+def test_a_region_has_its_own_pre_strain(folder):
+    region = (
+        "{elements=[0, 3], axial_strain=-1e-4}, {box={from=[7, -1, -1], to=[11, 1, 1]}, axial_strain=2e-4}"
+    )
+    changed = f"bodies.beam.regions=[{region}]"
+    beam = bodies(folder, changed)["beam"]
+    stiffness = beam.sections[0].youngs_modulus * beam.sections[0].area
+    np.testing.assert_allclose(beam.axial_strains, [-1e-4, 1e6 / stiffness, 1e6 / stiffness, 2e-4])
+    np.testing.assert_array_equal(beam.element_sections, 0)
+    slack = bodies(folder, changed, "bodies.beam.axial_force=")["beam"]
+    np.testing.assert_allclose(slack.axial_strains, [-1e-4, 0.0, 0.0, 2e-4])
+    with pytest.raises(
+        InputError, match="neither 'section' nor 'axial_strain'; expected one of them, or both"
+    ):
+        bodies(folder, "bodies.beam.regions=[{elements=[0]}]")
+    with pytest.raises(InputError, match="axial_strain: unknown key"):
+        bodies(folder, "bodies.plate.regions.0.axial_strain=1e-4")
+
+
 def test_an_arch_lies_on_its_circle(folder):
     arch = bodies(folder)["arch"]
     np.testing.assert_allclose(np.linalg.norm(arch.nodes, axis=1), 2.0)

@@ -124,7 +124,7 @@ def test_an_error_of_the_solver_names_the_place_in_the_file(folder):
     for error, key in (
         (InputError("0.1 m off", source="stay", key="length", expected="a closed joint"), "joints.2.length"),
         (InputError("0.1 m off", source="scene", key="fall", expected="a longer rope"), "ropes.0"),
-        (InputError("too small", source="simulation", key="step", expected="more"), "simulate"),
+        (InputError("too small", source="simulation", key="step", expected="more"), "simulate.step"),
     ):
         with pytest.raises(InputError) as caught, in_case(case):
             raise error

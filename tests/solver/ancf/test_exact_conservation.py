@@ -295,6 +295,7 @@ def test_a_swinging_frame_keeps_its_energy(curved: bool, modulus: float, step: f
     assert rounds < 10.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("curved", [False, True])
 def test_order_against_the_accurate_integrator(curved: bool) -> None:
     """Pendulums of large bending."""

@@ -274,6 +274,7 @@ def begin(bodies: Any, values: np.ndarray, size: int, work: Any) -> None:
     begin_stage(bodies, 0.0, values, 0, size, work)
 
 
+@pytest.mark.slow
 def test_second_rates_of_directions_are_those_of_differences() -> None:
     joints = (
         weld("a", GROUND, (0.3, 0.3, 0.0), "shell", (0.3, 0.3, 0.0)),

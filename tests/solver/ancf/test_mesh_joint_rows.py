@@ -43,6 +43,8 @@ from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSec
 from heavylift.solver.rows import DOF, PANEL, RESIDUAL, ROW_COLUMNS, SCALE, TARGET, WIDTH
 from heavylift.solver.scene import PointForce, RigidBody, Scene
 
+pytestmark = pytest.mark.slow  # each scene compiles for half a minute
+
 ON_SHELLS = ("ball", "distance", "fixed", "hinge", "planar", "slider", "universal")
 BENT = np.array([[0.0, 0.0, 0.0], [1.2, 0.1, 0.0], [1.1, 0.9, 0.0], [-0.1, 0.8, 0.0]])
 

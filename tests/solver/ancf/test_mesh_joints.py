@@ -49,6 +49,7 @@ def falling() -> Run:
     return run(scene(four_bar(STEEL), cantilevers(SOFT)), 1e-2, 1.0)
 
 
+@pytest.mark.slow
 def test_clamp_by_joint_is_a_clamp_by_supports(falling: Run) -> None:
     """Those that leave |r'| free as well."""
     supported, jointed = falling.nodes("supported"), falling.nodes("jointed") - SHIFT
@@ -56,6 +57,7 @@ def test_clamp_by_joint_is_a_clamp_by_supports(falling: Run) -> None:
     np.testing.assert_allclose(jointed, supported, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_weld_makes_one_frame_of_two(falling: Run) -> None:
     """The second runs towards the first, its joint frame is turned about the tangent; stretch is free at the weld."""
     supported = falling.nodes("supported") - SHIFT
@@ -64,6 +66,7 @@ def test_weld_makes_one_frame_of_two(falling: Run) -> None:
     np.testing.assert_allclose(far[:, ::-1], supported[:, 3:], atol=1e-3)
 
 
+@pytest.mark.slow
 def test_reaction_of_a_clamp_carries_weight_and_moment() -> None:
     """A damped cantilever rests on m g and m g times the lever of its centre of mass; axial waves last longer."""
     part = cantilevers(STEEL, viscous_damping=40.0, stiffness_damping=1e-3)
@@ -76,6 +79,7 @@ def test_reaction_of_a_clamp_carries_weight_and_moment() -> None:
     np.testing.assert_allclose(moment, -np.cross(middle, weight), atol=1e-3 * np.linalg.norm(moment))
 
 
+@pytest.mark.slow
 def test_joints_stay_closed(falling: Run) -> None:
     """The monitor, and the ends of the frame at the rods."""
     assert falling["monitor.violation"].max() < 1e-5
@@ -89,6 +93,7 @@ def test_joints_stay_closed(falling: Run) -> None:
         np.testing.assert_allclose(falling.nodes("beam")[:, end], tip, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_linkage_is_of_second_order() -> None:
     """Against a step four times finer than the finest; damping takes axial waves away, which no such step resolves."""
     parts = four_bar(1e9, stiffness_damping=1e-3), cantilevers(SOFT)
@@ -99,6 +104,7 @@ def test_linkage_is_of_second_order() -> None:
     assert errors[0] / errors[2] > 9.0
 
 
+@pytest.mark.slow
 def test_energy_of_the_linkage_stays_bounded() -> None:
     """Ten seconds, steps a hundred times the explicit limit."""
     carried = {"elasticity": "carried"}
@@ -107,6 +113,7 @@ def test_energy_of_the_linkage_stays_bounded() -> None:
     assert long.energy_change() < 0.01 * long["energy.kinetic"].max()
 
 
+@pytest.mark.slow
 def test_energy_momentum_scheme_with_joints_conserves_energy() -> None:
     """Large rotations and strains; rows on points are linear, so what is left is the softness of rigid rows."""
     how = {"elasticity": "energy-momentum"}
@@ -120,6 +127,7 @@ def test_energy_momentum_scheme_with_joints_conserves_energy() -> None:
     assert kind.body[:, ITERATIONS].max() <= 15
 
 
+@pytest.mark.slow
 def test_energy_momentum_and_carried_strains_agree_on_a_linkage() -> None:
     """Two schemes of second order."""
     one, other = (
@@ -188,6 +196,7 @@ def test_tangent_on_the_wrong_side_is_refused() -> None:
     assert "180 deg" in error.problem
 
 
+@pytest.mark.slow
 def test_joint_frames_turn_with_the_body() -> None:
     """A turned frame clamped with turned axes fits; the same with the world axes does not."""
     turned = bar("f", np.zeros(3), [1.0, 0.0, 0.0], 2, SOFT, orientation=TURN.as_quat(scalar_first=True))

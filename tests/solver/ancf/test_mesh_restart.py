@@ -15,6 +15,8 @@ from heavylift.solver.meshes import ShellBody, ShellSection
 from heavylift.solver.scene import Scene
 from heavylift.solver.simulation import Simulation
 
+pytestmark = pytest.mark.slow  # each scene compiles for half a minute
+
 
 def scene(elasticity: str = "auto", gap: float = 0.0) -> Scene:
     """A pinned frame, a rod hung on its end, a plate hung on the rod; the pin may be open by a gap [m]."""

@@ -260,6 +260,7 @@ def test_a_toggle_stands_below_its_limit_load_and_snaps_through_above(part: floa
     assert ("limit point near 0.66" in report.text) == (part > 1.0)
 
 
+@pytest.mark.slow
 def test_a_body_hung_from_the_middle_of_an_element_pulls_like_a_force() -> None:
     mass, place = 50.0, np.array([6.2, 0.0, 0.0])
     beam = frame(4, FrameSection(1000.0, 1e9, 0.01, 1e-5), {"first": CLAMP})
@@ -410,6 +411,7 @@ def test_a_pinned_frame_comes_to_hang_with_the_stretch_of_its_weight() -> None:
     assert "'beam' can turn about" in report.text
 
 
+@pytest.mark.slow
 def test_the_state_after_the_search_is_at_rest_and_unstrained_beyond_its_shape() -> None:
     body = frame(4, ROD, {"first": CLAMP}, velocity=np.array([1.0, 0.0, 0.0]))
     layout, report = settled([body])
