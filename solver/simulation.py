@@ -15,13 +15,15 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import compile_clock
 from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.solver.energy_watch import EnergyWatch
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
 from heavylift.solver.integrate.loop import start_scene, write_record
-from heavylift.solver.interface import NEXT_STEP, STATUS_BLOCK, STATUS_BODY, STATUS_OUTCOME, STEP_COUNT
+from heavylift.solver.interface import NEXT_STEP, STATUS_OUTCOME, STEP_COUNT
 from heavylift.solver.layout import Channel, pack_scene
-from heavylift.solver.mesh_warning import explicit_limit, mesh_warning
+from heavylift.solver.mesh_warning import mesh_warning
 from heavylift.solver.rows import LAST_REACTION, REACTION, ROW_COLUMNS
 from heavylift.solver.scene import Scene
+from heavylift.solver.stop_message import stop_message
 
 if TYPE_CHECKING:
     from heavylift.solver.integrate.diagnosis import Diagnosis
@@ -41,8 +43,6 @@ DEFAULT_TOLERANCES = {"dele2": 1e-5, "accurate": 1e-7}
 AT_REST = ("equilibrium", "relax")
 """Starts in static equilibrium."""
 
-TURNS_TOO_FAR = "a smaller step: the body turns too far in one step"
-
 _CARRIED = (
     "frame",
     "modal",
@@ -53,12 +53,6 @@ _CARRIED = (
     "nodal",
     "strains",
 )  # fields of kinds that outlive a step
-
-LARGEST_GAIN = 0.02
-"""Gain of the energy balance, relative to the largest kinetic and elastic energy, that is worth a warning."""
-
-SMALLEST_ENERGY, ROUNDING = 1e-9, 1e-9
-"""Least scale of the energy [J], and relative to the largest potential energy."""
 
 FIRST_STEP = 1e-3
 """Of the output interval: the first step that is tried with a tolerance."""
@@ -184,8 +178,7 @@ class Simulation:
         self.cpu_seconds = 0.0
         self.start_seconds = 0.0
         self.compile_seconds = 0.0
-        self._first_balance: float | None = None
-        self._gain = self._loss = self._energy = 0.0
+        self._watch = EnergyWatch(self.channels)
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()
@@ -319,26 +312,9 @@ class Simulation:
             self._stop()
             self._back_to(before, done, records)
         count = int(done) // every - first // every
-        self._watch_energy(records[:count])
+        self._watch.add(records[:count])
         times = (first // every + 1.0 + np.arange(count, dtype=np.float64)) * every * self.step
         return times, records[:count]
-
-    def _watch_energy(self, records: NDArray[np.float64]) -> None:
-        """Largest gain and loss of the energy balance since the first record, and largest energy in motion.
-
-        Notes
-        -----
-        What rounding does to scenes at rest is not worth a word, so the scale has a floor.
-        """
-        column = {channel.name: channel.column for channel in self.channels}
-        balance = records[:, column["energy.balance"]]
-        moving = records[:, column["energy.kinetic"]] + records[:, column["energy.elastic"]]
-        if len(balance) and np.all(np.isfinite(balance)):
-            self._first_balance = balance[0] if self._first_balance is None else self._first_balance
-            self._gain = max(self._gain, float(balance.max() - self._first_balance))
-            self._loss = max(self._loss, float(self._first_balance - balance.min()))
-            floor = SMALLEST_ENERGY + ROUNDING * float(np.abs(records[:, column["energy.potential"]]).max())
-            self._energy = max(self._energy, float(moving.max()), floor)
 
     def _call(self, first: int, last: int, every: int, records: NDArray[np.float64]) -> int:
         layout = self._layout
@@ -363,27 +339,8 @@ class Simulation:
         write_record(layout.bodies, layout.forces, layout.joints, layout.systems, layout.work, self.time, row)
 
     def _stop(self) -> None:
-        layout = self._layout
-        status = layout.work.status
-        self.outcome = Outcome(int(status[STATUS_OUTCOME]))
-        remedy, part = {
-            Outcome.NOT_FINITE: ("a smaller step, or loads and initial values of a sensible size", "body"),
-            Outcome.STEP_TOO_LARGE: (explicit_limit(layout) or TURNS_TOO_FAR, "body"),
-            Outcome.STEP_TOO_SMALL: ("a larger tolerance, or 'dele2' for a stiff scene", "body"),
-            Outcome.NOT_CLOSED: (
-                "a smaller step or tolerance, loads of a sensible size, a rope that is not hauled in whole",
-                "joint",
-            ),
-            Outcome.STRAINS_LOST: ("a smaller step, or elasticity 'auto' or 'energy-momentum'", "body"),
-            Outcome.NOT_CONVERGED: ("a smaller step, or softer stops and ropes", "joint"),
-        }[self.outcome]
-        if status[STATUS_BLOCK] < 0 and part == "joint":  # the iteration of a mesh
-            remedy, part = "a smaller step", "body"
-        names = layout.body_names if part == "body" else layout.block_names
-        number = int(status[STATUS_BODY if part == "body" else STATUS_BLOCK])
-        element = f", element {-1 - int(status[STATUS_BLOCK])}" if status[STATUS_BLOCK] < 0 else ""
-        when = f"t = {self.time:.9g} s (step {self.step_index})"
-        self.message = f"{self.outcome.text} at {when}, {part} {names[number]!r}{element}; try {remedy}"
+        self.outcome = Outcome(int(self._layout.work.status[STATUS_OUTCOME]))
+        self.message = stop_message(self._layout, f"t = {self.time:.9g} s (step {self.step_index})")
 
     def _back_to(self, before: dict[str, NDArray[Any]], done: int, records: NDArray[np.float64]) -> None:
         """Repeat what was good: a step that fails at its end leaves no good state behind it."""
@@ -396,14 +353,9 @@ class Simulation:
     @property
     def warning(self) -> str:
         """What the user should know of a run that went well otherwise; empty if nothing."""
-        if self._gain > LARGEST_GAIN * self._energy:
-            return (
-                f"energy grew by {self._gain:.3g} J beyond the work done, {self._gain / self._energy:.1%} of the"
-                " largest kinetic and elastic energy: take a smaller step, or damping in stops and ropes"
-            )
-        drifted = mesh_warning(self._layout, self._loss / self._energy if self._energy > 0.0 else 0.0)
-        if drifted:
-            return drifted
+        found = self._watch.warning or mesh_warning(self._layout, self._watch.relative_loss)
+        if found:
+            return found
         if self.integrator == "accurate":
             from heavylift.solver.integrate.integration import stiffness_seen
 

@@ -1,0 +1,45 @@
+"""Why a simulation stopped by itself, as a sentence: when, which part, and what may help."""
+
+from __future__ import annotations
+
+from heavylift.numerics.outcome import Outcome
+from heavylift.solver.interface import STATUS_BLOCK, STATUS_BODY, STATUS_OUTCOME
+from heavylift.solver.layout import Layout
+from heavylift.solver.mesh_warning import explicit_limit
+
+__all__ = ["stop_message"]
+
+
+def stop_message(layout: Layout, when: str) -> str:
+    """Sentence on the outcome that stands in the status of a scene.
+
+    Parameters
+    ----------
+    layout
+        Packed scene.
+    when
+        Time, as words.
+    """
+    status = layout.work.status
+    outcome = Outcome(int(status[STATUS_OUTCOME]))
+    remedy, part = {
+        Outcome.NOT_FINITE: ("a smaller step, or loads and initial values of a sensible size", "body"),
+        Outcome.STEP_TOO_LARGE: (
+            explicit_limit(layout) or "a smaller step: the body turns too far in one step",
+            "body",
+        ),
+        Outcome.STEP_TOO_SMALL: ("a larger tolerance, or 'dele2' for a stiff scene", "body"),
+        Outcome.NOT_CLOSED: (
+            "a smaller step or tolerance, loads of a sensible size, a rope that is not hauled in whole",
+            "joint",
+        ),
+        Outcome.STRAINS_LOST: ("a smaller step, or elasticity 'auto' or 'energy-momentum'", "body"),
+        Outcome.NOT_CONVERGED: ("a smaller step, or softer stops and ropes", "joint"),
+    }[outcome]
+    of_mesh = status[STATUS_BLOCK] < 0
+    if of_mesh and part == "joint":  # the iteration of a mesh
+        remedy, part = "a smaller step", "body"
+    names = layout.body_names if part == "body" else layout.block_names
+    number = int(status[STATUS_BODY if part == "body" else STATUS_BLOCK])
+    element = f", element {-1 - int(status[STATUS_BLOCK])}" if of_mesh else ""
+    return f"{outcome.text} at {when}, {part} {names[number]!r}{element}; try {remedy}"
