@@ -26,6 +26,9 @@ __all__ = ["STAGES", "RunReport", "StageReport", "load_changed_case", "run_case"
 
 STAGES = ("mesh", "modes", "simulate", "report")
 
+NAMED = 5
+"""Bodies that a message names one by one."""
+
 REPORTED = {
     Outcome.NOT_FINITE,
     Outcome.STEP_TOO_LARGE,
@@ -287,8 +290,10 @@ def mesh_stage(work: Work) -> StageReport:
         work.models[name] = model
         return model_properties(model)
 
-    for name, body in work.case.meshes.items():
-        work.log.say(f"mesh: {name}: a {body.type}, whose elements are simulated themselves, skipped")
+    if work.case.meshes:
+        names = list(work.case.meshes)
+        some = ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
+        work.log.say(f"mesh: {some}: frames and shells, whose elements are simulated themselves, skipped")
     return _body_stage(work, "mesh", work.folder.model, mesh_digest, make)
 
 
