@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.solver.connections import JointMotor, Rope
+from heavylift.solver.meshes import MeshBody
 from heavylift.solver.scene import Driven, PointForce, Profile, Scene
 
 __all__ = ["scene_corners"]
@@ -20,6 +21,9 @@ def scene_corners(scene: Scene) -> NDArray[np.float64]:
     for rope in scene.ropes:
         if isinstance(rope, Rope) and rope.winch is not None:
             times += list(rope.winch.times)
+    for body in scene.bodies:
+        if isinstance(body, MeshBody):
+            times += [time for load in body.loads for time in np.ravel(load.times)]
     profiles: list[Profile | None] = [getattr(joint, "drive", None) for joint in scene.joints]
     for body in scene.bodies:
         if isinstance(body.motion, Driven):

@@ -192,6 +192,8 @@ class MeshBody:
 class FrameBody(MeshBody):
     """Cubic elements along lines.
 
+    Without torsion a curved frame carries loads in its own plane only.
+
     Attributes
     ----------
     tangents

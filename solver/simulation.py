@@ -403,7 +403,10 @@ class Simulation:
         self._started = True
 
     def _digest(self) -> NDArray[np.uint8]:
-        """Digest of what the bodies were packed into: equal shapes do not make equal bodies. Loads may change."""
+        """Digest of what the bodies were packed into: equal shapes do not make equal bodies.
+
+        Forces may change, but not the loads that belong to a frame or shell.
+        """
         digest = hashlib.blake2b(digest_size=16)
         for kind in (*self._layout.bodies, *self._layout.joints, *self._layout.systems):
             for array in kind:

@@ -162,7 +162,7 @@ def run(
                 )
                 if error > ACCEPTED and h > SMALLEST_STEP * step:
                     control[NEXT_STEP] = h * factor_of_step
-                    work.status[STATUS_OUTCOME] = 0
+                    work.status[STATUS_OUTCOME] = work.status[STATUS_BLOCK] = 0
                     continue
                 control[NEXT_STEP] = h * factor_of_step
                 if error > ACCEPTED and work.status[STATUS_OUTCOME] == 0:

@@ -14,7 +14,6 @@ from heavylift.solver.bodies.ancf.elements import (
     add_stiffness,
     add_stress_forces,
     find_strains,
-    measure_strain_energy,
 )
 from heavylift.solver.bodies.ancf.kind import (
     LOAD,
@@ -110,11 +109,3 @@ def difference_follower(
 def evaluate_loads(bodies: tuple[Any, ...], forces: tuple[Any, ...], work: Workspace, time: float) -> None:
     """Markers and forces at the carried state."""
     evaluate_forces(bodies, forces, work, time, False, FORCES)
-
-
-@kernel
-def strain_energy(kind: Meshes) -> None:
-    """Energy of the strains of the carried coordinates into `ELASTIC_ENERGY`, without bending matrices."""
-    for body in range(kind.table.shape[0]):
-        find_strains((kind,), body, Q, SHAPE_STRAIN)
-        measure_strain_energy((kind,), body, SHAPE_STRAIN)

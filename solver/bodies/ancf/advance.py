@@ -131,7 +131,8 @@ def advance_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> N
         iterated, scheme = is_iterated(kind, body), kind.table[body, SCHEME]
         add_mesh_work(kind, body, step, iterated)
         if not iterated and scheme != EXPLICIT:
-            copy_strains(kind, body, OLD_STRAIN, STRAIN)  # `iterate` has found them
+            # not those of the drift: joints to bodies that iterate have changed the velocities since
+            add_strain_rates((kind,), body, MID_Q, MID_V, STRAIN, step)
         for i in range(first, last):
             q[i] += step * middle[i]
             acceleration[i] = rate * (middle[i] - v[i])

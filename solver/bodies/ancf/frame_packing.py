@@ -41,7 +41,8 @@ from heavylift.solver.bodies.ancf.frame_shape import (
     hermite,
     reference_element,
 )
-from heavylift.solver.meshes import FRAME_VECTORS, DistributedLoad, FollowerLoad, FrameBody, FrameSection
+from heavylift.solver.bodies.ancf.mesh_checks import check_finite, check_load, check_numbers, check_supports
+from heavylift.solver.meshes import FRAME_VECTORS, FrameBody, FrameSection
 
 __all__ = [
     "body_constants",
@@ -250,13 +251,13 @@ def check_frame(body: FrameBody) -> None:
         The first thing that is wrong: shapes, sections, elements, supports, loads.
     """
     nodes, elements = np.asarray(body.nodes), np.asarray(body.elements)
-    _finite(body, "nodes", nodes, (len(nodes), 3))
-    _finite(body, "tangents", np.asarray(body.tangents), (len(nodes), 3))
+    check_finite(body, "nodes", nodes, (len(nodes), 3))
+    check_finite(body, "tangents", np.asarray(body.tangents), (len(nodes), 3))
     if elements.ndim != 2 or elements.shape[1] != 2 or not len(elements):
         raise InputError(
             f"shape {elements.shape}", source=body.name, key="elements", expected="shape (e, 2), one or more"
         )
-    _numbers(body, "elements", elements, len(nodes), "node")
+    check_numbers(body, "elements", elements, len(nodes), "node")
     if body.model not in ("green-lagrange", "exact"):
         raise InputError(
             f"{body.model!r}", source=body.name, key="model", expected="'green-lagrange' or 'exact'"
@@ -278,14 +279,23 @@ def check_frame(body: FrameBody) -> None:
             expected="a unit vector",
         )
     if len(body.element_sections):
-        _finite(body, "element_sections", np.asarray(body.element_sections), (len(elements),))
-        _numbers(body, "element_sections", np.asarray(body.element_sections), len(body.sections), "section")
+        check_finite(body, "element_sections", np.asarray(body.element_sections), (len(elements),))
+        check_numbers(
+            body, "element_sections", np.asarray(body.element_sections), len(body.sections), "section"
+        )
     if not body.sections:
         raise InputError("none", source=body.name, key="sections", expected="one or more")
     for i, section in enumerate(body.sections):
         _check_section(body, i, section)
     if len(body.axial_strains):
-        _finite(body, "axial_strains", np.asarray(body.axial_strains), (len(elements),))
+        check_finite(body, "axial_strains", np.asarray(body.axial_strains), (len(elements),))
+        if np.any(np.asarray(body.axial_strains) <= -0.5):
+            raise InputError(
+                f"{np.min(body.axial_strains)}",
+                source=body.name,
+                key="axial_strains",
+                expected="more than -0.5",
+            )
     for e in range(len(elements)):
         if elements[e, 0] == elements[e, 1] or np.array_equal(nodes[elements[e, 0]], nodes[elements[e, 1]]):
             raise InputError(
@@ -295,9 +305,9 @@ def check_frame(body: FrameBody) -> None:
                 expected="two nodes at different places",
             )
     _references(body)
-    _check_supports(body)
+    check_supports(body, FRAME_VECTORS)
     for i, load in enumerate(body.loads):
-        _check_load(body, i, load)
+        check_load(body, i, load)
 
 
 def _check_section(body: FrameBody, number: int, section: FrameSection) -> None:
@@ -317,69 +327,3 @@ def _check_section(body: FrameBody, number: int, section: FrameSection) -> None:
                 key=f"sections[{number}].{key}",
                 expected="0 or more",
             )
-
-
-def _check_supports(body: FrameBody) -> None:
-    for i, support in enumerate(body.supports):
-        key = f"supports[{i}]"
-        _numbers(body, f"{key}.nodes", np.asarray(support.nodes), len(body.nodes), "node")
-        for vector, axes in support.fixed.items():
-            if vector not in FRAME_VECTORS:
-                raise InputError(
-                    f"{vector!r}",
-                    source=body.name,
-                    key=f"{key}.fixed",
-                    expected=f"one of {', '.join(FRAME_VECTORS)}",
-                )
-            if not axes or set(axes) - set("xyz") or len(set(axes)) != len(axes):
-                raise InputError(
-                    f"{axes!r}",
-                    source=body.name,
-                    key=f"{key}.fixed.{vector}",
-                    expected="some of the letters x, y, z",
-                )
-
-
-def _check_load(body: FrameBody, number: int, load: DistributedLoad | FollowerLoad) -> None:
-    key = f"loads[{number}]"
-    times, factors = np.asarray(load.times), np.asarray(load.factors)
-    _finite(body, f"{key}.times", times, (max(len(times), 1),))
-    _finite(body, f"{key}.factors", factors, times.shape)
-    if np.any(np.diff(times) <= 0.0):
-        raise InputError(
-            f"{times.tolist()}", source=body.name, key=f"{key}.times", expected="increasing times"
-        )
-    if load.elements is not None:
-        _numbers(body, f"{key}.elements", np.asarray(load.elements), len(body.elements), "element")
-    if isinstance(load, DistributedLoad):
-        _finite(body, f"{key}.load", np.asarray(load.load), (3,))
-        return
-    _finite(body, f"{key}.normal", np.asarray(load.normal), ())
-    _finite(body, f"{key}.tangential", np.asarray(load.tangential), ())
-    _finite(body, f"{key}.axis", np.asarray(load.axis), (3,))
-    if load.normal and not np.any(load.axis):
-        raise InputError("length zero", source=body.name, key=f"{key}.axis", expected="a direction")
-    if load.node is not None:
-        _numbers(body, f"{key}.node", np.asarray([load.node]), len(body.nodes), "node")
-
-
-def _finite(body: FrameBody, key: str, value: NDArray[np.float64], shape: tuple[int, ...]) -> None:
-    if value.shape != shape:
-        raise InputError(f"shape {value.shape}", source=body.name, key=key, expected=f"shape {shape}")
-    if not np.all(np.isfinite(value)):
-        place = [int(i) for i in np.argwhere(~np.isfinite(value))[0]]
-        raise InputError(
-            f"{value[tuple(place)]} at {place}", source=body.name, key=key, expected="finite numbers"
-        )
-
-
-def _numbers(body: FrameBody, key: str, value: NDArray[np.int64], count: int, what: str) -> None:
-    wrong = value[(value < 0) | (value >= count)]
-    if value.dtype.kind not in "iu" or wrong.size:
-        number = wrong.ravel()[0] if wrong.size else value.dtype
-        raise InputError(
-            f"there is no {what} {number}",
-            source=body.name,
-            key=key,
-            expected=f"numbers of {what}s, 0 to {count - 1}",
-        )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.bodies.ancf.mesh_checks import check_load, check_numbers, check_supports
 from heavylift.solver.bodies.ancf.shell_data import gauss_rule
 from heavylift.solver.bodies.ancf.shell_reference import FlatShape, flat_shape, grid, section_numbers, shapes
 from heavylift.solver.meshes import SHELL_VECTORS
@@ -40,7 +41,9 @@ def check_shell(body: ShellBody) -> None:
     """
     _check_arrays(body)
     _check_sections(body)
-    _check_supports(body)
+    check_supports(body, SHELL_VECTORS)
+    for number, load in enumerate(body.loads):
+        check_load(body, number, load)
     _check_edges(body)
     _check_shape(body)
 
@@ -80,7 +83,7 @@ def _check_arrays(body: ShellBody) -> None:
     if len(short):
         _fail(body, f"lengths[{short[0]}]", f"{body.lengths[short[0]].tolist()}", "positive lengths")
     low, high = GAUSS_POINTS
-    if body.gauss_points not in range(low, high + 1):
+    if not isinstance(body.gauss_points, int) or body.gauss_points not in range(low, high + 1):
         _fail(body, "gauss_points", f"{body.gauss_points}", f"a whole number from {low} to {high}")
 
 
@@ -105,26 +108,15 @@ def _check_sections(body: ShellBody) -> None:
             f"{given} numbers",
             f"one for each of {len(body.elements)} elements, or none",
         )
+    if given:
+        check_numbers(
+            body, "element_sections", np.asarray(body.element_sections), len(body.sections), "section"
+        )
     numbers = section_numbers(body)
     bad = np.flatnonzero((numbers < 0) | (numbers >= len(body.sections)))
     if len(bad):
         last = len(body.sections) - 1
         _fail(body, f"element_sections[{bad[0]}]", f"{numbers[bad[0]]}", f"a number from 0 to {last}")
-
-
-def _check_supports(body: ShellBody) -> None:
-    last = len(body.nodes) - 1
-    for number, support in enumerate(body.supports):
-        key = f"supports[{number}]"
-        nodes = np.asarray(support.nodes).ravel()
-        bad = nodes[(nodes < 0) | (nodes > last)]
-        if len(bad):
-            _fail(body, f"{key}.nodes", f"node {bad[0]}", f"a number from 0 to {last}")
-        for vector, axes in support.fixed.items():
-            if vector not in SHELL_VECTORS:
-                _fail(body, f"{key}.fixed", f"vector {vector!r}", f"one of: {', '.join(SHELL_VECTORS)}")
-            if not set(axes) <= set("xyz"):
-                _fail(body, f"{key}.fixed.{vector}", f"{axes!r}", "axes out of x, y and z")
 
 
 def _check_edges(body: ShellBody) -> None:

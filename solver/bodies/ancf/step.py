@@ -38,6 +38,7 @@ from heavylift.solver.bodies.ancf.kind import (
     BASE_PLACE,
     BASES,
     CHANGE,
+    CHANGE_TIME,
     CHANGED_OVER,
     DOF,
     ENERGY_MOMENTUM,
@@ -82,7 +83,6 @@ from heavylift.solver.interface import (
     ERROR,
     FIELD,
     STATUS_BODY,
-    STATUS_OUTCOME,
     Workspace,
     check,
     estimate_error,
@@ -167,6 +167,8 @@ def predict_meshes(kind: Meshes, time: float, step: float) -> None:
         mid_v[i] = v[i] + half * a[i]
     for body in range(kind.table.shape[0]):
         kind.body[body, TIME] = time + half
+        if kind.body[body, CHANGED_OVER] != 0.0 and kind.body[body, CHANGE_TIME] >= time:
+            kind.body[body, CHANGED_OVER] = 0.0  # in a step that was taken back
 
 
 @implement(factor, FrameMeshes)
@@ -242,8 +244,7 @@ def check_meshes(kind: Meshes, step: float, work: Workspace) -> None:
         if not math.isfinite(total):
             blame_largest(kind, body, MID_V, NOT_FINITE, work)
         elif kind.table[body, SCHEME] == EXPLICIT and step > follow_step_limit(kind, body, work):
-            work.status[STATUS_OUTCOME] = STEP_TOO_LARGE
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+            blame_largest(kind, body, TRIAL, STEP_TOO_LARGE, work)  # where the fastest vibration is
 
 
 @implement(finish, FrameMeshes)
@@ -268,4 +269,7 @@ def estimate_mesh_error(kind: Meshes, step: float, work: Workspace) -> None:
             for k in range(node, node + 3):
                 total += (found[k] - v[k] - 0.5 * step * a[k]) ** 2
             largest = max(largest, total)
-        work.control[ERROR] = max(work.control[ERROR], step * math.sqrt(largest))
+        error = step * math.sqrt(largest)
+        if not error <= work.control[ERROR]:
+            work.control[ERROR] = error
+            work.status[STATUS_BODY] = kind.table[body, NUMBER]

@@ -34,7 +34,9 @@ from heavylift.solver.connections import (
     Universal,
     axes_about,
 )
+from heavylift.solver.corners import scene_corners
 from heavylift.solver.layout import pack_scene
+from heavylift.solver.meshes import DistributedLoad
 from heavylift.solver.rows import HOLD, ROW_COLUMNS
 from heavylift.solver.scene import Scene
 from heavylift.solver.simulation import Simulation
@@ -202,3 +204,30 @@ def test_joint_frames_turn_with_the_body() -> None:
     turned = bar("f", np.zeros(3), [1.0, 0.0, 0.0], 2, SOFT, orientation=TURN.as_quat(scalar_first=True))
     layout = pack_scene(Scene((turned,), (DOWN,), joints=(clamp("wall", "f", np.zeros(3)),)))
     assert layout.block_names == ("wall",)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("modulus", [1e7, 2.1e11])
+def test_schemes_can_be_mixed_across_a_joint(modulus: float) -> None:
+    """Strains that are carried follow the velocities that joints to an iterated frame leave."""
+    bars = (
+        bar("a", (0, 0, 0), (1, 0, 0), 4, modulus, elasticity="carried"),
+        bar("b", (1, 0, 0), (2, 0, 0), 4, modulus, elasticity="energy-momentum"),
+    )
+    ball = {
+        "frame_a": JointFrame(np.array([1.0, 0.0, 0.0])),
+        "frame_b": JointFrame(np.array([1.0, 0.0, 0.0])),
+    }
+    pin = Ball(name="pin", body_a=GROUND, body_b="a", frame_a=JointFrame(np.zeros(3)))
+    mixed = Scene(bars, forces=(DOWN,), joints=(pin, Ball(name="link", body_a="a", body_b="b", **ball)))
+    long = run(mixed, 5e-3, 2.0)
+    assert long.energy_change() < 1e-6 * long["energy.kinetic"].max()
+
+
+def test_tables_of_mesh_loads_are_corners_for_adaptive_steps() -> None:
+    """A step must not pass over a short load."""
+    load = DistributedLoad(
+        np.array([0.0, 0.0, 1.0]), times=np.array([0.37, 0.3705, 0.371]), factors=np.array([0.0, 1.0, 0.0])
+    )
+    scene_ = Scene((bar("a", (0, 0, 0), (1, 0, 0), 2, 1e9, loads=(load,)),))
+    np.testing.assert_array_equal(scene_corners(scene_), [0.37, 0.3705, 0.371])

@@ -22,7 +22,7 @@ from heavylift.solver.bodies.ancf.shell_packing import (
     strain_counts,
 )
 from heavylift.solver.mesh_shapes import ShellMesh, grid, quadrilateral, rectangle
-from heavylift.solver.meshes import ShellBody, ShellSection, Support
+from heavylift.solver.meshes import DistributedLoad, ShellBody, ShellSection, Support
 
 # Square plate L = 10 m, h = 0.1 m, E = 1 GPa, q = 981 N/m2: centre deflection in mm, n x n bicubic Hermite elements
 # for n = 2, 4, 6, 8, 10. Bicubic Hermite plate, Kirchhoff exact: simply supported 478.220 (nu 0), 435.180 (nu 0.3),
@@ -245,7 +245,10 @@ REFUSED = {
     "negative density": (sectioned(density=-1.0), r"density: -1.0"),
     "infinite modulus": (sectioned(youngs_modulus=np.inf), r"youngs_modulus: inf"),
     "no section": (replace(PLAIN, sections=()), "sections: there are none"),
-    "an unknown section": (replace(PLAIN, element_sections=np.array([0, 1])), r"element_sections\[1\]: 1"),
+    "an unknown section": (
+        replace(PLAIN, element_sections=np.array([0, 1])),
+        "element_sections: there is no section 1",
+    ),
     "sections of some": (replace(PLAIN, element_sections=np.array([0])), "element_sections: 1 numbers"),
     "too few Gauss points": (
         replace(PLAIN, gauss_points=2),
@@ -255,8 +258,17 @@ REFUSED = {
     "a support of no node": (replace(PLAIN, supports=(Support(np.array([6]), {"position": "z"}),)), "node 6"),
     "a support of no vector": (
         replace(PLAIN, supports=(Support(np.array([0]), {"tangent": "z"}),)),
-        "vector 'tangent'; expected one of: position, slope_x",
+        "'tangent'; expected one of position, slope_x",
     ),
+    "a load that is no number": (
+        replace(PLAIN, loads=(DistributedLoad(np.array([0.0, np.nan, 0.0])),)),
+        r"loads\[0\].load: nan",
+    ),
+    "a load on part of an element": (
+        replace(PLAIN, loads=(DistributedLoad(np.ones(3), elements=np.array([0.9])),)),
+        r"loads\[0\].elements: there is no element float64",
+    ),
+    "Gauss points that are no whole number": (replace(PLAIN, gauss_points=5.0), "gauss_points: 5.0"),
     "a support of no axis": (replace(PLAIN, supports=(Support(np.array([0]), {"twist": "w"}),)), "'w'"),
 }
 

@@ -8,7 +8,6 @@ from shell_scenes import distorted_element, pack, put, recorded, rotation, shell
 
 from heavylift.solver.bodies.ancf.kind import Q as PRESENT
 from heavylift.solver.bodies.ancf.shell_packing import result_channels, start_coordinates
-from heavylift.solver.bodies.ancf.shell_results import nodal_stresses
 from heavylift.solver.mesh_shapes import rectangle
 from heavylift.solver.meshes import ShellBody, ShellSection
 
@@ -86,25 +85,3 @@ def test_axes_of_section_forces_follow_the_reference_not_the_mesh(body: ShellBod
     principal = sorted([C * (exx + 0.3 * eyy), C * (eyy + 0.3 * exx)])
     np.testing.assert_allclose(np.linalg.eigvalsh([[N[0], N[2]], [N[2], N[1]]]), principal, rtol=1e-9)
     assert np.abs(got["bending_moment"]).max() < 1e-9 * C
-    nodal = nodal_stresses(body, start @ frame.T @ stretch @ frame)
-    np.testing.assert_allclose(nodal, np.broadcast_to(got["von_mises"][0], (4, 3)), rtol=1e-8)
-
-
-def test_nodal_stresses_are_means_over_elements() -> None:
-    left = ShellSection(0.01, 1.0, 1e9, 0.0)
-    mesh = rectangle(2.0, 1.0, 2, 1)
-    body = ShellBody(
-        name="plate",
-        nodes=mesh.nodes,
-        slopes=mesh.slopes,
-        elements=mesh.elements,
-        lengths=mesh.lengths,
-        sections=(left, ShellSection(0.01, 1.0, 3e9, 0.0)),
-        element_sections=np.array([0, 1]),
-    )
-    q = start_coordinates(body)
-    q[..., 0] *= 1.001
-    strain = 0.5 * (1.001**2 - 1.0)
-    middle = nodal_stresses(body, q)[:, 1]
-    expected = np.where(mesh.nodes[:, 0] < 0.5, 1e9, np.where(mesh.nodes[:, 0] > 1.5, 3e9, 2e9)) * strain
-    np.testing.assert_allclose(middle, expected, rtol=1e-9)
