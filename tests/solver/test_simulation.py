@@ -197,7 +197,10 @@ def test_spinning_too_fast_for_the_step_stops_the_run(integrator: str) -> None:
             {"step": 1e-3, "integrator": "euler"},
             "simulation: integrator: 'euler'; expected dele2 or accurate",
         ),
-        ({"step": 1e-3, "start": "at rest"}, "simulation: start: 'at rest'; expected check, project, equilibrium or"),
+        (
+            {"step": 1e-3, "start": "at rest"},
+            "simulation: start: 'at rest'; expected check, project, equilibrium or",
+        ),
         (
             {"step": 1e-3, "tolerance": -1.0},
             "simulation: tolerance: tolerance -1.0; expected a positive length",
