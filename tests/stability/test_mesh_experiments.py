@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from mesh_experiments import MESH_EXPERIMENTS, random_scenes
+from mesh_experiments import MESH_EXPERIMENTS, random_meshes, random_scenes
 
 
 def wrong(rows):
@@ -23,9 +23,13 @@ def test_experiment(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["free flight", "random meshes"])
-def test_long_experiment(name):
-    assert not wrong(MESH_EXPERIMENTS[name]())
+def test_free_flight():
+    assert not wrong(MESH_EXPERIMENTS["free flight"]())
+
+
+@pytest.mark.slow
+def test_a_part_of_the_random_meshes_of_the_report():
+    assert not wrong(random_meshes(0.2))
 
 
 @pytest.mark.parametrize("scheme", ["carried", "auto", "explicit"])
