@@ -5,7 +5,7 @@
 30 x 20 m, 5 mm, held by two corners and dropped from horizontal, step 20 ms, one thread, medians of CPU time.
 """
 
-# ruff: noqa: T201  a script that prints
+
 
 from __future__ import annotations
 
