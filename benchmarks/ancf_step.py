@@ -5,8 +5,6 @@
 30 x 20 m, 5 mm, held by two corners and dropped from horizontal, step 20 ms, one thread, medians of CPU time.
 """
 
-
-
 from __future__ import annotations
 
 import math
