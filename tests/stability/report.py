@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import inspect
 import sys
 from pathlib import Path
 
@@ -21,7 +22,7 @@ def main() -> None:
         "limit; where a setting asks for the impossible, a run may stop by itself and name the part."
     )
     for name, experiment in {**EXPERIMENTS, **MESH_EXPERIMENTS}.items():
-        print(f"\n## {name.capitalize()}\n\n{(experiment.__doc__ or '').strip()}\n")
+        print(f"\n## {name.capitalize()}\n\n{inspect.cleandoc(experiment.__doc__ or '')}\n")
         print("| setting | measure | value | limit |\n|---|---|---|---|")
         for row in experiment():
             value = f"{row.value:.1e}" if not row.stopped else row.stopped
