@@ -33,7 +33,9 @@ def test_a_part_of_the_random_meshes_of_the_report():
 
 
 @pytest.mark.parametrize("scheme", ["carried", "auto", "explicit"])
-@pytest.mark.parametrize(("what", "count", "steps"), [("frames", 15, 1000), ("shells", 5, 300)])
+@pytest.mark.parametrize(
+    ("what", "count", "steps"), [("frames", 15, 1000), pytest.param("shells", 5, 300, marks=pytest.mark.slow)]
+)
 def test_some_random_meshes(what, count, steps, scheme):
     """Others than those of the report."""
     assert not wrong(random_scenes(what, scheme, range(1000, 1000 + count), steps))

@@ -147,6 +147,7 @@ def oracle_tip(count: int, exact: bool, times: np.ndarray) -> np.ndarray:
     return found.y[size - 6 : size - 3].T
 
 
+@pytest.mark.slow
 def test_the_pendulum_falls_as_independent_elements_do() -> None:
     interval, count = 0.03, 10
     expected = oracle_tip(2, exact=True, times=interval * np.arange(1, count + 1))

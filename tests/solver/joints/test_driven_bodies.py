@@ -88,6 +88,7 @@ def errors(scene: Scene, step: float) -> np.ndarray:
     )
 
 
+@pytest.mark.slow
 def test_motion_force_and_work_are_of_second_order(scene: Scene) -> None:
     coarse, middle, fine = (errors(scene, step) for step in (4e-3, 2e-3, 1e-3))
     assert np.all(fine < [2e-5, 2e-3, 1e-3, 1e-4])

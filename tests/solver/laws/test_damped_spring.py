@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
 
 from heavylift.solver.connections import GROUND, Spring
@@ -55,6 +56,7 @@ def error(simulation: Simulation, count: int) -> float:
     return float(np.abs(rows[:, column : column + 2] - expected(times)).max())
 
 
+@pytest.mark.slow
 def test_a_damped_spring_is_of_second_order():
     errors = [
         error(Simulation(scene(), step, record_every=round(0.05 / step)), round(1.0 / step))
