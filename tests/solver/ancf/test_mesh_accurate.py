@@ -159,6 +159,7 @@ def test_the_pendulum_falls_as_independent_elements_do() -> None:
     assert deviations[1] < 1e-8, deviations
 
 
+@pytest.mark.slow
 def test_errors_follow_the_tolerance_and_energy_stays() -> None:
     scene = pinned(8)
     best = tip(*accurately(scene, 0.05, 12, 1e-12))
@@ -173,6 +174,7 @@ def test_errors_follow_the_tolerance_and_energy_stays() -> None:
     assert errors[2] < 1e-2 * errors[0]
 
 
+@pytest.mark.slow
 def test_loads_and_dampers_are_in_the_balance() -> None:
     load = DistributedLoad(
         np.array([3.0, 0.0, 5.0]), times=np.array([0.0, 0.1, 0.2]), factors=np.array([0.0, 1, 0])
@@ -184,6 +186,7 @@ def test_loads_and_dampers_are_in_the_balance() -> None:
     assert np.ptp(channel(simulation, records, "energy.balance")) < 1e-6
 
 
+@pytest.mark.slow
 def test_the_energy_momentum_scheme_comes_to_the_same_with_its_order() -> None:
     best = tip(*accurately(pinned(3), 0.02, 10, 1e-11))
     errors = []
