@@ -138,7 +138,8 @@ def ritz_vectors(
             gram = _product(W, lambda part: apply_mass(model.mass, part))
             C = _inverse_root(gram)
         stiffness = C.T @ _product(V, lambda part: model.stiffness @ part) @ C
-        values, axes = np.linalg.eigh(0.5 * (stiffness + stiffness.T))
+        # upper triangle: the reduction starts at the large end, so that small eigenvalues keep their digits
+        values, axes = np.linalg.eigh(0.5 * (stiffness + stiffness.T), UPLO="U")
         C = C @ axes
         total = total @ C
         V = V @ C

@@ -149,9 +149,28 @@ def kernel(
             )(python_function)
         if compiled is not python_function:
             update_wrapper(compiled, python_function)
+            _type_constants_as_variables(compiled)
         return compiled
 
     return decorate if function is None else decorate(function)
+
+
+def _type_constants_as_variables(dispatcher: Any) -> None:
+    """Let calls with a literal argument use the same machine code as all others.
+
+    Numba would compile a kernel once more for each literal that it is called with, and all that it calls.
+    """
+    resolve = getattr(dispatcher, "get_call_template", None)
+    if resolve is None:  # the interpreter instead of the compiler, for debugging
+        return
+
+    def get_call_template(args: Any, kws: Any) -> Any:
+        return resolve(
+            tuple(numba.types.unliteral(one) for one in args),
+            {name: numba.types.unliteral(one) for name, one in kws.items()},
+        )
+
+    dispatcher.get_call_template = get_call_template
 
 
 def view(function: F) -> F:

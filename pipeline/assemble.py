@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_bodies import FlexibleBodySection, ModesSection
     from heavylift.pipeline.case_geometry import FourFilesGeometry, Group
+    from heavylift.pipeline.storage import OutputFolder
     from heavylift.preprocess.exchange import FourFileData
     from heavylift.preprocess.groups import NodeSelector
     from heavylift.preprocess.mesh import Mesh
@@ -270,20 +271,20 @@ def write_vtu(path: Path, model: FEModel) -> None:
 
 
 def reduce_model(
-    case: Case, body: FlexibleBodySection, model: FEModel
+    case: Case, body: FlexibleBodySection, model: FEModel, folder: OutputFolder
 ) -> tuple[ReducedBody, tuple[float, float, float]]:
-    """Reduced body of a model, and the origin of its frame in coordinates of the geometry [m]."""
+    """Reduced body of a model that is in a folder, and the origin of its frame in coordinates of the geometry [m]."""
     name = next(name for name, other in case.bodies.items() if other is body)
     with _in_case(case, name, model.name):
         for index, point in enumerate(body.modes.static_points):
             key = f"modes.static_points.{index}"
             elements = None if model.mesh is None else model.mesh.elements
             check_on_body(point, model.nodes, elements, source=case.file, key=key)
-        return _reduce(case, body, model)
+        return _reduce(case, name, body, model, folder)
 
 
 def _reduce(
-    case: Case, body: FlexibleBodySection, model: FEModel
+    case: Case, name: str, body: FlexibleBodySection, model: FEModel, folder: OutputFolder
 ) -> tuple[ReducedBody, tuple[float, float, float]]:
     from heavylift.modal import bases
     from heavylift.modal.eigen import eigenmodes
@@ -292,6 +293,11 @@ def _reduce(
 
     options = body.modes
     clamped = _nodes_of(model, options.clamp, "clamp")
+    static_loads = _loads(options, model, clamped)
+    if options.attach and not options.patches:
+        from heavylift.pipeline.case_contact_modes import contour_loads
+
+        static_loads += contour_loads(case, name, model, folder, fixed_nodes=clamped)
     origin = np.zeros(3)
     if body.frame.origin == "centre_of_mass":
         row_sum = np.asarray(model.mass.sum(axis=0)).ravel()
@@ -320,12 +326,10 @@ def _reduce(
             modes = eigenmodes(model, options.count, flexibility=flexibility)
             parts.append(bases.eigenmode_basis(modes, options.select or None))
         if options.basis == "krylov":
-            parts += [
-                bases.moment_matching(flexibility, loads, options.order) for loads in _loads(options, model)
-            ]
+            parts += [bases.moment_matching(flexibility, loads, options.order) for loads in static_loads]
         basis = sum(parts[1:], start=parts[0])
     if flexibility is not None and options.basis != "krylov":
-        for loads in _loads(options, model):
+        for loads in static_loads:
             basis += bases.static_vectors(flexibility, loads)
     reduced = reduce_body(
         model,
@@ -350,9 +354,10 @@ def _nodes_of(model: FEModel, groups: Sequence[str], key: str) -> NDArray[np.int
     return np.unique(np.concatenate(parts)).astype(np.int64) if parts else np.empty(0, dtype=np.int64)
 
 
-def _loads(options: ModesSection, model: FEModel) -> list[Any]:
-    """Static loads of the points and groups of a reduction."""
+def _loads(options: ModesSection, model: FEModel, clamped: NDArray[np.int64]) -> list[Any]:
+    """Static loads of the points, groups and contact patches of a reduction."""
     from heavylift.modal import bases
+    from heavylift.pipeline.case_contact_modes import patch_load
 
     loads = []
     if options.static_points:
@@ -363,6 +368,9 @@ def _loads(options: ModesSection, model: FEModel) -> list[Any]:
     for group in options.static_groups:
         nodes = _nodes_of(model, [group], "static_groups")
         loads.append(bases.patch_loads(model, nodes, options.static_directions, name=group))
+    for index, patch in enumerate(options.patches):
+        members = _nodes_of(model, [patch.on], f"patches.{index}.on")
+        loads.append(patch_load(model, patch, members, fixed_nodes=clamped, key=f"modes.patches.{index}"))
     return loads
 
 

@@ -14,6 +14,7 @@ from heavylift.solver import mesh_shapes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case_mesh_geometry import FrameGeometry, MeshFiles, ShellGeometry
     from heavylift.solver.mesh_shapes import FrameMesh, ShellMesh
 
-__all__ = ["Place", "frame_mesh", "shell_mesh"]
+__all__ = ["Place", "frame_mesh", "read_points", "shell_mesh"]
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,17 @@ def _points(place: Place, geometry: MeshFiles) -> NDArray[np.float64]:
     """Points of a geometry, from its table or its file, shape (n, 3)."""
     if geometry.file is None:
         return np.array(geometry.points)
-    file = place.case.folder / geometry.file
+    return read_points(place.case.folder / geometry.file)
+
+
+def read_points(file: Path) -> NDArray[np.float64]:
+    """Points of a file of lines ``x,y,z`` [m], shape (n, 3); ``#`` begins a comment.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or a line is not three finite numbers.
+    """
     rows = []
     try:
         lines = file.read_text(encoding="utf-8").splitlines()

@@ -17,6 +17,7 @@ from heavylift.pipeline.assemble_connections import (
     make_profile,
     start_sides,
 )
+from heavylift.pipeline.assemble_contacts import assemble_contacts, assemble_contours
 from heavylift.pipeline.assemble_edges import joints_of_edge
 from heavylift.pipeline.assemble_meshes import assemble_frame, assemble_shell, check_on_mesh, check_pulleys
 from heavylift.pipeline.case_bodies import FlexibleBodySection
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     )
     from heavylift.pipeline.storage import OutputFolder
     from heavylift.solver.connections import Joint
+    from heavylift.solver.contacts import Contact
     from heavylift.solver.scene import AnyBody
 
 __all__ = ["assemble_scene", "modal_coordinates"]
@@ -76,6 +78,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
                 key=case.place(f"bodies.{name}.modes.damping_ratio"),
                 expected=f"1 or {reduced.mode_count}, one a vector of the basis",
             )
+        frequencies = np.sqrt(np.maximum(reduced.eigenvalues, 0.0))
         bodies.append(
             s.FlexibleBody(
                 name=name,
@@ -83,7 +86,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
                 motion=_motion(body.frame),
                 modal_position=modal_coordinates(case, name, reduced, body.initial, "modal_position"),
                 modal_velocity=modal_coordinates(case, name, reduced, body.initial, "modal_velocity"),
-                damping_ratio=np.broadcast_to(ratios, (reduced.mode_count,)).copy(),
+                damping_ratio=ratios + 0.5 * body.modes.stiffness_damping * frequencies,
                 **_initial(body.initial, origins[name]),
             )
         )
@@ -93,11 +96,11 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
     sensors = tuple(
         s.Sensor(sensor.name, sensor.body, sides[sensor.body].local(sensor.point)) for sensor in case.sensors
     )
-    joints = assemble_joints(case, sides)
+    joints, contacts = assemble_joints(case, sides), assemble_contacts(case, sides)
     edges = _edges(case, joints, bodies)
     for made in bodies:
         if isinstance(made, s.FlexibleBody):
-            points = _points_on(case, joints, made.name, origins[made.name])
+            points = _points_on(case, joints, contacts, made.name, origins[made.name])
             points += [
                 (place, part.frame_b.point + origins[made.name])
                 for place, part in edges
@@ -105,11 +108,19 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
             ]
             _check_points(case, points, folder.model(made.name), made.reduced.nodes + origins[made.name])
         elif isinstance(made, (FrameBody, ShellBody)):
-            for key, point in _points_on(case, joints, made.name, origins[made.name]):
+            for key, point in _points_on(case, joints, contacts, made.name, origins[made.name]):
                 check_on_mesh(made, point, case.file, key)
             if isinstance(made, FrameBody):
                 check_pulleys(case, made)
-    return s.Scene(tuple(bodies), tuple(forces), sensors, joints=joints, ropes=assemble_ropes(case, sides))
+    return s.Scene(
+        tuple(bodies),
+        tuple(forces),
+        sensors,
+        joints=joints,
+        ropes=assemble_ropes(case, sides),
+        contours=assemble_contours(case, bodies, sides, folder),
+        contacts=contacts,
+    )
 
 
 def _edges(case: Case, joints: Sequence[Joint], bodies: Sequence[AnyBody]) -> list[tuple[str, Joint]]:
@@ -125,7 +136,11 @@ def _edges(case: Case, joints: Sequence[Joint], bodies: Sequence[AnyBody]) -> li
 
 
 def _points_on(
-    case: Case, joints: Sequence[Joint], name: str, origin: NDArray[np.float64]
+    case: Case,
+    joints: Sequence[Joint],
+    contacts: Sequence[Contact],
+    name: str,
+    origin: NDArray[np.float64],
 ) -> list[tuple[str, ArrayLike]]:
     """Points of a case that a body carries: dotted keys, and places in coordinates of its geometry [m]."""
     found: list[tuple[str, str, ArrayLike]] = []
@@ -146,6 +161,9 @@ def _points_on(
             found.append((f"joints.{i}.{'at' if at else f'points.{k}'}", side, frame.point + origin))
     for i, rope in enumerate(case.ropes):
         found += [(f"ropes.{i}.path.{k}.point", stop.body, stop.point) for k, stop in enumerate(rope.path)]
+    for i, contact in enumerate(contacts):
+        key = "point" if case.contacts[i].at is None else "at"
+        found.append((f"contacts.{i}.{key}", contact.body, contact.point + origin))
     return [(case.place(key), point) for key, owner, point in found if owner == name]
 
 

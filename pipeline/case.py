@@ -11,6 +11,8 @@ from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, model_
 
 from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline.case_checks import CheckSection, ConvergeSection, QuantityReference
+from heavylift.pipeline.case_contacts import Contact
+from heavylift.pipeline.case_contours import Contour
 from heavylift.pipeline.case_errors import group_errors, input_errors
 from heavylift.pipeline.case_forces import Force, PointForceSection
 from heavylift.pipeline.case_joints import Joint
@@ -54,6 +56,10 @@ class Case(Section):
     """Ropes."""
     forces: tuple[Force, ...] = ()
     """Applied forces, springs, motors."""
+    contours: dict[UniqueName, Contour] = Field(default_factory=dict)
+    """Curves and surfaces of bodies that something may touch, by name."""
+    contacts: tuple[Contact, ...] = ()
+    """What touches contours, and by what law."""
     sensors: tuple[SensorSection, ...] = ()
     """Material points whose motion is recorded."""
     reference: tuple[ReferenceSection, ...] = ()
@@ -103,6 +109,9 @@ class Case(Section):
             outside = isinstance(force, PointForceSection) or GROUND in getattr(force, "between", ())
             causes += [f"force {force.name!r}"] if outside else []
         causes += [f"joint {joint.name!r}" for joint in self.joints if GROUND in joint.between]
+        for contact in self.contacts:
+            outside = self.contours[contact.between[1]].body == GROUND
+            causes += [f"contact {contact.name!r}"] if outside else []
         causes += [
             f"rope {rope.name!r}" for rope in self.ropes if GROUND in {stop.body for stop in rope.path}
         ]
@@ -144,6 +153,15 @@ class Case(Section):
                     f"times that are multiples of output_interval = {step:.9g} s",
                     key=f"{key}.file",
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _integrates_contacts(self) -> "Case":
+        """Contacts need the integrator whose steps know impulses."""
+        if self.contacts and self.simulate is not None and self.simulate.integrator not in {"dele2", "auto"}:
+            reject(
+                f"{self.simulate.integrator!r} with contacts", "'dele2' or 'auto'", key="simulate.integrator"
+            )
         return self
 
     def _missing_for(self, quantity: QuantityName) -> str:

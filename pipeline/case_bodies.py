@@ -15,6 +15,7 @@ from pydantic import (
     model_validator,
 )
 
+from heavylift.pipeline.case_contact_modes import ContactDirections, ContactPatchSection
 from heavylift.pipeline.case_geometry import Geometry, MaterialSection, MeshSection
 from heavylift.pipeline.case_inertia import Inertia
 from heavylift.pipeline.fields import (
@@ -83,6 +84,12 @@ class ModesSection(Section):
     """Groups on each of which unit loads, spread evenly, add static vectors."""
     static_directions: Annotated[str, StringConstraints(pattern="^x?y?z?$", min_length=1)] = "xyz"
     """Directions of the unit loads."""
+    attach: Literal["contour"] | None = None
+    """``"contour"``: static vectors for forces on the nodes of all contours of the body, or of `patches`."""
+    attach_directions: ContactDirections | None = None
+    """Of these forces: ``"normal"`` (default on surfaces), or some of x, y, z (default on curves: all three)."""
+    patches: tuple[ContactPatchSection, ...] = ()
+    """With `attach`: where the surface may be touched, in place of the contours."""
     order: Index = 1
     """For ``krylov``: number of blocks of vectors K^-1 b, K^-1 M K^-1 b, ..."""
     damping_ratio: Annotated[
@@ -90,6 +97,8 @@ class ModesSection(Section):
         BeforeValidator(_listed, json_schema_input_type=DampingRatio | list[DampingRatio]),
     ] = (0.0,)
     """Of critical: one number, or a list with one number a vector of the basis."""
+    stiffness_damping: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.0
+    """Damping matrix over stiffness matrix [s], added to `damping_ratio`: half of this times omega, of critical."""
 
     @model_validator(mode="after")
     def _fits(self) -> "ModesSection":
@@ -104,7 +113,14 @@ class ModesSection(Section):
         if self.basis != "craig_bampton" and self.interface:
             reject(f"'interface' with basis {self.basis!r}", "basis 'craig_bampton'")
         if self.basis == "krylov" and not self.has_static:
-            reject("basis 'krylov' without loads", "'static_points' or 'static_groups'")
+            reject("basis 'krylov' without loads", "'static_points', 'static_groups' or 'attach'")
+        for key in ("patches", "attach_directions"):
+            if getattr(self, key) and self.attach is None:
+                reject(f"{key!r} without 'attach'", 'attach = "contour"', key="attach")
+        if self.patches and self.attach_directions:
+            reject(
+                "'attach_directions' with 'patches'", "'directions' of each patch", key="attach_directions"
+            )
         if self.basis not in {"eigenmodes", "stored"} and self.select:
             reject(f"'select' with basis {self.basis!r}", "basis 'eigenmodes' or 'stored'")
         return self
@@ -112,7 +128,7 @@ class ModesSection(Section):
     @property
     def has_static(self) -> bool:
         """Whether static loads are given."""
-        return bool(self.static_points or self.static_groups)
+        return bool(self.static_points or self.static_groups or self.attach)
 
     @property
     def vector_count(self) -> int | None:

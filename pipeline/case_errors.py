@@ -193,8 +193,8 @@ def _models(annotation: Any) -> Iterable[type[BaseModel]]:
 
 
 def _is_chosen(section: type[BaseModel], node: Any) -> bool:
-    """Whether a table's ``type`` or ``motion`` says that it is this section."""
-    for name in ("type", "motion"):
+    """Whether a table's ``type``, ``motion`` or ``law`` says that it is this section."""
+    for name in ("type", "motion", "law"):
         field = section.model_fields.get(name)
         if field is not None and get_origin(field.annotation) is Literal and isinstance(node, dict):
             return node.get(name, field.default) in get_args(field.annotation)

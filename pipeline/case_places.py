@@ -17,9 +17,10 @@ __all__ = ["in_case", "places"]
 
 
 def places(case: Case) -> dict[str, str]:
-    """Dotted keys in the case file of its bodies, joints, ropes, forces and sensors, by their names."""
+    """Dotted keys in the case file of its bodies, contours, joints, ropes, forces, sensors and contacts, by name."""
     found = {name: case.place(f"bodies.{name}") for name in case.bodies}
-    for section in ("joints", "ropes", "forces", "sensors"):
+    found |= {name: case.place(f"contours.{name}") for name in case.contours}
+    for section in ("joints", "ropes", "forces", "sensors", "contacts"):
         for index, entry in enumerate(getattr(case, section)):
             found[entry.name] = case.place(f"{section}.{index}")
     return found

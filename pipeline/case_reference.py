@@ -27,7 +27,7 @@ __all__ = ["ReferenceHistory", "ReferenceSection", "read_reference"]
 
 
 class ReferenceSection(Section):
-    """A recorded history to compare a channel with: quantity ``deviation.NAME``."""
+    """A recorded history to compare a channel with: quantities ``deviation.NAME``, ``deviation.NAME.rms``."""
 
     name: ReferenceName
     """Its name."""

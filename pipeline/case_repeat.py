@@ -1,4 +1,4 @@
-"""Named numbers of a case, and blocks that stand for many bodies, joints, ropes, forces and sensors.
+"""Named numbers of a case, and blocks that stand for many bodies, joints, ropes, forces, sensors and contacts.
 
 A ``[[repeat]]`` block is written out before the case is checked: its tables are copied once for every index,
 ``{i}``, ``{i+1}`` and the like in their texts become numbers, and places in the world move by a shift. Errors
@@ -26,7 +26,8 @@ __all__ = ["Expansion", "Origin", "Parameters", "RepeatSection", "expand"]
 INDEX = "i"
 LIMIT = 100_000
 """Largest number of copies of one block."""
-LISTS = ("joints", "ropes", "forces", "sensors")
+LISTS = ("joints", "ropes", "forces", "sensors", "contacts")
+TABLES = ("bodies", "contours")
 PROSE = ("title", "sources", "source")
 """Keys whose texts may have braces that mean nothing."""
 
@@ -55,7 +56,7 @@ class RepeatSection(Section):
     """The first index: an integer, or arithmetic of the parameters."""
     shift: LengthVector = (0.0, 0.0, 0.0)
     """Added i times to places in the world at the start [m]: positions of bodies, pivots of driven frames, ``at`` of
-    joints, points on the ground."""
+    joints and contacts, points on the ground."""
     bodies: dict[str, dict[str, Any]] = Field(default_factory=dict)
     """Bodies by name, as in the case."""
     joints: tuple[dict[str, Any], ...] = ()
@@ -66,6 +67,10 @@ class RepeatSection(Section):
     """Forces, as in the case."""
     sensors: tuple[dict[str, Any], ...] = ()
     """Sensors, as in the case."""
+    contours: dict[str, dict[str, Any]] = Field(default_factory=dict)
+    """Contours by name, as in the case."""
+    contacts: tuple[dict[str, Any], ...] = ()
+    """Contacts, as in the case."""
 
 
 @dataclass(frozen=True)
@@ -216,8 +221,8 @@ class _Writer:
         settings |= {
             key: self._whole(block[key], f"{path}.{key}") for key in ("count", "first") if key in block
         }
-        rest = {key: value for key, value in block.items() if key not in {"bodies", *LISTS, *settings}}
-        shapes = {key: block[key] for key in ("bodies", *LISTS) if key in block}
+        rest = {key: value for key, value in block.items() if key not in {*TABLES, *LISTS, *settings}}
+        shapes = {key: block[key] for key in (*TABLES, *LISTS) if key in block}
         target["repeat"].append({**rest, **settings, **shapes})
         count, first = settings.get("count"), settings.get("first", 0)
         if (
@@ -231,7 +236,8 @@ class _Writer:
         for index in range(first, first + count):
             names = {**self.names, INDEX: index}
             move = [index * entry for entry in shift] if shift else None
-            self._bodies(target, block, path, names, move if move and any(move) else None)
+            for section in TABLES:
+                self._tables(target, section, block, path, names, move if move and any(move) else None)
             for section in LISTS:
                 self._entries(target, section, block, path, names, move if move and any(move) else None)
 
@@ -246,27 +252,38 @@ class _Writer:
             self.complain(error, key)
             return 0
 
-    def _bodies(
-        self, target: dict[str, Any], block: Any, path: str, names: Numbers, move: list[float] | None
+    def _tables(
+        self,
+        target: dict[str, Any],
+        section: str,
+        block: Any,
+        path: str,
+        names: Numbers,
+        move: list[float] | None,
     ) -> None:
-        templates, found = block.get("bodies", {}), target.setdefault("bodies", {})
+        templates = block.get(section, {})
+        found = target.setdefault(section, {}) if templates or section == "bodies" else None
         if not isinstance(templates, dict) or not isinstance(found, dict):
             return
         for template, body in templates.items():
-            place = f"{path}.bodies.{template}"
+            place = f"{path}.{section}.{template}"
             name = str(self.fill(template, place, names))
             if name in found:
-                before = self.origins.get(f"bodies.{name}")
-                other = f"{before.key} ({INDEX} = {before.index})" if before else f"bodies.{name}"
+                before = self.origins.get(f"{section}.{name}")
+                other = f"{before.key} ({INDEX} = {before.index})" if before else f"{section}.{name}"
                 problem = f"{name!r} ({INDEX} = {names[INDEX]}) is already made by {other}"
-                expected = "one body a name" if "{" in template else f"a name with {{{INDEX}}}"
+                one = {"bodies": "one body a name", "contours": "one contour a name"}[section]
+                expected = one if "{" in template else f"a name with {{{INDEX}}}"
                 self.complain(InputError(problem, expected=expected), place)
                 continue
             entry = self.fill(body, place, names)
             if move is not None and isinstance(entry, dict):
-                self._move_body(entry, move, place)
+                if section == "bodies":
+                    self._move_body(entry, move, place)
+                elif entry.get("body") == GROUND:
+                    _move_contour(entry, move)
             found[name] = entry
-            self.origins[f"bodies.{name}"] = Origin(place, int(names[INDEX]))
+            self.origins[f"{section}.{name}"] = Origin(place, int(names[INDEX]))
 
     def _entries(
         self,
@@ -310,7 +327,7 @@ class _Writer:
 
 
 def _move_entry(entry: dict[str, Any], move: list[float]) -> None:
-    """Move the places in the world of a joint, rope, spring."""
+    """Move the places in the world of a joint, rope, spring, contact."""
     if "at" in entry:
         entry["at"] = _moved(entry["at"], move)
     sides, points = entry.get("between"), entry.get("points")
@@ -323,6 +340,23 @@ def _move_entry(entry: dict[str, Any], move: list[float]) -> None:
     for stop in path if isinstance(path, list) else ():
         if isinstance(stop, dict) and stop.get("body") == GROUND and "point" in stop:
             stop["point"] = _moved(stop["point"], move)
+
+
+def _move_contour(entry: dict[str, Any], move: list[float]) -> None:
+    """Move the points of a contour of the ground; those in a file stay where they are."""
+    if "points" in entry:
+        entry["points"] = _moved_all(entry["points"], move)
+    for key, name in (("circle", "centre"), ("spline", "control")):
+        table = entry.get(key)
+        if isinstance(table, dict):
+            table[name] = _moved_all(table.get(name, [0.0, 0.0, 0.0]), move)
+
+
+def _moved_all(points: Any, move: list[float]) -> Any:
+    """A point, or lists of points, moved."""
+    if isinstance(points, list) and points and isinstance(points[0], list):
+        return [_moved_all(point, move) for point in points]
+    return _moved(points, move)
 
 
 def _moved(point: Any, move: list[float]) -> Any:

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ALL_CHANNELS",
+    "CONTOUR_TYPES",
     "EDGE_JOINTS",
     "JOINT_TRAVELS",
     "MESH_TYPES",
@@ -48,6 +49,19 @@ _ROPE = {
 }
 _SPRING = {"force": "force", "length": "length"}
 _LOAD = {"load": "moment or energy"}
+_CONTACT = {
+    "gap": "length",
+    "force": "force",
+    "normal_force": "force",
+    "friction_force": "force",
+    "impulse": "momentum",
+    "slip": "velocity",
+    "slip_path": "length",
+    "coordinate": "number",
+    "point": "length",
+    "dissipated": "moment or energy",
+    "impacts": "number",
+}
 _MESH = _POINT | {"strain_drift": "number"}
 _FRAME_MESH = _MESH | {
     "tangent": "number",
@@ -65,6 +79,9 @@ _SHELL_MESH = _MESH | {
 }
 MESH_TYPES = frozenset({"frame", "shell"})
 """Types of bodies made of elements, whose channels have a component for every node or element."""
+
+CONTOUR_TYPES = frozenset({"surface", "curve", "cylinder", "band"})
+"""Types of contours."""
 
 JOINT_TRAVELS: dict[str, frozenset[str]] = {
     "ball": frozenset(),
@@ -84,11 +101,23 @@ EDGE_JOINTS = frozenset({"edge_hinge", "edge_clamp"})
 """Types of joints whose channels are those of each node along an edge: ``NAME.0.reaction_force``."""
 
 ALL_CHANNELS = (
-    _FRAME | _MODAL | _REACTION | _ANGLE | _TRAVEL | _ROPE | _SPRING | _LOAD | _SHELL_MESH | _FRAME_MESH
+    _FRAME
+    | _MODAL
+    | _REACTION
+    | _ANGLE
+    | _TRAVEL
+    | _ROPE
+    | _SPRING
+    | _LOAD
+    | _CONTACT
+    | _SHELL_MESH
+    | _FRAME_MESH
 )
-"""Every last part of a channel that a body, sensor, joint, rope or force may have: name to kind."""
+"""Every last part of a channel that a body, sensor, joint, rope, force or contact may have: name to kind."""
 
-_VECTORS = frozenset({*_POINT, "angular_velocity", *_REACTION, "linear", "angular"})
+_VECTORS = frozenset({*_POINT, "angular_velocity", *_REACTION, "linear", "angular", "point"})
+_BY_OWNER = frozenset({*_MODAL, "segment_tension", "force", *_FRAME_MESH, *_SHELL_MESH})
+"""Channels whose components the scene decides: a force is a vector of a contact, and one number of a spring."""
 
 
 def channel_components(kind: str) -> tuple[str, ...] | None:
@@ -97,7 +126,9 @@ def channel_components(kind: str) -> tuple[str, ...] | None:
         return ("x", "y", "z")
     if kind == "orientation":
         return ("q0", "q1", "q2", "q3")
-    return None if kind in {*_MODAL, "segment_tension", *_FRAME_MESH, *_SHELL_MESH} else (kind,)
+    if kind == "coordinate":
+        return ("u", "v")
+    return None if kind in _BY_OWNER else (kind,)
 
 
 def load_kind(joint_type: str) -> str:
@@ -112,9 +143,13 @@ class Declared:
     Attributes
     ----------
     names
-        Bodies, sensors, forces, joints and ropes, with how often each occurs.
+        Bodies, sensors, forces, joints, ropes, contours and contacts, with how often each occurs.
     bodies
         Names of the bodies.
+    body_types
+        Types of the bodies by name.
+    contours
+        By name of a contour: its type and its body.
     meshes
         Names of the frames and shells among them.
     shells
@@ -131,6 +166,8 @@ class Declared:
 
     names: Counter[str] = field(default_factory=Counter)
     bodies: frozenset[str] = frozenset()
+    body_types: Mapping[str, str] = field(default_factory=dict)
+    contours: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     meshes: frozenset[str] = frozenset()
     shells: frozenset[str] = frozenset()
     joints: Mapping[str, str] = field(default_factory=dict)
@@ -155,10 +192,19 @@ def declared(document: Mapping[str, Any]) -> Declared:
     channels |= {name: _ROPE for name, _ in _named(document, "ropes")}
     channels |= {name: _POINT for name, _ in _named(document, "sensors")}
     channels |= {name: _force_channels(row, joints) for name, row in _named(document, "forces")}
-    lists = ("sensors", "forces", "joints", "ropes")
+    channels |= {name: _CONTACT for name, _ in _named(document, "contacts")}
+    contours = document.get("contours", {})
+    contours = contours if isinstance(contours, dict) else {}
+    channels |= {name: {} for name in contours}
+    lists = ("sensors", "forces", "joints", "ropes", "contacts")
     return Declared(
-        names=Counter([*bodies, *(name for key in lists for name, _ in _named(document, key))]),
+        names=Counter([*bodies, *contours, *(name for key in lists for name, _ in _named(document, key))]),
         bodies=frozenset(bodies),
+        body_types=types,
+        contours={
+            name: (str(row.get("type")), str(row.get("body"))) if isinstance(row, dict) else ("", "")
+            for name, row in contours.items()
+        },
         meshes=frozenset(name for name, kind in types.items() if kind in MESH_TYPES),
         shells=frozenset(name for name, kind in types.items() if kind == "shell"),
         joints=joints,

@@ -43,9 +43,10 @@ def compared_histories(
     file = case.folder / reference.file
     history = read_reference(file, reference.components)
     recorded = results.components(reference.channel)
+    alone = reference.components or ("value", reference.channel.rpartition(".")[2])
     chosen = []
     for name in history.columns:
-        single = len(recorded) == 1 and name in (reference.components or ())
+        single = len(recorded) == 1 and name in alone
         if name not in recorded and not single:
             raise InputError(
                 f"column {name!r} is no component of {reference.channel!r}",

@@ -1,4 +1,4 @@
-"""What stands beside frames and shells in pictures of a scene: ropes, springs, joints, other bodies."""
+"""What stands beside frames and shells in pictures of a scene: ropes, springs, joints, contacts, other bodies."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
+from heavylift.pipeline.picture_contacts import ContactParts
 from heavylift.pipeline.picture_render import Lines, Patch, Points
 from heavylift.solver.connections import (
     GROUND,
@@ -79,6 +80,10 @@ class Others:
         Recorded channel at a record, by name and record; None if it is not recorded.
     surfaces
         Of flexible bodies, in coordinates of their frame, by name; bodies without are left out.
+    peak
+        Largest force of any contact in the run [N], whose arrow is the longest one.
+    size
+        Of the scene [m], by which arrows are measured.
     """
 
     def __init__(
@@ -88,6 +93,9 @@ class Others:
         coordinates: Callable[[str, int], NDArray[np.float64]],
         channel: Callable[[str, int], NDArray[np.float64] | None],
         surfaces: Mapping[str, Surface] | None = None,
+        *,
+        peak: float = 0.0,
+        size: float = 1.0,
     ) -> None:
         self._skins, self._coordinates, self._channel = skins, coordinates, channel
         self._bodies: dict[str, Any] = {body.name: body for body in scene.bodies}
@@ -118,10 +126,23 @@ class Others:
             if isinstance(body, RigidBody)
         ]
 
+        self._touching = [self._place(contact.body, contact.point) for contact in scene.contacts]
+        self._contacts = None
+        if scene.contours:
+            self._contacts = ContactParts(
+                scene,
+                self._pose,
+                lambda number, record: self._position(self._touching[number], record),
+                channel,
+                peak=peak,
+                size=size,
+            )
+
     @property
     def empty(self) -> bool:
         """Whether there is nothing but meshes."""
-        return not (self._centres or self._surfaces or self._ropes or self._springs or self._joints)
+        attached = self._ropes or self._springs or self._joints or self._contacts
+        return not (self._centres or self._surfaces or attached)
 
     def seen(self, record: int) -> Seen:
         """What is drawn at a record, lengths in metres."""
@@ -149,11 +170,13 @@ class Others:
             if places:
                 found = np.array([self._position(place, record) for place in places])
                 marks.append(Points(found, colour=colour, size=size))
-        return Seen(
-            tuple(line for line in lines if len(line.ends)),
-            tuple(self._patch(name, record) for name in self._surfaces),
-            tuple(marks),
-        )
+        patches = [self._patch(name, record) for name in self._surfaces]
+        if self._contacts is not None:
+            contacts = self._contacts.seen(record)
+            lines += contacts.lines
+            patches += contacts.patches
+            marks += contacts.marks
+        return Seen(tuple(line for line in lines if len(line.ends)), tuple(patches), tuple(marks))
 
     def _place(self, body: str, point: NDArray[np.float64]) -> _Place:
         if body in self._skins:

@@ -24,9 +24,19 @@ PACKAGE = Path(__file__).resolve().parent.parent
 
 STAGE_SOURCES = {
     "mesh": ("numerics", "preprocess", "pipeline/assemble.py", "pipeline/model_io.py", "pipeline/stages.py"),
-    "modes": ("modal", "pipeline/assemble.py", "pipeline/model_io.py", "pipeline/stages.py"),
+    "modes": (
+        "modal",
+        "contours",
+        "pipeline/assemble.py",
+        "pipeline/assemble_contacts.py",
+        "pipeline/case_contact_modes.py",
+        "pipeline/model_io.py",
+        "pipeline/stages.py",
+    ),
     "simulate": (
+        "contours",
         "solver",
+        "pipeline/assemble_contacts.py",
         "pipeline/assemble_connections.py",
         "pipeline/assemble_mesh_shapes.py",
         "pipeline/assemble_meshes.py",
@@ -36,8 +46,10 @@ STAGE_SOURCES = {
         "pipeline/stage_simulate.py",
     ),
     "report": ("pipeline",),
+    "contour nodes": ("contours/face_grid.py", "contours/node_matrix.py", "pipeline/assemble_contacts.py"),
 }
-"""Sources, below the package, whose change makes the outputs of a stage stale."""
+"""Sources, below the package, whose change makes the outputs of a stage stale; of modes also those that pick the nodes
+of contours, if they depend on them."""
 
 STAGE_PACKAGES = {
     "mesh": ("numpy", "scipy", "gmsh", "meshio", "scikit-fem"),
@@ -101,7 +113,18 @@ def _files(case: Case, body: FlexibleBodySection | MeshBodySection) -> dict[str,
 
 def modes_digest(case: Case, body: FlexibleBodySection) -> str:
     """Digest of all that the reduced body depends on."""
-    reduction = body.modes.model_dump(mode="json", exclude={"damping_ratio"})
+    reduction = body.modes.model_dump(mode="json", exclude={"damping_ratio", "stiffness_damping"})
+    if body.modes.attach and not body.modes.patches:
+        owner = next(name for name, other in case.bodies.items() if other is body)
+        own = {name: contour for name, contour in case.contours.items() if contour.body == owner}
+        reduction["contour sources"] = source_digest("contour nodes")
+        reduction["contours"] = {
+            name: {
+                **contour.model_dump(mode="json"),
+                "matrix": digest_file(case.folder / contour.nodes) if contour.nodes else None,
+            }
+            for name, contour in own.items()
+        }
     return _digest(
         "modes",
         {
@@ -120,7 +143,7 @@ def simulate_digest(case: Case) -> str:
         if body.type == "flexible":
             bodies[name] = {
                 "modes": modes_digest(case, body),
-                "damping": body.modes.damping_ratio,
+                "damping": [*body.modes.damping_ratio, body.modes.stiffness_damping],
                 "frame": body.frame.model_dump(mode="json"),
                 "initial": body.initial.model_dump(mode="json"),
             }
@@ -129,9 +152,21 @@ def simulate_digest(case: Case) -> str:
     for name, mesh in case.meshes.items():
         bodies[name]["files"] = _files(case, mesh)
     scene = case.model_dump(
-        mode="json", include={"gravity", "joints", "ropes", "forces", "sensors", "simulate"}
+        mode="json",
+        include={
+            "gravity",
+            "joints",
+            "ropes",
+            "forces",
+            "sensors",
+            "contours",
+            "contacts",
+            "simulate",
+        },
     )
-    return _digest("simulate", {"bodies": bodies, **scene})
+    names = {file for contour in case.contours.values() for file in (contour.nodes, contour.file) if file}
+    files = {name: digest_file(case.folder / name) for name in sorted(names)}
+    return _digest("simulate", {"bodies": bodies, "contour files": files, **scene})
 
 
 def report_digest(case: Case, folder: OutputFolder) -> str:

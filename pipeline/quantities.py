@@ -105,6 +105,7 @@ class Quantities:
             "ringdown": self._ringdown,
             "drift": self._drift,
             "channel": self._channel,
+            "frequency": self._frequency,
             "deviation": self._deviation,
         }
         return np.asarray(readers[name.family](name), dtype=np.float64)
@@ -139,7 +140,20 @@ class Quantities:
         history = history.reshape(len(history), -1)
         values = history[:, self._vector(name, history.shape[1])]
         body = self._case.bodies[name.owner]
-        damped = body.type == "flexible" and any(body.modes.damping_ratio)
+        damped = body.type == "flexible" and (
+            any(body.modes.damping_ratio) or body.modes.stiffness_damping > 0.0
+        )
+        return self._fitted_frequency(name, values, damped=damped)
+
+    def _frequency(self, name: QuantityName) -> float:
+        history = self._history(name)
+        if history.ndim > 1:
+            components = self.results.components(name.item)
+            raise self._missing(name, f"{name.text}.COMPONENT, one of: {', '.join(components[:_SHOWN])}")
+        return self._fitted_frequency(name, history, damped=False)
+
+    def _fitted_frequency(self, name: QuantityName, values: NDArray[np.float64], *, damped: bool) -> float:
+        """Frequency [Hz] of one sinusoid about a mean; a message of the fit is told of the quantity."""
         try:
             return fit_sinusoid(self.results.time, values, damped=damped).frequency
         except InputError as error:
@@ -157,6 +171,18 @@ class Quantities:
         return relative_drift(history)
 
     def _channel(self, name: QuantityName) -> NDArray[np.float64]:
+        history = self._history(name)
+        reductions = {
+            "end": lambda a: a[-1],
+            "min": lambda a: a.min(axis=0),
+            "max": lambda a: a.max(axis=0),
+            "mean": lambda a: a.mean(axis=0),
+            "rms": lambda a: np.sqrt(np.mean(a**2, axis=0)),
+        }
+        return np.asarray(reductions[name.statistic](history))
+
+    def _history(self, name: QuantityName) -> NDArray[np.float64]:
+        """Records of a channel, shape (nt,), or (nt, components) if none of several is named."""
         results = self.results
         history = results[name.item].reshape(len(results.time), -1)
         components = results.components(name.item)
@@ -171,21 +197,14 @@ class Quantities:
             )
         elif len(components) == 1:
             history = history[:, 0]
-        reductions = {
-            "end": lambda a: a[-1],
-            "min": lambda a: a.min(axis=0),
-            "max": lambda a: a.max(axis=0),
-            "mean": lambda a: a.mean(axis=0),
-            "rms": lambda a: np.sqrt(np.mean(a**2, axis=0)),
-        }
-        return np.asarray(reductions[name.statistic](history))
+        return np.asarray(history)
 
     def _deviation(self, name: QuantityName) -> float:
         from heavylift.pipeline.deviation import deviation_history
 
         reference = next(entry for entry in self._case.reference if entry.name == name.item)
         _, distances = deviation_history(self._case, reference, self.results)
-        return float(distances.max())
+        return float(np.sqrt(np.mean(distances**2)) if name.statistic == "rms" else distances.max())
 
     def _vector(self, name: QuantityName, count: int) -> int:
         if int(name.component) > count:

@@ -11,8 +11,11 @@
 ``channel.OWNER.KIND[.COMPONENT].STATISTIC``   ``end``, ``min``, ``max``, ``mean`` or ``rms`` of a recorded
                                                channel, e.g. ``channel.tip.position.y.max``; component
                                                ``largest`` or ``smallest``: of all components
+``frequency.OWNER.KIND[.COMPONENT]``           frequency of one sinusoid about a mean fitted to a channel,
+                                               e.g. ``frequency.bead.position.y``
 ``deviation.NAME``                             largest distance of a channel from the reference history
-                                               NAME, divided by its scale if it has one
+                                               NAME, divided by its scale if it has one;
+                                               ``deviation.NAME.rms``: root mean square over its times
 =============================================  ==========================================================
 
 Components of the channels of frames and shells begin with the number of a node or element:
@@ -57,7 +60,7 @@ class QuantityName(NamedTuple):
 
     text: str
     family: str
-    """``mesh``, ``modes``, ``ringdown``, ``drift``, ``channel`` or ``deviation``."""
+    """``mesh``, ``modes``, ``ringdown``, ``drift``, ``channel``, ``frequency`` or ``deviation``."""
     owner: str
     """Body, sensor, joint, rope or force; empty for quantities of the whole scene."""
     item: str
@@ -65,7 +68,7 @@ class QuantityName(NamedTuple):
     component: str
     """One-based number of a vector; or component of a channel, with dots as in ``60.z``; may be empty."""
     statistic: str
-    """Of a channel."""
+    """Of a channel or a deviation."""
     kind: Kind
     """Its unit and dimension."""
 
@@ -94,11 +97,13 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
     parts = text.split(".")
     if parts[0] == "channel":
         return _channel(text, parts, names)
+    if parts[0] == "frequency":
+        return _frequency(text, parts, names)
     if parts[0] == "deviation":
         return _deviation(text, parts, names)
     readers = {"mesh": _mesh, "modes": _modes, "ringdown": _ringdown, "drift": _drift}
     if parts[0] not in readers:
-        known = [*readers, "channel", "deviation"]
+        known = [*readers, "channel", "frequency", "deviation"]
         raise InputError(_unknown(text, parts[0], known), expected=f"one of {', '.join(known)} as first word")
     return readers[parts[0]](text, parts)
 
@@ -147,11 +152,25 @@ def _channel(text: str, parts: list[str], names: Declared | None) -> QuantityNam
             expected="channel.OWNER.KIND.STATISTIC or channel.OWNER.KIND.COMPONENT.STATISTIC with STATISTIC one of "
             + ", ".join(STATISTICS),
         )
-    own = 4 if parts[2].isdecimal() and len(parts) > 4 else 3  # a node of an edge stands before the kind
-    component = ".".join(parts[own:-1])
-    name = ".".join(parts[1:own])
-    owner = "" if parts[1] in RESERVED_NAMES else parts[1]
+    owner, name, component = _channel_parts(parts[1:-1])
     return QuantityName(text, "channel", owner, name, component, parts[-1], channel_kind(name, text, names))
+
+
+def _frequency(text: str, parts: list[str], names: Declared | None) -> QuantityName:
+    if len(parts) < 3 or "" in parts:
+        raise InputError(
+            f"quantity {text!r} is unknown",
+            expected="frequency.OWNER.KIND or frequency.OWNER.KIND.COMPONENT",
+        )
+    owner, name, component = _channel_parts(parts[1:])
+    channel_kind(name, text, names)
+    return QuantityName(text, "frequency", owner, name, component, "", KINDS["frequency"])
+
+
+def _channel_parts(parts: list[str]) -> tuple[str, str, str]:
+    """Owner, channel and component of ``OWNER.KIND[.COMPONENT]``, split at the dots."""
+    own = 3 if parts[1].isdecimal() and len(parts) > 2 else 2  # a node of an edge stands before the kind
+    return "" if parts[0] in RESERVED_NAMES else parts[0], ".".join(parts[:own]), ".".join(parts[own:])
 
 
 def channel_kind(name: str, text: str, names: Declared | None) -> Kind:
@@ -178,19 +197,21 @@ def channel_kind(name: str, text: str, names: Declared | None) -> Kind:
 
 
 def _deviation(text: str, parts: list[str], names: Declared | None) -> QuantityName:
-    name = ".".join(parts[1:])
+    statistic = "rms" if len(parts) > 2 and parts[-1] == "rms" else ""
+    name = ".".join(parts[1:-1] if statistic else parts[1:])
     kind = KINDS["number"]
     if names is not None:
         if name not in names.references:
             raise InputError(
                 _unknown(text, name, names.references),
-                expected=f"deviation.NAME with a [[reference]]: {', '.join(names.references) or 'none'}",
+                expected="deviation.NAME or deviation.NAME.rms with a [[reference]]: "
+                + (", ".join(names.references) or "none"),
             )
         channel, scaled = names.references[name]
         if not scaled:
             with contextlib.suppress(InputError):  # what is wrong with the channel is told of the reference
                 kind = channel_kind(channel, text, names)
-    return QuantityName(text, "deviation", "", name, "", "", kind)
+    return QuantityName(text, "deviation", "", name, "", statistic, kind)
 
 
 def _is_index(text: str) -> bool:

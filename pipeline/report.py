@@ -11,6 +11,7 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.picture_render import Renderer, RenderingUnavailableError
 from heavylift.pipeline.quantities import CheckResult, evaluate_checks
 from heavylift.pipeline.report_bodies import body_sections
+from heavylift.pipeline.report_contacts import contact_sections
 from heavylift.pipeline.report_document import (
     Document,
     Section,
@@ -109,12 +110,14 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
     results, problem = load_finite_results(case, out)
     flexible = {name: body for name, body in case.bodies.items() if body.type == "flexible"}
     moved = results is not None and bool(results.meshes) and len(results.time) > 0
-    renderer, remedy = _renderer() if flexible or moved else (None, "")
+    touching = results is not None and bool(case.contacts) and len(results.time) > 0
+    renderer, remedy = _renderer() if flexible or moved or touching else (None, "")
     sections: list[Section] = [*rigid_sections(case), *mesh_sections(case, results)]
     try:
         for name, body in flexible.items():
             sections += body_sections(case, name, body, stages, results, renderer, album)
         sections += scene_sections(case, stages, results, renderer, album, log)
+        touches = contact_sections(case, stages, results, renderer, album)
     finally:
         if renderer is not None:
             renderer.close()
@@ -134,6 +137,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
             *run_section(case, stages, results),
             *sections,
             *edge_sections(case, results),
+            *touches,
             *history_section(case, stages, results, album),
             *provenance_section(case, stages),
         ),

@@ -11,6 +11,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.model_io import read_model, read_reduced
 from heavylift.pipeline.report_document import Facts, Figure, Section, Table, Text
 from heavylift.pipeline.report_inputs import body_input_rows, mesh_input_rows
+from heavylift.pipeline.report_words import number_words
 from heavylift.pipeline.signals import scaled_unit
 
 if TYPE_CHECKING:
@@ -156,6 +157,8 @@ def _model_facts(model: FEModel, body: Any) -> Facts:
         rows.append(("clamped", ", ".join(body.modes.clamp)))
     ratios = sorted({f"{ratio:.4g}" for ratio in body.modes.damping_ratio})
     rows.append(("damping ratio", " to ".join(dict.fromkeys((ratios[0], ratios[-1]))) if ratios else "0"))
+    if body.modes.stiffness_damping:
+        rows.append(("damping", f"{number_words(body.modes.stiffness_damping, 's')} times the stiffness"))
     return Facts(tuple(rows))
 
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.storage import OutputFolder
     from heavylift.solver.meshes import FrameBody, ShellBody
 
-__all__ = ["mesh_body", "mesh_run", "scene_painter", "scene_sections"]
+__all__ = ["mesh_body", "mesh_run", "scene_others", "scene_painter", "scene_sections"]
 
 _VECTORS = {"frame": ("position", "tangent"), "shell": ("position", "slope_x", "slope_y", "twist")}
 _STRESSES = {"frame": "axial_stress", "shell": "von_mises"}
@@ -94,7 +94,7 @@ def scene_painter(case: Case, stages: OutputFolder, results: Results, renderer: 
         renderer,
         runs,
         results.time,
-        others=_others(case, stages, results, runs, skins),
+        others=scene_others(case, stages, results, runs, skins),
         up=up,
         side=side,
         skins=skins,
@@ -140,14 +140,15 @@ def mesh_body(shape: MeshShape) -> FrameBody | ShellBody:
     )
 
 
-def _others(
+def scene_others(
     case: Case, stages: OutputFolder, results: Results, runs: dict[str, MeshRun], skins: dict[str, Any]
 ) -> Others | None:
     """What stands beside the meshes; nothing if the case has no more, or can no longer be put together."""
-    if len(case.bodies) == len(runs) and not (case.joints or case.ropes or case.forces):
+    if len(case.bodies) == len(runs) and not (case.joints or case.ropes or case.forces or case.contacts):
         return None
     from heavylift.pipeline.assemble_scene import assemble_scene
     from heavylift.pipeline.model_io import read_model
+    from heavylift.pipeline.picture_contacts import scene_size
     from heavylift.pipeline.picture_others import Others
     from heavylift.pipeline.picture_surface import Surface, surface_from_mesh
     from heavylift.solver.scene import FlexibleBody
@@ -176,7 +177,20 @@ def _others(
     def channel(name: str, record: int) -> NDArray[np.float64] | None:
         return np.atleast_1d(results[name][record]) if name in results else None
 
-    return Others(scene, skins, lambda name, record: runs[name].coordinates(record), channel, surfaces)
+    forces = [
+        results[f"{contact.name}.force"] for contact in case.contacts if f"{contact.name}.force" in results
+    ]
+    return Others(
+        scene,
+        skins,
+        lambda name, record: runs[name].coordinates(record),
+        channel,
+        surfaces,
+        peak=max(
+            (float(np.linalg.norm(force.reshape(-1, 3), axis=1).max()) for force in forces), default=0.0
+        ),
+        size=scene_size(scene),
+    )
 
 
 def _instants(case: Case, results: Results) -> list[tuple[int, str]]:

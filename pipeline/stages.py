@@ -305,7 +305,7 @@ def modes_stage(work: Work) -> StageReport:
         from heavylift.pipeline.model_io import read_model, write_reduced
 
         model = work.models.pop(name, None) or read_model(work.folder.model(name))
-        reduced, origin = reduce_model(work.case, body, model)
+        reduced, origin = reduce_model(work.case, body, model, work.folder)
         write_reduced(work.folder.reduced(name), reduced, {**header, "frame_origin": origin})
         return reduced_properties(reduced)
 

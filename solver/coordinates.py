@@ -30,7 +30,7 @@ def mode_count(body: AnyBody) -> int:
 
 
 def velocity_count(body: AnyBody, bases: Mapping[str, int] = NO_BASES) -> int:
-    """Velocities of a body in the workspace: of a mesh, three for each of its bases."""
+    """Velocities of a body in the workspace: of a mesh, three for each of its bases and moving points."""
     return 3 * bases.get(body.name, 0) if isinstance(body, MeshBody) else 6 + mode_count(body)
 
 

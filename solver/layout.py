@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -87,7 +88,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
         sensors[sensor.body].append((column, np.asarray(sensor.point, dtype=np.float64)))
         entries = [("position", "m", XYZ), ("velocity", "m/s", XYZ)]
         column = add_channels(sensor.name, entries, channels, column)
-    made = pack_connections(scene, ordered, column, integrator)
+    made = pack_connections(scene, ordered, column, integrator, _moving(scene))
     book, column = made.book, made.column
     channels += made.channels
     dofs = first_dofs(ordered, made.bases)
@@ -101,9 +102,11 @@ def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
     for group, pack in _groups(scene):
         names = [body.name for body in group]
         place: Any = dofs[names[0]]
+        pack_group = pack
         if isinstance(group[0], MeshBody):
             place = [dofs[name] for name in names]  # bodies without bases have no velocities
-        bodies.append(pack(group, number, place, start, book.of(names), _of_sensors(sensors, group)))
+            pack_group = partial(pack, moving=[made.moving.get(name, 0) for name in names])
+        bodies.append(pack_group(group, number, place, start, book.of(names), _of_sensors(sensors, group)))
         number += len(group)
         start += sum(_width(body) for body in group)
     forces: list[Any] = []
@@ -128,17 +131,33 @@ def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
     )
     for marker, vector in book.fixed:
         work.markers[marker, POINT : POINT + 3] = vector
+    kinds = (tuple(bodies), tuple(made.joints), tuple(made.systems))
+    if scene.contacts:  # steps are taken back where something hits
+        from heavylift.solver.carried import share_state
+
+        kinds, carried = share_state(kinds)
+        contacts = kinds[2][-1]._replace(carried=carried, saved=carried.copy())
+        kinds = (kinds[0], kinds[1], (*kinds[2][:-1], contacts))
     return Layout(
-        bodies=tuple(bodies),
+        bodies=kinds[0],
         forces=tuple(forces),
-        joints=made.joints,
-        systems=made.systems,
+        joints=kinds[1],
+        systems=kinds[2],
         work=work,
         channels=tuple(channels),
         column_count=column,
         body_names=tuple(body.name for body in ordered),
         block_names=made.block_names,
     )
+
+
+def _moving(scene: Scene) -> dict[str, int]:
+    """Points of frames and shells that contacts slide on."""
+    if not scene.contacts:
+        return {}
+    from heavylift.solver.contact.packing import count_moving
+
+    return count_moving(scene)
 
 
 def _groups(scene: Scene) -> list[tuple[list[Any], Callable[..., Any]]]:

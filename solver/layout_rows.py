@@ -13,13 +13,15 @@ from heavylift.solver.coordinates import attachments, first_dofs, inverse_masses
 from heavylift.solver.interface import FORCES
 from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.meshes import MeshBody
-from heavylift.solver.rows import Rows, RowSystem, classify_rows
+from heavylift.solver.rows import Rows, RowSystem, classify_rows, pack_rows
 from heavylift.solver.scene import AnyBody, Gravity, PointForce, Scene
 
 if TYPE_CHECKING:
     from heavylift.solver.joints.laws import PackedLaws
 
 __all__ = ["PackedConnections", "pack_connections"]
+
+NOTHING_MOVES: Mapping[str, int] = {}
 
 
 @dataclass
@@ -31,7 +33,9 @@ class PackedConnections:
     book
         Markers of all bodies.
     bases
-        Number of bases of each frame and shell, by name.
+        Number of bases of each frame and shell, with its moving points, by name.
+    moving
+        Number of moving points of each frame and shell that contacts slide on, by name.
     first_markers
         Of each point force.
     joints, systems, forces
@@ -51,10 +55,15 @@ class PackedConnections:
     forces: list[Any] = field(default_factory=list)
     block_names: tuple[str, ...] = ()
     channels: list[Channel] = field(default_factory=list)
+    moving: Mapping[str, int] = field(default_factory=dict)
 
 
 def pack_connections(
-    scene: Scene, ordered: Sequence[AnyBody], column: int, integrator: str
+    scene: Scene,
+    ordered: Sequence[AnyBody],
+    column: int,
+    integrator: str,
+    moving: Mapping[str, int] = NOTHING_MOVES,
 ) -> PackedConnections:
     """Pack all connections of a scene.
 
@@ -66,6 +75,8 @@ def pack_connections(
         First free record column.
     integrator
         Name of the integrator: it decides which springs are rows.
+    moving
+        Number of moving points of frames and shells, by name.
 
     Notes
     -----
@@ -83,9 +94,12 @@ def pack_connections(
 
     markers = packed.book.of([body.name for body in meshes])
     counts = {
-        body.name: len(plan_bases(body, on_body).bases) for body, on_body in zip(meshes, markers, strict=True)
+        body.name: len(plan_bases(body, on_body).bases) + moving.get(body.name, 0)
+        for body, on_body in zip(meshes, markers, strict=True)
     }
-    return _pack(scene, ordered, column, integrator, counts)
+    packed = _pack(scene, ordered, column, integrator, counts)
+    packed.moving = moving
+    return packed
 
 
 def _pack(
@@ -117,7 +131,8 @@ def _pack(
         packed.joints += tuple(laws.joints)
         packed.block_names += laws.block_names
         packed.forces = laws.forces
-    if scene.joints or laws is not None:
+    markers = _contact_markers(scene, book)
+    if scene.joints or laws is not None or scene.contacts:
         inverse_mass = inverse_masses(ordered, bases)
         held: RowSystem | None = make_system(inverse_mass, packed.column) if scene.joints else None
         made: Rows | None = held
@@ -125,12 +140,58 @@ def _pack(
             from heavylift.solver.joints.law_system import extend_system
 
             made = extend_system(held, laws.blocks, inverse_mass, packed.column, laws=laws.fitted)
-        assert made is not None  # one of the two made it
+        if made is None:  # contacts alone have no rows of joints beside them
+            made = pack_rows([], [], [], inverse_mass, -1)
         classify_rows(made)
         packed.systems = (made,)
-        for name in ("violation", "pivot"):
-            packed.column = add_channels("monitor", [(name, "1", (name,))], packed.channels, packed.column)
+        if made.monitor >= 0:
+            for name in ("violation", "pivot"):
+                packed.column = add_channels(
+                    "monitor", [(name, "1", (name,))], packed.channels, packed.column
+                )
+        if scene.contacts:
+            _add_contacts(scene, ordered, packed, markers, attachment, inverse_mass)
     return packed
+
+
+def _contact_markers(scene: Scene, book: MarkerBook) -> list[Any]:
+    """Markers of what touches contours."""
+    if not scene.contacts:
+        return []
+    from heavylift.solver.contact.packing import contact_markers
+
+    return contact_markers(scene, book)
+
+
+def _add_contacts(
+    scene: Scene,
+    ordered: Sequence[AnyBody],
+    packed: PackedConnections,
+    markers: list[Any],
+    attachment: Any,
+    inverse_mass: Any,
+) -> None:
+    """Their system beside that of the joints, and their channels."""
+    from heavylift.solver.contact.packing import pack_contacts
+    from heavylift.solver.contact.record import CONTACT_CHANNELS
+
+    columns = []
+    for contact in scene.contacts:
+        columns.append(packed.column)
+        packed.column = add_channels(contact.name, list(CONTACT_CHANNELS), packed.channels, packed.column)
+    contacts = pack_contacts(
+        scene,
+        ordered,
+        columns,
+        markers,
+        attachment,
+        first_dofs(ordered, packed.bases),
+        inverse_mass,
+        inverse_scales(ordered),
+        len(packed.block_names),
+    )
+    packed.systems += (contacts,)
+    packed.block_names += tuple(contact.name for contact in scene.contacts)
 
 
 def _pack_laws(

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from heavylift.modal.reduced import ReducedBody
     from heavylift.solver.connections import Joint, JointMotor, JointSpring, Rope, Spring, SpringRope
+    from heavylift.solver.contacts import Contact, Contour
     from heavylift.solver.meshes import MeshBody
 
 __all__ = [
@@ -231,3 +232,5 @@ class Scene:
     sensors: tuple[Sensor, ...] = ()
     joints: tuple[Joint, ...] = ()
     ropes: tuple[Rope | SpringRope, ...] = ()
+    contours: tuple[Contour, ...] = ()
+    contacts: tuple[Contact, ...] = ()

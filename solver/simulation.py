@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import compile_clock
 from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.solver.carried import CARRIED
 from heavylift.solver.energy_watch import EnergyWatch
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
 from heavylift.solver.integrate.loop import start_scene, write_record
@@ -42,17 +43,6 @@ DEFAULT_TOLERANCES = {"dele2": 1e-5, "accurate": 1e-7}
 
 AT_REST = ("equilibrium", "relax")
 """Starts in static equilibrium."""
-
-_CARRIED = (
-    "frame",
-    "modal",
-    "products",
-    "rows",
-    "state",
-    "body",
-    "nodal",
-    "strains",
-)  # fields of kinds that outlive a step
 
 FIRST_STEP = 1e-3
 """Of the output interval: the first step that is tried with a tolerance."""
@@ -161,6 +151,14 @@ class Simulation:
                 key="start",
                 expected="check, project, equilibrium or relax",
             )
+        self._touches = bool(scene.contacts)
+        if self._touches and start in AT_REST:
+            raise InputError(
+                f"{start!r} with contacts",
+                source="simulation",
+                key="start",
+                expected="'check' or 'project': contacts come to rest by themselves in time",
+            )
         self._start_mode = start
         self.start_text = ""
         module = importlib.import_module(INTEGRATORS[integrator])
@@ -207,9 +205,14 @@ class Simulation:
         layout = self._layout
         start_scene(layout.bodies, layout.work, 0.0)
         layout.work.control[NEXT_STEP] = FIRST_STEP * self.step if self.tolerance else self.step
-        if layout.block_names or self._start_mode in AT_REST:
+        jointed = bool(layout.systems) and len(layout.systems[0].attachments) > 0
+        if jointed or self._start_mode in AT_REST:
             self._fit_joints()
-        if layout.block_names and self.integrator == "dele2":
+        if self._touches:
+            from heavylift.solver.contact.check_start import start_contacts
+
+            start_contacts(layout, self.step)
+        elif layout.block_names and self.integrator == "dele2":
             self._probe()
 
     def _fit_joints(self) -> None:
@@ -230,7 +233,7 @@ class Simulation:
         with compile_clock() as compiling:
             self.start_text = ways[self._start_mode](rows).text
         self.start_seconds += clock.thread_time() - begin - compiling.seconds
-        if self._layout.block_names:
+        if len(self._layout.systems) and len(self._layout.systems[0].attachments) > 0:
             self.diagnosis = diagnose(rows)
             if self._stiff and not self.diagnosis.redundant:
                 self._straighten()
@@ -420,7 +423,7 @@ class Simulation:
         yield "control", layout.work.control
         for kind in (*layout.bodies, *layout.joints, *layout.systems):
             for field, array in zip(kind._fields, kind, strict=True):
-                if isinstance(array, np.ndarray) and field in _CARRIED:
+                if isinstance(array, np.ndarray) and field in CARRIED:
                     yield f"{type(kind).__name__}.{field}", array
 
 

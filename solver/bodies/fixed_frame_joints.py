@@ -48,9 +48,9 @@ def apply_inverse_of_fixed_frames(kind: FixedFrameBodies, at_midpoint: bool, sys
 
 @implement(gather_reactions, FixedFrameBodies)
 @kernel(internal=True)
-def gather_reactions_on_fixed_frames(kind: FixedFrameBodies, system: Rows) -> None:
+def gather_reactions_on_fixed_frames(kind: FixedFrameBodies, fresh: bool, system: Rows) -> None:
     """The recorded reaction of the frame balances them."""
-    gather_row_forces(kind, system)
+    gather_row_forces(kind, fresh, system)
 
 
 @implement(write_velocity, FixedFrameBodies)

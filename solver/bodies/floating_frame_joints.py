@@ -62,6 +62,7 @@ from heavylift.solver.bodies.floating_frame_panels import (
 )
 from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of, stage_rotation
 from heavylift.solver.bodies.floating_frame_stage import factor_frame
+from heavylift.solver.contact.generics import meet_again
 from heavylift.solver.integrate.row_solver import row_power
 from heavylift.solver.interface import (
     ERROR,
@@ -170,6 +171,7 @@ def correct_rows_of_floating_frames(
 ) -> None:
     """`correct` has changed the velocities of these bodies."""
     solve_again(systems, joints, work, time, step)
+    meet_again(systems, systems, joints, work, time, step)
 
 
 @implement(add_row_work, FloatingFrameBodies)
@@ -186,9 +188,9 @@ def add_row_work_of_floating_frames(
 
 @implement(gather_reactions, FloatingFrameBodies)
 @kernel(internal=True)
-def gather_reactions_on_floating_frames(kind: FloatingFrameBodies, system: Rows) -> None:
+def gather_reactions_on_floating_frames(kind: FloatingFrameBodies, fresh: bool, system: Rows) -> None:
     """On driven frames, whose recorded reaction balances them."""
-    gather_row_forces(kind, system)
+    gather_row_forces(kind, fresh, system)
 
 
 @implement(end_velocity, FloatingFrameBodies)

@@ -65,14 +65,15 @@ def scale_modal_panel(kind: FlexibleBodies, body: int, system: Rows, attachment:
 
 
 @kernel(internal=True)
-def gather_row_forces(kind: FlexibleBodies, system: Rows) -> None:
+def gather_row_forces(kind: FlexibleBodies, fresh: bool, system: Rows) -> None:
     """Generalised forces ``G^T reaction`` of the rows on held bodies at the carried state."""
     lanes = len(system.shape[1])
-    for body in range(kind.table.shape[0]):
-        for k in range(6):
-            kind.frame[body, JOINT_FORCE + k] = 0.0
-    for i in range(kind.modal.shape[1]):
-        kind.modal[JOINT_LOAD, i] = 0.0
+    if fresh:
+        for body in range(kind.table.shape[0]):
+            for k in range(6):
+                kind.frame[body, JOINT_FORCE + k] = 0.0
+        for i in range(kind.modal.shape[1]):
+            kind.modal[JOINT_LOAD, i] = 0.0
     for attachment in range(system.attachments.shape[0]):
         body = attached_body(kind, system, attachment)
         if body < 0 or kind.table[body, MOTION] == FREE:

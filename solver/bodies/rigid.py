@@ -24,7 +24,7 @@ from heavylift.solver.drive import pack_drive
 from heavylift.solver.markers import BodyMarkers, pack_markers
 from heavylift.solver.scene import Driven, Fixed, Free, RigidBody
 
-__all__ = ["RigidBodies", "pack_rigid_bodies"]
+__all__ = ["RigidBodies", "pack_rigid_bodies", "principal_frame"]
 
 # columns of `table`
 DOF, MOTION, DRIVE, COLUMN, NUMBER = range(5)
@@ -140,6 +140,12 @@ def pack_rigid_bodies(
     marker_index = pack_markers(turned, to_principal, constants)
     sensor_index = pack_markers(sensors, to_principal, constants)
     return RigidBodies(index, np.concatenate([np.zeros(0), *constants]), frame, marker_index, sensor_index)
+
+
+def principal_frame(body: RigidBody) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Centre of mass [m] and principal axes, as columns, of a body in its own frame, as the kind has them."""
+    axes = rotation_matrix(quaternion_from_matrix(_principal_axes(body)[1]))
+    return np.asarray(body.centre_of_mass, dtype=np.float64), axes
 
 
 def _principal_axes(body: RigidBody) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -35,12 +35,13 @@ def add_row_work_of_rigid_bodies(kind: RigidBodies, weight: float, work: Workspa
 
 @implement(gather_reactions, RigidBodies)
 @kernel(internal=True)
-def gather_reactions_on_rigid_bodies(kind: RigidBodies, system: Rows) -> None:
+def gather_reactions_on_rigid_bodies(kind: RigidBodies, fresh: bool, system: Rows) -> None:
     """Forces ``G^T reaction`` on held bodies at the carried state."""
     lanes = len(system.shape[1])
-    for body in range(kind.table.shape[0]):
-        for k in range(6):
-            kind.frame[body, JOINT_FORCE + k] = 0.0
+    if fresh:
+        for body in range(kind.table.shape[0]):
+            for k in range(6):
+                kind.frame[body, JOINT_FORCE + k] = 0.0
     for i in range(system.attachments.shape[0]):
         body = _attached(kind, system, i)
         if body < 0:

@@ -5,6 +5,8 @@ midpoint of the step: everything stiff enters one symmetric solve, momenta are c
 derivative of anything is needed. What a body does in each call is in its own files, what joints add in
 `row_stage`.
 
+Contacts may find an impact within the step: then it is taken back and repeated up to that time.
+
 With a tolerance the step follows the distance of the midpoint velocity from its extrapolation, which
 costs no solve: the local error of a second-order step is proportional to it.
 """
@@ -19,8 +21,9 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
+from heavylift.solver.contact.generics import after_step, before_advance, go_back, meet_contacts
 from heavylift.solver.integrate.loop import evaluate_forces, write_record
-from heavylift.solver.integrate.row_stage import project_end, solve_midpoint
+from heavylift.solver.integrate.row_stage import end_step, solve_midpoint
 from heavylift.solver.interface import (
     CHANGED,
     CORNER,
@@ -28,6 +31,7 @@ from heavylift.solver.interface import (
     FORCES,
     LAST_STEP,
     NEXT_STEP,
+    SPLIT,
     STATUS_BLOCK,
     STATUS_OUTCOME,
     STEP_COUNT,
@@ -127,6 +131,7 @@ def run(
     """
     control = work.control
     row = 0
+    split = 0.0
     for index in range(first, last):
         done = 0.0
         while done < step:
@@ -141,10 +146,14 @@ def run(
                 h = rest / max(1.0, math.ceil(rest / control[NEXT_STEP] - 1e-6))
             elif control[NEXT_STEP] < interval:  # after an iteration that did not converge
                 h = interval / math.ceil(interval / control[NEXT_STEP] - 1e-6)
+            nominal = h if tolerance > 0.0 else step
+            if split > 0.0:  # an impact ends the step before its time
+                h = split
             predict(bodies, time, h)
             evaluate_forces(bodies, forces, work, time + 0.5 * h, True, FORCES)
             factor(bodies, h, work)
-            solve_midpoint(systems, bodies, joints, work, time, h, h if tolerance > 0.0 else step)
+            solve_midpoint(systems, bodies, joints, work, time, h, nominal)
+            meet_contacts(systems, systems, bodies, joints, work, time, h, nominal)
             correct(bodies, h, work)
             correct_rows(bodies, systems, joints, work, time, h)
             complete(bodies, systems, True, h, work)
@@ -163,6 +172,7 @@ def run(
                 if error > ACCEPTED and h > SMALLEST_STEP * step:
                     control[NEXT_STEP] = h * factor_of_step
                     work.status[STATUS_OUTCOME] = work.status[STATUS_BLOCK] = 0
+                    split = 0.0
                     continue
                 control[NEXT_STEP] = h * factor_of_step
                 if error > ACCEPTED and work.status[STATUS_OUTCOME] == 0:
@@ -170,19 +180,27 @@ def run(
             elif work.status[STATUS_OUTCOME] == NOT_CONVERGED and h > SHORTEST_PART * step:
                 control[NEXT_STEP] = 0.5 * h  # nothing has been changed yet
                 work.status[STATUS_OUTCOME] = work.status[STATUS_BLOCK] = 0
+                split = 0.0
                 continue
             if work.status[STATUS_OUTCOME] != 0:
                 return index
+            before_advance(systems, bodies, work, h)
             advance(bodies, time, h, work)
-            project_end(systems, bodies, joints, work, time, h)
+            end_step(systems, bodies, joints, work, time, h)
+            if control[SPLIT] > 0.0 and work.status[STATUS_OUTCOME] == 0:
+                go_back(systems)
+                split, control[SPLIT] = control[SPLIT], 0.0
+                continue
             finish(bodies, h, work)
             if work.status[STATUS_OUTCOME] != 0:
                 return index
-            if tolerance == 0.0:
+            if tolerance == 0.0 and split == 0.0:
                 control[NEXT_STEP] = min(2.0 * h, step)
+            split = 0.0
             control[LAST_STEP] = h
             control[STEP_COUNT] += 1.0
             done = step if h == interval else done + h
+            after_step(systems, bodies, work, h, done == step)
         if (index + 1) % every == 0:
             write_record(bodies, forces, joints, systems, work, (index + 1) * step, records[row])
             row += 1

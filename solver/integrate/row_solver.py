@@ -48,6 +48,7 @@ __all__ = [
     "add_impulses",
     "assemble",
     "factor_rows",
+    "respond_rows",
     "row_power",
     "smallest_pivot",
     "solve_rows",
@@ -176,22 +177,11 @@ def subtract_rates(system: Rows, velocity: NDArray[np.float64]) -> None:
 
 
 @kernel(inline=True, internal=True)
-def solve_rows(system: Rows, velocity: NDArray[np.float64]) -> None:
-    """Impulses that bring the rows to their targets: added to those there are, and to the velocities.
-
-    ``S dP = target - Z P - G U``: the same call starts, corrects by another factor, and refines.
-    """
-    shape = system.shape
+def _substitute(system: Rows) -> None:
+    """``SOLUTION := S^-1 SOLUTION``, forwards and backwards."""
+    shape, rows = system.shape, system.rows
     lanes = len(shape[1])
     width = ROW_COLUMNS * lanes
-    rows = system.rows
-    for node in range(system.columns.shape[0]):
-        out = node * width + SOLUTION * lanes
-        target = node * width + TARGET * lanes
-        softness, impulse = node * width + SOFTNESS * lanes, node * width + IMPULSE * lanes
-        for r in range(lanes):
-            rows[out + r] = rows[target + r] - rows[softness + r] * rows[impulse + r]
-    subtract_rates(system, velocity)
     for j in range(system.columns.shape[0]):
         z = system.columns[j, NODE] * width + SOLUTION * lanes
         first, count = system.columns[j, LOWER], system.columns[j, LOWER_COUNT]
@@ -212,10 +202,14 @@ def solve_rows(system: Rows, velocity: NDArray[np.float64]) -> None:
                 shape, rows, z, system.blocks, system.lower[l, 1], system.blocks, pivot, rows, other
             )
         backward_pivot(shape, rows, z, system.blocks, pivot)
-    for node in range(system.attachments.shape[0] // 2):
-        z, impulse = node * width + SOLUTION * lanes, node * width + IMPULSE * lanes
-        for r in range(lanes):
-            rows[impulse + r] += rows[z + r]
+
+
+@kernel(inline=True, internal=True)
+def _spread(system: Rows, velocity: NDArray[np.float64]) -> None:
+    """``U += A^-1 G^T SOLUTION``; of hubs the solution has the velocities themselves."""
+    shape, rows = system.shape, system.rows
+    lanes = len(shape[1])
+    width = ROW_COLUMNS * lanes
     half = system.panels.shape[0] // 2
     for i in range(system.attachments.shape[0]):
         holder = system.attachments[i, HOLDER]
@@ -238,6 +232,42 @@ def solve_rows(system: Rows, velocity: NDArray[np.float64]) -> None:
             z = node * width + SOLUTION * lanes
             for k in range(6):
                 velocity[first + k] += rows[z + k]
+
+
+@kernel(inline=True, internal=True)
+def solve_rows(system: Rows, velocity: NDArray[np.float64]) -> None:
+    """Impulses that bring the rows to their targets: added to those there are, and to the velocities.
+
+    ``S dP = target - Z P - G U``: the same call starts, corrects by another factor, and refines.
+    """
+    lanes = len(system.shape[1])
+    width = ROW_COLUMNS * lanes
+    rows = system.rows
+    for node in range(system.columns.shape[0]):
+        out = node * width + SOLUTION * lanes
+        target = node * width + TARGET * lanes
+        softness, impulse = node * width + SOFTNESS * lanes, node * width + IMPULSE * lanes
+        for r in range(lanes):
+            rows[out + r] = rows[target + r] - rows[softness + r] * rows[impulse + r]
+    subtract_rates(system, velocity)
+    _substitute(system)
+    for node in range(system.attachments.shape[0] // 2):
+        z, impulse = node * width + SOLUTION * lanes, node * width + IMPULSE * lanes
+        for r in range(lanes):
+            rows[impulse + r] += rows[z + r]
+    _spread(system, velocity)
+
+
+@kernel(internal=True)
+def respond_rows(system: Rows, velocity: NDArray[np.float64]) -> None:
+    """``U -= X S^-1 G U``: what the rows leave of a velocity that something else has caused; impulses stay."""
+    width = ROW_COLUMNS * len(system.shape[1])
+    for node in range(system.columns.shape[0]):
+        for r in range(len(system.shape[1])):
+            system.rows[node * width + SOLUTION * len(system.shape[1]) + r] = 0.0
+    subtract_rates(system, velocity)
+    _substitute(system)
+    _spread(system, velocity)
 
 
 @kernel(internal=True)

@@ -14,10 +14,18 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
+from heavylift.solver.contact.generics import (
+    follow,
+    follow_end,
+    locate_ends,
+    project_contacts,
+    respond,
+)
 from heavylift.solver.integrate.row_solver import (
     add_impulses,
     assemble,
     factor_rows,
+    respond_rows,
     smallest_pivot,
     solve_rows,
 )
@@ -25,6 +33,7 @@ from heavylift.solver.interface import (
     CHANGED,
     FORCES,
     LAST_STEP,
+    SPLIT,
     STATUS_BLOCK,
     STATUS_OUTCOME,
     Workspace,
@@ -43,7 +52,7 @@ from heavylift.solver.interface import (
     solve_again,
     update_rows,
 )
-from heavylift.solver.kinds import generic, implement, optional
+from heavylift.solver.kinds import implement, optional
 from heavylift.solver.rows import (
     COMPLIANCE,
     HALF_IMPULSE,
@@ -64,13 +73,13 @@ from heavylift.solver.rows import (
     RowSystem,
 )
 
-__all__ = ["gather_rows", "project_end", "record_rows", "solve_midpoint"]
+__all__ = ["end_step", "gather_rows", "record_rows", "solve_midpoint"]
 
 LAW_ITERATIONS = 200
 NOT_CONVERGED, NOT_CLOSED = int(Outcome.NOT_CONVERGED), int(Outcome.NOT_CLOSED)
 
 
-@generic
+@optional
 def solve_midpoint(
     systems: Any, bodies: Any, joints: Any, work: Workspace, time: float, step: float, nominal: float
 ) -> None:
@@ -196,28 +205,57 @@ def _aim_compliant(system: Rows, at: int, step: float, nominal: float) -> None:
             )
 
 
-@generic
-def project_end(systems: Any, bodies: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
-    """Rows: project the end velocities onto the rigid rows at the end of the step; reactions of the step."""
-
-
-@implement(project_end, RowSystem)
-@implement(project_end, LawRowSystem)
 @kernel(internal=True)
-def project_end_rows(
-    system: Rows, bodies: Any, joints: Any, work: Workspace, time: float, step: float
-) -> None:
-    """One factorisation more, of the rigid rows with the mass alone."""
+def end_step(systems: Any, bodies: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+    """End of the step: velocities projected onto the rigid rows there, impacts, reactions of the step.
+
+    With `work.control[SPLIT]` set an impact lies within the step, and all of it has to be taken back.
+    """
+    end_rows(systems, bodies, joints, work, time, step)
+    locate_ends(systems, bodies, work, time, step)
+    if work.control[SPLIT] > 0.0:
+        return
+    solve_end(systems, bodies, joints, work, time, step)
+    project_contacts(systems, bodies, systems, joints, work, time, step)
+    close_step(systems, systems, bodies, work, step)
+
+
+@optional
+def end_rows(systems: Any, bodies: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+    """Rows: what they carry over the step; end velocities, markers there."""
+
+
+@implement(end_rows, RowSystem)
+@implement(end_rows, LawRowSystem)
+@kernel(internal=True)
+def end_row_system(system: Rows, bodies: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+    """Impulses of the midpoint are halves of those of the step."""
     lanes = len(system.shape[1])
     update_rows(joints, time, step, work, system)
-    add_row_work(bodies, 2.0, work, system)  # a row holds half impulses
+    add_row_work(bodies, 2.0, work, system)
     end_velocity(bodies, step, work)
     fill_markers(bodies, False, FORCES, work)  # damped springs are rows on markers with rates
-    fill_rows(joints, True, work, system)
     for node in range(system.attachments.shape[0] // 2):
         at = node * ROW_COLUMNS * lanes
         for r in range(lanes):
             system.rows[at + HALF_IMPULSE * lanes + r] = system.rows[at + IMPULSE * lanes + r]
+
+
+@optional
+def solve_end(systems: Any, bodies: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+    """Rows: project the velocities onto the rigid rows at the end of the step."""
+
+
+@implement(solve_end, RowSystem)
+@implement(solve_end, LawRowSystem)
+@kernel(internal=True)
+def solve_end_rows(system: Rows, bodies: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+    """One factorisation more, of the rigid rows with the mass alone."""
+    lanes = len(system.shape[1])
+    fill_rows(joints, True, work, system)
+    for node in range(system.attachments.shape[0] // 2):
+        at = node * ROW_COLUMNS * lanes
+        for r in range(lanes):
             system.rows[at + IMPULSE * lanes + r] = 0.0
             system.rows[at + TARGET * lanes + r] = 0.0
             system.rows[at + SOFTNESS * lanes + r] = system.rows[at + HOLD * lanes + r]
@@ -226,8 +264,21 @@ def project_end_rows(
     assemble(system)
     factor_rows(system)
     solve_rows(system, work.velocity)
+
+
+@optional
+def close_step(systems: Any, all_systems: Any, bodies: Any, work: Workspace, step: float) -> None:
+    """Rows: the projected velocities to the bodies; reactions."""
+
+
+@implement(close_step, RowSystem)
+@implement(close_step, LawRowSystem)
+@kernel(internal=True)
+def close_row_step(system: Rows, all_systems: Any, bodies: Any, work: Workspace, step: float) -> None:
+    """Forces of the step from all its impulses."""
+    lanes = len(system.shape[1])
     add_row_work(bodies, 1.0, work, system)
-    complete(bodies, (system,), False, step, work)
+    complete(bodies, all_systems, False, step, work)
     set_velocity(bodies, step, work)
     _check_closed(system, work)
     ahead = step / (step + work.control[LAST_STEP])
@@ -242,6 +293,43 @@ def project_end_rows(
             before = system.rows[at + LAST_REACTION * lanes + r]
             system.rows[at + REACTION * lanes + r] = middle + ahead * (middle - before)
             system.rows[at + LAST_REACTION * lanes + r] = middle
+
+
+@implement(respond, RowSystem)
+@implement(respond, LawRowSystem)
+@kernel(internal=True)
+def respond_row_system(system: Rows, velocity: NDArray[np.float64]) -> None:
+    """By the factor that is there."""
+    respond_rows(system, velocity)
+
+
+@implement(follow, RowSystem)
+@kernel(internal=True)
+def follow_rows(system: RowSystem, joints: Any, work: Workspace, time: float, step: float) -> None:
+    """One solve more; it is incremental."""
+    solve_rows(system, work.velocity)
+
+
+@implement(follow, LawRowSystem)
+@kernel(internal=True)
+def follow_laws(system: LawRowSystem, joints: Any, work: Workspace, time: float, step: float) -> None:
+    """The same, and laws fitted again if contacts have moved them."""
+    solve_rows(system, work.velocity)
+    work.control[CHANGED] = 0.0
+    relinearise(joints, time, step, work, system)
+    if work.control[CHANGED] > 0.0:
+        assemble(system)
+        factor_rows(system)
+        fit_laws(system, joints, work, time, step)
+        work.control[CHANGED] = 1.0
+
+
+@implement(follow_end, RowSystem)
+@implement(follow_end, LawRowSystem)
+@kernel(internal=True)
+def follow_row_end(system: Rows, work: Workspace) -> None:
+    """One solve more with the factor of the projection."""
+    solve_rows(system, work.velocity)
 
 
 @kernel(internal=True)
@@ -270,10 +358,10 @@ def gather_row_system(system: Rows, bodies: Any, joints: Any, work: Workspace, t
     """With their forces on bodies that are held."""
     fill_rows(joints, True, work, system)
     set_targets(joints, time, 1.0, False, work, system)  # drives are violated by their value at this time
-    gather_reactions(bodies, system)
+    gather_reactions(bodies, True, system)
 
 
-@generic
+@optional
 def record_rows(systems: Any, joints: Any, work: Workspace, time: float, row: NDArray[np.float64]) -> None:
     """Rows: joints into their columns, monitors into the last of them."""
 
@@ -293,5 +381,6 @@ def record_row_system(
         for r in range(lanes):
             if system.rows[at + RIGID * lanes + r] > 0.0:
                 violation = max(violation, abs(system.rows[at + RESIDUAL * lanes + r]))
-    row[system.monitor] = violation
-    row[system.monitor + 1] = smallest_pivot(system)
+    if system.monitor >= 0:
+        row[system.monitor] = violation
+        row[system.monitor + 1] = smallest_pivot(system)

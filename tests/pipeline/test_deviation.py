@@ -1,4 +1,4 @@
-"""The deviation from a reference history is the largest distance, over the components that the file has."""
+"""The deviation from a reference history: largest distance, or mean square, over the components that the file has."""
 
 from __future__ import annotations
 
@@ -43,12 +43,12 @@ def results_of(channels):
     return Results(Path("results.h5"), TIMES[: len(next(iter(columns.values())))], infos, columns, {})
 
 
-def evaluate(folder, results, *overrides, channel="hook.position"):
+def evaluate(folder, results, *overrides, channel="hook.position", quantity="deviation.hook"):
     reference = f'reference=[{{name="hook", channel="{channel}", file="history.csv"}}]'
     case = load_case(folder, [reference, *overrides])
     quantities = Quantities(case, folder / "out")
     quantities.__dict__["results"] = results
-    return case, quantities.number("deviation.hook")
+    return case, quantities.number(quantity)
 
 
 def test_a_history_shifted_in_space_is_off_by_the_shift(folder):
@@ -83,6 +83,18 @@ def test_the_instant_of_the_largest_deviation(folder):
     times, distances = deviation_history(case, case.reference[0], results_of({"hook.position": bump}))
     assert times[np.argmax(distances)] == pytest.approx(0.4)
     assert len(times) == 11
+
+
+def test_root_mean_square_over_the_times_of_the_file(folder):
+    bump = CIRCLE.copy()
+    bump[40, 1] += 1e-2
+    bump[60, 2] -= 2e-2
+    write(folder, {"x": CIRCLE[:, 0], "y": CIRCLE[:, 1], "z": CIRCLE[:, 2]})  # 11 of 101 times
+    case, value = evaluate(folder, results_of({"hook.position": bump}), quantity="deviation.hook.rms")
+    assert value == pytest.approx(np.sqrt((1e-4 + 4e-4) / 11), rel=1e-12)
+    assert case.quantity("deviation.hook.rms").kind.unit == "m"
+    with pytest.raises(InputError, match=r"deviation\.NAME or deviation\.NAME\.rms"):
+        case.quantity("deviation.hook.mean")
 
 
 def test_a_run_that_ended_early_has_no_deviation(folder):

@@ -19,6 +19,7 @@ FILES = [
     *sorted((FOLDER.parents[1] / "cases").glob("*/case.toml")),
     FOLDER / "small_beam.toml",
     FOLDER / "linkage.toml",
+    FOLDER / "contacts.toml",
 ]
 
 
@@ -144,3 +145,45 @@ def test_joints_and_series_are_valid(changes):
 )
 def test_wrong_joints_and_series_are_invalid(changes):
     assert not validator().is_valid(document(LINKAGE, **changes))
+
+
+CONTACTS = FOLDER / "contacts.toml"
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"contours__floor__degree": 5},
+        {"contours__floor__degree": [3, 7]},
+        {"contours__floor__closed": False},
+        {"contours__floor__closed": [True, False]},
+        {"contacts__3__stiffness": "1 N/mm^1.5"},
+        {"contacts__3__exponent": 2},
+        {"contacts__0__shape": {"type": "box", "size": [1, 1, 1], "rounding": "1 mm"}},
+    ],
+    ids=str,
+)
+def test_contacts_are_valid(changes):
+    assert [error.message for error in validator().iter_errors(document(CONTACTS, **changes))] == []
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"contours__floor__degree": 2},
+        {"contours__skid__degree": 2},
+        {"contours__floor__degree": [3, 2]},
+        {"contours__floor__type": "plane"},
+        {"contours__cable__radius": 0},
+        {"contours__rail__radius": 1},
+        {"contacts__0__law": "rgid"},
+        {"contacts__0__restitution": 2},
+        {"contacts__0__damping": 1},
+        {"contacts__0__friction": -0.1},
+        {"contacts__0__shape__axis": [1, 0, 0]},
+        {"contacts__0__between": ["ball"]},
+    ],
+    ids=str,
+)
+def test_bad_contacts_are_invalid(changes):
+    assert not validator().is_valid(document(CONTACTS, **changes))

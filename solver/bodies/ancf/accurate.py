@@ -132,7 +132,7 @@ def free_mesh_acceleration(kind: Meshes, values: NDArray[np.float64], at: int, w
         if kind.body[body, VISCOUS] > 0.0 or kind.body[body, STIFFNESS_DAMPING] > 0.0:
             _add_damping(kind, body, work)
         solve_forward(kind, body, MASS_SET)
-        write_free_bases(kind, body, 0.0, work)
+        write_free_bases(kind, body, V, 0.0, work)
 
 
 @kernel(internal=True, reassociate=True)

@@ -38,6 +38,7 @@ from heavylift.solver.bodies.ancf.kind import (
     ShellMeshes,
     V,
 )
+from heavylift.solver.bodies.ancf.moving import release_points
 from heavylift.solver.bodies.ancf.step import is_iterated
 from heavylift.solver.bodies.ancf.substitution import copy_strains, node_span
 from heavylift.solver.interface import Workspace, advance
@@ -129,6 +130,7 @@ def advance_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> N
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         iterated, scheme = is_iterated(kind, body), kind.table[body, SCHEME]
+        release_points(kind.moving, kind, body)
         add_mesh_work(kind, body, step, iterated)
         if not iterated and scheme != EXPLICIT:
             # not those of the drift: joints to bodies that iterate have changed the velocities since

@@ -42,7 +42,6 @@ from heavylift.solver.bodies.ancf.kind import (
     CHANGE_OF_V,
     CHANGE_TIME,
     CHANGED_OVER,
-    DOF,
     DRIFT,
     DRIFT_ELEMENT,
     DRIFT_TOLERANCE,
@@ -54,6 +53,7 @@ from heavylift.solver.bodies.ancf.kind import (
     LOAD,
     MID_Q,
     MID_V,
+    MOVING,
     OLD_STRAIN,
     RIGHT,
     SCHEME,
@@ -72,9 +72,10 @@ from heavylift.solver.bodies.ancf.kind import (
     ShellMeshes,
     V,
 )
-from heavylift.solver.bodies.ancf.stage import base_value
-from heavylift.solver.bodies.ancf.step import add_gravity, is_iterated
+from heavylift.solver.bodies.ancf.moving import add_point_impulses, forget_vectors
+from heavylift.solver.bodies.ancf.step import add_gravity, is_iterated, write_free_bases
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
+from heavylift.solver.contact.generics import meet_again
 from heavylift.solver.interface import (
     CHANGED,
     Workspace,
@@ -115,7 +116,7 @@ def _average_strains(kind: Meshes, body: int, step: float) -> None:
 
 @kernel(internal=True)
 def _add_base_impulses(kind: Meshes, body: int, row: int) -> None:
-    """``nodal[RIGHT] += J^T P``, with minus the impulses in the places of the bases of a row."""
+    """``nodal[RIGHT] += J^T P``, with minus the impulses in the places of bases and moving points of a row."""
     vectors = len(kind.shape[0]) // 3
     nodes = 2 if vectors == 2 else 4
     first = kind.table[body, FIRST_BASE]
@@ -127,6 +128,7 @@ def _add_base_impulses(kind: Meshes, body: int, row: int) -> None:
                 at, value = kind.elements[element, i] + 3 * a, kind.constants[shape + i * vectors + a]
                 for k in range(3):
                     kind.nodal[RIGHT, at + k] -= value * kind.nodal[row, place + k]
+    add_point_impulses(kind.moving, kind, body, row)
 
 
 @kernel(internal=True)
@@ -162,6 +164,7 @@ def _refactor(kind: Meshes, body: int, step: float) -> None:
     add_stiffness((kind,), body, MID_Q, OLD_STRAIN, RIGHT, 0.0, stiff, half * half / stiff)
     clear_fixed(kind, body, STEP_SET)
     factor_set(kind, body, STEP_SET)
+    forget_vectors(kind.moving, kind, body)
 
 
 @kernel(internal=True)
@@ -201,23 +204,21 @@ def iterate_meshes(kind: Meshes, bodies, systems, joints, work: Workspace, time:
         if slow:
             _refactor(kind, body, step)
         # rows of joints were made at the predicted midpoint, which in soft bodies is far from the true one
-        jointed = kind.table[body, BASES] > 0 and (slow or kind.body[body, ITERATIONS] == 1.0)
+        count = kind.table[body, BASES] + kind.table[body, MOVING]
+        jointed = count > 0 and (slow or kind.body[body, ITERATIONS] == 1.0)
         if jointed:
             refactor_rows(systems, bodies, joints, work)
             take_impulses(kind, systems, TRIAL)
         if slow or jointed:
             _write_residual(kind, body, step, work)
         solve_forward(kind, body, STEP_SET)
-        first_base, dof = kind.table[body, FIRST_BASE], kind.table[body, DOF]
-        for i in range(kind.table[body, BASES]):
-            place = kind.bases[first_base + i, BASE_PLACE]
-            y = base_value(kind, first_base + i, MID_V)
-            for k in range(3):
-                work.velocity[dof + 3 * i + k] = y[k] - kind.nodal[RIGHT, place + k]
+        write_free_bases(kind, body, MID_V, 1.0, work)
         solve_again(systems, joints, work, time, step)
+        meet_again(systems, systems, joints, work, time, step)
         take_impulses(kind, systems, RIGHT)
-        for i in range(kind.table[body, BASES]):
-            place = kind.bases[first_base + i, BASE_PLACE]
+        first_base = kind.table[body, FIRST_BASE]
+        for base in range(first_base, first_base + count):
+            place = kind.bases[base, BASE_PLACE]
             for k in range(3):
                 kind.nodal[RIGHT, place + k] -= kind.nodal[TRIAL, place + k]
         scatter_back(kind, body, STEP_SET)

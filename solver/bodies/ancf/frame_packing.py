@@ -48,6 +48,7 @@ __all__ = [
     "body_constants",
     "check_frame",
     "element_data",
+    "element_lengths",
     "load_shape",
     "locate",
     "result_channels",
@@ -104,6 +105,11 @@ def element_data(body: FrameBody) -> list[NDArray[np.float64]]:
             known[key] = _data(element, body.sections[number], strain, body.model == "exact")
         found.append(known[key])
     return found
+
+
+def element_lengths(body: FrameBody) -> NDArray[np.float64]:
+    """Lengths of the axes of all elements, unloaded [m], shape (e,)."""
+    return np.array([element.length for element in _references(body)])
 
 
 def load_shape(body: FrameBody, element: int) -> NDArray[np.float64]:

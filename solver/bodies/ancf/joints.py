@@ -16,6 +16,7 @@ from heavylift.solver.bodies.ancf.kind import (
     FORWARD,
     MASS_SET,
     MID_V,
+    MOVING,
     RIGHT,
     SCHEME,
     STEP_SET,
@@ -24,6 +25,7 @@ from heavylift.solver.bodies.ancf.kind import (
     ShellMeshes,
     V,
 )
+from heavylift.solver.bodies.ancf.moving import add_point_compliance
 from heavylift.solver.bodies.ancf.stage import write_bases
 from heavylift.solver.bodies.ancf.step import is_iterated
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back
@@ -53,7 +55,7 @@ from heavylift.solver.rows import (
     RowSystem,
 )
 
-__all__ = ["take_impulses"]
+__all__ = ["collect_impulses", "take_impulses"]
 
 
 @kernel(internal=True)
@@ -63,7 +65,7 @@ def attached_mesh(kind: Meshes, system: Rows, attachment: int) -> int:
         return -1
     dof = system.attachments[attachment, FIRST_VELOCITY]
     for body in range(kind.table.shape[0]):
-        if kind.table[body, DOF] == dof and kind.table[body, BASES] > 0:
+        if kind.table[body, DOF] == dof and kind.table[body, BASES] + kind.table[body, MOVING] > 0:
             return body
     return -1
 
@@ -83,7 +85,9 @@ def apply_inverse_of_meshes(kind: Meshes, at_midpoint: bool, system: Rows) -> No
         for r in range(width * lanes):
             G[half + panel + r] = 0.0
         stepped = at_midpoint and kind.table[body, SCHEME] != EXPLICIT
-        _add_compliance(kind, body, STEP_SET if stepped else MASS_SET, system, panel, width)
+        which = STEP_SET if stepped else MASS_SET
+        _add_compliance(kind, body, which, system, panel, 3 * kind.table[body, BASES])
+        add_point_compliance(kind.moving, kind, body, which, system, i)
 
 
 @kernel(internal=True)
@@ -113,8 +117,8 @@ def _add_compliance(kind: Meshes, body: int, which: int, system: Rows, panel: in
 @implement(add_row_impulses, RowSystem)
 @implement(add_row_impulses, LawRowSystem)
 @kernel(internal=True)
-def add_impulses_to_bases(system: Rows, body_kind: Meshes, row: int) -> None:
-    """Of all attachments on bodies of the kind."""
+def collect_impulses(system: Rows, body_kind: Meshes, row: int) -> None:
+    """Of all attachments on bodies of the kind; for any system of rows with the same arrays."""
     lanes = len(system.shape[1])
     for i in range(system.attachments.shape[0]):
         body = attached_mesh(body_kind, system, i)
@@ -122,7 +126,7 @@ def add_impulses_to_bases(system: Rows, body_kind: Meshes, row: int) -> None:
             continue
         panel, first = system.attachments[i, PANEL], body_kind.table[body, FIRST_BASE]
         impulse = (system.attachments[i, OWNER] * ROW_COLUMNS + IMPULSE) * lanes
-        for base in range(body_kind.table[body, BASES]):
+        for base in range(body_kind.table[body, BASES] + body_kind.table[body, MOVING]):
             place = body_kind.bases[first + base, BASE_PLACE]
             for k in range(3):
                 total = 0.0
@@ -133,7 +137,7 @@ def add_impulses_to_bases(system: Rows, body_kind: Meshes, row: int) -> None:
 
 @kernel(internal=True)
 def take_impulses(kind: Meshes, systems, row: int) -> None:  # type: ignore[no-untyped-def]
-    """Minus the impulses of all rows in the places of the bases, as `scatter_back` takes them."""
+    """Minus the impulses of all rows in the places of bases and moving points, as `scatter_back` takes them."""
     for base in range(kind.bases.shape[0]):
         place = kind.bases[base, BASE_PLACE]
         for k in range(3):
@@ -145,7 +149,7 @@ def take_impulses(kind: Meshes, systems, row: int) -> None:  # type: ignore[no-u
 @implement(complete, ShellMeshes)
 @kernel(internal=True)
 def complete_meshes(kind: Meshes, systems, at_midpoint: bool, step: float, work: Workspace) -> None:  # type: ignore[no-untyped-def]
-    """Back substitution with the impulses on the bases; bodies that iterate have gone further already."""
+    """Back substitution with the impulses of the rows; bodies that iterate have gone further already."""
     take_impulses(kind, systems, RIGHT)
     right = kind.nodal[RIGHT]
     for body in range(kind.table.shape[0]):
@@ -158,7 +162,7 @@ def complete_meshes(kind: Meshes, systems, at_midpoint: bool, step: float, work:
             scatter_back(kind, body, MASS_SET if kind.table[body, SCHEME] == EXPLICIT else STEP_SET)
             for i in range(first, last):
                 kind.nodal[MID_V, i] = kind.nodal[V, i] + right[i]
-        elif kind.table[body, BASE_NODES] > 0:
+        elif kind.table[body, BASE_NODES] + kind.table[body, MOVING] > 0:
             for i in range(first, last):
                 right[i] = 0.0
             scatter_back(kind, body, MASS_SET)
@@ -180,7 +184,7 @@ def end_velocity_of_meshes(kind: Meshes, step: float, work: Workspace) -> None:
 @implement(write_velocity, ShellMeshes)
 @kernel(internal=True)
 def write_velocity_of_meshes(kind: Meshes, work: Workspace) -> None:
-    """Of the bases."""
+    """Of bases and moving points."""
     write_bases(kind, V, work.velocity)
 
 

@@ -11,7 +11,8 @@ curvatures are strains too). The step matrix ``M + h^2/4 (B^T C B + K_b)`` has b
 Joints, forces and ropes see a body through its *bases*: vectors at material points (position, slopes)
 that are linear in the coordinates, ``y = J q``. Bases are nodes of the factor too, never eliminated: the Schur
 complement ``-J A^-1 J^T`` that is left in their blocks is all that joints need to know of the body, and
-``y'`` are its velocities in the workspace of the scene.
+``y'`` are its velocities in the workspace of the scene. Contacts touch points that move over the mesh, whose velocities
+follow: `heavylift.solver.bodies.ancf.moving`.
 """
 
 from __future__ import annotations
@@ -51,8 +52,9 @@ __all__ = ["FrameMeshes", "Meshes", "ShellMeshes"]
     LAST_RESULT,  # record column of the drift, the last of the body
     WORK_PLACE,  # of the scratch of the factorisation in a set
     STATE_PLACE,  # of the kind in a state vector of the accurate integrator
-) = range(26)
-TABLE_COLUMNS = 26
+    MOVING,  # points that move over the mesh; their rows of `bases` follow those of the bases
+) = range(27)
+TABLE_COLUMNS = 27
 
 CARRIED, ENERGY_MOMENTUM, AUTO, EXPLICIT = range(4)
 """Values of `SCHEME`; `AUTO` becomes `ENERGY_MOMENTUM` in `body[CHANGED_OVER]`."""
@@ -114,7 +116,7 @@ SHELL_PAIRS = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (3, 0), (3, 1), (
 """Pairs of nodes of an element, in the order of their blocks."""
 
 # columns of `bases`: element, place of its shape values in `constants`, place of its three numbers in a row of `nodal`,
-# places of the blocks that couple it with the nodes of the element
+# places of the blocks that couple it with the nodes of the element; of a moving point its place alone, and element -1
 BASE_ELEMENT, BASE_SHAPE, BASE_PLACE, BASE_BLOCKS = range(4)
 
 # columns of `markers`: number in the workspace (or record column), body, base, type, place of its data, level
@@ -140,7 +142,7 @@ class FrameMeshes(NamedTuple):
         Block shape for `heavylift.numerics.lanes`: 6 rows, 8 lanes. A node takes 8 places in a row of `nodal`: ``r``,
         ``r'``, two of padding.
     table
-        By body, see the columns; shape (bodies, 26).
+        By body, see the columns; shape (bodies, 27).
     elements
         Shape (elements, 6 + 2 pairs).
     constants
@@ -148,7 +150,7 @@ class FrameMeshes(NamedTuple):
     body
         Numbers by body, shape (bodies, 40).
     nodal
-        Vectors over all nodes and base nodes, shape (12, places).
+        Vectors over all nodes and base nodes, and the moving points behind them; shape (12, places).
     strains
         Vectors over all strains, shape (4, strains).
     columns, lower, updates
@@ -163,6 +165,8 @@ class FrameMeshes(NamedTuple):
         Body, later and earlier base node within the body, place of their block; shape (n, 4).
     bases, markers, sensors, loads
         See the columns.
+    moving
+        The moving points of all bodies if there are any, else nothing: a scene without them compiles nothing of them.
     """
 
     shape: Any
@@ -182,6 +186,7 @@ class FrameMeshes(NamedTuple):
     markers: NDArray[np.int64]
     sensors: NDArray[np.int64]
     loads: NDArray[np.int64]
+    moving: Any = ()
 
 
 class ShellMeshes(NamedTuple):
@@ -204,6 +209,7 @@ class ShellMeshes(NamedTuple):
     markers: NDArray[np.int64]
     sensors: NDArray[np.int64]
     loads: NDArray[np.int64]
+    moving: Any = ()
 
 
 Meshes = FrameMeshes | ShellMeshes

@@ -49,6 +49,7 @@ from heavylift.solver.bodies.ancf.kind import (
     V,
 )
 from heavylift.solver.bodies.ancf.load_packing import LoadBook
+from heavylift.solver.bodies.ancf.moving_packing import pack_moving
 from heavylift.solver.bodies.ancf.pattern_tables import base_blocks, block_ranges, clears
 from heavylift.solver.bodies.ancf.types import MeshType, type_of
 from heavylift.solver.interface import RECORD
@@ -144,6 +145,7 @@ class _Builder:
         self.sensors: list[tuple[int, int, int, int, int, int]] = []
         self.free: list[NDArray[np.float64]] = []
         self.loads = LoadBook(self.store)
+        self.moving_count = 0
 
     def store(self, values: NDArray[np.float64]) -> int:
         """Append to the constants; returns the place."""
@@ -161,7 +163,14 @@ class _Builder:
         return [places[id(block)] for block in blocks]
 
     def add(
-        self, body: MeshBody, number: int, dof: int, column: int, bases: Bases, sensors: BodyMarkers
+        self,
+        body: MeshBody,
+        number: int,
+        dof: int,
+        column: int,
+        bases: Bases,
+        sensors: BodyMarkers,
+        moving: int = 0,
     ) -> None:
         """Append one body."""
         row, nodes, first_node = len(self.table), len(body.nodes), self.node_count
@@ -184,6 +193,9 @@ class _Builder:
             self.bases.append((first_element + base.element, self.store(base.shape), place))
             own = global_nodes[base.element]
             self.edges.append(np.column_stack([np.full(len(own), node), own]))
+        for moved in range(self.moving_count, self.moving_count + moving):
+            self.bases.append((-1, 0, 3 * moved))  # behind all nodes, whose number is not known yet
+        self.moving_count += moving
         self.last.append(list(range(first_base_node, first_base_node + base_nodes)))
         for entry in bases.entries:
             self.markers.append(
@@ -225,13 +237,13 @@ class _Builder:
                 first_base, len(bases.bases), first_load, len(self.loads.rows) - first_load,
                 self.strain_count, int(strains.sum()), SCHEMES[body.elasticity], 0, 0,
                 self.store(self.type.body_constants(body)), 0, 0, self.store(np.full(1, -1.0)),
-                column + record_width(body) - 1, 0, 0,
+                column + record_width(body) - 1, 0, 0, moving,
             ]
         )  # fmt: skip
         self.node_count += nodes + base_nodes
         self.strain_count += int(strains.sum())
 
-    def finish(self) -> Meshes:
+    def finish(self, bodies: Sequence[MeshBody]) -> Meshes:
         """Order the nodes and make the arrays."""
         table = np.array(self.table, dtype=np.int64).reshape(-1, TABLE_COLUMNS)
         edges = np.unique(np.sort(np.vstack(self.edges), axis=1), axis=0)
@@ -259,9 +271,11 @@ class _Builder:
         table[:, FIRST_BLOCK : LAST_BLOCK + 1] = block_ranges(
             pattern, groups, compliance_blocks, len(self.shape[0]) * self.lanes
         )
-        nodal = aligned((NODAL_ROWS, self.node_count * self.lanes))
+        moving_nodes = -(-3 * self.moving_count // self.lanes)
+        nodal = aligned((NODAL_ROWS, (self.node_count + moving_nodes) * self.lanes))
         for row, values in ((Q, self.start), (V, self.speed), (FREE, self.free)):
-            nodal[row].reshape(self.node_count, self.lanes)[:, : self.type.rows] = np.vstack(values)
+            at_nodes = nodal[row, : self.node_count * self.lanes].reshape(self.node_count, self.lanes)
+            at_nodes[:, : self.type.rows] = np.vstack(values)
         nodal[ACCELERATION] = 0.0
         kind = self.type.kind(
             shape=self.shape,
@@ -281,6 +295,9 @@ class _Builder:
             markers=_sorted(self.markers),
             sensors=np.array(self.sensors, dtype=np.int64).reshape(-1, 6),
             loads=self.loads.table(),
+            moving=pack_moving(bodies, table, pattern, self.lanes, self.per_node)
+            if self.moving_count
+            else (),
         )
         _weigh(kind)
         return kind
@@ -289,9 +306,11 @@ class _Builder:
         """Rows of `bases`, with the blocks that couple them with the nodes of their elements."""
         bases = np.zeros((len(self.bases), 7), dtype=np.int64)
         bases[:, :3] = np.array(self.bases, dtype=np.int64).reshape(-1, 3)
+        fixed = bases[:, 0] >= 0
+        bases[~fixed, 2] += self.node_count * self.lanes
         for i in range(self.type.nodes_per_element):
-            nodes = elements[bases[:, 0], i] // self.lanes
-            bases[:, 3 + i] = pattern.places(bases[:, 2] // self.lanes, nodes)[0]
+            nodes = elements[bases[fixed, 0], i] // self.lanes
+            bases[fixed, 3 + i] = pattern.places(bases[fixed, 2] // self.lanes, nodes)[0]
         return bases
 
 
@@ -333,6 +352,7 @@ def pack_meshes(
     first_column: int,
     markers: Sequence[BodyMarkers],
     sensors: Sequence[BodyMarkers],
+    moving: Sequence[int] = (),
 ) -> Meshes:
     """Make a kind of all frames or all shells of a scene.
 
@@ -348,17 +368,23 @@ def pack_meshes(
         First record column.
     markers, sensors
         On each.
+    moving
+        Number of moving points of each; none if empty.
 
     Raises
     ------
     InputError
-        If a marker, sensor or load does not fit its body.
+        If a marker, sensor or load does not fit its body, or a body with moving points is no line and no rectangle of
+        elements.
     """
     builder = _Builder(type_of(bodies[0]))
     column = first_column
-    for i, (body, dof, on_body, watched) in enumerate(zip(bodies, dofs, markers, sensors, strict=True)):
-        builder.add(body, first_number + i, dof, column, plan_bases(body, on_body), watched)
+    counts = moving or (0,) * len(bodies)
+    for i, (body, dof, on_body, watched, count) in enumerate(
+        zip(bodies, dofs, markers, sensors, counts, strict=True)
+    ):
+        builder.add(body, first_number + i, dof, column, plan_bases(body, on_body), watched, count)
         column += record_width(body)
-    kind = builder.finish()
+    kind = builder.finish(bodies)
     prepare_meshes(kind)
     return kind

@@ -136,14 +136,16 @@ class MeshMatrices:
     def _bases(self, kind: Meshes) -> tuple[Any, NDArray[np.int64]]:
         from scipy.sparse import csr_array
 
-        count = len(kind.bases)
-        dofs = np.zeros(count, dtype=np.int64)
+        dofs = np.zeros(len(kind.bases), dtype=np.int64)
         for line in kind.table:
             own = np.arange(line[BASES])
             dofs[line[FIRST_BASE] + own] = line[DOF] + 3 * own
-        places = self._vector_places(kind)[kind.bases[:, BASE_ELEMENT]]
+        fixed = kind.bases[:, BASE_ELEMENT] >= 0  # the others are points that contacts move
+        bases, dofs = kind.bases[fixed], dofs[fixed]
+        count = len(bases)
+        places = self._vector_places(kind)[bases[:, BASE_ELEMENT]]
         width = places.shape[1]
-        shape = kind.constants[kind.bases[:, BASE_SHAPE][:, None] + np.arange(width)]
+        shape = kind.constants[bases[:, BASE_SHAPE][:, None] + np.arange(width)]
         parts = []
         for k in range(3):
             row = np.repeat(3 * np.arange(count) + k, width)

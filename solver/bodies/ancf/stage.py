@@ -34,6 +34,7 @@ from heavylift.solver.bodies.ancf.kind import (
     ShellMeshes,
     V,
 )
+from heavylift.solver.bodies.ancf.moving import write_points
 from heavylift.solver.interface import POINT, POINT_VELOCITY, Workspace, fill_markers
 from heavylift.solver.kinds import implement
 
@@ -60,12 +61,13 @@ def base_value(kind: Meshes, base: int, row: int) -> Vector:
 
 @kernel(internal=True)
 def write_bases(kind: Meshes, row: int, to: NDArray[np.float64]) -> None:
-    """Values of all bases in a row of `nodal` into their places in a vector of velocities of the scene."""
+    """Values of all bases and moving points in a row of `nodal` into a vector of velocities of the scene."""
     for body in range(kind.table.shape[0]):
         dof, first = kind.table[body, DOF], kind.table[body, FIRST_BASE]
         for i in range(kind.table[body, BASES]):
             y = base_value(kind, first + i, row)
             to[dof + 3 * i], to[dof + 3 * i + 1], to[dof + 3 * i + 2] = y[0], y[1], y[2]
+        write_points(kind.moving, kind, body, row, to)
 
 
 @kernel(inline=True, internal=True)

@@ -71,6 +71,7 @@ from heavylift.solver.bodies.ancf.kind import (
     V,
 )
 from heavylift.solver.bodies.ancf.loads import gather_loads
+from heavylift.solver.bodies.ancf.moving import release_points, write_free_points
 from heavylift.solver.bodies.ancf.stability import (
     FIRST_ROUNDS,
     find_step_limit,
@@ -105,14 +106,15 @@ def is_iterated(kind: Meshes, body: int) -> bool:
 
 
 @kernel(internal=True)
-def write_free_bases(kind: Meshes, body: int, start: float, work: Workspace) -> None:
-    """What the bases do without joints, after `solve_forward`, into the workspace, plus `start` times velocities."""
+def write_free_bases(kind: Meshes, body: int, row: int, start: float, work: Workspace) -> None:
+    """What bases and points do without joints, after `solve_forward`, plus `start` times velocities of a row."""
     dof, first = kind.table[body, DOF], kind.table[body, FIRST_BASE]
     for i in range(kind.table[body, BASES]):
         place = kind.bases[first + i, BASE_PLACE]
-        y = base_value(kind, first + i, V)
+        y = base_value(kind, first + i, row)
         for k in range(3):
             work.velocity[dof + 3 * i + k] = start * y[k] - kind.nodal[RIGHT, place + k]
+    write_free_points(kind.moving, kind, body, row, start, work.velocity)
 
 
 @kernel(internal=True)
@@ -188,6 +190,7 @@ def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
     gather_loads(kind, MID_Q, work)
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
+        release_points(kind.moving, kind, body)
         right, load, ahead = kind.nodal[RIGHT], kind.nodal[LOAD], kind.nodal[TRIAL]
         for i in range(first, last):
             right[i] = half * load[i]
@@ -211,7 +214,7 @@ def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
         forward = kind.nodal[FORWARD]
         for i in range(first, last):
             forward[i] = right[i]
-        write_free_bases(kind, body, 1.0, work)
+        write_free_bases(kind, body, V, 1.0, work)
         kind.body[body, CHANGE] = -1.0
 
 

@@ -23,6 +23,7 @@ from heavylift.solver.bodies.ancf.kind import (
     STRAINS,
     Meshes,
 )
+from heavylift.solver.bodies.ancf.moving import add_point_forces, find_free_points
 
 __all__ = ["copy_strains", "node_span", "scatter_back", "solve_forward"]
 
@@ -81,7 +82,10 @@ def _backward_axes(kind: Meshes, body: int, base: int) -> None:
 
 @kernel(internal=True)
 def solve_forward(kind: Meshes, body: int, which: int) -> None:
-    """Forward substitution of row `RIGHT` with the factor of a set; the bases are left with ``-J A^-1 r``."""
+    """Forward substitution of row `RIGHT` with the factor of a set.
+
+    The places of bases and moving points are left with ``-J A^-1 r``.
+    """
     lanes = len(kind.shape[1])
     first, last = node_span(kind, body)
     right, free = kind.nodal[RIGHT], kind.nodal[FREE]
@@ -91,23 +95,25 @@ def solve_forward(kind: Meshes, body: int, which: int) -> None:
         right[i] = 0.0
     if which == MASS_SET and lanes == LANES:
         _forward_axes(kind, body, which * set_size(kind))
-        return
-    forward_blocks(
-        kind.shape,
-        kind.columns,
-        kind.lower,
-        kind.blocks,
-        which * set_size(kind),
-        kind.table[body, FIRST_COLUMN],
-        kind.table[body, LAST_COLUMN],
-        right,
-        0,
-    )
+    else:
+        forward_blocks(
+            kind.shape,
+            kind.columns,
+            kind.lower,
+            kind.blocks,
+            which * set_size(kind),
+            kind.table[body, FIRST_COLUMN],
+            kind.table[body, LAST_COLUMN],
+            right,
+            0,
+        )
+    find_free_points(kind.moving, kind, body, which)
 
 
 @kernel(internal=True)
 def scatter_back(kind: Meshes, body: int, which: int) -> None:
-    """Back substitution of row `RIGHT`, with minus the impulses in the places of the bases."""
+    """Back substitution of row `RIGHT`, with minus the impulses in the places of bases and moving points."""
+    add_point_forces(kind.moving, kind, body, which)
     if which == MASS_SET and len(kind.shape[1]) == LANES:
         _backward_axes(kind, body, which * set_size(kind))
         return

@@ -60,7 +60,7 @@ def thesis_velocity_meshes(kind: Meshes, time: float, step: float, work: Workspa
             add_strain_rates((kind,), body, Q, V, SHAPE_STRAIN, stiff)
         add_stress_forces((kind,), body, Q, SHAPE_STRAIN, RIGHT, -step)
         solve_forward(kind, body, MASS_SET)
-        write_free_bases(kind, body, 1.0, work)
+        write_free_bases(kind, body, V, 1.0, work)
 
 
 @implement(complete_thesis, FrameMeshes)

@@ -1,0 +1,288 @@
+"""Time of one contact search on a bicubic surface of 21 x 11 control points, warm and cold, one thread.
+
+    python benchmarks/contact_search.py
+
+Medians of CPU time over batches of random points up to a tenth of the surface's size away from it. A warm search starts
+where the point was before it moved; all end with parameters to 1e-12.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from heavylift.contours.convex import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    ELLIPSOID,
+    RING,
+    SHAPE_AXES,
+    SHAPE_CENTRE,
+    shape_row,
+)
+from heavylift.contours.evaluate import EVALUATION, SCRATCH, surface_point
+from heavylift.contours.samples import sample_grid, sample_points
+from heavylift.contours.search import closest_on_surface
+from heavylift.contours.search_circle import RING_ITERATIONS, RING_PHI, ring_on_surface, start_ring
+from heavylift.contours.search_circle_cold import RING_ANGLES, ring_cold
+from heavylift.contours.search_cold import closest_point_cold, closest_shape_cold
+from heavylift.contours.search_shape import closest_shape_on_surface
+from heavylift.contours.search_step import CONVERGED, ITERATIONS, RESULT_WIDTH, U, V, start_search
+from heavylift.contours.spaces import clamped_space
+from heavylift.numerics.jit import kernel
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+COUNT = 2000
+REPEATS = 21
+
+
+@kernel
+def evaluate(contour, knots, weights, net, starts, scratch, points, normals, out):
+    for i in range(starts.shape[0]):
+        surface_point(contour, knots, weights, net, starts[i, 0], starts[i, 1], scratch, out)
+        for k in range(3):
+            points[i, k] = out[k]
+            a, b = (k + 1) % 3, (k + 2) % 3
+            normals[i, k] = out[3 + a] * out[6 + b] - out[3 + b] * out[6 + a]
+
+
+@kernel
+def warm_points(contour, knots, weights, net, points, starts, scratch, result, found):
+    failed = 0
+    for i in range(points.shape[0]):
+        start_search(contour, starts[i, 0], starts[i, 1], result)
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        status = closest_on_surface(contour, knots, weights, net, x, y, z, -1, -1, scratch, result)
+        failed += status != CONVERGED
+        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[ITERATIONS]
+    return failed
+
+
+@kernel
+def cold_points(
+    contour, knots, weights, net, points, su, sv, samples, reach, distances, scratch, result, found
+):
+    failed = 0
+    for i in range(points.shape[0]):
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        status = closest_point_cold(
+            contour, knots, weights, net, x, y, z, su, sv, samples, reach, 0.0, distances, scratch, result
+        )
+        failed += status != CONVERGED
+        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[ITERATIONS]
+    return failed
+
+
+@kernel
+def warm_shapes(contour, knots, weights, net, kind, shape, points, starts, scratch, result, found):
+    failed = 0
+    for i in range(points.shape[0]):
+        for k in range(3):
+            shape[SHAPE_CENTRE + k] = points[i, k]
+        start_search(contour, starts[i, 0], starts[i, 1], result)
+        status = closest_shape_on_surface(contour, knots, weights, net, kind, shape, -1, -1, scratch, result)
+        failed += status != CONVERGED
+        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[ITERATIONS]
+    return failed
+
+
+@kernel
+def cold_shapes(
+    contour,
+    knots,
+    weights,
+    net,
+    kind,
+    shape,
+    points,
+    su,
+    sv,
+    samples,
+    reach,
+    distances,
+    scratch,
+    result,
+    found,
+):
+    failed = 0
+    for i in range(points.shape[0]):
+        for k in range(3):
+            shape[SHAPE_CENTRE + k] = points[i, k]
+        status = closest_shape_cold(
+            contour, knots, weights, net, kind, shape, su, sv, samples, reach, 0.0, distances, scratch, result
+        )
+        failed += status != CONVERGED
+        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[ITERATIONS]
+    return failed
+
+
+@kernel
+def warm_rings(contour, knots, weights, net, shape, points, starts, scratch, result, found):
+    failed = 0
+    for i in range(points.shape[0]):
+        for k in range(3):
+            shape[SHAPE_CENTRE + k] = points[i, k]
+        start_ring(contour, starts[i, 0], starts[i, 1], starts[i, 2], result)
+        status = ring_on_surface(contour, knots, weights, net, shape, -1, -1, scratch, result)
+        failed += status != CONVERGED
+        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[RING_ITERATIONS]
+        found[i, 3] = result[RING_PHI]
+    return failed
+
+
+@kernel
+def cold_rings(
+    contour,
+    knots,
+    weights,
+    net,
+    shape,
+    points,
+    su,
+    sv,
+    samples,
+    reach,
+    distances,
+    angles,
+    scratch,
+    result,
+    found,
+):
+    failed = 0
+    for i in range(points.shape[0]):
+        for k in range(3):
+            shape[SHAPE_CENTRE + k] = points[i, k]
+        status = ring_cold(
+            contour,
+            knots,
+            weights,
+            net,
+            shape,
+            su,
+            sv,
+            samples,
+            reach,
+            0.0,
+            distances,
+            angles,
+            scratch,
+            result,
+        )
+        failed += status != CONVERGED
+        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[RING_ITERATIONS]
+        found[i, 3] = result[RING_PHI]
+    return failed
+
+
+def median_time(work: Callable[[], object], count: int) -> float:
+    """Median CPU time of one of `count` items [us]; compiled before."""
+    work()
+    times = []
+    for _ in range(REPEATS):
+        before = time.thread_time()
+        work()
+        times.append(time.thread_time() - before)
+    return 1e6 * statistics.median(times) / count
+
+
+def line(name: str, microseconds: float, found: NDArray[np.float64] | None, failed: object) -> None:
+    evaluations = "" if found is None else f"{np.mean(found[:, 2]):8.2f}"
+    print(f"{name:44s} {microseconds:8.2f} us {evaluations:>8s} {failed or ''}")
+
+
+def main() -> None:
+    """Print a table: search, time, evaluations of the last Newton iteration, how many did not converge."""
+    generator = np.random.default_rng(1)
+    spaces = clamped_space(3, np.arange(1, 18) / 18), clamped_space(3, np.arange(1, 8) / 8)
+    su, sv = spaces
+    x, y = np.meshgrid(np.linspace(0.0, 1.0, su.count), np.linspace(0.0, 0.5, sv.count), indexing="ij")
+    net = np.stack([x, y, 0.05 * np.sin(9.0 * x) * np.cos(7.0 * y)], -1).reshape(-1, 3)
+    contour = np.array([3, su.count, 0, 0, 3, sv.count, 0, su.knots.size, 0, -1])
+    arrays = contour, np.concatenate([su.knots, sv.knots]), np.zeros(0), np.ascontiguousarray(net)
+    scratch, result = np.zeros(SCRATCH), np.zeros(RESULT_WIDTH)
+    feet = 0.05 + 0.9 * generator.random((COUNT, 2))
+    points, normals = np.zeros((COUNT, 3)), np.zeros((COUNT, 3))
+    out = np.zeros(EVALUATION)
+    print(f"{'':44s} {'time':>11s} {'evaluations':>8s} not converged")
+    line(
+        "evaluation",
+        median_time(lambda: evaluate(*arrays, feet, scratch, points, normals, out), COUNT),
+        None,
+        0,
+    )
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    points += generator.uniform(-0.02, 0.05, (COUNT, 1)) * normals
+    found = np.zeros((COUNT, 4))
+    for move in (1e-4, 1e-3, 1e-2):
+        starts = feet + move / np.sqrt(2.0) * generator.standard_normal((COUNT, 2))
+        args = (*arrays, points, starts, scratch, result, found)
+        failed = warm_points(*args)
+        line(
+            f"point, moved by {move:g}",
+            median_time(lambda args=args: warm_points(*args), COUNT),
+            found,
+            failed,
+        )
+
+    grid = sample_grid(spaces)
+    samples, across = np.zeros((3, grid.count)), np.zeros((4, su.count * grid.v.size))
+    values = (
+        contour,
+        arrays[2],
+        arrays[3],
+        grid.first_u,
+        grid.first_v,
+        grid.basis_u,
+        grid.basis_v,
+        across,
+        samples,
+    )
+    reach = sample_points(*values)
+    line(f"positions of {grid.count} samples", median_time(lambda: sample_points(*values), 1), None, 0)
+    tail = (grid.u, grid.v, samples, reach, np.zeros(grid.count))
+    failed = cold_points(*arrays, points, *tail, scratch, result, found)
+    time_taken = median_time(lambda: cold_points(*arrays, points, *tail, scratch, result, found), COUNT)
+    line("point, cold", time_taken, found, failed)
+
+    tilt = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+    above = points + 0.08 * normals
+    for name, kind, sizes in (
+        ("ellipsoid", ELLIPSOID, (0.06, 0.04, 0.03)),
+        ("capsule", CAPSULE, (0.05,)),
+        ("rounded box", BOX, (0.03, 0.02, 0.02)),
+        ("rounded cylinder", CYLINDER, (0.03, 0.03)),
+    ):
+        shape = shape_row(kind, sizes, 0.0 if kind == ELLIPSOID else 0.02)
+        shape[SHAPE_AXES : SHAPE_AXES + 9] = tilt.ravel()
+        args = (*arrays, kind, shape, above, *tail, scratch, result, found)
+        failed = cold_shapes(*args)
+        starts = found[:, :2] + 1e-3 / np.sqrt(2.0) * generator.standard_normal((COUNT, 2))
+        cold = median_time(lambda args=args: cold_shapes(*args), COUNT)
+        line(f"{name}, cold", cold, found, failed)
+        args = (*arrays, kind, shape, above, starts, scratch, result, found)
+        failed = warm_shapes(*args)
+        line(
+            f"{name}, moved by 0.001", median_time(lambda args=args: warm_shapes(*args), COUNT), found, failed
+        )
+
+    shape = shape_row(RING, (0.06,))
+    shape[SHAPE_AXES : SHAPE_AXES + 9] = tilt.ravel()
+    args = (*arrays, shape, above, *tail, np.zeros(4 * RING_ANGLES), scratch, result, found)
+    failed = cold_rings(*args)
+    starts = found[:, [0, 1, 3]] + 1e-3 * generator.standard_normal((COUNT, 3))
+    line("ring, cold", median_time(lambda: cold_rings(*args), COUNT), found, failed)
+    args_warm = (*arrays, shape, above, starts, scratch, result, found)
+    failed = warm_rings(*args_warm)
+    line("ring, moved by 0.001", median_time(lambda: warm_rings(*args_warm), COUNT), found, failed)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,179 @@
+"""A grid of points on a contour, a few on every polynomial piece, from which a search begins when nothing is known."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from heavylift.contours.basis import find_span, write_basis
+from heavylift.contours.layout import COUNT_U, COUNT_V, DEGREE_U, DEGREE_V, LARGEST_DEGREE, NET, WEIGHTS
+from heavylift.numerics.jit import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from heavylift.contours.spaces import SplineSpace
+
+__all__ = ["SampleGrid", "sample_grid", "sample_points"]
+
+_WIDE = LARGEST_DEGREE + 1
+
+
+@dataclass(frozen=True, eq=False)
+class SampleGrid:
+    """Parameters of a grid and the basis functions there, computed once for a contour.
+
+    Attributes
+    ----------
+    u, v
+        Parameters, shapes (a,) and (b,); of a curve ``v = (0,)``.
+    first_u, first_v
+        First non-zero function at each, int64, shapes (a,) and (b,).
+    basis_u, basis_v
+        Values of the non-zero functions, shapes (a, LARGEST_DEGREE + 1) and (b, LARGEST_DEGREE + 1).
+    """
+
+    u: NDArray[np.float64]
+    v: NDArray[np.float64]
+    first_u: NDArray[np.int64]
+    first_v: NDArray[np.int64]
+    basis_u: NDArray[np.float64]
+    basis_v: NDArray[np.float64]
+
+    @property
+    def count(self) -> int:
+        """Samples of the grid; number ``i * b + j`` is that of ``u[i], v[j]``."""
+        return self.u.size * self.v.size
+
+
+@kernel
+def _write_values(
+    knots: NDArray,
+    degree: int,
+    functions: int,
+    parameters: NDArray,
+    scratch: NDArray,
+    first: NDArray,
+    basis: NDArray,
+) -> None:
+    """Non-zero functions at some parameters."""
+    for i in range(parameters.size):
+        span = find_span(knots, 0, degree, functions, parameters[i])
+        write_basis(knots, 0, degree, span, parameters[i], scratch, 0)
+        first[i] = span - degree
+        for k in range(degree + 1):
+            basis[i, k] = scratch[k]
+
+
+def sample_grid(spaces: tuple[SplineSpace, ...], per_piece: int = 2) -> SampleGrid:
+    """Grid on a curve (one space) or a surface (two).
+
+    Parameters
+    ----------
+    spaces
+        Spline spaces of the directions.
+    per_piece
+        Samples on every polynomial piece in each direction.
+    """
+    parameters, firsts, values = [], [], []
+    for space in spaces:
+        at = space.samples(per_piece)
+        first = np.zeros(at.size, dtype=np.int64)
+        basis = np.zeros((at.size, _WIDE))
+        _write_values(space.knots, space.degree, space.functions, at, np.zeros(3 * _WIDE), first, basis)
+        parameters.append(at)
+        firsts.append(first)
+        values.append(basis)
+    if len(spaces) == 1:
+        constant = np.zeros((1, _WIDE))
+        constant[0, 0] = 1.0
+        parameters.append(np.zeros(1))
+        firsts.append(np.zeros(1, dtype=np.int64))
+        values.append(constant)
+    return SampleGrid(parameters[0], parameters[1], firsts[0], firsts[1], values[0], values[1])
+
+
+@kernel
+def sample_points(
+    contour: NDArray,
+    weights: NDArray,
+    net: NDArray,
+    first_u: NDArray,
+    first_v: NDArray,
+    basis_u: NDArray,
+    basis_v: NDArray,
+    across: NDArray,
+    points: NDArray,
+) -> float:
+    """Positions of the samples for control points that have moved; again whenever a flexible body has.
+
+    Parameters
+    ----------
+    contour, weights, net
+        Packed row, rational weights, control points [m], all of them formed.
+    first_u, first_v, basis_u, basis_v
+        Of a `SampleGrid` of a x b samples.
+    across
+        Scratch, shape (4, count_u * b).
+    points
+        Out, one coordinate a row so that distances are computed side by side [m], shape (3, a * b).
+
+    Returns
+    -------
+    float
+        Reach of a sample [m]: three quarters of its largest distance to the next one in u plus that in v, of which it
+        represents one half.
+    """
+    count_u, count_v = contour[COUNT_U], contour[COUNT_V]
+    wide_u, wide_v = contour[DEGREE_U] + 1, contour[DEGREE_V] + 1
+    a, b = first_u.size, first_v.size
+    for i in range(count_u):
+        for j in range(b):
+            px = py = pz = total = 0.0
+            for k in range(wide_v):
+                column = first_v[j] + k
+                local = i * count_v + (column - count_v if column >= count_v else column)
+                w = basis_v[j, k]
+                if contour[WEIGHTS] >= 0:
+                    w *= weights[contour[WEIGHTS] + local]
+                px += w * net[contour[NET] + local, 0]
+                py += w * net[contour[NET] + local, 1]
+                pz += w * net[contour[NET] + local, 2]
+                total += w
+            at = i * b + j
+            across[0, at], across[1, at], across[2, at], across[3, at] = px, py, pz, total
+    for i in range(a):
+        for j in range(b):
+            px = py = pz = total = 0.0
+            for k in range(wide_u):
+                row = first_u[i] + k
+                at = (row - count_u if row >= count_u else row) * b + j
+                w = basis_u[i, k]
+                px += w * across[0, at]
+                py += w * across[1, at]
+                pz += w * across[2, at]
+                total += w * across[3, at]
+            at = i * b + j
+            points[0, at], points[1, at], points[2, at] = px / total, py / total, pz / total
+    step_u = 0.0
+    step_v = 0.0
+    for i in range(a):
+        for j in range(b):
+            at = i * b + j
+            if i + 1 < a:
+                step_u = max(step_u, _apart(points, at, at + b))
+            if j + 1 < b:
+                step_v = max(step_v, _apart(points, at, at + 1))
+    return 0.75 * (math.sqrt(step_u) + math.sqrt(step_v))
+
+
+@kernel(inline=True, internal=True)
+def _apart(points: NDArray, k: int, m: int) -> float:
+    """Squared distance of two samples."""
+    dx = points[0, k] - points[0, m]
+    dy = points[1, k] - points[1, m]
+    dz = points[2, k] - points[2, m]
+    return dx * dx + dy * dy + dz * dz

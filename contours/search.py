@@ -1,0 +1,190 @@
+"""Closest point of a contour to a point: one search for surfaces and one for curves, on packed arrays.
+
+The point is given in the axes of the contour's control points. A search begins with `start_search` and is then called
+until it returns something else than `NEED_SPAN`::
+
+    start_search(contour, u, v, result)
+    status = closest_on_surface(contour, knots, weights, net, x, y, z, span_u, span_v, scratch, result)
+    while status == NEED_SPAN:
+        span_u, span_v = int(result[SPAN_U]), int(result[SPAN_V])
+        ...                                     # form the control points of these spans in `net`
+        status = closest_on_surface(contour, knots, weights, net, x, y, z, span_u, span_v, scratch, result)
+
+With a window of -1 all control points count as formed, and `NEED_SPAN` is never returned. The first call of a search
+may have the window of an earlier one, as long as its control points still hold.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from heavylift.contours.basis import find_span
+from heavylift.contours.evaluate import curve_point, surface_point
+from heavylift.contours.layout import (
+    CLOSED_U,
+    CLOSED_V,
+    COUNT_U,
+    COUNT_V,
+    DEGREE_U,
+    DEGREE_V,
+    KNOTS_U,
+    KNOTS_V,
+)
+from heavylift.contours.search_step import (
+    EVALUATE,
+    NEED_SPAN,
+    SPAN_U,
+    SPAN_V,
+    TRIAL_U,
+    TRIAL_V,
+    step_search,
+)
+from heavylift.numerics.jit import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["ROUNDING", "closest_on_curve", "closest_on_surface", "leaves_window", "signed_gap"]
+
+ROUNDING = 8.9e-16
+"""Of a difference of two positions, relative to their size: four roundings."""
+
+
+@kernel(inline=True, internal=True)
+def leaves_window(contour: NDArray, knots: NDArray, span_u: int, span_v: int, result: NDArray) -> bool:
+    """Whether the trial point lies outside of the knot spans that are formed; writes those that it needs."""
+    if span_u < 0:
+        return False
+    functions = contour[COUNT_U] + (contour[DEGREE_U] if contour[CLOSED_U] == 1 else 0)
+    wanted_u = find_span(knots, contour[KNOTS_U], contour[DEGREE_U], functions, result[TRIAL_U])
+    wanted_v = span_v
+    if contour[DEGREE_V] > 0:
+        functions = contour[COUNT_V] + (contour[DEGREE_V] if contour[CLOSED_V] == 1 else 0)
+        wanted_v = find_span(knots, contour[KNOTS_V], contour[DEGREE_V], functions, result[TRIAL_V])
+    if wanted_u == span_u and wanted_v == span_v:
+        return False
+    result[SPAN_U] = wanted_u
+    result[SPAN_V] = wanted_v
+    return True
+
+
+@kernel(internal=True)
+def closest_on_surface(
+    contour: NDArray,
+    knots: NDArray,
+    weights: NDArray,
+    net: NDArray,
+    x: float,
+    y: float,
+    z: float,
+    span_u: int,
+    span_v: int,
+    scratch: NDArray,
+    result: NDArray,
+) -> int:
+    """Go on with the search for the closest point of a surface.
+
+    Parameters
+    ----------
+    contour, knots, weights, net
+        Packed row, knots, rational weights, control points [m].
+    x, y, z
+        The point [m].
+    span_u, span_v
+        Knot spans whose control points are formed; -1 for all.
+    scratch
+        For the evaluation.
+    result
+        State and result, of length RESULT_WIDTH, begun by `start_search`.
+
+    Returns
+    -------
+    CONVERGED, NEED_SPAN, NOT_CONVERGED or NOT_FINITE. When converged, `result` has in 0:18 the evaluation at the
+    point, and at U, V, DISTANCE_SQUARED, FLAGS, ITERATIONS what they name.
+
+    Notes
+    -----
+    With ``r = S - x``: ``f = r.r / 2``, gradient ``r.S_u``, second derivatives ``S_u.S_v + r.S_uv``: Piegl and Tiller,
+    The NURBS Book, section 6.1, there without globalisation.
+    """
+    while True:
+        if leaves_window(contour, knots, span_u, span_v, result):
+            return NEED_SPAN
+        surface_point(contour, knots, weights, net, result[TRIAL_U], result[TRIAL_V], scratch, result)
+        s1, s2, s3 = result[0], result[1], result[2]
+        a1, a2, a3 = result[3], result[4], result[5]
+        b1, b2, b3 = result[6], result[7], result[8]
+        r1 = s1 - x
+        r2 = s2 - y
+        r3 = s3 - z
+        status = step_search(
+            contour,
+            0.5 * (r1 * r1 + r2 * r2 + r3 * r3),
+            r1 * a1 + r2 * a2 + r3 * a3,
+            r1 * b1 + r2 * b2 + r3 * b3,
+            a1 * a1 + a2 * a2 + a3 * a3 + r1 * result[9] + r2 * result[10] + r3 * result[11],
+            a1 * b1 + a2 * b2 + a3 * b3 + r1 * result[12] + r2 * result[13] + r3 * result[14],
+            b1 * b1 + b2 * b2 + b3 * b3 + r1 * result[15] + r2 * result[16] + r3 * result[17],
+            ROUNDING * (abs(s1) + abs(s2) + abs(s3) + abs(x) + abs(y) + abs(z)),
+            result,
+        )
+        if status != EVALUATE:
+            return status
+
+
+@kernel(internal=True)
+def closest_on_curve(
+    contour: NDArray,
+    knots: NDArray,
+    weights: NDArray,
+    net: NDArray,
+    x: float,
+    y: float,
+    z: float,
+    span_u: int,
+    scratch: NDArray,
+    result: NDArray,
+) -> int:
+    """Go on with the search for the closest point of a curve; as `closest_on_surface` with ``v = 0``."""
+    while True:
+        if leaves_window(contour, knots, span_u, 0, result):
+            return NEED_SPAN
+        curve_point(contour, knots, weights, net, result[TRIAL_U], scratch, result)
+        s1, s2, s3 = result[0], result[1], result[2]
+        a1, a2, a3 = result[3], result[4], result[5]
+        r1 = s1 - x
+        r2 = s2 - y
+        r3 = s3 - z
+        status = step_search(
+            contour,
+            0.5 * (r1 * r1 + r2 * r2 + r3 * r3),
+            r1 * a1 + r2 * a2 + r3 * a3,
+            0.0,
+            a1 * a1 + a2 * a2 + a3 * a3 + r1 * result[9] + r2 * result[10] + r3 * result[11],
+            0.0,
+            1.0,
+            ROUNDING * (abs(s1) + abs(s2) + abs(s3) + abs(x) + abs(y) + abs(z)),
+            result,
+        )
+        if status != EVALUATE:
+            return status
+
+
+@kernel(inline=True, internal=True)
+def signed_gap(x: float, y: float, z: float, result: NDArray) -> tuple[float, float, float, float]:
+    """Gap along the outward normal ``n = S_u x S_v / |S_u x S_v|`` of the evaluation in a result, and the normal.
+
+    Returns
+    -------
+    g, n1, n2, n3
+        ``g = n.(x - S)``, positive on the outer side; a normal of NaN where the tangents are parallel.
+    """
+    n1 = result[4] * result[8] - result[5] * result[7]
+    n2 = result[5] * result[6] - result[3] * result[8]
+    n3 = result[3] * result[7] - result[4] * result[6]
+    length = math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
+    n1 /= length
+    n2 /= length
+    n3 /= length
+    return n1 * (x - result[0]) + n2 * (y - result[1]) + n3 * (z - result[2]), n1, n2, n3

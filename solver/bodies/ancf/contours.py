@@ -1,0 +1,412 @@
+"""Frames and shells as contours: control points of their shape, points that contacts aim at, rows of contacts."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.contours.layout import COUNT_U, COUNT_V, NET
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import rotate_back
+from heavylift.solver.bodies.ancf.joints import apply_inverse_of_meshes, collect_impulses, take_impulses
+from heavylift.solver.bodies.ancf.kind import (
+    ACCELERATION,
+    BASE_PLACE,
+    BASES,
+    CHANGE,
+    CHANGE_OF_V,
+    DOF,
+    EXPLICIT,
+    FIRST_BASE,
+    FIRST_NODE,
+    FORWARD,
+    MASS_SET,
+    MID_Q,
+    MID_V,
+    MOVING,
+    SCHEME,
+    STEP_SET,
+    FrameMeshes,
+    Meshes,
+    Q,
+    ShellMeshes,
+    V,
+)
+from heavylift.solver.bodies.ancf.moving import (
+    COMPLIANCE,
+    CURRENT,
+    ENTRIES,
+    ENTRY_COUNT,
+    FIRST_CONTROL,
+    FIRST_POINT,
+    LIVE,
+    VECTORS,
+    MovingPoints,
+    point_response,
+    point_value,
+    prepare_points,
+    vector_length,
+)
+from heavylift.solver.bodies.ancf.step import is_iterated
+from heavylift.solver.bodies.ancf.substitution import node_span
+from heavylift.solver.contact.generics import (
+    bound_motion,
+    forget_accelerations,
+    form_controls,
+    pose_contours,
+    put_contour_rows,
+)
+from heavylift.solver.contact.interface import aim_points, form_mesh_controls, refresh_panels, settle_points
+from heavylift.solver.contact.kind import (
+    CONTOUR,
+    DIRECTIONS,
+    HAS_SLOPES,
+    LARGEST_CONTROLS,
+    OF_MESH,
+    OWNER,
+    RADIUS_OF,
+    SLOPES,
+    SLOT,
+    STEP_SHIFT,
+    WEIGHTS_AT,
+    WIDTH_OF,
+    ContactRows,
+)
+from heavylift.solver.contact.kind import DOF as CONTOUR_DOF
+from heavylift.solver.interface import Workspace, add_row_impulses
+from heavylift.solver.kinds import implement, optional
+from heavylift.solver.rows import PANEL, WIDTH, LawRowSystem, Rows, RowSystem
+
+__all__: list[str] = []
+
+
+@kernel(internal=True)
+def _body_at(kind: Meshes, dof: int) -> int:
+    """Row of the body with moving points whose first velocity this is, -1 if it is not of this kind."""
+    for body in range(kind.table.shape[0]):
+        if kind.table[body, DOF] == dof and kind.table[body, MOVING] > 0:
+            return body
+    return -1
+
+
+# ---- the shape ----
+
+
+@optional
+def _form(
+    points: Any,
+    kind: Any,
+    dof: int,
+    row: int,
+    contour: NDArray[np.int64],
+    first_u: int,
+    last_u: int,
+    first_v: int,
+    last_v: int,
+    net: NDArray[np.float64],
+) -> None:
+    """`form_mesh_controls` of a row of `nodal`."""
+
+
+@implement(_form, MovingPoints)
+@kernel(internal=True)
+def _form_controls(
+    moving: MovingPoints,
+    kind: Meshes,
+    dof: int,
+    row: int,
+    contour: NDArray[np.int64],
+    first_u: int,
+    last_u: int,
+    first_v: int,
+    last_v: int,
+    net: NDArray[np.float64],
+) -> None:
+    body = _body_at(kind, dof)
+    if body < 0:
+        return
+    count_u, count_v = contour[COUNT_U], contour[COUNT_V]
+    origin, q = moving.bodies[body, FIRST_CONTROL], kind.nodal[row]
+    for i in range(first_u, last_u + 1):
+        for j in range(first_v, last_v + 1):
+            local = (i % count_u) * count_v + j % count_v
+            x = y = z = 0.0
+            for k in range(4):
+                at, factor = (
+                    moving.control_places[origin + local, k],
+                    moving.control_factors[origin + local, k],
+                )
+                x += factor * q[at]
+                y += factor * q[at + 1]
+                z += factor * q[at + 2]
+            to = contour[NET] + local
+            net[to, 0], net[to, 1], net[to, 2] = x, y, z
+
+
+@implement(form_mesh_controls, FrameMeshes)
+@implement(form_mesh_controls, ShellMeshes)
+@kernel(internal=True)
+def form_controls_of_meshes(
+    kind: Meshes,
+    dof: int,
+    at_midpoint: bool,
+    contour: NDArray[np.int64],
+    first_u: int,
+    last_u: int,
+    first_v: int,
+    last_v: int,
+    net: NDArray[np.float64],
+) -> None:
+    """Sums of nodal vectors."""
+    row = MID_Q if at_midpoint else Q
+    _form(kind.moving, kind, dof, row, contour, first_u, last_u, first_v, last_v, net)
+
+
+@implement(form_controls, FrameMeshes)
+@implement(form_controls, ShellMeshes)
+@kernel(internal=True)
+def form_contour_controls(
+    kind: Meshes, contacts: ContactRows, contour: int, first_u: int, last_u: int, first_v: int, last_v: int
+) -> None:
+    """Of the stage."""
+    row = contacts.contours[contour]
+    if row[OWNER] == OF_MESH:
+        _form(kind.moving, kind, row[CONTOUR_DOF], MID_Q, row, first_u, last_u, first_v, last_v, contacts.net)
+
+
+@implement(pose_contours, FrameMeshes)
+@implement(pose_contours, ShellMeshes)
+@kernel(internal=True)
+def pose_mesh_contours(kind: Meshes, at_midpoint: bool, contacts: ContactRows) -> None:
+    """The axes stand still; of the carried state the coordinates are those of the stage."""
+    if not at_midpoint:
+        for i in range(kind.nodal.shape[1]):
+            kind.nodal[MID_Q, i] = kind.nodal[Q, i]
+
+
+# ---- moving points ----
+
+
+@optional
+def _aim(
+    points: Any,
+    kind: Any,
+    dof: int,
+    slot: int,
+    controls: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    first: int,
+    count: int,
+) -> None:
+    """`aim_points` with weights from a place on."""
+
+
+@implement(_aim, MovingPoints)
+@kernel(internal=True)
+def _aim_point(
+    moving: MovingPoints,
+    kind: Meshes,
+    dof: int,
+    slot: int,
+    controls: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    first: int,
+    count: int,
+) -> None:
+    body = _body_at(kind, dof)
+    if body < 0:
+        return
+    point = moving.bodies[body, FIRST_POINT] + slot
+    begin, origin = moving.points[point, ENTRIES], moving.bodies[body, FIRST_CONTROL]
+    end = begin
+    for c in range(count):
+        weight, row = weights[first + c], origin + controls[c]
+        if weight == 0.0:
+            continue
+        for k in range(4):
+            factor, place = weight * moving.control_factors[row, k], moving.control_places[row, k]
+            if factor == 0.0:
+                continue
+            at = end - 1  # neighbours have vectors in common
+            while at >= begin and moving.entries[at] != place:
+                at -= 1
+            if at < begin:
+                at = end
+                end += 1
+                moving.entries[at], moving.factors[at] = place, 0.0
+            moving.factors[at] += factor
+    moving.points[point, ENTRY_COUNT] = end - begin
+    moving.points[point, LIVE] = 1
+    moving.points[point, CURRENT] = -1
+
+
+@implement(aim_points, FrameMeshes)
+@implement(aim_points, ShellMeshes)
+@kernel(internal=True)
+def aim_points_of_meshes(
+    kind: Meshes, dof: int, slot: int, controls: NDArray[np.int64], weights: NDArray[np.float64], count: int
+) -> None:
+    """Each nodal vector once."""
+    _aim(kind.moving, kind, dof, slot, controls, weights, 0, count)
+
+
+@optional
+def _settle(points: Any, kind: Any, systems: Any, at_midpoint: bool, work: Workspace) -> None:
+    """`settle_points` of a kind."""
+
+
+@implement(_settle, MovingPoints)
+@kernel(internal=True)
+def _settle_points(moving: MovingPoints, kind: Meshes, systems, at_midpoint: bool, work: Workspace) -> None:  # type: ignore[no-untyped-def]
+    take_impulses(kind, systems, CHANGE_OF_V)
+    for body in range(kind.table.shape[0]):
+        first, count = moving.bodies[body, FIRST_POINT], kind.table[body, MOVING]
+        stepped = at_midpoint and kind.table[body, SCHEME] != EXPLICIT
+        which = STEP_SET if stepped else MASS_SET
+        prepare_points(moving, kind, body, which)
+        # bodies that iterate contain all impulses in their velocities of the midpoint
+        solved = at_midpoint and is_iterated(kind, body) and kind.body[body, CHANGE] >= 0.0
+        dof = kind.table[body, DOF] + 3 * kind.table[body, BASES]
+        for i in range(count):
+            if moving.points[first + i, LIVE] == 0:
+                continue
+            x, y, z = point_value(moving, kind, first + i, MID_V if solved else V)
+            if at_midpoint and not solved:
+                a, b, c = point_response(moving, kind, first + i, body, which, FORWARD)
+                x, y, z = x + a, y + b, z + c
+            at = dof + 3 * i
+            work.velocity[at], work.velocity[at + 1], work.velocity[at + 2] = x, y, z
+            if not solved:
+                _add_pushes(moving, kind, body, i, work.velocity, at)
+    refresh_panels(systems, kind, at_midpoint)
+
+
+@kernel(internal=True)
+def _add_pushes(
+    moving: MovingPoints, kind: Meshes, body: int, slot: int, velocity: NDArray[np.float64], at: int
+) -> None:
+    """What impulses do to a moving point; minus them stands in row `CHANGE_OF_V`."""
+    bases, count = kind.table[body, BASES], kind.table[body, MOVING]
+    length = vector_length(kind, body)
+    begin = moving.points[moving.bodies[body, FIRST_POINT] + slot, VECTORS]
+    begin -= kind.table[body, FIRST_NODE] * len(kind.shape[1])
+    first = kind.table[body, FIRST_BASE]
+    for base in range(first, first + bases + count):
+        place = kind.bases[base, BASE_PLACE]
+        moves = base - first - bases
+        row = moving.bodies[body, COMPLIANCE] + 9 * slot * count + 3 * moves
+        for c in range(3):
+            push = kind.nodal[CHANGE_OF_V, place + c]
+            if push == 0.0:
+                continue
+            for k in range(3):
+                if moves < 0:
+                    velocity[at + k] += moving.vectors[begin + k * length + place + c] * push
+                else:
+                    velocity[at + k] -= moving.compliance[row + 3 * k * count + c] * push
+
+
+@implement(settle_points, FrameMeshes)
+@implement(settle_points, ShellMeshes)
+@kernel(internal=True)
+def settle_points_of_meshes(kind: Meshes, systems, at_midpoint: bool, work: Workspace) -> None:  # type: ignore[no-untyped-def]
+    """From the right-hand side of the stage, forward-substituted, and from the impulses on bases and points."""
+    _settle(kind.moving, kind, systems, at_midpoint, work)
+
+
+@implement(refresh_panels, RowSystem)
+@implement(refresh_panels, LawRowSystem)
+@kernel(internal=True)
+def refresh_panels_of_rows(system: Rows, body_kind: Meshes, at_midpoint: bool) -> None:
+    """All of them on the kind."""
+    apply_inverse_of_meshes(body_kind, at_midpoint, system)
+
+
+# ---- rows of contacts ----
+
+
+@implement(put_contour_rows, FrameMeshes)
+@implement(put_contour_rows, ShellMeshes)
+@kernel(internal=True)
+def put_mesh_contour_rows(kind: Meshes, contacts: ContactRows, contact: int, count: int) -> None:
+    """``-d`` into the columns of the moving point, ``-e`` into those of the tangent beside a curve."""
+    contour = contacts.table[contact, CONTOUR]
+    if contacts.contours[contour, OWNER] != OF_MESH:
+        return
+    dof, slot = contacts.contours[contour, CONTOUR_DOF], contacts.table[contact, SLOT]
+    body = _body_at(kind, dof)
+    if body < 0:
+        return
+    lanes, scratch, pose = len(contacts.shape[1]), contacts.scratch, contacts.poses[contour]
+    side = 2 * contact
+    column = contacts.attachments[side, WIDTH] - 3 * kind.table[body, MOVING] + 3 * slot
+    panel = contacts.attachments[side, PANEL] + column * lanes
+    _aim(kind.moving, kind, dof, slot, contacts.places, scratch, WEIGHTS_AT, count)
+    beside, turning = pose[RADIUS_OF] > 0.0 or pose[WIDTH_OF] > 0.0, scratch[HAS_SLOPES] > 0.0
+    if turning:
+        _aim(kind.moving, kind, dof, slot + 1, contacts.places, scratch, WEIGHTS_AT + LARGEST_CONTROLS, count)
+    for r in range(3):
+        at = DIRECTIONS + 3 * r
+        d1, d2, d3 = rotate_back(pose, scratch[at], scratch[at + 1], scratch[at + 2])
+        contacts.panels[panel + r] = -d1
+        contacts.panels[panel + lanes + r] = -d2
+        contacts.panels[panel + 2 * lanes + r] = -d3
+        if beside:
+            for k in range(3):
+                slope = scratch[SLOPES + 3 * r + k] if turning else 0.0
+                contacts.panels[panel + (3 + k) * lanes + r] = -slope
+
+
+@implement(add_row_impulses, ContactRows)
+@kernel(internal=True)
+def collect_contact_impulses(contacts: ContactRows, body_kind: Meshes, row: int) -> None:
+    """As of joints."""
+    collect_impulses(contacts, body_kind, row)
+
+
+@optional
+def _bound(points: Any, kind: Any, contacts: Any, step: float) -> None:
+    """`bound_motion` of a kind."""
+
+
+@implement(_bound, MovingPoints)
+@kernel(internal=True)
+def _bound_motion(moving: MovingPoints, kind: Meshes, contacts: ContactRows, step: float) -> None:
+    for contour in range(contacts.contours.shape[0]):
+        row = contacts.contours[contour]
+        body = _body_at(kind, row[CONTOUR_DOF]) if row[OWNER] == OF_MESH else -1
+        if body < 0:
+            continue
+        origin, speed = moving.bodies[body, FIRST_CONTROL], kind.nodal[MID_V]
+        largest = 0.0
+        for control in range(origin, origin + row[COUNT_U] * row[COUNT_V]):
+            x = y = z = 0.0
+            for k in range(4):
+                at, factor = moving.control_places[control, k], moving.control_factors[control, k]
+                x += factor * speed[at]
+                y += factor * speed[at + 1]
+                z += factor * speed[at + 2]
+            largest = max(largest, x * x + y * y + z * z)
+        contacts.poses[contour, STEP_SHIFT] = step * math.sqrt(largest)
+
+
+@implement(bound_motion, FrameMeshes)
+@implement(bound_motion, ShellMeshes)
+@kernel(internal=True)
+def bound_mesh_motion(kind: Meshes, contacts: ContactRows, step: float, work: Workspace) -> None:
+    """The fastest control point: all points of the shape are between them, and move by the velocity of the stage."""
+    _bound(kind.moving, kind, contacts, step)
+
+
+@implement(forget_accelerations, FrameMeshes)
+@implement(forget_accelerations, ShellMeshes)
+@kernel(internal=True)
+def forget_mesh_accelerations(kind: Meshes) -> None:
+    """Of all nodes."""
+    for body in range(kind.table.shape[0]):
+        first, last = node_span(kind, body)
+        for i in range(first, last):
+            kind.nodal[ACCELERATION, i] = 0.0

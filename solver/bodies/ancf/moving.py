@@ -1,0 +1,446 @@
+"""Points that move over a mesh: how contacts that slide see frames and shells.
+
+A base is a node of the factor, so its place is fixed. A moving point is none: its velocity ``y' = J q'`` may belong to
+another element at every stage. What rows need of it comes from forward substitution of three right-hand sides::
+
+    Z = D^-1 L^-1 J^T,    J A^-1 J'^T = Z^T D Z',    J A^-1 r = Z^T D (D^-1 L^-1 r)
+
+and the places of the bases are left with their coupling ``-J_b A^-1 J^T``. Impulses p add ``Z p`` to a right-hand
+side before its back substitution. Only the columns between the touched element and the root of the elimination tree
+take part (J. R. Gilbert and T. Peierls, SIAM J. Sci. Stat. Comput. 9, 1988).
+
+A point that contacts have aimed lives until the stage ends. Others are nothing, and cost nothing. The functions here
+run over `Meshes.moving`, which is empty in scenes without moving points.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.block_pattern import LOWER, LOWER_COUNT, NODE, PIVOT
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.lanes import forward_pivot, subtract_forward
+from heavylift.solver.bodies.ancf.assembly import set_size
+from heavylift.solver.bodies.ancf.kind import (
+    BASE_NODES,
+    BASE_PLACE,
+    BASES,
+    DOF,
+    FIRST_BASE,
+    FIRST_NODE,
+    FREE,
+    LAST_COLUMN,
+    MOVING,
+    NODES,
+    RIGHT,
+    Meshes,
+)
+from heavylift.solver.kinds import implement, optional
+from heavylift.solver.rows import PANEL, Rows
+
+__all__ = [
+    "MovingPoints",
+    "add_point_compliance",
+    "add_point_forces",
+    "add_point_impulses",
+    "find_free_points",
+    "forget_vectors",
+    "point_response",
+    "point_value",
+    "prepare_points",
+    "release_points",
+    "vector_length",
+    "write_free_points",
+    "write_points",
+]
+
+# columns of `points`
+ENTRIES, ENTRY_COUNT, VECTORS, PATH, PATH_COUNT, LIVE, CURRENT, FRESH, POINT_COLUMNS = range(9)
+"""First of its entries and their number; place of its three vectors; first of the columns of the factor in which these
+are not zero, and their number; 1 between aiming and the end of the stage; set of blocks that the vectors belong to, -1
+for none; 1 while its compliance is missing."""
+
+# columns of `bodies`
+FIRST_POINT, COMPLIANCE, FIRST_CONTROL, MESH_COLUMNS = range(4)
+"""First moving point; place of the matrix of all of them; first control point of the shape."""
+
+Vector = tuple[float, float, float]
+
+
+class MovingPoints(NamedTuple):
+    """Moving points of all frames or all shells of a scene.
+
+    Attributes
+    ----------
+    bodies
+        By body, see the columns; shape (bodies, 3).
+    points
+        By moving point, bodies in order, see the columns; shape (n, 8).
+    entries, factors
+        A point is a sum of nodal vectors: their places in a row of `nodal`, and factors.
+    vectors
+        ``Z``: three vectors over the nodes and base nodes of the body, of each point; flat.
+    paths
+        Columns of the factor, flat.
+    compliance
+        ``J A^-1 J^T`` of all points of a body, by rows, of each body; flat.
+    column_of
+        Column of each node, -1 of base nodes.
+    marks
+        Scratch, 1 for nodes that the substitution has reached.
+    control_places, control_factors
+        A control point of the shape of a mesh is a sum of nodal vectors; shapes (controls, 4).
+    """
+
+    bodies: NDArray[np.int64]
+    points: NDArray[np.int64]
+    entries: NDArray[np.int64]
+    factors: NDArray[np.float64]
+    vectors: NDArray[np.float64]
+    paths: NDArray[np.int64]
+    compliance: NDArray[np.float64]
+    column_of: NDArray[np.int64]
+    marks: NDArray[np.int64]
+    control_places: NDArray[np.int64]
+    control_factors: NDArray[np.float64]
+
+
+@kernel(internal=True)
+def point_value(moving: MovingPoints, kind: Meshes, point: int, row: int) -> Vector:
+    """Value of a point in a row of `nodal`, body axes."""
+    first = moving.points[point, ENTRIES]
+    x = y = z = 0.0
+    for i in range(first, first + moving.points[point, ENTRY_COUNT]):
+        at, value = moving.entries[i], moving.factors[i]
+        x += value * kind.nodal[row, at]
+        y += value * kind.nodal[row, at + 1]
+        z += value * kind.nodal[row, at + 2]
+    return x, y, z
+
+
+@kernel(inline=True, internal=True)
+def _place(kind: Meshes, body: int, slot: int) -> int:
+    """Place of the three numbers of a moving point in a row of `nodal`."""
+    return kind.bases[kind.table[body, FIRST_BASE] + kind.table[body, BASES] + slot, BASE_PLACE]
+
+
+@kernel(inline=True, internal=True)
+def vector_length(kind: Meshes, body: int) -> int:
+    """Numbers of one of the vectors of a point."""
+    return (kind.table[body, NODES] + kind.table[body, BASE_NODES]) * len(kind.shape[1])
+
+
+@kernel(internal=True)
+def _clear(moving: MovingPoints, kind: Meshes, body: int, point: int) -> None:
+    """Zeros where the vectors of a point are not zero."""
+    lanes = len(kind.shape[1])
+    length, first_node = vector_length(kind, body), kind.table[body, FIRST_NODE]
+    path, begin = moving.points[point, PATH], moving.points[point, VECTORS]
+    for i in range(path, path + moving.points[point, PATH_COUNT]):
+        at = begin + (kind.columns[moving.paths[i], NODE] - first_node) * lanes
+        for k in range(3):
+            for r in range(lanes):
+                moving.vectors[at + k * length + r] = 0.0
+    bases = begin + kind.table[body, NODES] * lanes
+    for k in range(3):
+        for r in range(kind.table[body, BASE_NODES] * lanes):
+            moving.vectors[bases + k * length + r] = 0.0
+    moving.points[point, PATH_COUNT] = 0
+
+
+@kernel(internal=True)
+def _find_vectors(moving: MovingPoints, kind: Meshes, body: int, point: int, which: int) -> None:
+    """``Z = D^-1 L^-1 J^T`` with the factor of a set."""
+    shape, columns, lower, Z = kind.shape, kind.columns, kind.lower, moving.vectors
+    lanes, base = len(kind.shape[1]), which * set_size(kind)
+    length = vector_length(kind, body)
+    _clear(moving, kind, body, point)
+    begin = moving.points[point, VECTORS] - kind.table[body, FIRST_NODE] * lanes
+    first, last = kind.table[body, LAST_COLUMN], kind.table[body, LAST_COLUMN]
+    entry = moving.points[point, ENTRIES]
+    for i in range(entry, entry + moving.points[point, ENTRY_COUNT]):
+        at = moving.entries[i]
+        for k in range(3):
+            Z[begin + k * length + at + k] = moving.factors[i] * kind.nodal[FREE, at + k]
+        moving.marks[at // lanes] = 1
+        first = min(first, moving.column_of[at // lanes])
+    path = moving.points[point, PATH]
+    count = 0
+    for column in range(first, last):
+        node = columns[column, NODE]
+        if moving.marks[node] == 0:
+            continue
+        moving.marks[node] = 0
+        moving.paths[path + count] = column
+        count += 1
+        pivot, at, below = columns[column, PIVOT], columns[column, LOWER], columns[column, LOWER_COUNT]
+        z0 = begin + node * lanes
+        z1, z2 = z0 + length, z0 + 2 * length
+        forward_pivot(shape, Z, z0, kind.blocks, base + pivot)
+        forward_pivot(shape, Z, z1, kind.blocks, base + pivot)
+        forward_pivot(shape, Z, z2, kind.blocks, base + pivot)
+        for l in range(at, at + below):
+            to, block = begin + lower[l, 0] * lanes, base + lower[l, 1]
+            moving.marks[lower[l, 0]] = 1
+            subtract_forward(shape, Z, to, kind.blocks, block, Z, z0)
+            subtract_forward(shape, Z, to + length, kind.blocks, block, Z, z1)
+            subtract_forward(shape, Z, to + 2 * length, kind.blocks, block, Z, z2)
+    moving.points[point, PATH_COUNT] = count
+
+
+@kernel(internal=True)
+def _find_compliance(moving: MovingPoints, kind: Meshes, body: int, i: int, j: int, which: int) -> None:
+    """``Z_i^T D Z_j`` of two moving points of a body into both triangles."""
+    rows, lanes, base = len(kind.shape[0]), len(kind.shape[1]), which * set_size(kind)
+    length, width, Z = vector_length(kind, body), 3 * kind.table[body, MOVING], moving.vectors
+    first, out = moving.bodies[body, FIRST_POINT], moving.bodies[body, COMPLIANCE]
+    shift = kind.table[body, FIRST_NODE] * lanes
+    a, b = moving.points[first + i, VECTORS] - shift, moving.points[first + j, VECTORS] - shift
+    path = moving.points[first + i, PATH]
+    c00 = c01 = c02 = c10 = c11 = c12 = c20 = c21 = c22 = 0.0
+    for p in range(path, path + moving.points[first + i, PATH_COUNT]):
+        column = moving.paths[p]
+        at, pivot = kind.columns[column, NODE] * lanes, base + kind.columns[column, PIVOT]
+        for r in range(rows):
+            d = 1.0 / kind.blocks[pivot + r * (lanes + 1)]
+            u, v = a + at + r, b + at + r
+            x, y, z = Z[u] * d, Z[u + length] * d, Z[u + 2 * length] * d
+            e, f, g = Z[v], Z[v + length], Z[v + 2 * length]
+            c00 += x * e
+            c01 += x * f
+            c02 += x * g
+            c10 += y * e
+            c11 += y * f
+            c12 += y * g
+            c20 += z * e
+            c21 += z * f
+            c22 += z * g
+    values = ((c00, c01, c02), (c10, c11, c12), (c20, c21, c22))
+    for k in range(3):
+        for l in range(3):
+            moving.compliance[out + (3 * i + k) * width + 3 * j + l] = values[k][l]
+            moving.compliance[out + (3 * j + l) * width + 3 * i + k] = values[k][l]
+
+
+@kernel(internal=True)
+def prepare_points(moving: MovingPoints, kind: Meshes, body: int, which: int) -> None:
+    """Vectors and compliance of all living points of a body with the factor of a set, if they are not there yet."""
+    first, count = moving.bodies[body, FIRST_POINT], kind.table[body, MOVING]
+    found = False
+    for i in range(first, first + count):
+        if moving.points[i, LIVE] != 0 and moving.points[i, CURRENT] != which:
+            _find_vectors(moving, kind, body, i, which)
+            moving.points[i, CURRENT] = which
+            moving.points[i, FRESH] = 1
+            found = True
+    if not found:
+        return
+    for i in range(count):
+        for j in range(i + 1):
+            both = moving.points[first + i, LIVE] != 0 and moving.points[first + j, LIVE] != 0
+            if both and (moving.points[first + i, FRESH] != 0 or moving.points[first + j, FRESH] != 0):
+                _find_compliance(moving, kind, body, i, j, which)
+    for i in range(first, first + count):
+        moving.points[i, FRESH] = 0
+
+
+@kernel(internal=True)
+def point_response(moving: MovingPoints, kind: Meshes, point: int, body: int, which: int, row: int) -> Vector:
+    """``J A^-1 r``, with ``D^-1 L^-1 r`` in a row of `nodal`; vectors of the point are prepared."""
+    rows, lanes, base = len(kind.shape[0]), len(kind.shape[1]), which * set_size(kind)
+    length, Z = vector_length(kind, body), moving.vectors
+    begin = moving.points[point, VECTORS] - kind.table[body, FIRST_NODE] * lanes
+    path = moving.points[point, PATH]
+    x = y = z = 0.0
+    for p in range(path, path + moving.points[point, PATH_COUNT]):
+        column = moving.paths[p]
+        at, pivot = kind.columns[column, NODE] * lanes, base + kind.columns[column, PIVOT]
+        for r in range(rows):
+            value = kind.nodal[row, at + r] / kind.blocks[pivot + r * (lanes + 1)]
+            x += Z[begin + at + r] * value
+            y += Z[begin + length + at + r] * value
+            z += Z[begin + 2 * length + at + r] * value
+    return x, y, z
+
+
+# ---- what the step of a mesh calls: nothing for meshes without moving points ----
+
+
+@optional
+def release_points(points: Any, kind: Any, body: int) -> None:
+    """A stage ends: what contacts touch is not known any more."""
+
+
+@implement(release_points, MovingPoints)
+@kernel(internal=True)
+def _release_points(moving: MovingPoints, kind: Meshes, body: int) -> None:
+    first = moving.bodies[body, FIRST_POINT]
+    for i in range(first, first + kind.table[body, MOVING]):
+        moving.points[i, LIVE] = 0
+        moving.points[i, CURRENT] = -1
+
+
+@optional
+def forget_vectors(points: Any, kind: Any, body: int) -> None:
+    """A matrix has been factored anew."""
+
+
+@implement(forget_vectors, MovingPoints)
+@kernel(internal=True)
+def _forget_vectors(moving: MovingPoints, kind: Meshes, body: int) -> None:
+    first = moving.bodies[body, FIRST_POINT]
+    for i in range(first, first + kind.table[body, MOVING]):
+        moving.points[i, CURRENT] = -1
+
+
+@optional
+def write_points(points: Any, kind: Any, body: int, row: int, to: NDArray[np.float64]) -> None:
+    """Values in a row of `nodal` behind those of the bases in a vector of velocities of the scene."""
+
+
+@implement(write_points, MovingPoints)
+@kernel(internal=True)
+def _write_points(moving: MovingPoints, kind: Meshes, body: int, row: int, to: NDArray[np.float64]) -> None:
+    first = moving.bodies[body, FIRST_POINT]
+    dof = kind.table[body, DOF] + 3 * kind.table[body, BASES]
+    for i in range(kind.table[body, MOVING]):
+        if moving.points[first + i, LIVE] != 0:
+            y = point_value(moving, kind, first + i, row)
+            to[dof + 3 * i], to[dof + 3 * i + 1], to[dof + 3 * i + 2] = y[0], y[1], y[2]
+
+
+@optional
+def find_free_points(points: Any, kind: Any, body: int, which: int) -> None:
+    """After forward substitution of row `RIGHT`: ``-J A^-1 r`` into the places of the points, as of bases."""
+
+
+@implement(find_free_points, MovingPoints)
+@kernel(internal=True)
+def _find_free_points(moving: MovingPoints, kind: Meshes, body: int, which: int) -> None:
+    first = moving.bodies[body, FIRST_POINT]
+    prepare_points(moving, kind, body, which)
+    for i in range(kind.table[body, MOVING]):
+        x = y = z = 0.0
+        if moving.points[first + i, LIVE] != 0:
+            x, y, z = point_response(moving, kind, first + i, body, which, RIGHT)
+        place = _place(kind, body, i)
+        kind.nodal[RIGHT, place], kind.nodal[RIGHT, place + 1], kind.nodal[RIGHT, place + 2] = -x, -y, -z
+
+
+@optional
+def write_free_points(
+    points: Any, kind: Any, body: int, row: int, start: float, to: NDArray[np.float64]
+) -> None:
+    """``start`` times values in a row of `nodal`, minus the places of the points in row `RIGHT`, behind the bases."""
+
+
+@implement(write_free_points, MovingPoints)
+@kernel(internal=True)
+def _write_free_points(
+    moving: MovingPoints, kind: Meshes, body: int, row: int, start: float, to: NDArray[np.float64]
+) -> None:
+    first = moving.bodies[body, FIRST_POINT]
+    dof = kind.table[body, DOF] + 3 * kind.table[body, BASES]
+    for i in range(kind.table[body, MOVING]):
+        place, at = _place(kind, body, i), dof + 3 * i
+        x = y = z = 0.0
+        if moving.points[first + i, LIVE] != 0:
+            x, y, z = point_value(moving, kind, first + i, row)
+        to[at] = start * x - kind.nodal[RIGHT, place]
+        to[at + 1] = start * y - kind.nodal[RIGHT, place + 1]
+        to[at + 2] = start * z - kind.nodal[RIGHT, place + 2]
+
+
+@optional
+def add_point_forces(points: Any, kind: Any, body: int, which: int) -> None:
+    """``Z p`` to the forward-substituted row `RIGHT`, with minus the impulses p in the places of the points."""
+
+
+@implement(add_point_forces, MovingPoints)
+@kernel(internal=True)
+def _add_point_forces(moving: MovingPoints, kind: Meshes, body: int, which: int) -> None:
+    rows, lanes = len(kind.shape[0]), len(kind.shape[1])
+    first, length, Z = moving.bodies[body, FIRST_POINT], vector_length(kind, body), moving.vectors
+    prepare_points(moving, kind, body, which)
+    for i in range(kind.table[body, MOVING]):
+        place = _place(kind, body, i)
+        x, y, z = kind.nodal[RIGHT, place], kind.nodal[RIGHT, place + 1], kind.nodal[RIGHT, place + 2]
+        if moving.points[first + i, LIVE] == 0 or (x == 0.0 and y == 0.0 and z == 0.0):
+            continue
+        begin = moving.points[first + i, VECTORS] - kind.table[body, FIRST_NODE] * lanes
+        path = moving.points[first + i, PATH]
+        for p in range(path, path + moving.points[first + i, PATH_COUNT]):
+            at = kind.columns[moving.paths[p], NODE] * lanes
+            for r in range(at, at + rows):
+                kind.nodal[RIGHT, r] -= (
+                    x * Z[begin + r] + y * Z[begin + length + r] + z * Z[begin + 2 * length + r]
+                )
+
+
+@optional
+def add_point_impulses(points: Any, kind: Any, body: int, row: int) -> None:
+    """``nodal[RIGHT] += J^T p``, with minus the impulses p in the places of the points of a row."""
+
+
+@implement(add_point_impulses, MovingPoints)
+@kernel(internal=True)
+def _add_point_impulses(moving: MovingPoints, kind: Meshes, body: int, row: int) -> None:
+    for i in range(kind.table[body, MOVING]):
+        point, place = moving.bodies[body, FIRST_POINT] + i, _place(kind, body, i)
+        if moving.points[point, LIVE] == 0:
+            continue
+        first = moving.points[point, ENTRIES]
+        for e in range(first, first + moving.points[point, ENTRY_COUNT]):
+            at, value = moving.entries[e], moving.factors[e]
+            for k in range(3):
+                kind.nodal[RIGHT, at + k] -= value * kind.nodal[row, place + k]
+
+
+@optional
+def add_point_compliance(points: Any, kind: Any, body: int, which: int, system: Any, attachment: int) -> None:
+    """The part of ``X = C G^T`` of an attachment that comes from the moving points: all but bases with bases."""
+
+
+@implement(add_point_compliance, MovingPoints)
+@kernel(internal=True)
+def _add_point_compliance(
+    moving: MovingPoints, kind: Meshes, body: int, which: int, system: Rows, attachment: int
+) -> None:
+    lanes, block_lanes = len(system.shape[1]), len(kind.shape[1])
+    G, half, panel = system.panels, system.panels.shape[0] // 2, system.attachments[attachment, PANEL]
+    bases, count = kind.table[body, BASES], kind.table[body, MOVING]
+    first, length = moving.bodies[body, FIRST_POINT], vector_length(kind, body)
+    shift, first_base = kind.table[body, FIRST_NODE] * block_lanes, kind.table[body, FIRST_BASE]
+    prepare_points(moving, kind, body, which)
+    for column in range(3 * (bases + count)):
+        of = panel + column * lanes
+        used = False
+        for r in range(lanes):
+            used = used or G[of + r] != 0.0
+        slot, c = (column - 3 * bases) // 3, column % 3
+        if not used or (column >= 3 * bases and moving.points[first + slot, LIVE] == 0):
+            continue
+        if column >= 3 * bases:
+            begin = moving.points[first + slot, VECTORS] + c * length - shift
+            for base in range(bases):
+                place = begin + kind.bases[first_base + base, BASE_PLACE]
+                for k in range(3):
+                    to = half + panel + (3 * base + k) * lanes
+                    for r in range(lanes):
+                        G[to + r] -= moving.vectors[place + k] * G[of + r]
+        for other in range(count):
+            if moving.points[first + other, LIVE] == 0:
+                continue
+            for k in range(3):
+                to = half + panel + (3 * (bases + other) + k) * lanes
+                if column >= 3 * bases:
+                    at = moving.bodies[body, COMPLIANCE] + (3 * other + k) * 3 * count
+                    value = moving.compliance[at + column - 3 * bases]
+                else:
+                    place = kind.bases[first_base + column // 3, BASE_PLACE] + c - shift
+                    value = -moving.vectors[moving.points[first + other, VECTORS] + k * length + place]
+                for r in range(lanes):
+                    G[to + r] += value * G[of + r]

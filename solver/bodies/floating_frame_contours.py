@@ -1,0 +1,217 @@
+"""Contours of flexible bodies: control points linear in the modal coordinates, nothing is fitted in a step.
+
+``P(q) = P_0 + P_Phi q`` with constant arrays ("Deformable bodies with complex geometries ... sliding contacts" (2014),
+section 3.3, fits the contour anew in every step instead). A touched point is a weighted sum of few control points, so
+position, tangents and Jacobian come from the same products of basis functions.
+"""
+
+from __future__ import annotations
+
+import math
+
+from heavylift.contours.layout import COUNT_U, COUNT_V, NET
+from heavylift.contours.modal_sums import modal_points, modal_shapes
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import rotate_back
+from heavylift.solver.bodies.floating_frame import (
+    ACCELERATION,
+    AT_RATE2,
+    LAG,
+    MID_POSITION,
+    MID_Q,
+    MID_ROTATION,
+    MODAL,
+    MODES,
+    MOTION,
+    RATE2,
+    FixedFrameBodies,
+    FlexibleBodies,
+    FloatingFrameBodies,
+    Q,
+)
+from heavylift.solver.bodies.floating_frame import DOF as BODY_DOF
+from heavylift.solver.bodies.floating_frame import FIXED as FRAME_FIXED
+from heavylift.solver.contact.contour_rows import put_frame_rows
+from heavylift.solver.contact.generics import (
+    bound_motion,
+    forget_accelerations,
+    form_controls,
+    pose_contours,
+    put_contour_rows,
+)
+from heavylift.solver.contact.kind import (
+    CONTOUR,
+    CONTROLS,
+    DIRECTIONS,
+    DOF,
+    HAS_SLOPES,
+    LARGEST_CONTROLS,
+    OF_MODES,
+    ORIGIN,
+    OWNER,
+    REACH,
+    ROTATION,
+    SHAPES,
+    SLOPES,
+    STEP_SHIFT,
+    WEIGHTS_AT,
+    ContactRows,
+)
+from heavylift.solver.interface import Workspace
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import PANEL
+
+__all__: list[str] = []
+
+
+@kernel(inline=True, internal=True)
+def owner_of(kind: FlexibleBodies, contacts: ContactRows, contour: int) -> int:
+    """Row of the body that a contour is on, -1 if that is not of this kind."""
+    if contacts.contours[contour, OWNER] == OF_MODES:
+        dof = contacts.contours[contour, DOF]
+        for body in range(kind.table.shape[0]):
+            if kind.table[body, BODY_DOF] == dof:
+                return body
+    return -1
+
+
+@implement(pose_contours, FloatingFrameBodies)
+@implement(pose_contours, FixedFrameBodies)
+@kernel(internal=True)
+def pose_flexible_contours(kind: FlexibleBodies, at_midpoint: bool, contacts: ContactRows) -> None:
+    """Pose of the body frame."""
+    for contour in range(contacts.contours.shape[0]):
+        body = owner_of(kind, contacts, contour)
+        if body < 0:
+            continue
+        for k in range(9):
+            contacts.poses[contour, ROTATION + k] = kind.frame[body, MID_ROTATION + k]
+        for k in range(3):
+            contacts.poses[contour, ORIGIN + k] = kind.frame[body, MID_POSITION + k]
+        if not at_midpoint:  # of bodies without markers nothing else has brought the stage there
+            first = kind.table[body, MODAL]
+            for i in range(first, first + kind.table[body, MODES]):
+                kind.modal[MID_Q, i] = kind.modal[Q, i]
+
+
+@implement(form_controls, FloatingFrameBodies)
+@implement(form_controls, FixedFrameBodies)
+@kernel(internal=True)
+def form_flexible_controls(
+    kind: FlexibleBodies,
+    contacts: ContactRows,
+    contour: int,
+    first_u: int,
+    last_u: int,
+    first_v: int,
+    last_v: int,
+) -> None:
+    """``P_0 + P_Phi q``; windows of closed contours go round."""
+    body = owner_of(kind, contacts, contour)
+    if body < 0:
+        return
+    row = contacts.contours[contour]
+    count = 0
+    for i in range(first_u, last_u + 1):
+        for j in range(first_v, last_v + 1):
+            contacts.places[count] = (i % row[COUNT_U]) * row[COUNT_V] + j % row[COUNT_V]
+            count += 1
+    modal_points(
+        contacts.constants,
+        row[CONTROLS],
+        kind.table[body, MODES],
+        kind.modal[MID_Q],
+        kind.table[body, MODAL],
+        contacts.places,
+        count,
+        contacts.net,
+        row[NET],
+    )
+
+
+@implement(put_contour_rows, FloatingFrameBodies)
+@implement(put_contour_rows, FixedFrameBodies)
+@kernel(internal=True)
+def put_flexible_contour_rows(kind: FlexibleBodies, contacts: ContactRows, contact: int, count: int) -> None:
+    """Frame, then modes: ``-( d . Phi(u, v) + e . Phi_u(u, v) )`` in the axes of the contour."""
+    contour = contacts.table[contact, CONTOUR]
+    body = owner_of(kind, contacts, contour)
+    if body < 0:
+        return
+    put_frame_rows(contacts, contact)
+    lanes = len(contacts.shape[1])
+    n, scratch = kind.table[body, MODES], contacts.scratch
+    panel = contacts.attachments[2 * contact, PANEL] + 6 * lanes
+    turning = scratch[HAS_SLOPES] > 0.0
+    _sum_shapes(contacts, contour, count, n, WEIGHTS_AT, SHAPES)
+    if turning:
+        _sum_shapes(contacts, contour, count, n, WEIGHTS_AT + LARGEST_CONTROLS, SHAPES + 3 * n)
+    pose = contacts.poses[contour]
+    for r in range(3):
+        at = DIRECTIONS + 3 * r
+        d1, d2, d3 = rotate_back(pose, scratch[at], scratch[at + 1], scratch[at + 2])
+        for i in range(n):
+            contacts.panels[panel + i * lanes + r] = -(
+                d1 * scratch[SHAPES + i] + d2 * scratch[SHAPES + n + i] + d3 * scratch[SHAPES + 2 * n + i]
+            )
+        if turning:
+            e1, e2, e3 = scratch[SLOPES + 3 * r], scratch[SLOPES + 3 * r + 1], scratch[SLOPES + 3 * r + 2]
+            begin = SHAPES + 3 * n
+            for i in range(n):
+                contacts.panels[panel + i * lanes + r] -= (
+                    e1 * scratch[begin + i] + e2 * scratch[begin + n + i] + e3 * scratch[begin + 2 * n + i]
+                )
+
+
+@kernel(inline=True, internal=True)
+def _sum_shapes(contacts: ContactRows, contour: int, count: int, n: int, weights: int, out: int) -> None:
+    """Weighted mode shapes of some control points, component by component."""
+    begin = contacts.contours[contour, CONTROLS]
+    scratch = contacts.scratch
+    modal_shapes(contacts.constants, begin, n, contacts.places, count, scratch, weights, scratch, out)
+
+
+@implement(bound_motion, FloatingFrameBodies)
+@implement(bound_motion, FixedFrameBodies)
+@kernel(internal=True)
+def bound_flexible_motion(kind: FlexibleBodies, contacts: ContactRows, step: float, work: Workspace) -> None:
+    """Frame as of rigid bodies, with some room for the deformation, and each mode where its shape is largest."""
+    for contour in range(contacts.contours.shape[0]):
+        body = owner_of(kind, contacts, contour)
+        if body < 0:
+            continue
+        n, dof = kind.table[body, MODES], kind.table[body, BODY_DOF]
+        row = contacts.contours[contour]
+        speed = 0.0
+        largest = row[CONTROLS] + row[COUNT_U] * row[COUNT_V] * (3 + 3 * n)
+        for i in range(n):
+            speed += abs(work.velocity[dof + 6 + i]) * contacts.constants[largest + i]
+        if kind.table[body, MOTION] != FRAME_FIXED:
+            v, w = 0.0, 0.0
+            for k in range(3):
+                v += work.velocity[dof + k] ** 2
+                w += work.velocity[dof + 3 + k] ** 2
+            speed += math.sqrt(v) + 2.0 * math.sqrt(w) * contacts.poses[contour, REACH]
+        contacts.poses[contour, STEP_SHIFT] = step * speed
+
+
+@implement(forget_accelerations, FloatingFrameBodies)
+@kernel(internal=True)
+def forget_floating_accelerations(kind: FloatingFrameBodies) -> None:
+    """Of frames, modes and products."""
+    for body in range(kind.table.shape[0]):
+        for k in range(6):
+            kind.frame[body, ACCELERATION + k] = 0.0
+            kind.frame[body, LAG + k] = 0.0
+    for i in range(kind.modal.shape[1]):
+        kind.modal[RATE2, i] = 0.0
+    for r in range(kind.products.shape[1]):
+        kind.products[AT_RATE2, r] = 0.0
+
+
+@implement(forget_accelerations, FixedFrameBodies)
+@kernel(internal=True)
+def forget_fixed_frame_accelerations(kind: FixedFrameBodies) -> None:
+    """Of the modes."""
+    for i in range(kind.modal.shape[1]):
+        kind.modal[RATE2, i] = 0.0

@@ -1,0 +1,91 @@
+"""Contours of rigid bodies: their control points stand still in principal axes through the centre of mass."""
+
+from __future__ import annotations
+
+import math
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.rigid import (
+    ACCELERATION,
+    DOF,
+    MID_POSITION,
+    MID_ROTATION,
+    RigidBodies,
+)
+from heavylift.solver.contact.contour_rows import put_frame_rows
+from heavylift.solver.contact.generics import (
+    bound_motion,
+    forget_accelerations,
+    pose_contours,
+    put_contour_rows,
+)
+from heavylift.solver.contact.kind import (
+    CONTOUR,
+    OF_RIGID,
+    ORIGIN,
+    OWNER,
+    REACH,
+    ROTATION,
+    STEP_SHIFT,
+    ContactRows,
+)
+from heavylift.solver.contact.kind import DOF as FIRST_VELOCITY
+from heavylift.solver.interface import Workspace
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+
+@kernel(inline=True, internal=True)
+def owner_of(kind: RigidBodies, contacts: ContactRows, contour: int) -> int:
+    """Row of the body that a contour is on, -1 if that is not of this kind."""
+    if contacts.contours[contour, OWNER] != OF_RIGID:
+        return -1
+    return (contacts.contours[contour, FIRST_VELOCITY] - kind.table[0, DOF]) // 6
+
+
+@implement(pose_contours, RigidBodies)
+@kernel(internal=True)
+def pose_rigid_contours(kind: RigidBodies, at_midpoint: bool, contacts: ContactRows) -> None:
+    """Pose of the principal frame."""
+    for contour in range(contacts.contours.shape[0]):
+        body = owner_of(kind, contacts, contour)
+        if body >= 0:
+            for k in range(9):
+                contacts.poses[contour, ROTATION + k] = kind.frame[body, MID_ROTATION + k]
+            for k in range(3):
+                contacts.poses[contour, ORIGIN + k] = kind.frame[body, MID_POSITION + k]
+
+
+@implement(put_contour_rows, RigidBodies)
+@kernel(internal=True)
+def put_rigid_contour_rows(kind: RigidBodies, contacts: ContactRows, contact: int, count: int) -> None:
+    """The six velocities of the frame."""
+    contour = contacts.table[contact, CONTOUR]
+    if owner_of(kind, contacts, contour) >= 0:
+        put_frame_rows(contacts, contact)
+
+
+@implement(bound_motion, RigidBodies)
+@kernel(internal=True)
+def bound_rigid_motion(kind: RigidBodies, contacts: ContactRows, step: float, work: Workspace) -> None:
+    """Velocity, and spin at the largest distance."""
+    for contour in range(contacts.contours.shape[0]):
+        if owner_of(kind, contacts, contour) >= 0:
+            v, w = 0.0, 0.0
+            dof = contacts.contours[contour, FIRST_VELOCITY]
+            for k in range(3):
+                v += work.velocity[dof + k] ** 2
+                w += work.velocity[dof + 3 + k] ** 2
+            contacts.poses[contour, STEP_SHIFT] = step * (
+                math.sqrt(v) + math.sqrt(w) * contacts.poses[contour, REACH]
+            )
+
+
+@implement(forget_accelerations, RigidBodies)
+@kernel(internal=True)
+def forget_rigid_accelerations(kind: RigidBodies) -> None:
+    """Of the frame, and its spin."""
+    for body in range(kind.table.shape[0]):
+        for k in range(6):
+            kind.frame[body, ACCELERATION + k] = 0.0

@@ -1,0 +1,69 @@
+"""What outlives a step: the arrays of the kinds that a checkpoint keeps, and one array that holds all of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.small import aligned
+
+__all__ = ["CARRIED", "share_state"]
+
+CARRIED = (
+    "frame",
+    "modal",
+    "products",
+    "rows",
+    "state",
+    "body",
+    "nodal",
+    "strains",
+)
+"""Fields of kinds that outlive a step."""
+
+LINE = 8
+"""Numbers in a cache line."""
+
+
+def share_state(
+    groups: tuple[tuple[Any, ...], ...],
+) -> tuple[tuple[tuple[Any, ...], ...], NDArray[np.float64]]:
+    """Put all carried arrays of some tuples of kinds into one, so that a step can be taken back by one copy.
+
+    Parameters
+    ----------
+    groups
+        Tuples of kinds.
+
+    Returns
+    -------
+    groups
+        The same kinds, their carried arrays views of one array.
+    carried
+        That array.
+    """
+    sizes = [
+        -(-getattr(kind, field).size // LINE) * LINE
+        for kinds in groups
+        for kind in kinds
+        for field in CARRIED
+        if field in kind._fields
+    ]
+    whole = aligned(max(1, sum(sizes)))
+    start = 0
+    made = []
+    for kinds in groups:
+        changed = []
+        for kind in kinds:
+            views: dict[str, NDArray[np.float64]] = {}
+            for field in CARRIED:
+                if field in kind._fields:
+                    old = getattr(kind, field)
+                    views[field] = whole[start : start + old.size].reshape(old.shape)
+                    views[field][...] = old
+                    start += -(-old.size // LINE) * LINE
+            changed.append(kind._replace(**views))
+        made.append(tuple(changed))
+    return tuple(made), whole

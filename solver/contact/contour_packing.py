@@ -1,0 +1,227 @@
+"""Contours of a scene, packed: splines, what their control points are made of, where they are carried."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.contours.layout import CONTOUR_WIDTH, WEIGHTS
+from heavylift.contours.modal_sums import modal_data
+from heavylift.contours.neutral import NeutralContour, packed
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.rotation import rotation_matrix
+from heavylift.solver.bodies.rigid import principal_frame
+from heavylift.solver.connections import GROUND
+from heavylift.solver.contact.kind import (
+    BODY,
+    CONTOUR_COLUMNS,
+    CONTROLS,
+    DIMENSION,
+    DIRECTOR,
+    DOF,
+    FLIP,
+    OF_GROUND,
+    OF_MESH,
+    OF_MODES,
+    OF_RIGID,
+    ORIGIN,
+    OWNER,
+    POSE_WIDTH,
+    RADIUS_OF,
+    REACH,
+    ROTATION,
+    WIDTH_OF,
+)
+from heavylift.solver.contacts import Contour
+from heavylift.solver.meshes import MeshBody
+from heavylift.solver.scene import FlexibleBody, RigidBody, Scene
+
+if TYPE_CHECKING:
+    from heavylift.solver.scene import AnyBody
+
+__all__ = ["PackedContours", "pack_contours"]
+
+
+@dataclass(frozen=True, eq=False)
+class PackedContours:
+    """Arrays of `ContactRows`, and what contacts on the contours need to know of them.
+
+    Attributes
+    ----------
+    rows, poses, constants, net
+        As in `ContactRows`.
+    sizes
+        Largest extension of each contour [m].
+    is_curve
+        Whether each is a curve.
+    mode_counts
+        Modes of the bodies of the contours.
+    start_normals
+        Two directions across each curve, in the world at the start, shape (2, 3): first guess of the normals of a bead.
+    """
+
+    rows: NDArray[np.int64]
+    poses: NDArray[np.float64]
+    constants: NDArray[np.float64]
+    net: NDArray[np.float64]
+    sizes: list[float]
+    is_curve: list[bool]
+    mode_counts: list[int]
+    start_normals: list[NDArray[np.float64]]
+
+
+def pack_contours(scene: Scene, ordered: Sequence[AnyBody], dofs: Mapping[str, int]) -> PackedContours:
+    """Pack all contours.
+
+    Parameters
+    ----------
+    scene, ordered
+        What the user said, and its bodies in the order of their kinds.
+    dofs
+        First velocity of each body.
+
+    Raises
+    ------
+    InputError
+        If a contour is on a body that is not there, has a degree below 3, has no spline and is not on a mesh, or its
+        modes are not those of its body.
+    """
+    by_name = {body.name: body for body in ordered}
+    neutrals = [_neutral(contour, by_name) for contour in scene.contours]
+    frames = [_frame(contour, by_name) for contour in scene.contours]
+    moved = [
+        NeutralContour(one.spaces, (one.control - origin) @ axes, one.modal, one.weights)
+        for one, (origin, axes) in zip(neutrals, frames, strict=True)
+    ]
+    table, knots, weights, net = packed(moved)
+    constants = [knots, weights]
+    rows = np.zeros((len(moved), CONTOUR_COLUMNS), dtype=np.int64)
+    poses = np.zeros((len(moved), POSE_WIDTH))
+    rows[:, :CONTOUR_WIDTH] = table
+    rows[:, WEIGHTS] += np.where(table[:, WEIGHTS] >= 0, len(knots), 0)
+    start = len(knots) + len(weights)
+    modes, normals = [], []
+    for i, (contour, one, (_, axes)) in enumerate(zip(scene.contours, moved, frames, strict=True)):
+        body = by_name.get(contour.body)
+        data = _control_data(contour, one, body)
+        rows[i, OWNER] = _owner(body)
+        rows[i, DOF] = -1 if body is None else dofs[contour.body]
+        rows[i, CONTROLS] = start
+        rows[i, DIMENSION] = len(one.spaces)
+        rows[i, FLIP] = -1 if contour.flip else 1
+        rows[i, BODY] = -1 if body is None else list(by_name).index(contour.body)
+        constants.append(data)
+        start += len(data)
+        poses[i, ROTATION : ROTATION + 9] = np.eye(3).ravel()
+        if isinstance(body, MeshBody):
+            poses[i, ROTATION : ROTATION + 9] = rotation_matrix(body.orientation).ravel()
+            poses[i, ORIGIN : ORIGIN + 3] = body.position
+        poses[i, REACH] = np.linalg.norm(one.control, axis=1).max()
+        poses[i, DIRECTOR : DIRECTOR + 3] = np.asarray(contour.director, dtype=np.float64) @ axes
+        poses[i, RADIUS_OF], poses[i, WIDTH_OF] = contour.radius, contour.width
+        modes.append(len(one.modal))
+        normals.append(_across(contour, neutrals[i], body))
+    return PackedContours(
+        rows=rows,
+        poses=poses,
+        constants=np.concatenate([np.zeros(0), *constants]),
+        net=np.ascontiguousarray(net),
+        sizes=[float(np.ptp(one.control, axis=0).max()) for one in moved],
+        is_curve=[len(one.spaces) == 1 for one in moved],
+        mode_counts=modes,
+        start_normals=normals,
+    )
+
+
+def _owner(body: AnyBody | None) -> int:
+    if body is None:
+        return OF_GROUND
+    if isinstance(body, RigidBody):
+        return OF_RIGID
+    return OF_MODES if isinstance(body, FlexibleBody) else OF_MESH
+
+
+def _neutral(contour: Contour, by_name: Mapping[str, AnyBody]) -> NeutralContour:
+    """The spline of a contour; of a mesh its own shape."""
+    if contour.body != GROUND and contour.body not in by_name:
+        raise InputError(
+            f"there is no body {contour.body!r}",
+            source=contour.name,
+            key="body",
+            expected=f"{GROUND} or one of {', '.join(sorted(by_name))}",
+        )
+    body = by_name.get(contour.body)
+    if isinstance(body, MeshBody):
+        if contour.neutral is not None:
+            raise InputError(
+                f"a spline of its own on {contour.body!r}",
+                source=contour.name,
+                key="neutral",
+                expected="none: the contour of a frame or shell is its own shape",
+            )
+        from heavylift.solver.bodies.ancf.mesh_contour import mesh_contour, start_control
+
+        made = mesh_contour(body)
+        control = start_control(body, made)
+        return NeutralContour(made.spaces, control, np.zeros((0, *control.shape)), np.zeros(0))
+    if contour.neutral is None:
+        raise InputError(
+            "no points",
+            source=contour.name,
+            key="points",
+            expected="points, nodes or a spline of the contour",
+        )
+    for space in contour.neutral.spaces:
+        if space.degree < 3:
+            raise InputError(
+                f"degree {space.degree}",
+                source=contour.name,
+                key="degree",
+                expected="3 or more: the curvature of a contour must not jump",
+            )
+    wanted = body.reduced.mode_count if isinstance(body, FlexibleBody) else 0
+    if len(contour.neutral.modal) != wanted:
+        raise InputError(
+            f"{len(contour.neutral.modal)} modes",
+            source=contour.name,
+            key="nodes",
+            expected=f"the {wanted} of {contour.body!r}",
+        )
+    return contour.neutral
+
+
+def _frame(
+    contour: Contour, by_name: Mapping[str, AnyBody]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Origin and axes, as columns, of what the solver measures the contour in, in the frame of the body."""
+    body = by_name.get(contour.body)
+    if isinstance(body, RigidBody):
+        return principal_frame(body)
+    return np.zeros(3), np.eye(3)
+
+
+def _control_data(contour: Contour, one: NeutralContour, body: AnyBody | None) -> NDArray[np.float64]:
+    """What control points are made of: of a flexible body position and mode shapes, then the largest of each mode."""
+    if not isinstance(body, FlexibleBody):
+        return np.zeros(0)
+    largest = np.linalg.norm(one.modal, axis=2).max(axis=1, initial=0.0)
+    return np.concatenate([modal_data(one), largest])
+
+
+def _across(contour: Contour, one: NeutralContour, body: AnyBody | None) -> NDArray[np.float64]:
+    """Two directions square to the first chord of a curve, in the world at the start."""
+    if len(one.spaces) == 2:
+        return np.eye(3)[:2]
+    chord = one.control[1] - one.control[0]
+    chord = chord / np.linalg.norm(chord)
+    given = np.asarray(contour.director, dtype=np.float64)
+    if not np.linalg.norm(np.cross(given, chord)) > 1e-9 * max(1.0, float(np.linalg.norm(given))):
+        given = np.eye(3)[np.argmin(np.abs(chord))]
+    first = given - (given @ chord) * chord
+    first /= np.linalg.norm(first)
+    R = np.eye(3) if body is None else rotation_matrix(body.orientation)
+    return np.stack([R @ first, R @ np.cross(chord, first)])

@@ -1,0 +1,45 @@
+"""Directions of the rows of a contact, and control points of a span: what all searches share."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from heavylift.contours.layout import DEGREE_U, DEGREE_V
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import cross, rotate
+from heavylift.solver.contact.generics import form_controls
+from heavylift.solver.contact.kind import ARM, DIRECTIONS, OF_GROUND, OF_RIGID, OWNER, ContactRows
+
+__all__ = ["form_span", "put_ball", "put_directions"]
+
+
+@kernel(internal=True)
+def form_span(contacts: ContactRows, bodies: Any, contour: int, span_u: int, span_v: int) -> None:
+    """Control points of one span in both directions."""
+    row = contacts.contours[contour]
+    if row[OWNER] != OF_RIGID and row[OWNER] != OF_GROUND:
+        form_controls(
+            bodies, contacts, contour, span_u - row[DEGREE_U], span_u, span_v - row[DEGREE_V], span_v
+        )
+
+
+@kernel(internal=True)
+def put_directions(
+    contacts: ContactRows, contour: int, n1: float, n2: float, n3: float, t1: float, t2: float, t3: float
+) -> None:
+    """Normal, first tangent and ``n x t`` in the world, from unit vectors in the axes of the contour."""
+    pose, scratch = contacts.poses[contour], contacts.scratch
+    s1, s2, s3 = cross(n1, n2, n3, t1, t2, t3)
+    a, b, d = rotate(pose, n1, n2, n3), rotate(pose, t1, t2, t3), rotate(pose, s1, s2, s3)
+    for k in range(3):
+        scratch[DIRECTIONS + k] = a[k]
+        scratch[DIRECTIONS + 3 + k] = b[k]
+        scratch[DIRECTIONS + 6 + k] = d[k]
+
+
+@kernel(internal=True)
+def put_ball(contacts: ContactRows, contour: int, radius: float, n1: float, n2: float, n3: float) -> None:
+    """Arm of a ball: from its centre against the normal."""
+    a = rotate(contacts.poses[contour], n1, n2, n3)
+    for k in range(3):
+        contacts.scratch[ARM + k] = -radius * a[k]

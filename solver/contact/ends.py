@@ -1,0 +1,262 @@
+"""Contacts at the end of the step: gaps, impacts, and the velocities of what stays closed.
+
+An impact obeys Newton's law between the end velocity of the step, which knows the elastic forces of the step, and the
+velocity after it: applied before the elastic forces, light and stiff local modes would take the whole impulse. Contacts
+that stay closed are projected like joints, but their impulses over the whole step, those of the middle included,
+may not pull: so what pushed a penetration out leaves no velocity behind.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.contact import layout as told
+from heavylift.solver.contact.delassus import assemble_delassus, contact_rates
+from heavylift.solver.contact.events import MOST_EVENTS, gap_tolerance
+from heavylift.solver.contact.generics import follow_end, project_contacts
+from heavylift.solver.contact.kind import (
+    BILATERAL,
+    CLOSED,
+    COMPLIANT,
+    CURVE,
+    DAMPING,
+    END_GAP,
+    END_GAP_2,
+    EVENT_COUNT,
+    EXPONENT,
+    FORCE,
+    FORCE_LAW,
+    FRICTION,
+    FRICTION_FORCE,
+    GAP,
+    GAP_2,
+    IMPACT,
+    IMPACTS,
+    IMPULSES,
+    LARGEST_CONTROLS,
+    LAW,
+    LOSS,
+    MIDDLE_FORCE,
+    NEW,
+    NORMAL,
+    NORMAL_FORCE,
+    PRESENT,
+    RATE,
+    REST_SPEED,
+    RESTITUTION,
+    SLEEP,
+    SLIP,
+    SLIP_PATH,
+    SLIP_SPEED,
+    STIFFNESS,
+    TANGENT,
+    TOUCH_DAMPING,
+    WARM,
+    ContactRows,
+)
+from heavylift.solver.contact.laws import normal_force
+from heavylift.solver.contact.stage import friction_rows, impulse_row, present_at, softness_of, solve_present
+from heavylift.solver.integrate.row_stage import close_step
+from heavylift.solver.interface import LAST_STEP, Workspace, add_row_work, apply_inverse
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import HALF_IMPULSE, IMPULSE, REACTION
+
+__all__ = ["REST", "pressed_force"]
+
+REST = 1e-6
+"""Rate after an impact relative to that before it, below which the contact is closed."""
+
+STICKING = 1e-9
+"""Share of the bound below which a friction impulse counts as one that holds."""
+
+
+@kernel(internal=True)
+def _is_new(contacts: ContactRows, c: int, step: float, velocity) -> bool:  # type: ignore[no-untyped-def]
+    """Whether an open contact without compliance closes at the end of this step."""
+    state = contacts.state[c]
+    if state[CLOSED] > 0.0 or contacts.table[c, LAW] == COMPLIANT:
+        return False
+    rate = contact_rates(contacts, c, velocity)[0]
+    return state[END_GAP] <= gap_tolerance(contacts, c, rate) and rate < 0.0
+
+
+@implement(project_contacts, ContactRows)
+@kernel(internal=True)
+def project_contact_rows(
+    contacts: ContactRows, bodies: Any, rows: Any, joints: Any, work: Workspace, time: float, step: float
+) -> None:
+    """With the factor of the joints at the end of the step, which have been solved without contacts."""
+    count = 0
+    for c in range(contacts.table.shape[0]):
+        state = contacts.state[c]
+        at = impulse_row(contacts, c, IMPULSE)
+        for r in range(3):
+            contacts.rows[at + r] = state[WARM + r] = 0.0
+        state[NEW] = 1.0 if _is_new(contacts, c, step, work.velocity) else 0.0
+        rubs = (
+            contacts.table[c, LAW] == COMPLIANT
+            and state[PRESENT] > 0.0
+            and contacts.values[c, FRICTION] > 0.0
+        )
+        if state[CLOSED] > 0.0 or state[NEW] > 0.0 or rubs:
+            contacts.places[LARGEST_CONTROLS + count] = c
+            count += 1
+    contacts.places[LARGEST_CONTROLS + contacts.table.shape[0]] = count
+    if count == 0:
+        return
+    apply_inverse(bodies, False, contacts)
+    for j in range(count):
+        _tell_end(contacts, j, work)
+    assemble_delassus(contacts, rows, contacts.places[LARGEST_CONTROLS:], count, contacts.column)
+    for j in range(count):  # whether it rests afterwards is told by the rate before
+        c = present_at(contacts, j)
+        contacts.state[c, RATE] = contact_rates(contacts, c, work.velocity)[0]
+    if not solve_present(contacts, count, work):
+        return
+    follow_end(rows, work)
+    for j in range(count):
+        _book_impact(contacts, j, work)
+
+
+@kernel(internal=True)
+def _tell_end(contacts: ContactRows, j: int, work: Workspace) -> None:
+    """Law of a contact for the projection."""
+    c = present_at(contacts, j)
+    state, values, law = contacts.state[c], contacts.values[c], contacts.laws[j]
+    friction_rows(contacts, j, softness_of(contacts, c), 0.0)
+    half = impulse_row(contacts, c, HALF_IMPULSE)
+    for r in range(3):
+        law[told.OFFSET + r] = 2.0 * contacts.rows[half + r]
+    kind = contacts.table[c, LAW]
+    if kind == COMPLIANT:
+        contacts.kinds[j, 0] = told.NORMAL_GIVEN
+    elif kind == BILATERAL:
+        contacts.kinds[j, 0] = told.BILATERAL
+    elif kind == CURVE:
+        contacts.kinds[j, 0] = told.CURVE
+    else:
+        contacts.kinds[j, 0] = told.UNILATERAL
+        if state[NEW] > 0.0:
+            rate = contact_rates(contacts, c, work.velocity)[0]
+            if -rate > values[REST_SPEED] and contacts.control[EVENT_COUNT] <= MOST_EVENTS:
+                law[told.TARGET] = -values[RESTITUTION] * rate
+
+
+@kernel(internal=True)
+def _book_impact(contacts: ContactRows, j: int, work: Workspace) -> None:
+    """Energy lost by an impact: its impulse on the mean of the rates before and after; by friction likewise."""
+    c = present_at(contacts, j)
+    state = contacts.state[c]
+    at = impulse_row(contacts, c, IMPULSE)
+    w, free = contacts.rates[2], contacts.rates[0]
+    loss = 0.0
+    first = 0 if state[NEW] > 0.0 else (2 if contacts.table[c, LAW] == CURVE else 1)
+    for r in range(first, 3):
+        before = free[3 * j + r]
+        loss -= 0.5 * contacts.rows[at + r] * (before + w[3 * j + r])
+    state[LOSS] += loss
+    if state[NEW] > 0.0:
+        contacts.control[IMPACT] = 1.0
+        contacts.control[EVENT_COUNT] += 1.0
+        state[IMPACTS] += 1.0
+
+
+@implement(close_step, ContactRows)
+@kernel(internal=True)
+def close_contact_step(
+    contacts: ContactRows, all_systems: Any, bodies: Any, work: Workspace, step: float
+) -> None:
+    """What stays closed, sums and forces of the step; after the bodies have taken their velocities."""
+    add_row_work(bodies, 1.0, work, contacts)
+    for c in range(contacts.table.shape[0]):
+        _close_one(contacts, c, step, work)
+
+
+@kernel(internal=True)
+def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> None:
+    state, values = contacts.state[c], contacts.values[c]
+    at, half = impulse_row(contacts, c, IMPULSE), impulse_row(contacts, c, HALF_IMPULSE)
+    reaction = impulse_row(contacts, c, REACTION)
+    kind = contacts.table[c, LAW]
+    touched = state[PRESENT] > 0.0 or state[NEW] > 0.0 or state[CLOSED] > 0.0
+    if not touched and state[SLEEP] > 0.0:
+        state[NORMAL_FORCE] = state[FRICTION_FORCE] = state[SLIP_SPEED] = 0.0
+        for r in range(3):
+            contacts.rows[reaction + r] = state[FORCE + r] = state[WARM + r] = state[MIDDLE_FORCE + r] = 0.0
+        state[GAP], state[GAP_2] = state[END_GAP], state[END_GAP_2]
+        return
+    a, b, d = contact_rates(contacts, c, work.velocity)
+    total = 2.0 * contacts.rows[half] + contacts.rows[at]
+    if kind == CURVE:
+        total = math.hypot(total, 2.0 * contacts.rows[half + 1] + contacts.rows[at + 1])
+    state[IMPULSES] += abs(total) if kind == CURVE else total
+    resting = state[PRESENT] > 0.0 and state[NEW] == 0.0
+    ahead = step / (step + work.control[LAST_STEP])
+    for r in range(3):
+        middle = (2.0 * contacts.rows[half + r] + contacts.rows[at + r]) / step if resting else 0.0
+        before = state[MIDDLE_FORCE + r]
+        continued = before != 0.0 and middle != 0.0 and kind != COMPLIANT
+        contacts.rows[reaction + r] = middle + (ahead * (middle - before) if continued else 0.0)
+        state[MIDDLE_FORCE + r] = middle
+        state[WARM + r] = contacts.rows[half + r]
+    if kind == COMPLIANT:
+        contacts.rows[reaction] = pressed_force(contacts, c, a)
+        if state[END_GAP] >= 0.0:
+            state[TOUCH_DAMPING] = -1.0
+    elif kind != BILATERAL and kind != CURVE:  # noqa: PLR1714  a set costs time here
+        stays = state[CLOSED] > 0.0 and total > 0.0
+        stays = stays or (state[NEW] > 0.0 and a <= REST * abs(state[RATE]))
+        state[CLOSED] = 1.0 if stays else 0.0
+    first = 2 if kind == CURVE else 1
+    bound = values[FRICTION] * abs(total)
+    held = 0.0
+    for r in range(first, 3):
+        held = math.hypot(held, 2.0 * contacts.rows[half + r] + contacts.rows[at + r])
+    if (state[CLOSED] == 0.0 and kind != COMPLIANT) or held >= bound * (1.0 - STICKING):
+        state[SLIP] = state[SLIP + 1] = 0.0
+    speed = abs(d) if kind == CURVE else math.hypot(b, d)
+    state[SLIP_SPEED] = speed if total != 0.0 else 0.0
+    state[SLIP_PATH] += step * state[SLIP_SPEED]
+    state[RATE] = a
+    state[GAP], state[GAP_2] = state[END_GAP], state[END_GAP_2]
+    _write_force(contacts, c, reaction, kind)
+
+
+@kernel(internal=True)
+def pressed_force(contacts: ContactRows, c: int, rate: float) -> float:
+    """Normal force [N] of a compliant contact at its gap, which opens at a rate [m/s]."""
+    values = contacts.values[c]
+    return normal_force(
+        contacts.table[c, FORCE_LAW],
+        values[STIFFNESS],
+        values[EXPONENT],
+        _damping(contacts, c),
+        -contacts.state[c, END_GAP],
+        -rate,
+    )
+
+
+@kernel(inline=True, internal=True)
+def _damping(contacts: ContactRows, c: int) -> float:
+    """Of the force law at this touch."""
+    if contacts.table[c, FORCE_LAW] == told.HUNT_CROSSLEY:
+        return max(contacts.state[c, TOUCH_DAMPING], 0.0)
+    return contacts.values[c, DAMPING]
+
+
+@kernel(internal=True)
+def _write_force(contacts: ContactRows, c: int, reaction: int, kind: int) -> None:
+    """Force on what touches, in the world."""
+    state = contacts.state[c]
+    f1, f2, f3 = contacts.rows[reaction], contacts.rows[reaction + 1], contacts.rows[reaction + 2]
+    n1, n2, n3 = state[NORMAL], state[NORMAL + 1], state[NORMAL + 2]
+    t1, t2, t3 = state[TANGENT], state[TANGENT + 1], state[TANGENT + 2]
+    # the third direction of a surface is n x t, and so is that of a curve: normals and tangent are its axes
+    s1, s2, s3 = n2 * t3 - n3 * t2, n3 * t1 - n1 * t3, n1 * t2 - n2 * t1
+    state[FORCE] = f1 * n1 + f2 * t1 + f3 * s1
+    state[FORCE + 1] = f1 * n2 + f2 * t2 + f3 * s2
+    state[FORCE + 2] = f1 * n3 + f2 * t3 + f3 * s3
+    state[NORMAL_FORCE] = math.hypot(f1, f2) if kind == CURVE else f1
+    state[FRICTION_FORCE] = abs(f3) if kind == CURVE else math.hypot(f2, f3)

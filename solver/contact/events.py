@@ -1,0 +1,281 @@
+"""Impacts within a step: the step is taken back and repeated up to the time at which the first gap closes.
+
+The time is found by Newton's method on the gap at the end of the step, with the rate of the gap there, inside a
+bracket. A contact that touches at the start of the step and would be inside at its end, without a time between
+that could be told from the start, joins the closed ones and the step is repeated. After `MOST_EVENTS` impacts in a
+whole step the rest of it goes on without restitution and without splitting: so a bouncing ball comes to rest.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.contact.delassus import contact_rates
+from heavylift.solver.contact.generics import (
+    after_step,
+    before_advance,
+    bound_motion,
+    forget_accelerations,
+    go_back,
+    locate_ends,
+    pose_contours,
+)
+from heavylift.solver.contact.interface import settle_points
+from heavylift.solver.contact.kind import (
+    AXES,
+    CENTRE,
+    CLOSED,
+    COMPLIANT,
+    CONTOUR,
+    CURVE,
+    END_GAP,
+    EVENT_COUNT,
+    EVENTS,
+    EXPONENT,
+    EXTENT,
+    FORCE_LAW,
+    GAP,
+    HIGH,
+    HIGH_GAP,
+    HIGH_RATE,
+    IMPACT,
+    JOINS,
+    LAW,
+    LONGEST,
+    LOSS,
+    LOW,
+    LOW_GAP,
+    NOMINAL,
+    PRESENT,
+    RATE,
+    RIGID,
+    SHIFT,
+    SIZE,
+    SLEEP,
+    SLIP,
+    SPLITS,
+    STEP_SHIFT,
+    STIFFNESS,
+    WATCHED,
+    ContactRows,
+)
+from heavylift.solver.contact.laws import stored_energy
+from heavylift.solver.contact.locate import locate
+from heavylift.solver.contact.stage import NEAR, impulse_row
+from heavylift.solver.interface import SPLIT, Workspace, add_row_work
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import DOF, HALF_IMPULSE, IMPULSE, WIDTH
+
+__all__ = ["MOST_EVENTS", "gap_tolerance"]
+
+MOST_EVENTS = 20
+"""Impacts within a whole step."""
+
+MOST_TRIALS = 400
+"""Of times of impacts within a whole step."""
+
+SHORTEST = 1e-6
+"""Of a whole step: an impact nearer to its start happens there."""
+
+RESOLUTION = 1e-10
+"""Of the size of a contact, that a gap is found to."""
+
+
+CLOSE = 1e-6
+"""Of the size of a contact: a gap below is searched in every step."""
+
+
+@kernel(inline=True, internal=True)
+def gap_tolerance(contacts: ContactRows, c: int, rate: float) -> float:
+    """Gap that counts as none [m]: of the size of the contact, and of the way in a whole step."""
+    return RESOLUTION * contacts.values[c, SIZE] + 1e-9 * abs(rate) * contacts.control[NOMINAL]
+
+
+@implement(before_advance, ContactRows)
+@kernel(internal=True)
+def before_contact_advance(contacts: ContactRows, bodies: Any, work: Workspace, step: float) -> None:
+    """Copy of the state; then what the contacts do at the velocities of the middle."""
+    for i in range(contacts.carried.shape[0]):
+        contacts.saved[i] = contacts.carried[i]
+    add_row_work(bodies, 2.0, work, contacts)
+    bound_motion(bodies, contacts, step, work)
+    for c in range(contacts.table.shape[0]):
+        _book_middle(contacts, c, work, step)
+        contacts.state[c, SHIFT] = _shift(contacts, c, work, step)
+
+
+@kernel(internal=True)
+def _book_middle(contacts: ContactRows, c: int, work: Workspace, step: float) -> None:
+    """Losses of friction and dampers, elastic slip; the half impulses are kept for the end."""
+    state, values = contacts.state[c], contacts.values[c]
+    at, half = impulse_row(contacts, c, IMPULSE), impulse_row(contacts, c, HALF_IMPULSE)
+    for r in range(3):
+        contacts.rows[half + r] = contacts.rows[at + r]
+    if state[PRESENT] == 0.0:
+        return
+    a, b, d = contact_rates(contacts, c, work.velocity)
+    kind = contacts.table[c, LAW]
+    if kind == COMPLIANT:
+        d0, d1 = -state[GAP], -state[GAP] - step * a
+        law, k, n = contacts.table[c, FORCE_LAW], values[STIFFNESS], values[EXPONENT]
+        stored = stored_energy(law, k, n, d1) - stored_energy(law, k, n, d0)
+        state[LOSS] -= 2.0 * contacts.rows[at] * a + stored
+    if kind != CURVE:
+        state[LOSS] -= 2.0 * contacts.rows[at + 1] * b
+    state[LOSS] -= 2.0 * contacts.rows[at + 2] * d
+    state[SLIP] += step * b
+    state[SLIP + 1] += step * d
+
+
+@kernel(internal=True)
+def _shift(contacts: ContactRows, c: int, work: Workspace, step: float) -> float:
+    """How far contour and shape can have moved towards each other in the step [m]."""
+    marker, axes = contacts.table[c, CENTRE], contacts.table[c, AXES]
+    dof, width = contacts.attachments[2 * c + 1, DOF], contacts.attachments[2 * c + 1, WIDTH]
+    speed = turning = 0.0
+    for m in range(-1, 3):
+        if m >= 0 and axes < 0:
+            break
+        J = work.jacobian[marker if m < 0 else axes + m]
+        square = 0.0
+        for k in range(3):
+            rate = 0.0
+            for i in range(width):
+                rate += J[k, i] * work.velocity[dof + i]
+            square += rate * rate
+        if m < 0:
+            speed = math.sqrt(square)
+        else:
+            turning += square
+    moved = step * (speed + math.sqrt(turning) * contacts.values[c, EXTENT])
+    return moved + contacts.poses[contacts.table[c, CONTOUR], STEP_SHIFT]
+
+
+@implement(locate_ends, ContactRows)
+@kernel(internal=True)
+def locate_contact_ends(
+    contacts: ContactRows, bodies: Any, work: Workspace, time: float, step: float
+) -> None:
+    """Search where a gap may have closed; ask for a shorter step if one without compliance has."""
+    posed = False
+    for c in range(contacts.table.shape[0]):
+        state = contacts.state[c]
+        asleep = state[SLEEP] > 0.0
+        state[SLEEP] -= state[SHIFT]
+        margin = (
+            NEAR * state[SHIFT] if contacts.table[c, LAW] == COMPLIANT else CLOSE * contacts.values[c, SIZE]
+        )
+        if state[SLEEP] > margin and state[CLOSED] == 0.0 and state[PRESENT] == 0.0:
+            state[END_GAP] = state[SLEEP]  # at least
+            continue
+        if not posed:
+            pose_contours(bodies, False, contacts)
+            posed = True
+        # far from where it was searched last another place may be nearer
+        locate(contacts, bodies, c, asleep and state[CLOSED] == 0.0, work)
+        state[SLEEP] = state[END_GAP]
+    if posed:
+        settle_points(bodies, (), False, work)
+        _find_impact(contacts, work, step)
+
+
+@kernel(internal=True)
+def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
+    """Set `work.control[SPLIT]` if an impact lies within the step, and keep its bracket."""
+    control = contacts.control
+    if control[EVENT_COUNT] >= MOST_EVENTS or control[SPLITS] >= MOST_TRIALS:
+        return
+    watched = int(control[WATCHED])
+    if watched >= 0:
+        state = contacts.state[watched]
+        rate = contact_rates(contacts, watched, work.velocity)[0]
+        if state[END_GAP] > gap_tolerance(contacts, watched, rate):
+            control[LOW], control[LOW_GAP] = step, state[END_GAP]
+    worst, worst_time = -1, math.inf
+    for c in range(contacts.table.shape[0]):
+        state = contacts.state[c]
+        if contacts.table[c, LAW] != RIGID or contacts.table[c, EVENTS] == 0 or state[CLOSED] > 0.0:
+            continue
+        if state[END_GAP] > 0.0:
+            continue
+        rate = contact_rates(contacts, c, work.velocity)[0]
+        if state[END_GAP] < -gap_tolerance(contacts, c, rate):
+            guess = step - state[END_GAP] / rate if rate < 0.0 else 0.5 * step
+            if guess < worst_time:
+                worst, worst_time = c, guess
+    if worst >= 0:
+        if worst != watched:
+            control[WATCHED], control[LOW], control[LOW_GAP] = worst, 0.0, -1.0
+            if watched < 0:
+                control[LONGEST] = step
+        control[HIGH], control[HIGH_GAP] = step, contacts.state[worst, END_GAP]
+        control[HIGH_RATE] = contact_rates(contacts, worst, work.velocity)[0]
+    elif watched < 0 or control[LOW] != step:
+        control[WATCHED] = -1.0  # nothing is inside: the step stands
+        return
+    control[SPLITS] += 1.0
+    _next_time(contacts, work, step)
+
+
+@kernel(internal=True)
+def _never_leaves(contacts: ContactRows, c: int, step: float) -> bool:
+    """Whether a contact that touches at the start of the step is not outside between that and its end."""
+    state, control = contacts.state[c], contacts.control
+    tolerance = gap_tolerance(contacts, c, control[HIGH_RATE])
+    if state[GAP] > tolerance:
+        return False
+    slowing = state[RATE] - control[HIGH_RATE]
+    if state[RATE] <= 0.0 or slowing <= 0.0:
+        return True
+    # highest point of a parabola with these rates
+    return bool(state[GAP] + 0.5 * step * state[RATE] * state[RATE] / slowing <= tolerance)
+
+
+@kernel(internal=True)
+def _next_time(contacts: ContactRows, work: Workspace, step: float) -> None:
+    """Time of the impact by Newton from the side that is inside, by the secant where that leaves the bracket."""
+    control = contacts.control
+    c = int(control[WATCHED])
+    low, high = control[LOW], control[HIGH]
+    t = high - control[HIGH_GAP] / control[HIGH_RATE] if control[HIGH_RATE] < 0.0 else 0.5 * (low + high)
+    if low > 0.0 and step == low:  # the last trial was short of it
+        t = low + (high - low) * control[LOW_GAP] / (control[LOW_GAP] - control[HIGH_GAP])
+    if not low < t < high:
+        t = 0.5 * (low + high)
+    if high - low <= 1e-12 * control[NOMINAL] and low > 0.0:
+        if step != high:
+            control[WATCHED] = -1.0
+            return
+        t = low
+    elif low == 0.0 and (t < SHORTEST * control[NOMINAL] or _never_leaves(contacts, c, step)):
+        control[JOINS] = c
+        t = control[LONGEST]
+    work.control[SPLIT] = t
+
+
+@implement(go_back, ContactRows)
+@kernel(internal=True)
+def go_back_to_copy(contacts: ContactRows) -> None:
+    """All that the step has changed; a contact that touches joins the closed ones."""
+    for i in range(contacts.carried.shape[0]):
+        contacts.carried[i] = contacts.saved[i]
+    joins = int(contacts.control[JOINS])
+    if joins >= 0:
+        contacts.state[joins, CLOSED] = 1.0
+        contacts.control[JOINS] = contacts.control[WATCHED] = -1.0
+
+
+@implement(after_step, ContactRows)
+@kernel(internal=True)
+def after_contact_step(contacts: ContactRows, bodies: Any, work: Workspace, step: float, whole: bool) -> None:
+    """Brackets and counts belong to one step."""
+    control = contacts.control
+    if control[IMPACT] > 0.0:
+        forget_accelerations(bodies)
+    control[IMPACT] = 0.0
+    control[WATCHED] = -1.0
+    control[LOW] = control[HIGH] = 0.0
+    if whole:
+        control[EVENT_COUNT] = control[SPLITS] = 0.0

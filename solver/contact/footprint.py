@@ -1,0 +1,132 @@
+"""Contact through a small disc: gap and force are means over it with the weight ``(1 - r^2/R^2)^2``.
+
+A point force has no finite displacement on a continuum, and none that is one number for a fine mesh. A disc has,
+and the mean over it is again a weighted sum of few control points.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from heavylift.contours.basis import find_span, wrap
+from heavylift.contours.evaluate import surface_weights
+from heavylift.contours.layout import (
+    CLOSED_U,
+    CLOSED_V,
+    COUNT_U,
+    COUNT_V,
+    DEGREE_U,
+    DEGREE_V,
+    KNOTS_U,
+    KNOTS_V,
+    NET,
+)
+from heavylift.contours.search_step import U, V
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import rotate_back
+from heavylift.solver.contact.features import Footprints, weigh
+from heavylift.solver.contact.generics import form_controls
+from heavylift.solver.contact.kind import (
+    CONTOUR,
+    CONTROL_COUNT,
+    DIRECTIONS,
+    END_GAP,
+    EVALUATE,
+    FOOTPRINT,
+    LARGEST_CONTROLS,
+    LEVER,
+    RADIUS,
+    RESULT,
+    RESULT_END,
+    WEIGHTS_AT,
+    ContactRows,
+)
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+ANGLES = 12
+
+# Gauss points of s = r^2/R^2 in [0, 1]; with (1 - s)^2 their weights integrate it times polynomials up to degree three
+GAUSS = (0.5 - math.sqrt(0.15), 0.5, 0.5 + math.sqrt(0.15))
+SHARES = (5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0)
+
+
+@implement(weigh, Footprints)
+@kernel(internal=True)
+def weigh_footprint(
+    feature: Footprints, contacts: ContactRows, bodies: Any, c: int, y1: float, y2: float, y3: float
+) -> None:
+    """Control points under the disc about the touched point, and their weights; lever and gap become means."""
+    if contacts.values[c, FOOTPRINT] == 0.0:
+        return
+    contour = contacts.table[c, CONTOUR]
+    row, scratch, places = contacts.contours[contour], contacts.scratch, contacts.places
+    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    dense = scratch[WEIGHTS_AT + LARGEST_CONTROLS : WEIGHTS_AT + 2 * LARGEST_CONTROLS]
+    single = scratch[WEIGHTS_AT + 2 * LARGEST_CONTROLS : WEIGHTS_AT + 3 * LARGEST_CONTROLS]
+    total = row[COUNT_U] * row[COUNT_V]
+    for i in range(total):
+        dense[i] = 0.0
+    a = result[3] ** 2 + result[4] ** 2 + result[5] ** 2
+    d = result[6] ** 2 + result[7] ** 2 + result[8] ** 2
+    b = result[3] * result[6] + result[4] * result[7] + result[5] * result[8]
+    radius, size = contacts.values[c, FOOTPRINT], math.sqrt(a)
+    across = math.sqrt(max(d - b * b / a, 1e-300))
+    low_u, high_u, low_v, high_v = 2.0, -2.0, 2.0, -2.0
+    whole = 0.0
+    for i in range(3):
+        whole += ANGLES * SHARES[i] * (1.0 - GAUSS[i]) ** 2
+    for i in range(3):
+        r = radius * math.sqrt(GAUSS[i])
+        share = SHARES[i] * (1.0 - GAUSS[i]) ** 2 / whole
+        for k in range(ANGLES):
+            angle = 2.0 * math.pi * (k + 0.5) / ANGLES
+            # along S_u and square to it in the tangent plane
+            x, y = r * math.cos(angle), r * math.sin(angle)
+            dv = y / across
+            du = x / size - b / a * dv
+            u, v = wrap(result[U] + du, row[CLOSED_U]), wrap(result[V] + dv, row[CLOSED_V])
+            low_u, high_u, low_v, high_v = min(low_u, u), max(high_u, u), min(low_v, v), max(high_v, v)
+            count = surface_weights(
+                row, contacts.constants, contacts.constants, u, v, evaluate, places, single
+            )
+            for j in range(count):
+                dense[places[j]] += share * single[j]
+    _form_window(contacts, bodies, contour, low_u, high_u, low_v, high_v)
+    p1 = p2 = p3 = 0.0
+    count = 0
+    for i in range(total):
+        w = dense[i]
+        if w != 0.0:
+            scratch[WEIGHTS_AT + count], places[count] = w, i
+            p1 += w * contacts.net[row[NET] + i, 0]
+            p2 += w * contacts.net[row[NET] + i, 1]
+            p3 += w * contacts.net[row[NET] + i, 2]
+            count += 1
+    scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2] = p1, p2, p3
+    n1, n2, n3 = rotate_back(
+        contacts.poses[contour], scratch[DIRECTIONS], scratch[DIRECTIONS + 1], scratch[DIRECTIONS + 2]
+    )
+    contacts.state[c, END_GAP] = n1 * (y1 - p1) + n2 * (y2 - p2) + n3 * (y3 - p3) - contacts.values[c, RADIUS]
+    contacts.places[CONTROL_COUNT] = count
+
+
+@kernel(internal=True)
+def _form_window(
+    contacts: ContactRows, bodies: Any, contour: int, low_u: float, high_u: float, low_v: float, high_v: float
+) -> None:
+    """Control points of a range of parameters; all of them where it goes over a seam."""
+    row, knots = contacts.contours[contour], contacts.constants
+    p, q = row[DEGREE_U], row[DEGREE_V]
+    functions_u = row[COUNT_U] + row[CLOSED_U] * p
+    functions_v = row[COUNT_V] + row[CLOSED_V] * q
+    first_u, last_u, first_v, last_v = 0, row[COUNT_U] - 1, 0, row[COUNT_V] - 1
+    if row[CLOSED_U] == 0 or high_u - low_u < 0.5:
+        first_u = find_span(knots, row[KNOTS_U], p, functions_u, low_u) - p
+        last_u = find_span(knots, row[KNOTS_U], p, functions_u, high_u)
+    if row[CLOSED_V] == 0 or high_v - low_v < 0.5:
+        first_v = find_span(knots, row[KNOTS_V], q, functions_v, low_v) - q
+        last_v = find_span(knots, row[KNOTS_V], q, functions_v, high_v)
+    form_controls(bodies, contacts, contour, first_u, last_u, first_v, last_v)

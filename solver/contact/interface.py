@@ -1,0 +1,83 @@
+"""What contacts ask of frames and shells: the spline of their own shape, and points that move over it.
+
+Contacts touch a frame or shell through *moving points*, three velocities each behind those of the bases of the body,
+in the axes of its nodal coordinates: those of the body as it was placed, which stand still. A vector v there is ``R v``
+in the world, a point x is at ``R x + o``, with orientation and position of the body.
+
+An aim lasts for the stage: `factor` and `advance` forget it. So at each stage all contacts first say where they touch
+(`aim_points`), then the points get their velocities (`settle_points`), and only then rows are asked for rates.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.solver.contacts import Contour
+from heavylift.solver.interface import Workspace
+from heavylift.solver.kinds import optional
+
+__all__ = ["aim_points", "form_mesh_controls", "moving_points", "refresh_panels", "settle_points"]
+
+
+def moving_points(contour: Contour) -> int:
+    """Moving points that each contact on a contour of a frame or shell takes.
+
+    A point beside a curve, on a band or a cylinder, moves with the tangent as well, which is the second one.
+    """
+    return 2 if contour.radius > 0.0 or contour.width > 0.0 else 1
+
+
+@optional
+def form_mesh_controls(
+    kinds: Any,
+    dof: int,
+    at_midpoint: bool,
+    contour: NDArray[np.int64],
+    first_u: int,
+    last_u: int,
+    first_v: int,
+    last_v: int,
+    net: NDArray[np.float64],
+) -> None:
+    """Bodies: control points [m] of a window of the shape of the mesh whose first velocity is `dof`, into `net`.
+
+    Both ends of the window belong to it, and one of a ring goes round. The contour is its packed row, made from
+    `heavylift.solver.bodies.ancf.mesh_contour`. Points are those of the midpoint or of the carried state, in the axes
+    of the nodal coordinates.
+    """
+
+
+@optional
+def aim_points(
+    kinds: Any,
+    dof: int,
+    slot: int,
+    controls: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    count: int,
+) -> None:
+    """Bodies: what a moving point of the mesh whose first velocity is `dof` is from now on.
+
+    It is the sum of `count` control points of the shape times their weights; control (i, j) has the number
+    ``i COUNT_V + j``. Control points of several elements may take part, as under a footprint. Weights that are
+    derivatives of basis functions make it a tangent instead of a point.
+    """
+
+
+@optional
+def settle_points(kinds: Any, systems: Any, at_midpoint: bool, work: Workspace) -> None:
+    """Bodies: after points have been aimed, their velocities of the stage into the workspace.
+
+    At the midpoint these are free velocities and what the impulses of the rows have added; at the end of the step
+    those that `advance` has left, and likewise. Impulses are those in the rows of `systems`, where nothing may stand
+    but what the velocities of the bases contain as well; with no systems there are none. What rows of joints on the
+    mesh do to the points is found too: their ``X = A^-1 G^T``.
+    """
+
+
+@optional
+def refresh_panels(systems: Any, body_kind: Any, at_midpoint: bool) -> None:
+    """Rows: ``X = A^-1 G^T`` of their attachments on a kind of meshes again."""

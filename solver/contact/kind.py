@@ -1,0 +1,183 @@
+"""The kind of contacts between contours and what touches them: a system of rows of its own beside that of the joints.
+
+Each contact has three rows on two sides, the contour and the body that touches it: the rate of the gap along the normal
+of the contour, and the two rates across it. Of a bead on a curve the first two rows are along normals of the curve, and
+the third is along it. What bodies need for rows (attachments, panels, row data) has the names and the layout of the
+system of the joints, so they serve both with the same functions.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.contours.layout import CONTOUR_WIDTH
+
+__all__ = ["ContactRows"]
+
+# columns of `table`: a row is a contact
+CONTOUR, SHAPE, LAW, CENTRE, AXES, COLUMN, FORCE_LAW, EVENTS, SLOT, PRIMITIVE_KIND, TABLE_WIDTH = range(11)
+"""Row of the contour; what touches; law; markers of its point and of three directions (-1 without); first record
+column; force law of a compliant contact; 1 to split steps at impacts; number of its moving point on a mesh; kind
+of a convex primitive."""
+
+POINT, CIRCLE, CONVEX = range(3)
+"""What touches: a point or ball, a ring, another convex primitive."""
+
+RIGID, BILATERAL, CURVE, COMPLIANT = range(4)
+"""Laws: unilateral, a slider in a surface, a bead on a curve, a force law."""
+
+# columns of `values`: constants of a contact
+(
+    FRICTION,
+    RESTITUTION,
+    REST_SPEED,
+    STIFFNESS,
+    EXPONENT,
+    DAMPING,
+    RADIUS,
+    FOOTPRINT,
+    EXTENT,
+    SIZE,
+    INVERSE_MASS,
+) = range(11)
+PRIMITIVE = 11
+"""Coefficient; restitution; speed below which there is none [m/s]; of the force law; radius of a ball [m]; of the
+footprint [m]; largest distance of the shape from its point [m]; length that makes gaps small or large [m];
+characteristic inverse mass [1/kg]; then the numbers of a primitive."""
+
+VALUE_WIDTH = 32
+
+# columns of `state`: what a contact carries
+AT_U, AT_V, GAP, GAP_2, CLOSED, RATE, SLEEP, SHIFT, SLIP = range(9)
+"""Coordinates of the touched point; gap at the end of the last step [m], along both normals of a curve; 1 while closed;
+rate of the gap there [m/s]; distance that the gap can close before a search is due, negative before the first one;
+that by which it can have closed in the last step; elastic slip along both tangents [m]."""
+
+NORMAL, TANGENT, FORCE, TOUCHED = 10, 13, 16, 19
+"""Normal and first tangent in the world; force on what touches [N]; touched point [m]."""
+
+IMPULSES, LOSS, IMPACTS, SLIP_PATH, SLIP_SPEED, NORMAL_FORCE, FRICTION_FORCE = range(22, 29)
+"""Sum of normal impulses [N s]; energy lost [J]; impacts; path [m] and speed [m/s] of the slip; forces [N]."""
+
+TOUCH_DAMPING, WARM, MIDDLE_FORCE, NEW, PRESENT, END_GAP, END_GAP_2 = 29, 30, 33, 36, 37, 38, 39
+"""Damping of Hunt and Crossley that belongs to the present touch; impulses of the last step, which start the next
+iteration; forces of the three rows in the middle of the last step [N]; 1 if it closes at the end of this step; 1
+if it takes part in the present stage; gaps at the end of this step."""
+
+STATE_WIDTH = 40
+
+# columns of `contours`: those of the spline, then
+OWNER, DOF, CONTROLS, DIMENSION, FLIP, BODY = range(CONTOUR_WIDTH, CONTOUR_WIDTH + 6)
+CONTOUR_COLUMNS = CONTOUR_WIDTH + 6
+"""Kind of its body; first velocity; place of the data of its control points in `constants`; 1 of curves, 2 of
+surfaces; -1 if the normal is turned round, else 1; number of the body. Of flexible bodies the largest
+displacements of a control point by each mode follow the data of the control points."""
+
+OF_GROUND, OF_RIGID, OF_MODES, OF_MESH = range(4)
+
+# columns of `poses`: of the axes of each contour
+ROTATION, ORIGIN, REACH, STEP_SHIFT, DIRECTOR, RADIUS_OF, WIDTH_OF, POSE_WIDTH = 0, 9, 12, 13, 14, 17, 18, 20
+"""Rotation matrix and origin at the stage; largest distance of a control point from the origin [m], and how far
+one moves in the step at most; constants of derived contours: direction across a band, radius and width [m]."""
+
+# places in `scratch`
+RESULT, RESULT_END, DIRECTIONS, LEVER, SLOPES, HAS_SLOPES, ARM, SHAPE_ROW, EVALUATE = (
+    0,
+    64,
+    64,
+    73,
+    76,
+    85,
+    86,
+    89,
+    112,
+)
+"""Result of a search; directions of the three rows in the world; touched point in the axes of the contour; factors
+of the rates of its tangent in the rows, and whether there are any; from the point of the shape to where it
+touches, in the world; row of a primitive; scratch of evaluation and search."""
+
+LARGEST_CONTROLS = 1024
+"""Control points under a footprint, and under a point."""
+
+CONTROL_COUNT = LARGEST_CONTROLS - 1
+"""Place of their number in `places`, which begins with their numbers."""
+
+WEIGHTS_AT = 1024
+"""Weights of control points in the touched point, then in its tangent."""
+
+SHAPES = WEIGHTS_AT + 3 * LARGEST_CONTROLS
+"""Mode shapes at the touched point, and their derivatives; from here on as long as the scene needs."""
+
+# columns of `control`
+EVENT_COUNT, LOW, LOW_GAP, HIGH, HIGH_GAP, HIGH_RATE, WATCHED, JOINS = range(8)
+IMPACT, RESIDUAL, ROUNDS, NOMINAL, LONGEST, SPLITS, CONTROL_WIDTH = range(8, 15)
+"""Impacts since the last whole step; bracket of the time of an impact with gaps, and the rate at its end; contact
+it is for, -1 without; contact that joins the closed ones when the step is repeated, -1 without; 1 after an impact;
+largest residual and number of iterations of the solver in the last step; length of whole steps [s]; length of the
+step that an impact was first seen in [s]; trials since the last whole step."""
+
+
+class ContactRows(NamedTuple):
+    """All contacts of a scene; columns are named at the top of this file.
+
+    Attributes
+    ----------
+    features
+        What kinds of contact there are.
+    shape, attachments, panels, rows, inverse_mass
+        As in the system of joints; block c and its attachments 2 c (contour) and 2 c + 1 (what touches) belong to
+        contact c. Impulses push what touches along the normal.
+    table, values, state
+        Of each contact, shapes (nc, 10), (nc, 32), (nc, 40).
+    contours
+        Packed rows of the contours, shape (n, 16).
+    poses
+        Shape (n, 20).
+    constants
+        Knots, rational weights, and what control points are made of: of a flexible body position [m] and mode shapes,
+        3 + 3 nf numbers a point, component by component; flat.
+    net
+        Control points of the stage in the axes of their contours [m], shape (all points, 3).
+    delassus
+        Rates by impulses of the contacts that are present, shape (3 nc, 3 nc).
+    laws, kinds
+        What the solver is told of each of them, shapes (nc, 16) and (nc, 2).
+    rates
+        Rates without contact, impulses and rates for the solver, shape (3, 3 nc).
+    column
+        Scratch, as long as the velocities of the scene.
+    scratch, places, workspace
+        Numbers and places that live within one call.
+    control
+        Of events, shape (16,).
+    carried, saved
+        All that a step changes in the scene, as one array, and its copy.
+    """
+
+    features: Any
+    shape: Any
+    attachments: NDArray[np.int64]
+    panels: NDArray[np.float64]
+    rows: NDArray[np.float64]
+    inverse_mass: NDArray[np.float64]
+    table: NDArray[np.int64]
+    values: NDArray[np.float64]
+    state: NDArray[np.float64]
+    contours: NDArray[np.int64]
+    poses: NDArray[np.float64]
+    constants: NDArray[np.float64]
+    net: NDArray[np.float64]
+    delassus: NDArray[np.float64]
+    laws: NDArray[np.float64]
+    kinds: NDArray[np.int64]
+    rates: NDArray[np.float64]
+    column: NDArray[np.float64]
+    scratch: NDArray[np.float64]
+    places: NDArray[np.int64]
+    workspace: NDArray[np.float64]
+    control: NDArray[np.float64]
+    carried: NDArray[np.float64]
+    saved: NDArray[np.float64]

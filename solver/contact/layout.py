@@ -1,0 +1,58 @@
+"""Contacts as the solver sees them: kinds, parameters and rows.
+
+Contact c has the rows 3c, 3c + 1, 3c + 2: w is the rate of the gap along the normal (opening is positive) and the two
+rates of slip, p the impulses on these rows. A parameter row holds S, b and o in the order of the rows::
+
+    0 <= p_n + o_n  _|_  w_n + S_n p_n - b_n >= 0
+    p_t + o_t = Proj_{|.| <= mu (p_n + o_n)} ( o_t + (b_t - w_t) / S_t )
+
+with the softness S, the target b and the offset o, an impulse that the contact has got already. For ``CURVE`` the
+first two rows are equations (the normals of the curve) and the third one is friction along it.
+"""
+
+from __future__ import annotations
+
+__all__ = [
+    "BILATERAL",
+    "COMPLIANT",
+    "CURVE",
+    "DAMPING",
+    "DEPTH",
+    "EXPONENT",
+    "FRICTION",
+    "HERTZ",
+    "HUNT_CROSSLEY",
+    "INACTIVE",
+    "LINEAR",
+    "NORMAL_GIVEN",
+    "OFFSET",
+    "PARAMETERS",
+    "SOFTNESS",
+    "STEP",
+    "STIFFNESS",
+    "TARGET",
+    "UNILATERAL",
+]
+
+INACTIVE, UNILATERAL, BILATERAL, CURVE, COMPLIANT, NORMAL_GIVEN = range(6)
+"""Kinds of contact, in column 0 of the kinds. Normal rows:
+
+- INACTIVE: no impulse on any row,
+- UNILATERAL: complementarity as above,
+- BILATERAL: an equation, with friction bounded by ``mu |p_n + o_n|``,
+- CURVE: two equations, with friction bounded by ``mu hypot(p_0 + o_0, p_1 + o_1)``,
+- COMPLIANT: half of the step times the mean force from the depth at its start to that at its end, ``d_0 - h w_n``,
+- NORMAL_GIVEN: no further impulse; friction bounded by ``mu o_n``.
+"""
+
+LINEAR, HERTZ, HUNT_CROSSLEY = range(3)
+"""Laws of ``COMPLIANT``, in column 1 of the kinds."""
+
+FRICTION = 0  # Coulomb's coefficient
+SOFTNESS = 1  # of the three rows [m/(s Ns)], above zero
+TARGET = 4  # of the three rows [m/s]
+OFFSET = 7  # of the three rows [N s]
+STIFFNESS, EXPONENT, DAMPING, DEPTH, STEP = range(
+    10, 15
+)  # of a compliant normal; depth at the start of the step
+PARAMETERS = 16  # width of a row

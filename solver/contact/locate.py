@@ -1,0 +1,78 @@
+"""Where a contact touches: the point of the contour, the normal, the gap, and its rows on both sides.
+
+Everything happens in the axes of the contour, in which the control points of a rigid body stand still and those of a
+flexible body are formed where they are needed.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from heavylift.contours.search_step import U, V
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import rotate, rotate_back
+from heavylift.solver.contact.features import touch, weigh
+from heavylift.solver.contact.generics import put_contour_rows
+from heavylift.solver.contact.kind import (
+    AT_U,
+    AT_V,
+    CENTRE,
+    CONTOUR,
+    CONTROL_COUNT,
+    DIRECTIONS,
+    HAS_SLOPES,
+    LEVER,
+    NORMAL,
+    OF_GROUND,
+    OF_RIGID,
+    ORIGIN,
+    OWNER,
+    RESULT,
+    TANGENT,
+    TOUCHED,
+    ContactRows,
+)
+from heavylift.solver.contact.search_start import find_start
+from heavylift.solver.contact.slider_rows import put_slider_rows
+from heavylift.solver.interface import POINT, Workspace
+
+__all__ = ["locate"]
+
+
+@kernel(internal=True)
+def locate(contacts: ContactRows, bodies: Any, c: int, cold: bool, work: Workspace) -> None:
+    """Search, then gap, touched point and rows of a contact at the stage.
+
+    Parameters
+    ----------
+    contacts, bodies, work
+        Posed contours, bodies, filled markers.
+    c
+        The contact.
+    cold
+        Search from everywhere, not from the last place.
+    """
+    contour = contacts.table[c, CONTOUR]
+    pose, scratch, state = contacts.poses[contour], contacts.scratch, contacts.state[c]
+    marker = contacts.table[c, CENTRE]
+    y1, y2, y3 = rotate_back(
+        pose,
+        work.markers[marker, POINT] - pose[ORIGIN],
+        work.markers[marker, POINT + 1] - pose[ORIGIN + 1],
+        work.markers[marker, POINT + 2] - pose[ORIGIN + 2],
+    )
+    if cold:
+        find_start(contacts, bodies, c, y1, y2, y3)
+    scratch[HAS_SLOPES] = 0.0
+    touch(contacts.features, contacts, bodies, c, cold, y1, y2, y3, work)
+    state[AT_U], state[AT_V] = scratch[RESULT + U], scratch[RESULT + V]
+    contacts.places[CONTROL_COUNT] = 0
+    if contacts.contours[contour, OWNER] != OF_RIGID and contacts.contours[contour, OWNER] != OF_GROUND:
+        weigh(contacts.features, contacts, bodies, c, y1, y2, y3)
+    s = rotate(pose, scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2])
+    for k in range(3):
+        state[TOUCHED + k] = pose[ORIGIN + k] + s[k]
+        state[NORMAL + k] = scratch[DIRECTIONS + k]
+        state[TANGENT + k] = scratch[DIRECTIONS + 3 + k]
+    put_contour_rows(bodies, contacts, c, contacts.places[CONTROL_COUNT])
+    put_slider_rows(contacts, c, work)

@@ -1,0 +1,237 @@
+"""Solver of all contacts at once: impulses that satisfy complementarity and Coulomb's law on given bodies.
+
+Semi-smooth Newton method on the laws of P. Alart and A. Curnier (Comput. Methods Appl. Mech. Eng. 92 (1991)), true
+cone of Coulomb, without association of slip and opening. The linear systems have the size of the touched velocities,
+so the cost of many contacts on few bodies grows with their number only linearly; contacts that press on the same
+bodies more often than needed share by their softness. Where the method does not converge, proximal steps follow.
+Nothing is accepted by less than its residual; what
+remains without a solution comes back as failed, with impulses that at least push and stay in their cones.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import solve_symmetric_3
+from heavylift.solver.contact.contact_rows import clip
+from heavylift.solver.contact.fallback_gauss_seidel import sweep_contacts
+from heavylift.solver.contact.fallback_proximal import take_proximal_steps
+from heavylift.solver.contact.iteration import (
+    ACCEPTED,
+    Problem,
+    divide,
+    fill_rows,
+    find_diagonal,
+    iterate,
+    workspace_length,
+)
+from heavylift.solver.contact.layout import FRICTION, OFFSET, SOFTNESS, TARGET, UNILATERAL
+from heavylift.solver.contact.system import gather, multiply
+
+__all__ = [
+    "BY_GAUSS_SEIDEL",
+    "BY_NEWTON",
+    "BY_PROXIMAL_STEPS",
+    "FAILED",
+    "solve_contacts",
+    "solve_contacts_reduced",
+    "workspace_length",
+]
+
+BY_NEWTON, BY_PROXIMAL_STEPS, BY_GAUSS_SEIDEL = range(3)
+FAILED = -1
+
+LIMITS = (25, 20, 30, 60, 40, 25)
+FALLS = (1.0, 0.1, 0.3, 0.1, 0.5, 0.03)
+GROWTHS = (1.0, 3.0, 10.0, 2.0, 2.0, 5.0)
+"""Iterations of Newton's method in the first attempt; in the others for a proximal step, and how its size changes.
+
+Each of the others misses a few of 1000 problems with wedged contacts, but not the same ones.
+"""
+
+
+@kernel(internal=True)
+def _solve(
+    problem: Problem, workspace: NDArray[np.float64], p: NDArray[np.float64], out: NDArray[np.float64]
+) -> tuple[int, int, float]:
+    """Solve by Newton's method, then by proximal steps from the given impulses and from none; out: velocities."""
+    n = 3 * problem.number
+    work = divide(problem, workspace)
+    find_diagonal(problem, work)
+    for i in range(n):
+        if not abs(work.w0[i]) < np.inf:  # the bodies themselves have been lost before
+            for j in range(problem.size):
+                out[j] = problem.start[j]
+            return FAILED, 0, np.inf
+        if not abs(p[i]) < np.inf:
+            p[i] = 0.0
+        work.begin[i] = p[i]
+    fill_rows(problem, work, 0.0, work.begin)
+    status, found, total, residual = BY_NEWTON, False, 0, np.inf
+    for attempt in range(len(LIMITS)):
+        if attempt == 0:
+            found, iterations, residual = iterate(problem, work, p, LIMITS[attempt], ACCEPTED)
+        else:
+            for i in range(n):
+                p[i] = work.begin[i] if attempt == 1 else 0.0
+            found, iterations, residual = take_proximal_steps(
+                problem, work, p, LIMITS[attempt], FALLS[attempt], GROWTHS[attempt]
+            )
+            status = BY_PROXIMAL_STEPS
+        total += iterations
+        if found:
+            break
+    if not found:
+        fill_rows(problem, work, 0.0, work.begin)
+        found, sweeps, residual = sweep_contacts(problem, work, p)
+        status = BY_GAUSS_SEIDEL
+        total += sweeps
+    if not found:
+        status = FAILED
+    for c in range(problem.number):
+        clip(problem.kinds, problem.parameters, c, p)
+    gather(problem.number, problem.ends, problem.blocks, problem.size, p, 3, work.z)
+    multiply(problem.size, problem.B, work.z, out)
+    for i in range(problem.size):
+        out[i] += problem.start[i]
+    return status, total, residual
+
+
+@kernel(inline=True, internal=True)
+def _solve_one(
+    kinds: NDArray[np.int64],
+    parameters: NDArray[np.float64],
+    w0: NDArray[np.float64],
+    W: NDArray[np.float64],
+    p: NDArray[np.float64],
+) -> bool:
+    """Solve a single unilateral contact that is open, without friction, or sticks; False if it is none of these."""
+    mu = parameters[0, FRICTION]
+    o0, o1, o2 = parameters[0, OFFSET], parameters[0, OFFSET + 1], parameters[0, OFFSET + 2]
+    S, b = parameters[0, SOFTNESS], parameters[0, TARGET]
+    g = w0[0] - W[0, 1] * o1 - W[0, 2] * o2 - b  # without impulse on the tangents
+    if g - (W[0, 0] + S) * o0 >= 0.0:
+        p[0], p[1], p[2] = -o0, -o1, -o2
+        return True
+    if mu <= 0.0:
+        p[0], p[1], p[2] = -g / (W[0, 0] + S), -o1, -o2
+        return True
+    p0, p1, p2 = solve_symmetric_3(
+        W[0, 0] + S,
+        W[1, 1] + parameters[0, SOFTNESS + 1],
+        W[2, 2] + parameters[0, SOFTNESS + 2],
+        W[0, 1],
+        W[0, 2],
+        W[1, 2],
+        b - w0[0],
+        parameters[0, TARGET + 1] - w0[1],
+        parameters[0, TARGET + 2] - w0[2],
+    )
+    P0, P1, P2 = p0 + o0, p1 + o1, p2 + o2
+    if P0 >= 0.0 and mu * mu * P0 * P0 >= P1 * P1 + P2 * P2:
+        p[0], p[1], p[2] = p0, p1, p2
+        return True
+    return False
+
+
+@kernel
+def solve_contacts(
+    count: int,
+    kinds: NDArray[np.int64],
+    parameters: NDArray[np.float64],
+    w0: NDArray[np.float64],
+    W: NDArray[np.float64],
+    p: NDArray[np.float64],
+    w: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+) -> tuple[int, int, float]:
+    """Impulses of contacts from their matrix: ``w = w0 + W p``.
+
+    Parameters
+    ----------
+    count
+        Contacts.
+    kinds, parameters
+        See the layout, shapes (count, 2) and (count, PARAMETERS) or more rows.
+    w0, W
+        Rates without impulses, shape (3 count,), and the symmetric positive semidefinite matrix of all rows,
+        (3 count, 3 count); larger arrays: their first part.
+    p
+        In: impulses to begin with, those of the step before or zeros. Out: the solution, (3 count,).
+    w
+        Out: rates, (3 count,).
+    workspace
+        At least ``workspace_length(count, 3 count)`` numbers.
+
+    Returns
+    -------
+    status
+        BY_NEWTON, BY_PROXIMAL_STEPS: solved; FAILED: p is no solution.
+    iterations
+        Linear systems solved.
+    residual
+        Largest violation of the laws by a contact, as a rate, relative to the largest of w0 and W p.
+    """
+    status, iterations, residual = BY_NEWTON, 0, 0.0
+    if count == 0:
+        return status, iterations, residual
+    if count == 1 and kinds[0, 0] == UNILATERAL and _solve_one(kinds, parameters, w0, W, p):
+        for i in range(3):
+            w[i] = w0[i] + W[i, 0] * p[0] + W[i, 1] * p[1] + W[i, 2] * p[2]
+        return status, iterations, residual
+    problem = Problem(count, kinds, parameters, kinds[:0], parameters[:0], 3 * count, w0, W)
+    status, iterations, residual = _solve(problem, workspace, p, w)
+    return status, iterations, residual
+
+
+@kernel
+def solve_contacts_reduced(
+    count: int,
+    kinds: NDArray[np.int64],
+    parameters: NDArray[np.float64],
+    ends: NDArray[np.int64],
+    blocks: NDArray[np.float64],
+    size: int,
+    y0: NDArray[np.float64],
+    B: NDArray[np.float64],
+    p: NDArray[np.float64],
+    y: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+) -> tuple[int, int, float]:
+    """Impulses of many contacts on few velocities: ``w = N y``, ``y = y0 + B N^T p``.
+
+    Parameters
+    ----------
+    count, kinds, parameters
+        As of `solve_contacts`.
+    ends
+        Per contact first velocity and number of velocities, up to 6, of its first and of its second end, shape
+        (count, 4); number 0: no such end.
+    blocks
+        Rows of N per contact, shape (count, 36): three rows of stride 6 of the first end, then of the second.
+    size
+        Touched velocities.
+    y0, B
+        Velocities without impulses, (size,), and their symmetric positive semidefinite inverse mass, (size, size).
+    p
+        In: impulses to begin with; out: the solution, (3 count,).
+    y
+        Out: velocities, (size,).
+    workspace
+        At least ``workspace_length(count, size)`` numbers.
+
+    Returns
+    -------
+    status, iterations, residual
+        As of `solve_contacts`.
+    """
+    status, iterations, residual = BY_NEWTON, 0, 0.0
+    if count == 0:
+        for i in range(size):
+            y[i] = y0[i]
+        return status, iterations, residual
+    problem = Problem(count, kinds, parameters, ends, blocks, size, y0, B)
+    status, iterations, residual = _solve(problem, workspace, p, y)
+    return status, iterations, residual

@@ -1,0 +1,359 @@
+"""Contours and contacts of a scene become one kind."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.contours.convex import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    ELLIPSOID,
+    RING,
+    SHAPE_WIDTH,
+    shape_row,
+)
+from heavylift.numerics.lanes import block_shape
+from heavylift.solver.connections import axes_about
+from heavylift.solver.contact import layout as told
+from heavylift.solver.contact.checks import check_contact
+from heavylift.solver.contact.contour_packing import PackedContours, pack_contours
+from heavylift.solver.contact.features import Curves, Footprints, Primitives, Rings, Surfaces
+from heavylift.solver.contact.interface import moving_points
+from heavylift.solver.contact.kind import (
+    AXES,
+    BILATERAL,
+    CENTRE,
+    CIRCLE,
+    COLUMN,
+    COMPLIANT,
+    CONTOUR,
+    CONTROL_WIDTH,
+    CONVEX,
+    CURVE,
+    DAMPING,
+    EVENTS,
+    EXPONENT,
+    EXTENT,
+    FOOTPRINT,
+    FORCE_LAW,
+    FRICTION,
+    JOINS,
+    LARGEST_CONTROLS,
+    LAW,
+    NORMAL,
+    POINT,
+    PRIMITIVE,
+    PRIMITIVE_KIND,
+    RADIUS,
+    REST_SPEED,
+    RESTITUTION,
+    RIGID,
+    SHAPE,
+    SHAPES,
+    SIZE,
+    SLOT,
+    STATE_WIDTH,
+    STIFFNESS,
+    TABLE_WIDTH,
+    TANGENT,
+    TOUCH_DAMPING,
+    VALUE_WIDTH,
+    WATCHED,
+    ContactRows,
+)
+from heavylift.solver.contact.newton import workspace_length
+from heavylift.solver.contacts import (
+    BilateralLaw,
+    BoxShape,
+    CapsuleShape,
+    CircleShape,
+    Contact,
+    CylinderShape,
+    EllipsoidShape,
+    HertzLaw,
+    HuntCrossleyLaw,
+    LinearLaw,
+    PointShape,
+    RigidLaw,
+    SphereShape,
+)
+from heavylift.solver.interface import FORCES
+from heavylift.solver.joints.packing import MarkerBook
+from heavylift.solver.meshes import MeshBody
+from heavylift.solver.rows import ROW_COLUMNS, SCALE, Attachment
+from heavylift.solver.scene import FlexibleBody, RigidBody, Scene
+
+if TYPE_CHECKING:
+    from heavylift.solver.scene import AnyBody
+
+__all__ = ["contact_markers", "count_moving", "pack_contacts"]
+
+ROWS = 3
+
+
+@dataclass(frozen=True)
+class ContactMarkers:
+    """Markers of one contact: its point, and three directions of its body or -1."""
+
+    centre: int
+    axes: int
+
+
+def count_moving(scene: Scene) -> dict[str, int]:
+    """Contacts on contours of each frame and shell: each touches a point of its own that moves."""
+    on = {contour.name: contour for contour in scene.contours}
+    meshes = {body.name for body in scene.bodies if isinstance(body, MeshBody)}
+    counts: dict[str, int] = {}
+    for contact in scene.contacts:
+        contour = on.get(contact.contour)
+        if contour is not None and contour.body in meshes:
+            counts[contour.body] = counts.get(contour.body, 0) + moving_points(contour)
+    return counts
+
+
+def contact_markers(scene: Scene, book: MarkerBook) -> list[ContactMarkers]:
+    """Points and directions of what touches."""
+    found = []
+    for contact in scene.contacts:
+        point = np.asarray(contact.point, dtype=np.float64)
+        centre = book.point(contact.body, point, FORCES)
+        axes = -1
+        # a ball without friction does not feel how its body turns
+        plain = isinstance(contact.shape, PointShape) or (
+            isinstance(contact.shape, SphereShape) and contact.friction == 0.0
+        )
+        if not plain:
+            axes = book.direction(contact.body, np.eye(3)[0], FORCES, at=point)
+            for axis in np.eye(3)[1:]:
+                book.direction(contact.body, axis, FORCES, at=point)
+        found.append(ContactMarkers(centre, axes))
+    return found
+
+
+def pack_contacts(
+    scene: Scene,
+    ordered: Sequence[AnyBody],
+    columns: Sequence[int],
+    markers: Sequence[ContactMarkers],
+    attachment: Callable[[str], Attachment],
+    dofs: Mapping[str, int],
+    inverse_mass: NDArray[np.float64],
+    scales: Callable[[str], tuple[float, float]],
+    block_count: int,
+) -> ContactRows:
+    """Make the kind.
+
+    Parameters
+    ----------
+    scene, ordered
+        What the user said, and its bodies in the order of their kinds.
+    columns
+        First record column of each contact.
+    markers
+        From `contact_markers`.
+    attachment, dofs, inverse_mass, scales
+        Where the rows of a body go, its first velocity, inverse masses by velocity, inverse mass and inertia by name.
+    block_count
+        Blocks of the rows of the joints, which come first in messages.
+
+    Raises
+    ------
+    InputError
+        What `check_contact` refuses.
+    """
+    for module in _contour_modules(ordered):
+        importlib.import_module(f"heavylift.solver.bodies.{module}")
+    packed = pack_contours(scene, ordered, dofs)
+    count = len(scene.contacts)
+    numbers = {contour.name: i for i, contour in enumerate(scene.contours)}
+    table = np.zeros((count, TABLE_WIDTH), dtype=np.int64)
+    values = np.zeros((count, VALUE_WIDTH))
+    state = np.zeros((count, STATE_WIDTH))
+    sides: list[Attachment] = []
+    slots: dict[str, int] = {}
+    for i, (contact, column, marker) in enumerate(zip(scene.contacts, columns, markers, strict=True)):
+        check_contact(contact, scene, scales)
+        contour = scene.contours[numbers[contact.contour]]
+        sides += [attachment(contour.body), attachment(contact.body)]
+        size = packed.sizes[numbers[contact.contour]]
+        kind, extent, radius, primitive_kind, numbers_of_shape = _shape(contact)
+        table[i, CONTOUR], table[i, SHAPE] = numbers[contact.contour], kind
+        table[i, LAW], table[i, FORCE_LAW] = _law(contact, packed.is_curve[numbers[contact.contour]])
+        table[i, CENTRE], table[i, AXES], table[i, COLUMN] = marker.centre, marker.axes, column
+        table[i, EVENTS] = int(contact.events)
+        table[i, SLOT] = slots.get(contour.body, 0)
+        slots[contour.body] = slots.get(contour.body, 0) + moving_points(contour)
+        table[i, PRIMITIVE_KIND] = primitive_kind
+        values[i, FRICTION], values[i, FOOTPRINT] = contact.friction, contact.footprint
+        values[i, RADIUS], values[i, EXTENT] = radius, extent
+        values[i, SIZE] = extent if extent > 0.0 else size
+        values[i, PRIMITIVE : PRIMITIVE + SHAPE_WIDTH] = numbers_of_shape
+        _put_law(contact, values[i])
+        state[i, NORMAL : NORMAL + 3], state[i, TANGENT : TANGENT + 3] = packed.start_normals[
+            numbers[contact.contour]
+        ]
+        state[i, TOUCH_DAMPING] = -1.0
+    return _kind(packed, sides, table, values, state, inverse_mass, block_count)
+
+
+def _kind(
+    packed: PackedContours,
+    sides: Sequence[Attachment],
+    table: NDArray[np.int64],
+    values: NDArray[np.float64],
+    state: NDArray[np.float64],
+    inverse_mass: NDArray[np.float64],
+    block_count: int,
+) -> ContactRows:
+    """Allocate everything that a step needs."""
+    count = len(table)
+    shape = block_shape(ROWS)
+    lanes = len(shape[1])
+    window = max([6, *(side.width for side in sides)])
+    attachments = np.zeros((2 * count, 5), dtype=np.int64)
+    for i, side in enumerate(sides):
+        attachments[i] = side.dof, side.width, i * window * lanes, side.holder, i // 2
+    rows = np.zeros((count, ROW_COLUMNS, lanes))
+    rows[:, SCALE, :ROWS] = 1.0
+    places = np.zeros(LARGEST_CONTROLS + count + 2, dtype=np.int64)
+    places[-1] = block_count
+    control = np.zeros(CONTROL_WIDTH)
+    control[WATCHED] = control[JOINS] = -1.0
+    return ContactRows(
+        features=_features(packed, table, values),
+        shape=shape,
+        attachments=attachments,
+        panels=np.zeros(4 * count * window * lanes),
+        rows=rows.ravel(),
+        inverse_mass=np.ascontiguousarray(inverse_mass, dtype=np.float64),
+        table=table,
+        values=values,
+        state=state,
+        contours=packed.rows,
+        poses=packed.poses,
+        constants=packed.constants,
+        net=packed.net,
+        delassus=np.zeros((3 * count, 3 * count)),
+        laws=np.zeros((count, told.PARAMETERS)),
+        kinds=np.zeros((count, 2), dtype=np.int64),
+        rates=np.zeros((3, 3 * count)),
+        column=np.zeros(len(inverse_mass)),
+        scratch=np.zeros(SHAPES + 6 * max([1, *packed.mode_counts])),
+        places=places,
+        workspace=np.zeros(int(workspace_length(count, 3 * count))),
+        control=control,
+        carried=np.zeros(0),
+        saved=np.zeros(0),
+    )
+
+
+def _features(
+    packed: PackedContours, table: NDArray[np.int64], values: NDArray[np.float64]
+) -> tuple[Any, ...]:
+    """Kinds of contact that are there; only their code is imported."""
+    on_curve = np.array([packed.is_curve[i] for i in table[:, CONTOUR]], dtype=bool)
+    counts = {
+        "touch_surface": (Surfaces, np.count_nonzero(~on_curve & (table[:, SHAPE] == POINT))),
+        "touch_curve": (Curves, np.count_nonzero(on_curve)),
+        "touch_ring": (Rings, np.count_nonzero(table[:, SHAPE] == CIRCLE)),
+        "touch_primitive": (Primitives, np.count_nonzero(table[:, SHAPE] == CONVEX)),
+        "footprint": (Footprints, np.count_nonzero(values[:, FOOTPRINT] > 0.0)),
+    }
+    features = []
+    for module, (feature, count) in counts.items():
+        if count:
+            importlib.import_module(f"heavylift.solver.contact.{module}")
+            features.append(feature(int(count)))
+    return tuple(features)
+
+
+def _contour_modules(ordered: Sequence[AnyBody]) -> list[str]:
+    """Modules with what bodies do for contacts; those of kinds that are there."""
+    modules = []
+    if any(isinstance(body, RigidBody) for body in ordered):
+        modules.append("rigid_contours")
+    if any(isinstance(body, FlexibleBody) for body in ordered):
+        modules.append("floating_frame_contours")
+    if any(isinstance(body, MeshBody) for body in ordered):
+        modules.append("ancf.contours")
+    return modules
+
+
+def _law(contact: Contact, of_curve: bool) -> tuple[int, int]:
+    """Law, and force law of a compliant one."""
+    law = contact.law
+    if isinstance(law, RigidLaw):
+        return RIGID, 0
+    if isinstance(law, BilateralLaw):
+        return (CURVE if of_curve else BILATERAL), 0
+    kinds = {LinearLaw: told.LINEAR, HertzLaw: told.HERTZ, HuntCrossleyLaw: told.HUNT_CROSSLEY}
+    return COMPLIANT, kinds[type(law)]
+
+
+def _put_law(contact: Contact, values: NDArray[np.float64]) -> None:
+    """Numbers of the law."""
+    law = contact.law
+    if isinstance(law, RigidLaw):
+        values[RESTITUTION], values[REST_SPEED] = law.restitution, law.rest_speed
+    elif isinstance(law, LinearLaw):
+        values[STIFFNESS], values[DAMPING], values[EXPONENT] = law.stiffness, law.damping, 1.0
+    elif isinstance(law, HertzLaw):
+        values[STIFFNESS], values[EXPONENT] = law.stiffness, 1.5
+    elif isinstance(law, HuntCrossleyLaw):
+        values[STIFFNESS], values[EXPONENT], values[RESTITUTION] = (
+            law.stiffness,
+            law.exponent,
+            law.restitution,
+        )
+
+
+def _shape(contact: Contact) -> tuple[int, float, float, int, NDArray[np.float64]]:
+    """What touches: kind, largest distance from its point, radius of a ball, kind and numbers of a primitive."""
+    shape: Any = contact.shape
+    if isinstance(shape, PointShape):
+        return POINT, 0.0, 0.0, -1, np.zeros(SHAPE_WIDTH)
+    if isinstance(shape, SphereShape):
+        return POINT, shape.radius, shape.radius, -1, np.zeros(SHAPE_WIDTH)
+    if isinstance(shape, CircleShape):
+        row = shape_row(RING, [shape.radius])
+        return CIRCLE, shape.radius, 0.0, RING, _turned(row, axes_about(shape.axis, source=contact.name))
+    if isinstance(shape, EllipsoidShape):
+        row = shape_row(ELLIPSOID, list(map(float, shape.half_axes)))
+        return CONVEX, float(max(shape.half_axes)), 0.0, ELLIPSOID, _turned(row, shape.axes)
+    if isinstance(shape, BoxShape):
+        row = shape_row(BOX, list(map(float, shape.half_lengths)), shape.radius)
+        return (
+            CONVEX,
+            float(np.linalg.norm(shape.half_lengths)) + shape.radius,
+            0.0,
+            BOX,
+            _turned(row, shape.axes),
+        )
+    axes = axes_about(shape.axis, source=contact.name)
+    if isinstance(shape, CapsuleShape):
+        row = shape_row(CAPSULE, [shape.half_length], shape.radius)
+        return CONVEX, shape.half_length + shape.radius, 0.0, CAPSULE, _turned(row, axes)
+    assert isinstance(shape, CylinderShape)
+    row = shape_row(CYLINDER, [shape.radius, shape.half_length], shape.rounding)
+    return (
+        CONVEX,
+        float(np.hypot(shape.radius, shape.half_length)) + shape.rounding,
+        0.0,
+        CYLINDER,
+        _turned(row, axes),
+    )
+
+
+def _turned(row: NDArray[np.float64], axes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Row of a primitive whose axes are given in the frame of its body."""
+    from heavylift.contours.convex import SHAPE_AXES
+
+    row[SHAPE_AXES : SHAPE_AXES + 9] = np.asarray(axes, dtype=np.float64).ravel()
+    return row

@@ -1,0 +1,280 @@
+"""Contacts in the middle of the step: who takes part, what the laws are, impulses on top of the factored joints.
+
+Only contacts that are closed, or have a force law and are near, take part: a row for every near contact would turn each
+touch into a rebound, because the end velocity of a step is twice that of the middle minus that of the start.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
+from heavylift.solver.contact import layout as told
+from heavylift.solver.contact.delassus import assemble_delassus, contact_rates, push
+from heavylift.solver.contact.generics import (
+    follow,
+    meet_again,
+    meet_contacts,
+    pose_contours,
+)
+from heavylift.solver.contact.interface import settle_points
+from heavylift.solver.contact.kind import (
+    BILATERAL,
+    CLOSED,
+    COMPLIANT,
+    CURVE,
+    DAMPING,
+    EXPONENT,
+    FORCE_LAW,
+    FRICTION,
+    GAP,
+    GAP_2,
+    LARGEST_CONTROLS,
+    LAW,
+    NOMINAL,
+    PRESENT,
+    RESIDUAL,
+    RESTITUTION,
+    ROUNDS,
+    SHIFT,
+    SIZE,
+    SLEEP,
+    SLIP,
+    STIFFNESS,
+    TOUCH_DAMPING,
+    WARM,
+    ContactRows,
+)
+from heavylift.solver.contact.laws import hunt_crossley_damping
+from heavylift.solver.contact.locate import locate
+from heavylift.solver.contact.newton import solve_contacts
+from heavylift.solver.integrate.row_solver import add_impulses
+from heavylift.solver.interface import (
+    CHANGED,
+    STATUS_BLOCK,
+    STATUS_OUTCOME,
+    Workspace,
+    apply_inverse,
+    refactor_rows,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import IMPULSE, ROW_COLUMNS
+
+__all__ = ["NEAR", "friction_rows", "impulse_row", "mark_failure", "present_at", "solve_present"]
+
+CONTACT_ROUNDS = 50
+"""Rounds of contacts against laws of ropes and stops."""
+
+NEAR = 3.0
+"""Motions of a step within which a contact with a force law takes part in the middle of the next one."""
+
+SOFTNESS_OF_ROWS = 1e-9
+"""Of rows without compliance, relative to what a row sees of its own bodies: lets redundant contacts share."""
+
+DEEP = 1e-5
+"""Penetration relative to the size of a contact from which on it is pushed out gently, in `SOFTLY` of a step."""
+
+SOFTLY = 0.2
+
+NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
+
+
+@kernel(inline=True, internal=True)
+def present_at(contacts: ContactRows, j: int) -> int:
+    """Number of the j-th contact that takes part."""
+    return contacts.places[LARGEST_CONTROLS + j]
+
+
+@kernel(inline=True, internal=True)
+def impulse_row(contacts: ContactRows, contact: int, column: int) -> int:
+    """Place of a column of row data of a contact."""
+    return (contact * ROW_COLUMNS + column) * len(contacts.shape[1])
+
+
+@implement(meet_contacts, ContactRows)
+@kernel(internal=True)
+def meet_contacts_midpoint(
+    contacts: ContactRows,
+    rows: Any,
+    bodies: Any,
+    joints: Any,
+    work: Workspace,
+    time: float,
+    step: float,
+    nominal: float,
+) -> None:
+    """Rows at the predicted midpoint, then half impulses."""
+    contacts.control[NOMINAL] = nominal
+    contacts.control[RESIDUAL] = contacts.control[ROUNDS] = 0.0
+    count = 0
+    for c in range(contacts.table.shape[0]):
+        state = contacts.state[c]
+        at = impulse_row(contacts, c, IMPULSE)
+        for r in range(3):
+            contacts.rows[at + r] = 0.0
+        state[PRESENT] = 0.0
+        near = contacts.table[c, LAW] == COMPLIANT and state[SLEEP] <= NEAR * state[SHIFT]
+        if near or state[CLOSED] > 0.0:
+            contacts.places[LARGEST_CONTROLS + count] = c
+            state[PRESENT] = 1.0
+            count += 1
+    contacts.places[LARGEST_CONTROLS + contacts.table.shape[0]] = count
+    if count == 0:
+        return
+    pose_contours(bodies, True, contacts)
+    for j in range(count):
+        locate(contacts, bodies, present_at(contacts, j), False, work)
+    settle_points(bodies, rows, True, work)
+    apply_inverse(bodies, True, contacts)
+    for j in range(count):
+        _tell(contacts, j, step, work)
+    _settle(contacts, rows, joints, count, work, time, step)
+
+
+@implement(meet_again, ContactRows)
+@kernel(internal=True)
+def meet_contacts_again(
+    contacts: ContactRows, rows: Any, joints: Any, work: Workspace, time: float, step: float
+) -> None:
+    """From the impulses that are there."""
+    count = contacts.places[LARGEST_CONTROLS + contacts.table.shape[0]]
+    if count > 0:
+        _settle(contacts, rows, joints, count, work, time, step)
+
+
+@kernel(internal=True)
+def _settle(
+    contacts: ContactRows, rows: Any, joints: Any, count: int, work: Workspace, time: float, step: float
+) -> None:
+    """Contacts, and laws of ropes and stops, until both stand."""
+    for _ in range(CONTACT_ROUNDS):
+        assemble_delassus(contacts, rows, contacts.places[LARGEST_CONTROLS:], count, contacts.column)
+        if not solve_present(contacts, count, work):
+            return
+        work.control[CHANGED] = 0.0
+        follow(rows, joints, work, time, step)
+        if work.control[CHANGED] == 0.0:
+            return
+    mark_failure(contacts, present_at(contacts, 0), work)
+
+
+@kernel(internal=True)
+def mark_failure(contacts: ContactRows, contact: int, work: Workspace) -> None:
+    """Say that the impulses of a contact were not found; its block comes after those of the joints."""
+    work.status[STATUS_OUTCOME] = NOT_CONVERGED
+    work.status[STATUS_BLOCK] = contacts.places[LARGEST_CONTROLS + contacts.table.shape[0] + 1] + contact
+
+
+@kernel(internal=True)
+def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
+    """Impulses of the contacts that take part, and what they do to the velocities of bodies; false if not found."""
+    free, p, w = contacts.rates[0], contacts.rates[1], contacts.rates[2]
+    for j in range(count):
+        c = present_at(contacts, j)
+        a, b, d = contact_rates(contacts, c, work.velocity)
+        free[3 * j], free[3 * j + 1], free[3 * j + 2] = a, b, d
+        at = impulse_row(contacts, c, IMPULSE)
+        for r in range(3):
+            p[3 * j + r] = contacts.rows[at + r]
+    for i in range(3 * count):
+        total = 0.0
+        for k in range(3 * count):
+            total += contacts.delassus[i, k] * p[k]
+        free[i] -= total
+    for j in range(count):
+        c = present_at(contacts, j)
+        started = False
+        for r in range(3):
+            started = started or p[3 * j + r] != 0.0
+        if not started:
+            for r in range(3):
+                p[3 * j + r] = contacts.state[c, WARM + r]
+    status, rounds, residual = solve_contacts(
+        count, contacts.kinds, contacts.laws, free, contacts.delassus, p, w, contacts.workspace
+    )
+    contacts.control[RESIDUAL] = max(contacts.control[RESIDUAL], residual)
+    contacts.control[ROUNDS] += rounds
+    if status < 0:
+        mark_failure(contacts, present_at(contacts, 0), work)
+        return False
+    for j in range(count):
+        c = present_at(contacts, j)
+        at = impulse_row(contacts, c, IMPULSE)
+        for r in range(3):
+            change = p[3 * j + r] - contacts.rows[at + r]
+            if change != 0.0:
+                push(contacts, c, r, change, work.velocity)
+                contacts.rows[at + r] = p[3 * j + r]
+    return True
+
+
+@kernel(internal=True)
+def friction_rows(contacts: ContactRows, j: int, softness: float, rate: float) -> None:
+    """What holds a contact that sticks where it is; for the solver."""
+    c = present_at(contacts, j)
+    law = contacts.laws[j]
+    law[told.FRICTION] = contacts.values[c, FRICTION]
+    for r in range(3):
+        law[told.SOFTNESS + r] = softness
+        law[told.OFFSET + r] = 0.0
+    law[told.TARGET] = 0.0
+    law[told.TARGET + 1] = -rate * contacts.state[c, SLIP]
+    law[told.TARGET + 2] = -rate * contacts.state[c, SLIP + 1]
+
+
+@kernel(internal=True)
+def softness_of(contacts: ContactRows, contact: int) -> float:
+    """Regularisation of the rows of a contact, from what its normal row sees of its own bodies."""
+    for r in range(3):
+        for i in range(contacts.column.shape[0]):
+            contacts.column[i] = 0.0
+        push(contacts, contact, r, 1.0, contacts.column)
+        found = contact_rates(contacts, contact, contacts.column)[r]
+        if found > 0.0:
+            return SOFTNESS_OF_ROWS * found
+    return SOFTNESS_OF_ROWS
+
+
+@kernel(internal=True)
+def _tell(contacts: ContactRows, j: int, step: float, work: Workspace) -> None:
+    """Law of a contact for the middle of the step."""
+    c = present_at(contacts, j)
+    state, values, law = contacts.state[c], contacts.values[c], contacts.laws[j]
+    rate = 1.0 / contacts.control[NOMINAL]
+    friction_rows(contacts, j, softness_of(contacts, c), rate)
+    kind = contacts.table[c, LAW]
+    gap = state[GAP]
+    if kind == COMPLIANT:
+        contacts.kinds[j, 0], contacts.kinds[j, 1] = told.COMPLIANT, contacts.table[c, FORCE_LAW]
+        law[told.STIFFNESS], law[told.EXPONENT] = values[STIFFNESS], values[EXPONENT]
+        law[told.DAMPING], law[told.DEPTH], law[told.STEP] = values[DAMPING], -gap, step
+        if contacts.table[c, FORCE_LAW] == told.HUNT_CROSSLEY:
+            approach = -contact_rates(contacts, c, work.velocity)[0]
+            if state[TOUCH_DAMPING] < 0.0 and approach > 0.0:
+                law[told.DAMPING] = hunt_crossley_damping(values[RESTITUTION], approach)
+                if step * approach > gap:
+                    state[TOUCH_DAMPING] = law[told.DAMPING]
+            else:
+                law[told.DAMPING] = max(state[TOUCH_DAMPING], 0.0)
+        return
+    if kind == CURVE:
+        contacts.kinds[j, 0] = told.CURVE
+        law[told.TARGET], law[told.TARGET + 1] = -rate * gap, -rate * state[GAP_2]
+        law[told.TARGET + 2] = -rate * state[SLIP + 1]
+        return
+    if kind == BILATERAL:
+        contacts.kinds[j, 0] = told.BILATERAL
+        law[told.TARGET] = -rate * gap
+        return
+    contacts.kinds[j, 0] = told.UNILATERAL
+    law[told.TARGET] = -rate * gap * (SOFTLY if gap < -DEEP * values[SIZE] else 1.0)
+
+
+@implement(refactor_rows, ContactRows)
+@kernel(internal=True)
+def refactor_contact_rows(contacts: ContactRows, bodies: Any, joints: Any, work: Workspace) -> None:
+    """The rows stay those of the predicted midpoint; the matrices of bodies have changed."""
+    add_impulses(contacts, work.velocity, -1.0)
+    apply_inverse(bodies, True, contacts)
+    add_impulses(contacts, work.velocity, 1.0)

@@ -1,0 +1,341 @@
+"""Linear algebra of many contacts on few bodies: rates from impulses, and the step of Newton's method.
+
+With the linearised contacts ``dp = r - D dw`` and ``dw = N B N^T dp`` the unknowns ``dz = N^T dp`` are as many as
+the touched velocities, whatever the number of contacts::
+
+    (I + K B) dz = N^T r,        K = N^T D N
+
+K is kept from one iteration to the next and changed by those contacts only whose D has changed. Without blocks
+(``ends`` of length 0) N is the identity, and the unknowns are the impulses of those rows that react to rates.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.contact.contact_rows import D00, D10, D11, D12, D20, D21, D22, RECORD
+
+__all__ = [
+    "COUPLING",
+    "END",
+    "SCRATCH",
+    "assemble",
+    "assemble_rows",
+    "factor",
+    "gather",
+    "multiply",
+    "solve_factored",
+    "spread",
+]
+
+END = 18
+"""Numbers of the block of one end: 3 x 6, row by row."""
+
+PAIR = 12
+"""Columns of both ends of a contact."""
+
+COUPLING = D22 - D00 + 1
+"""Numbers of D of a contact; the two that are not stored are zero."""
+
+SCRATCH = COUPLING + 3 * PAIR + PAIR * PAIR
+"""Numbers behind the held D of all contacts; zeros at the beginning."""
+
+
+@kernel(internal=True)
+def gather(
+    count: int,
+    ends: NDArray[np.int64],
+    blocks: NDArray[np.float64],
+    size: int,
+    p: NDArray[np.float64],
+    stride: int,
+    z: NDArray[np.float64],
+) -> None:
+    """``z = N^T p`` with the three impulses of contact c at ``p[stride c]``."""
+    if ends.shape[0] == 0:
+        for c in range(count):
+            z[3 * c], z[3 * c + 1], z[3 * c + 2] = p[stride * c], p[stride * c + 1], p[stride * c + 2]
+        return
+    for i in range(size):
+        z[i] = 0.0
+    for c in range(count):
+        p0, p1, p2 = p[stride * c], p[stride * c + 1], p[stride * c + 2]
+        if p0 == 0.0 and p1 == 0.0 and p2 == 0.0:
+            continue
+        for end in range(2):
+            first, at, width = ends[c, 2 * end], END * end, ends[c, 2 * end + 1]
+            if width == 6:  # unrolled
+                for j in range(6):
+                    z[first + j] += (
+                        blocks[c, at + j] * p0 + blocks[c, at + 6 + j] * p1 + blocks[c, at + 12 + j] * p2
+                    )
+                continue
+            for j in range(width):
+                z[first + j] += (
+                    blocks[c, at + j] * p0 + blocks[c, at + 6 + j] * p1 + blocks[c, at + 12 + j] * p2
+                )
+
+
+@kernel(internal=True, reassociate=True)
+def spread(
+    count: int,
+    ends: NDArray[np.int64],
+    blocks: NDArray[np.float64],
+    size: int,
+    y: NDArray[np.float64],
+    w: NDArray[np.float64],
+) -> None:
+    """``w = N y``."""
+    if ends.shape[0] == 0:
+        for i in range(size):
+            w[i] = y[i]
+        return
+    for c in range(count):
+        w0, w1, w2 = 0.0, 0.0, 0.0
+        for end in range(2):
+            first, at, width = ends[c, 2 * end], END * end, ends[c, 2 * end + 1]
+            if width == 6:  # unrolled
+                for j in range(6):
+                    v = y[first + j]
+                    w0 += blocks[c, at + j] * v
+                    w1 += blocks[c, at + 6 + j] * v
+                    w2 += blocks[c, at + 12 + j] * v
+            else:
+                for j in range(width):
+                    v = y[first + j]
+                    w0 += blocks[c, at + j] * v
+                    w1 += blocks[c, at + 6 + j] * v
+                    w2 += blocks[c, at + 12 + j] * v
+        w[3 * c], w[3 * c + 1], w[3 * c + 2] = w0, w1, w2
+
+
+@kernel(internal=True, reassociate=True)
+def multiply(size: int, B: NDArray[np.float64], x: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+    """``out = B x``."""
+    for i in range(size):
+        total = 0.0
+        for j in range(size):
+            total += B[i, j] * x[j]
+        out[i] = total
+
+
+@kernel(internal=True)
+def _add_product(
+    ends: NDArray[np.int64],
+    blocks: NDArray[np.float64],
+    c: int,
+    change: NDArray[np.float64],
+    product: NDArray[np.float64],
+    pair: NDArray[np.float64],
+) -> None:
+    """Add ``N^T D N`` of a contact to the 12 x 12 block of its pair of ends."""
+    a00, a10, a11, a12 = change[0], change[1], change[2], change[3]
+    a20, a21, a22 = change[4], change[5], change[6]
+    for end in range(2):
+        o = END * end
+        for j in range(ends[c, 2 * end + 1]):
+            n0, n1, n2 = blocks[c, o + j], blocks[c, o + 6 + j], blocks[c, o + 12 + j]
+            product[6 * end + j] = a00 * n0
+            product[12 + 6 * end + j] = a10 * n0 + a11 * n1 + a12 * n2
+            product[24 + 6 * end + j] = a20 * n0 + a21 * n1 + a22 * n2
+    for end in range(2):
+        o = END * end
+        for i in range(ends[c, 2 * end + 1]):
+            n0, n1, n2 = blocks[c, o + i], blocks[c, o + 6 + i], blocks[c, o + 12 + i]
+            row = PAIR * (6 * end + i)
+            for j in range(PAIR):
+                pair[row + j] += n0 * product[j] + n1 * product[12 + j] + n2 * product[24 + j]
+
+
+@kernel(internal=True)
+def _flush(
+    ends: NDArray[np.int64], size: int, c: int, pair: NDArray[np.float64], K: NDArray[np.float64]
+) -> None:
+    """Move the block of a pair of ends, that of contact c, into K."""
+    for end in range(2):
+        for i in range(ends[c, 2 * end + 1]):
+            row = (ends[c, 2 * end] + i) * size
+            for other in range(2):
+                first, o = row + ends[c, 2 * other], PAIR * (6 * end + i) + 6 * other
+                for j in range(ends[c, 2 * other + 1]):
+                    K[first + j] += pair[o + j]
+    for j in range(PAIR * PAIR):
+        pair[j] = 0.0
+
+
+@kernel(internal=True)
+def assemble(
+    count: int,
+    ends: NDArray[np.int64],
+    blocks: NDArray[np.float64],
+    size: int,
+    B: NDArray[np.float64],
+    records: NDArray[np.float64],
+    held: NDArray[np.float64],
+    K: NDArray[np.float64],
+    A: NDArray[np.float64],
+    fresh: bool,
+) -> bool:
+    """Write ``A = I + K B``; returns False if A holds the factors of the same matrix.
+
+    Parameters
+    ----------
+    count, ends, blocks, size, B
+        The problem.
+    records
+        Linearised contacts.
+    held
+        D of the contacts that is in K, kept from call to call (zeros with K = 0 at the beginning), and behind it
+        a scratch block.
+    K, A
+        Square matrices, row by row.
+    fresh
+        Nothing has been factored yet.
+    """
+    changed = False
+    change = held[COUPLING * count : COUPLING * count + COUPLING]
+    product = held[COUPLING * (count + 1) : COUPLING * (count + 1) + 3 * PAIR]
+    pair = held[COUPLING * (count + 1) + 3 * PAIR : COUPLING * (count + 1) + 3 * PAIR + PAIR * PAIR]
+    last = -1  # contact whose ends the pair has
+    for c in range(count):
+        at, o = RECORD * c + D00, COUPLING * c
+        differs = False
+        for i in range(COUPLING):
+            change[i] = records[at + i] - held[o + i]
+            differs = differs or change[i] != 0.0
+            held[o + i] = records[at + i]
+        if not differs:
+            continue
+        changed = True
+        same = last >= 0
+        if same:
+            for i in range(4):
+                same = same and ends[c, i] == ends[last, i]
+        if not same:
+            if last >= 0:
+                _flush(ends, size, last, pair, K)
+            for j in range(3 * PAIR):
+                product[j] = 0.0
+            last = c
+        _add_product(ends, blocks, c, change, product, pair)
+    if last >= 0:
+        _flush(ends, size, last, pair, K)
+    if not (changed or fresh):
+        return False  # A holds the factors already
+    for i in range(size):
+        f = i * size
+        for j in range(size):
+            A[f + j] = 0.0
+        A[f + i] = 1.0
+        for k in range(size):
+            x = K[f + k]
+            if x != 0.0:
+                for j in range(size):
+                    A[f + j] += x * B[k, j]
+    return changed
+
+
+@kernel(internal=True)
+def assemble_rows(
+    count: int,
+    size: int,
+    W: NDArray[np.float64],
+    records: NDArray[np.float64],
+    A: NDArray[np.float64],
+    active: NDArray[np.float64],
+    x: NDArray[np.float64],
+) -> int:
+    """Write ``(I + D W) dp = r`` for the rows that react to rates; returns how many they are.
+
+    Parameters
+    ----------
+    count, size, W
+        The problem; N is the identity.
+    records
+        Linearised contacts.
+    A, active, x
+        Out: matrix row by row, which rows they are, right-hand side.
+    """
+    n = 0
+    for c in range(count):
+        at = RECORD * c
+        if records[at + D00] != 0.0:
+            active[n] = 3 * c
+            n += 1
+        if records[at + D10] != 0.0 or records[at + D11] != 0.0 or records[at + D12] != 0.0:
+            active[n] = 3 * c + 1
+            n += 1
+        if records[at + D20] != 0.0 or records[at + D21] != 0.0 or records[at + D22] != 0.0:
+            active[n] = 3 * c + 2
+            n += 1
+    for i in range(n):
+        row = int(active[i])
+        c = row // 3
+        first, kind = 3 * c, row - 3 * c
+        at = RECORD * c
+        a0, a1, a2 = records[at + D00], 0.0, 0.0
+        if kind == 1:
+            a0, a1, a2 = records[at + D10], records[at + D11], records[at + D12]
+        elif kind == 2:
+            a0, a1, a2 = records[at + D20], records[at + D21], records[at + D22]
+        x[i] = records[at + kind]
+        place = 0
+        for other in range(count):  # what the others do is known
+            known = RECORD * other
+            for k in range(3):
+                column = 3 * other + k
+                value = a0 * W[first, column] + a1 * W[first + 1, column] + a2 * W[first + 2, column]
+                if place < n and int(active[place]) == column:
+                    A[i * n + place] = value
+                    place += 1
+                else:
+                    x[i] -= value * records[known + k]
+        A[i * n + i] += 1.0
+    return n
+
+
+@kernel(internal=True)
+def factor(size: int, A: NDArray[np.float64], pivots: NDArray[np.float64]) -> bool:
+    """Factor a square matrix in place, ``P A = L U``; returns False if it is singular or not finite."""
+    for k in range(size):
+        best, row = abs(A[k * size + k]), k
+        for i in range(k + 1, size):
+            if abs(A[i * size + k]) > best:
+                best, row = abs(A[i * size + k]), i
+        if not (best > 0.0 and best < np.inf):
+            return False
+        pivots[k] = row
+        if row != k:
+            for j in range(size):
+                A[k * size + j], A[row * size + j] = A[row * size + j], A[k * size + j]
+        inverse = 1.0 / A[k * size + k]
+        for i in range(k + 1, size):
+            f = A[i * size + k]
+            if f != 0.0:
+                f *= inverse
+                A[i * size + k] = f
+                for j in range(k + 1, size):
+                    A[i * size + j] -= f * A[k * size + j]
+    return True
+
+
+@kernel(internal=True, reassociate=True)
+def solve_factored(
+    size: int, A: NDArray[np.float64], pivots: NDArray[np.float64], x: NDArray[np.float64]
+) -> None:
+    """Solve with the factors, in place."""
+    for k in range(size):
+        row = int(pivots[k])
+        x[k], x[row] = x[row], x[k]
+    for i in range(1, size):
+        total = x[i]
+        for j in range(i):
+            total -= A[i * size + j] * x[j]
+        x[i] = total
+    for i in range(size - 1, -1, -1):
+        total = x[i]
+        for j in range(i + 1, size):
+            total -= A[i * size + j] * x[j]
+        x[i] = total / A[i * size + i]

@@ -1,0 +1,202 @@
+"""A bead on a curve, or a point or ball on a cylinder or band about it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from heavylift.contours.basis import find_span
+from heavylift.contours.evaluate import curve_weights
+from heavylift.contours.layout import CLOSED_U, COUNT_U, DEGREE_U, KNOTS_U
+from heavylift.contours.search import closest_on_curve
+from heavylift.contours.search_step import NEED_SPAN, SPAN_U, U, start_search
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import cross, rotate_back
+from heavylift.solver.contact.directions import form_span, put_ball, put_directions
+from heavylift.solver.contact.features import Curves, touch, weigh
+from heavylift.solver.contact.kind import (
+    ARM,
+    AT_U,
+    CONTOUR,
+    CONTROL_COUNT,
+    CURVE,
+    DIMENSION,
+    DIRECTIONS,
+    DIRECTOR,
+    END_GAP,
+    END_GAP_2,
+    EVALUATE,
+    FLIP,
+    HAS_SLOPES,
+    LARGEST_CONTROLS,
+    LAW,
+    LEVER,
+    NORMAL,
+    RADIUS,
+    RADIUS_OF,
+    RESULT,
+    RESULT_END,
+    SIZE,
+    SLOPES,
+    TANGENT,
+    WEIGHTS_AT,
+    WIDTH_OF,
+    ContactRows,
+)
+from heavylift.solver.interface import Workspace
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+OFF = 1e-7
+"""Distance beyond an end relative to the size of the contact, from which on a contact with a band is off it."""
+
+
+@implement(touch, Curves)
+@kernel(internal=True)
+def touch_curve(
+    feature: Curves,
+    contacts: ContactRows,
+    bodies: Any,
+    c: int,
+    cold: bool,
+    y1: float,
+    y2: float,
+    y3: float,
+    work: Workspace,
+) -> None:
+    """Nearest point of the curve, then what is about it."""
+    contour = contacts.table[c, CONTOUR]
+    if contacts.contours[contour, DIMENSION] == 1:
+        _find_point(contacts, bodies, contour, contacts.state[c, AT_U], y1, y2, y3)
+        _put_touch(contacts, c, y1, y2, y3)
+
+
+@implement(weigh, Curves)
+@kernel(internal=True)
+def weigh_curve(
+    feature: Curves, contacts: ContactRows, bodies: Any, c: int, y1: float, y2: float, y3: float
+) -> None:
+    """Control points of the span, their weights in the point, and in the tangent if the offset turns with it."""
+    contour = contacts.table[c, CONTOUR]
+    if contacts.contours[contour, DIMENSION] != 1:
+        return
+    row, scratch = contacts.contours[contour], contacts.scratch
+    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    weights = scratch[WEIGHTS_AT : WEIGHTS_AT + 2 * LARGEST_CONTROLS]
+    knots = contacts.constants
+    count = curve_weights(row, knots, knots, result[U], evaluate, contacts.places, weights)
+    if scratch[HAS_SLOPES] > 0.0:
+        stride = row[DEGREE_U] + 1
+        for i in range(count):
+            weights[LARGEST_CONTROLS + i] = weights[stride + i]
+    contacts.places[CONTROL_COUNT] = count
+
+
+@kernel(internal=True)
+def _find_point(
+    contacts: ContactRows, bodies: Any, contour: int, u: float, y1: float, y2: float, y3: float
+) -> None:
+    """Nearest point; control points are formed span by span as the search asks for them."""
+    row, scratch = contacts.contours[contour], contacts.scratch
+    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    knots, net = contacts.constants, contacts.net
+    span = find_span(knots, row[KNOTS_U], row[DEGREE_U], row[COUNT_U] + row[CLOSED_U] * row[DEGREE_U], u)
+    start_search(row, u, 0.0, result)
+    status = NEED_SPAN
+    while status == NEED_SPAN:
+        form_span(contacts, bodies, contour, span, 0)
+        status = closest_on_curve(row, knots, knots, net, y1, y2, y3, span, evaluate, result)
+        if status == NEED_SPAN:
+            span = int(result[SPAN_U])
+
+
+@kernel(internal=True)
+def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -> None:
+    """Gaps, directions, lever and arm from the nearest point."""
+    contour = contacts.table[c, CONTOUR]
+    pose, scratch, state = contacts.poses[contour], contacts.scratch, contacts.state[c]
+    result = scratch[RESULT:RESULT_END]
+    speed = math.sqrt(result[3] ** 2 + result[4] ** 2 + result[5] ** 2)
+    t1, t2, t3 = result[3] / speed, result[4] / speed, result[5] / speed
+    d1, d2, d3 = y1 - result[0], y2 - result[1], y3 - result[2]
+    radius = contacts.values[c, RADIUS]
+    o1 = o2 = o3 = 0.0
+    if contacts.table[c, LAW] == CURVE:
+        # normals that turn with the curve and not about it: those of the last time, squared to the tangent
+        n1, n2, n3 = rotate_back(pose, state[NORMAL], state[NORMAL + 1], state[NORMAL + 2])
+        share = n1 * t1 + n2 * t2 + n3 * t3
+        n1, n2, n3 = n1 - share * t1, n2 - share * t2, n3 - share * t3
+        size = math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
+        n1, n2, n3 = n1 / size, n2 / size, n3 / size
+        b1, b2, b3 = cross(t1, t2, t3, n1, n2, n3)
+        state[END_GAP] = n1 * d1 + n2 * d2 + n3 * d3
+        state[END_GAP_2] = b1 * d1 + b2 * d2 + b3 * d3
+        put_directions(contacts, contour, n1, n2, n3, b1, b2, b3)  # the third is n x b = t
+        for k in range(3):
+            scratch[ARM + k] = 0.0
+    elif pose[WIDTH_OF] > 0.0:
+        # the director lies along the width; the normal is square to it and to the curve
+        n1, n2, n3 = cross(pose[DIRECTOR], pose[DIRECTOR + 1], pose[DIRECTOR + 2], t1, t2, t3)
+        size = contacts.contours[contour, FLIP] / math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
+        n1, n2, n3 = size * n1, size * n2, size * n3
+        b1, b2, b3 = cross(t1, t2, t3, n1, n2, n3)
+        across = b1 * d1 + b2 * d2 + b3 * d3
+        o1, o2, o3 = across * b1, across * b2, across * b3
+        gap = n1 * d1 + n2 * d2 + n3 * d3 - radius
+        ends = d1 * t1 + d2 * t2 + d3 * t3
+        beside = max(abs(across) - 0.5 * pose[WIDTH_OF], abs(ends) - OFF * contacts.values[c, SIZE])
+        state[END_GAP] = max(gap, beside) if beside > 0.0 else gap
+        put_directions(contacts, contour, n1, n2, n3, t1, t2, t3)
+        put_ball(contacts, contour, radius, n1, n2, n3)
+    else:
+        distance = math.sqrt(d1 * d1 + d2 * d2 + d3 * d3)
+        if distance > 1e-12 * contacts.values[c, SIZE]:
+            n1, n2, n3 = d1 / distance, d2 / distance, d3 / distance
+        else:
+            n1, n2, n3 = rotate_back(pose, state[NORMAL], state[NORMAL + 1], state[NORMAL + 2])
+        share = n1 * t1 + n2 * t2 + n3 * t3
+        o1, o2, o3 = pose[RADIUS_OF] * n1, pose[RADIUS_OF] * n2, pose[RADIUS_OF] * n3
+        state[END_GAP] = distance - pose[RADIUS_OF] - radius
+        f1, f2, f3 = t1 - share * n1, t2 - share * n2, t3 - share * n3  # at an end the normal leans forward
+        size = math.sqrt(f1 * f1 + f2 * f2 + f3 * f3)
+        if size > 1e-6:
+            put_directions(contacts, contour, n1, n2, n3, f1 / size, f2 / size, f3 / size)
+        else:
+            g1, g2, g3 = rotate_back(pose, state[TANGENT], state[TANGENT + 1], state[TANGENT + 2])
+            put_directions(contacts, contour, n1, n2, n3, g1, g2, g3)
+        put_ball(contacts, contour, radius, n1, n2, n3)
+    scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2] = result[0] + o1, result[1] + o2, result[2] + o3
+    if o1 != 0.0 or o2 != 0.0 or o3 != 0.0:
+        _put_slopes(contacts, contour, o1, o2, o3, t1, t2, t3, speed)
+
+
+@kernel(internal=True)
+def _put_slopes(
+    contacts: ContactRows,
+    contour: int,
+    o1: float,
+    o2: float,
+    o3: float,
+    t1: float,
+    t2: float,
+    t3: float,
+    speed: float,
+) -> None:
+    """What an offset from the curve adds to the rows: sections turn with the tangent, not about it.
+
+    Notes
+    -----
+    The section turns with ``w = t x s_u' / |s_u|``, so a row along d gains ``d . (w x o) = ((o x d) x t) . s_u' /
+    |s_u|``.
+    """
+    pose, scratch = contacts.poses[contour], contacts.scratch
+    scratch[HAS_SLOPES] = 1.0
+    for r in range(3):
+        at = DIRECTIONS + 3 * r
+        d1, d2, d3 = rotate_back(pose, scratch[at], scratch[at + 1], scratch[at + 2])
+        a1, a2, a3 = cross(o1, o2, o3, d1, d2, d3)
+        e1, e2, e3 = cross(a1, a2, a3, t1, t2, t3)
+        scratch[SLOPES + 3 * r] = e1 / speed
+        scratch[SLOPES + 3 * r + 1] = e2 / speed
+        scratch[SLOPES + 3 * r + 2] = e3 / speed

@@ -1,0 +1,84 @@
+"""A convex primitive on a surface: the deepest or nearest pair of points."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from heavylift.contours.basis import find_span
+from heavylift.contours.convex import SHAPE_WIDTH
+from heavylift.contours.layout import (
+    CLOSED_U,
+    CLOSED_V,
+    COUNT_U,
+    COUNT_V,
+    DEGREE_U,
+    DEGREE_V,
+    KNOTS_U,
+    KNOTS_V,
+)
+from heavylift.contours.search_shape import closest_shape_on_surface, shape_gap
+from heavylift.contours.search_step import NEED_SPAN, SPAN_U, SPAN_V, start_search
+from heavylift.numerics.jit import kernel
+from heavylift.solver.contact.directions import form_span
+from heavylift.solver.contact.features import Primitives, touch
+from heavylift.solver.contact.kind import (
+    AT_U,
+    AT_V,
+    CONTOUR,
+    CONVEX,
+    END_GAP,
+    END_GAP_2,
+    EVALUATE,
+    PRIMITIVE_KIND,
+    RESULT,
+    RESULT_END,
+    SHAPE,
+    SHAPE_ROW,
+    WEIGHTS_AT,
+    ContactRows,
+)
+from heavylift.solver.contact.shape_rows import place_shape, put_touch
+from heavylift.solver.interface import Workspace
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+
+@implement(touch, Primitives)
+@kernel(internal=True)
+def touch_primitive(
+    feature: Primitives,
+    contacts: ContactRows,
+    bodies: Any,
+    c: int,
+    cold: bool,
+    y1: float,
+    y2: float,
+    y3: float,
+    work: Workspace,
+) -> None:
+    """The normal is the direction from the contour to the primitive."""
+    contour = contacts.table[c, CONTOUR]
+    if contacts.table[c, SHAPE] != CONVEX:
+        return
+    row, scratch, state = contacts.contours[contour], contacts.scratch, contacts.state[c]
+    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    knots, net = contacts.constants, contacts.net
+    shape = scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH]
+    place_shape(contacts, c, y1, y2, y3, work)
+    u, v = state[AT_U], state[AT_V]
+    span_u = find_span(knots, row[KNOTS_U], row[DEGREE_U], row[COUNT_U] + row[CLOSED_U] * row[DEGREE_U], u)
+    span_v = find_span(knots, row[KNOTS_V], row[DEGREE_V], row[COUNT_V] + row[CLOSED_V] * row[DEGREE_V], v)
+    kind = contacts.table[c, PRIMITIVE_KIND]
+    start_search(row, u, v, result)
+    status = NEED_SPAN
+    while status == NEED_SPAN:
+        form_span(contacts, bodies, contour, span_u, span_v)
+        status = closest_shape_on_surface(
+            row, knots, knots, net, kind, shape, span_u, span_v, evaluate, result
+        )
+        if status == NEED_SPAN:
+            span_u, span_v = int(result[SPAN_U]), int(result[SPAN_V])
+    gap, m1, m2, m3, x1, x2, x3, _ = shape_gap(kind, shape, result)
+    state[END_GAP], state[END_GAP_2] = gap, 0.0
+    put_touch(contacts, c, -m1, -m2, -m3, x1 - y1, x2 - y2, x3 - y3)

@@ -1,0 +1,100 @@
+"""A thin ring on a surface: the point of the ring with the least gap."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from heavylift.contours.basis import find_span
+from heavylift.contours.convex import SHAPE_AXES, SHAPE_RADIUS, SHAPE_WIDTH
+from heavylift.contours.layout import (
+    CLOSED_U,
+    CLOSED_V,
+    COUNT_U,
+    COUNT_V,
+    DEGREE_U,
+    DEGREE_V,
+    KNOTS_U,
+    KNOTS_V,
+)
+from heavylift.contours.search import signed_gap
+from heavylift.contours.search_circle import RING_PHI, ring_on_surface, ring_point, start_ring
+from heavylift.contours.search_step import NEED_SPAN, SPAN_U, SPAN_V
+from heavylift.numerics.jit import kernel
+from heavylift.solver.contact.directions import form_span
+from heavylift.solver.contact.features import Rings, touch
+from heavylift.solver.contact.kind import (
+    AT_U,
+    AT_V,
+    CIRCLE,
+    CONTOUR,
+    END_GAP,
+    END_GAP_2,
+    EVALUATE,
+    FLIP,
+    LEVER,
+    RESULT,
+    RESULT_END,
+    SHAPE,
+    SHAPE_ROW,
+    WEIGHTS_AT,
+    ContactRows,
+)
+from heavylift.solver.contact.shape_rows import place_shape, put_touch
+from heavylift.solver.interface import Workspace
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+
+@implement(touch, Rings)
+@kernel(internal=True)
+def touch_ring(
+    feature: Rings,
+    contacts: ContactRows,
+    bodies: Any,
+    c: int,
+    cold: bool,
+    y1: float,
+    y2: float,
+    y3: float,
+    work: Workspace,
+) -> None:
+    """The angle on the ring is carried as the second gap of the contact."""
+    contour = contacts.table[c, CONTOUR]
+    if contacts.table[c, SHAPE] != CIRCLE:
+        return
+    row, scratch, state = contacts.contours[contour], contacts.scratch, contacts.state[c]
+    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    knots, net = contacts.constants, contacts.net
+    shape = scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH]
+    place_shape(contacts, c, y1, y2, y3, work)
+    u, v = state[AT_U], state[AT_V]
+    span_u = find_span(knots, row[KNOTS_U], row[DEGREE_U], row[COUNT_U] + row[CLOSED_U] * row[DEGREE_U], u)
+    span_v = find_span(knots, row[KNOTS_V], row[DEGREE_V], row[COUNT_V] + row[CLOSED_V] * row[DEGREE_V], v)
+    if cold:
+        state[END_GAP_2] = _lowest(contacts, y1, y2, y3)
+    start_ring(row, u, v, state[END_GAP_2], result)
+    status = NEED_SPAN
+    while status == NEED_SPAN:
+        form_span(contacts, bodies, contour, span_u, span_v)
+        status = ring_on_surface(row, knots, knots, net, shape, span_u, span_v, evaluate, result)
+        if status == NEED_SPAN:
+            span_u, span_v = int(result[SPAN_U]), int(result[SPAN_V])
+    r1, r2, r3, _, _, _ = ring_point(shape, result[RING_PHI])
+    gap, n1, n2, n3 = signed_gap(y1 + r1, y2 + r2, y3 + r3, result)
+    flip, rounding = row[FLIP], shape[SHAPE_RADIUS]
+    n1, n2, n3 = flip * n1, flip * n2, flip * n3
+    state[END_GAP], state[END_GAP_2] = flip * gap - rounding, result[RING_PHI]
+    put_touch(contacts, c, n1, n2, n3, r1 - rounding * n1, r2 - rounding * n2, r3 - rounding * n3)
+
+
+@kernel(internal=True)
+def _lowest(contacts: ContactRows, y1: float, y2: float, y3: float) -> float:
+    """Angle of the ring at which it reaches deepest along the line from its centre to the nearest sample."""
+    from_sample = contacts.scratch
+    shape = contacts.scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH]
+    d1, d2, d3 = y1 - from_sample[LEVER], y2 - from_sample[LEVER + 1], y3 - from_sample[LEVER + 2]
+    e = d1 * shape[SHAPE_AXES] + d2 * shape[SHAPE_AXES + 3] + d3 * shape[SHAPE_AXES + 6]
+    f = d1 * shape[SHAPE_AXES + 1] + d2 * shape[SHAPE_AXES + 4] + d3 * shape[SHAPE_AXES + 7]
+    return math.atan2(-f, -e)

@@ -1,0 +1,143 @@
+"""A point or ball on a surface: search, gap, rows, and the control points under it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from heavylift.contours.basis import find_span
+from heavylift.contours.evaluate import surface_weights
+from heavylift.contours.layout import (
+    CLOSED_U,
+    CLOSED_V,
+    COUNT_U,
+    COUNT_V,
+    DEGREE_U,
+    DEGREE_V,
+    KNOTS_U,
+    KNOTS_V,
+)
+from heavylift.contours.search import closest_on_surface
+from heavylift.contours.search_step import BORDER, FLAGS, NEED_SPAN, SPAN_U, SPAN_V, U, V, start_search
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import cross
+from heavylift.solver.contact.directions import form_span, put_ball, put_directions
+from heavylift.solver.contact.features import Surfaces, touch, weigh
+from heavylift.solver.contact.kind import (
+    AT_U,
+    AT_V,
+    CONTOUR,
+    CONTROL_COUNT,
+    DIMENSION,
+    END_GAP,
+    END_GAP_2,
+    EVALUATE,
+    FLIP,
+    FOOTPRINT,
+    LARGEST_CONTROLS,
+    LEVER,
+    POINT,
+    RADIUS,
+    RESULT,
+    RESULT_END,
+    SHAPE,
+    SIZE,
+    WEIGHTS_AT,
+    ContactRows,
+)
+from heavylift.solver.interface import Workspace
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+OFF = 1e-7
+"""Distance beside the patch relative to the size of the contact, from which on a contact is beyond its border."""
+
+
+@implement(touch, Surfaces)
+@kernel(internal=True)
+def touch_surface(
+    feature: Surfaces,
+    contacts: ContactRows,
+    bodies: Any,
+    c: int,
+    cold: bool,
+    y1: float,
+    y2: float,
+    y3: float,
+    work: Workspace,
+) -> None:
+    """Beyond the border a ball touches the edge, and a point nothing."""
+    contour = contacts.table[c, CONTOUR]
+    if contacts.table[c, SHAPE] == POINT and contacts.contours[contour, DIMENSION] == 2:
+        _find_point(contacts, bodies, contour, contacts.state[c, AT_U], contacts.state[c, AT_V], y1, y2, y3)
+        _put_touch(contacts, c, y1, y2, y3)
+
+
+@implement(weigh, Surfaces)
+@kernel(internal=True)
+def weigh_surface(
+    feature: Surfaces, contacts: ContactRows, bodies: Any, c: int, y1: float, y2: float, y3: float
+) -> None:
+    """Control points of the span, and their weights."""
+    contour = contacts.table[c, CONTOUR]
+    if contacts.contours[contour, DIMENSION] == 2 and contacts.values[c, FOOTPRINT] == 0.0:
+        row, scratch = contacts.contours[contour], contacts.scratch
+        result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+        weights = scratch[WEIGHTS_AT : WEIGHTS_AT + LARGEST_CONTROLS]
+        knots = contacts.constants
+        contacts.places[CONTROL_COUNT] = surface_weights(
+            row, knots, knots, result[U], result[V], evaluate, contacts.places, weights
+        )
+
+
+@kernel(internal=True)
+def _find_point(
+    contacts: ContactRows, bodies: Any, contour: int, u: float, v: float, y1: float, y2: float, y3: float
+) -> None:
+    """Nearest point; control points are formed span by span as the search asks for them."""
+    row, scratch = contacts.contours[contour], contacts.scratch
+    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    knots, net = contacts.constants, contacts.net
+    span_u = find_span(knots, row[KNOTS_U], row[DEGREE_U], row[COUNT_U] + row[CLOSED_U] * row[DEGREE_U], u)
+    span_v = find_span(knots, row[KNOTS_V], row[DEGREE_V], row[COUNT_V] + row[CLOSED_V] * row[DEGREE_V], v)
+    start_search(row, u, v, result)
+    status = NEED_SPAN
+    while status == NEED_SPAN:
+        form_span(contacts, bodies, contour, span_u, span_v)
+        status = closest_on_surface(row, knots, knots, net, y1, y2, y3, span_u, span_v, evaluate, result)
+        if status == NEED_SPAN:
+            span_u, span_v = int(result[SPAN_U]), int(result[SPAN_V])
+
+
+@kernel(internal=True)
+def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -> None:
+    """Gap, directions, lever and arm from the nearest point."""
+    contour = contacts.table[c, CONTOUR]
+    scratch, state = contacts.scratch, contacts.state[c]
+    result = scratch[RESULT:RESULT_END]
+    n1, n2, n3 = cross(result[3], result[4], result[5], result[6], result[7], result[8])
+    size = contacts.contours[contour, FLIP] / math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
+    n1, n2, n3 = size * n1, size * n2, size * n3
+    d1, d2, d3 = y1 - result[0], y2 - result[1], y3 - result[2]
+    gap = n1 * d1 + n2 * d2 + n3 * d3
+    radius = contacts.values[c, RADIUS]
+    if int(result[FLAGS]) & BORDER:
+        distance = math.sqrt(d1 * d1 + d2 * d2 + d3 * d3)
+        beside = math.sqrt(max(0.0, distance * distance - gap * gap))
+        if beside > OFF * contacts.values[c, SIZE]:
+            gap = distance
+            if radius > 0.0:
+                n1, n2, n3 = d1 / distance, d2 / distance, d3 / distance
+    state[END_GAP], state[END_GAP_2] = gap - radius, 0.0
+    a = 1.0 / math.sqrt(result[3] ** 2 + result[4] ** 2 + result[5] ** 2)
+    t1, t2, t3 = a * result[3], a * result[4], a * result[5]
+    share = t1 * n1 + t2 * n2 + t3 * n3
+    if share != 0.0:
+        t1, t2, t3 = t1 - share * n1, t2 - share * n2, t3 - share * n3
+        a = 1.0 / math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
+        t1, t2, t3 = a * t1, a * t2, a * t3
+    put_directions(contacts, contour, n1, n2, n3, t1, t2, t3)
+    put_ball(contacts, contour, radius, n1, n2, n3)
+    for k in range(3):
+        scratch[LEVER + k] = result[k]

@@ -1,0 +1,280 @@
+"""Thin rings: signed gaps to surfaces against closed forms and dense sampling, distances to curves."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.interpolate import BSpline
+from scipy.spatial.transform import Rotation
+
+from heavylift.contours.convex import RING, SHAPE_AXES, shape_row
+from heavylift.contours.evaluate import SCRATCH
+from heavylift.contours.samples import sample_grid, sample_points
+from heavylift.contours.search_circle import RING_GAP, RING_ITERATIONS, RING_PHI, ring_on_surface, start_ring
+from heavylift.contours.search_circle_cold import RING_ANGLES, ring_cold
+from heavylift.contours.search_cold import closest_shape_cold
+from heavylift.contours.search_shape import shape_gap
+from heavylift.contours.search_step import (
+    BORDER,
+    CONVERGED,
+    DEGENERATE,
+    FLAGS,
+    NEED_SPAN,
+    OTHER_DISTANCE,
+    RESULT_WIDTH,
+    SPAN_U,
+    SPAN_V,
+    TWIN,
+    U,
+    V,
+)
+from heavylift.contours.spaces import clamped_space, closed_space
+from heavylift.numerics.jit import kernel
+
+COLD, WARM, GO_ON = 0.0, 1.0, 2.0
+
+
+@kernel
+def search(
+    contour,
+    knots,
+    weights,
+    net,
+    shape,
+    start,
+    su,
+    sv,
+    points,
+    reach,
+    separation,
+    distances,
+    scratch,
+    result,
+    out,
+):
+    # one kernel for all searches compiles once: start holds the task, (u, v, phi) and the window
+    if contour[4] == 0:
+        status = closest_shape_cold(
+            contour, knots, weights, net, RING, shape, su, sv, points, reach, 0.0, distances, scratch, result
+        )
+        out[0] = shape_gap(RING, shape, result)[0]
+        return status
+    if start[0] == COLD:
+        return ring_cold(
+            contour,
+            knots,
+            weights,
+            net,
+            shape,
+            su,
+            sv,
+            points,
+            reach,
+            separation,
+            distances,
+            out,
+            scratch,
+            result,
+        )
+    if start[0] == WARM:
+        start_ring(contour, start[1], start[2], start[3], result)
+    span_u, span_v = int(start[4]), int(start[5])
+    return ring_on_surface(contour, knots, weights, net, shape, span_u, span_v, scratch, result)
+
+
+class Surface:
+    """Contour with its arrays, evaluated by scipy."""
+
+    def __init__(self, spaces, control):
+        self.spaces, self.control = spaces, control
+        self.knots = np.concatenate([space.knots for space in spaces])
+        self.net = control.reshape(-1, 3).copy()
+        u = spaces[0]
+        across = (0, 1, 0, 0)
+        if len(spaces) == 2:
+            across = (spaces[1].degree, spaces[1].count, int(spaces[1].closed), u.knots.size)
+        self.contour = np.array([u.degree, u.count, int(u.closed), 0, *across, 0, -1])
+        self.arrays = (self.contour, self.knots, np.zeros(0), self.net)
+        self.scratch, self.result, self.out = (
+            np.zeros(SCRATCH),
+            np.zeros(RESULT_WIDTH),
+            np.zeros(4 * RING_ANGLES),
+        )
+        self.grid = grid = sample_grid(spaces)
+        self.points = np.zeros((3, grid.count))
+        values = (
+            grid.first_u,
+            grid.first_v,
+            grid.basis_u,
+            grid.basis_v,
+            np.zeros((4, u.count * grid.v.size)),
+        )
+        self.reach = sample_points(self.contour, np.zeros(0), self.net, *values, self.points)
+
+    def __call__(self, u, v=None, derivative=(0, 0)):
+        """Points, or derivatives, of all pairs."""
+        control = self.control
+        for axis, (at, space) in enumerate(zip((u, v), self.spaces, strict=False)):
+            wide = np.take(control, np.arange(space.functions) % space.count, axis=axis)
+            spline = BSpline(space.knots, wide, space.degree, axis=axis)
+            control = spline(at, nu=derivative[axis])
+        return control
+
+    def cold(self, row, separation=0.0, start=(COLD, 0.0, 0.0, 0.0, 0.0, 0.0), net=None):
+        grid = self.grid
+        samples = grid.u, grid.v, self.points, self.reach, separation, np.zeros(grid.count)
+        points = self.net if net is None else net
+        args = points, row, np.array(start), *samples, self.scratch, self.result, self.out
+        return search(*self.arrays[:3], *args)
+
+    def least_gap(self, row):
+        """Least height of points of the ring over the nearest samples of the surface."""
+        u, v = np.linspace(0, 1, 121), np.linspace(0, 1, 91)
+        points, normals = self(u, v), np.cross(self(u, v, (1, 0)), self(u, v, (0, 1)))
+        normals /= np.linalg.norm(normals, axis=2)[..., None]
+        points, normals = points.reshape(-1, 3), normals.reshape(-1, 3)
+        best = math.inf
+        for phi in np.linspace(0, 2 * math.pi, 361):
+            x = on_ring(row, phi)
+            k = np.argmin(np.sum((points - x) ** 2, axis=1))
+            best = min(best, normals[k] @ (x - points[k]))
+        return best
+
+
+def on_ring(row, phi):
+    axes = row[SHAPE_AXES : SHAPE_AXES + 9].reshape(3, 3)
+    return row[:3] + row[12] * (math.cos(phi) * axes[:, 0] + math.sin(phi) * axes[:, 1])
+
+
+def ring(radius, centre, rotation, thickness=0.0):
+    row = shape_row(RING, (radius,), thickness)
+    row[:3] = centre
+    row[SHAPE_AXES : SHAPE_AXES + 9] = rotation.ravel()
+    return row
+
+
+def field(seed, height):
+    su, sv = clamped_space(3, np.arange(1, 8) / 8), clamped_space(3, np.arange(1, 6) / 6)
+    x, y = np.meshgrid(np.linspace(-1, 1, su.count), np.linspace(-1, 1, sv.count), indexing="ij")
+    z = height * np.random.default_rng(seed).standard_normal(x.shape)
+    return Surface((su, sv), np.stack([x, y, z], -1))
+
+
+def tube(radius, count=32):
+    """Closed in u; the control points that make a circle of this radius to 1e-6."""
+    su, sv = closed_space(3, np.arange(count) / count), clamped_space(3, np.arange(1, 5) / 5)
+    angle, z = np.meshgrid(2 * np.pi * np.arange(count) / count, np.linspace(-1, 1, sv.count), indexing="ij")
+    r = radius * 3.0 / (2.0 + math.cos(2 * np.pi / count))
+    return Surface((su, sv), np.stack([r * np.cos(angle), r * np.sin(angle), z], -1))
+
+
+@pytest.mark.parametrize("height", [0.3, 0.02])
+def test_a_tilted_ring_over_a_plane(height):
+    surface = field(0, 0.0)
+    tilt, turn = 0.4, 0.7
+    rotation = Rotation.from_euler("zyx", [turn, tilt, 0.0]).as_matrix()
+    row = ring(0.25, np.array([0.1, -0.2, height]), rotation, thickness=0.01)
+    assert surface.cold(row) == CONVERGED
+    # the lowest point, below the plane if the centre is low: gap c_z - R sin(tilt) - thickness
+    assert surface.result[RING_GAP] == pytest.approx(height - 0.25 * math.sin(tilt) - 0.01, abs=1e-13)
+    assert on_ring(row, surface.result[RING_PHI])[2] == pytest.approx(
+        height - 0.25 * math.sin(tilt), abs=1e-13
+    )
+    assert int(surface.result[FLAGS]) == 0
+
+
+def test_a_ring_flat_over_a_plane_is_degenerate():
+    surface = field(0, 0.0)
+    assert surface.cold(ring(0.25, np.array([0.0, 0.0, 0.1]), np.eye(3))) == CONVERGED
+    assert surface.result[RING_GAP] == pytest.approx(0.1, abs=1e-13)
+    assert int(surface.result[FLAGS]) & DEGENERATE
+
+
+@pytest.mark.parametrize("shift", [0.05, 0.25])
+def test_an_eyelet_about_a_tube(shift):
+    # ring of radius 0.5 about a tube of 0.3, out of centre by 0.05 (free) and 0.25 (cut)
+    surface = tube(0.3)
+    direction = np.array([math.cos(0.3), math.sin(0.3), 0.0])
+    assert surface.cold(ring(0.5, shift * direction, np.eye(3))) == CONVERGED
+    assert surface.result[RING_GAP] == pytest.approx(0.5 - shift - 0.3, abs=5e-6)
+    assert on_ring(ring(0.5, shift * direction, np.eye(3)), surface.result[RING_PHI]) == pytest.approx(
+        (shift - 0.5) * direction, abs=1e-4
+    )
+
+
+def test_random_rings_over_a_wavy_field():
+    generator = np.random.default_rng(5)
+    surface = field(3, 0.06)
+    penetrating = 0
+    for _ in range(12):
+        centre = np.array([*generator.uniform(-0.5, 0.5, 2), generator.uniform(0.05, 0.5)])
+        row = ring(0.35, centre, Rotation.random(random_state=generator.integers(1 << 30)).as_matrix())
+        assert surface.cold(row) == CONVERGED
+        expected = surface.least_gap(row)
+        penetrating += expected < 0.0
+        # heights of samples 2 cm apart: off by their distance squared
+        assert surface.result[RING_GAP] == pytest.approx(expected, abs=6e-4)
+        if int(surface.result[FLAGS]) & BORDER == 0:
+            # stationary: x - S along the normal, and the normal across the ring
+            phi = surface.result[RING_PHI]
+            w = on_ring(row, phi) - surface.result[:3]
+            assert np.abs(surface.result[3:9].reshape(2, 3) @ w).max() < 1e-10
+            n = np.cross(surface.result[3:6], surface.result[6:9])
+            n /= np.linalg.norm(n)
+            along = on_ring(row, phi + 1e-4) - on_ring(row, phi - 1e-4)
+            assert abs(n @ along) < 1e-9 * 2e-4
+    assert 2 <= penetrating <= 10
+
+
+def test_a_warm_ring_is_short_and_keeps_to_its_window():
+    surface = field(3, 0.06)
+    row = ring(0.35, np.array([0.1, 0.1, 0.3]), Rotation.from_euler("xy", [1.3, 0.2]).as_matrix())
+    assert surface.cold(row) == CONVERGED
+    u, v, phi = surface.result[[U, V, RING_PHI]]
+    row[:2] += 1e-3
+    assert surface.cold(row, start=(WARM, u, v, phi, -1, -1)) == CONVERGED
+    assert surface.result[RING_ITERATIONS] <= 14
+    kept = [U, V, RING_PHI, RING_GAP]
+    whole = surface.result[kept]
+    net = np.full_like(surface.net, np.nan)
+    task, span = WARM, (0, 0)
+    while surface.cold(row, start=(task, u, v, phi, *span), net=net) == NEED_SPAN:
+        task, span = GO_ON, surface.result[[SPAN_U, SPAN_V]].astype(int)
+        rows = [np.arange(s - 3, s + 1) for s in span]
+        wanted = (rows[0][:, None] * surface.spaces[1].count + rows[1]).ravel()
+        net[:] = np.nan
+        net[wanted] = surface.net[wanted]
+    assert task == GO_ON
+    assert surface.result[kept] == pytest.approx(whole, abs=0.0)
+
+
+def test_two_contacts_of_a_ring_are_reported():
+    # an upright wheel across a channel z = 2 x^2 touches both sides
+    su, sv = clamped_space(3, np.arange(1, 10) / 10), clamped_space(3, np.array([0.5]))
+    knots = [np.array([np.mean(s.knots[i + 1 : i + 4]) for i in range(s.count)]) for s in (su, sv)]
+    x, y = np.meshgrid(2 * knots[0] - 1, 2 * knots[1] - 1, indexing="ij")
+    surface = Surface((su, sv), np.stack([x, y, 2.0 * x**2], -1))
+    row = ring(0.4, np.array([0.0, 0.0, 0.45]), Rotation.from_euler("x", math.pi / 2).as_matrix())
+    assert surface.cold(row, separation=1e-6) == CONVERGED
+    assert int(surface.result[FLAGS]) & TWIN
+    assert surface.result[OTHER_DISTANCE] == pytest.approx(surface.result[RING_GAP], abs=1e-9)
+    assert abs(surface.result[0]) > 0.1
+
+
+def test_distance_of_a_ring_to_a_curve():
+    generator = np.random.default_rng(6)
+    space = clamped_space(3, np.arange(1, 8) / 8)
+    t = np.linspace(0, 1, space.count)
+    control = np.stack([2 * t - 1, 0.3 * np.sin(5 * t), 0.2 * np.cos(4 * t)], -1)
+    surface = Surface((space,), control)
+    line = surface(np.linspace(0, 1, 20001))
+    for _ in range(20):
+        rotation = Rotation.random(random_state=generator.integers(1 << 30)).as_matrix()
+        row = ring(0.3, generator.uniform(-0.6, 0.6, 3), rotation)
+        assert surface.cold(row) == CONVERGED
+        local = (line - row[:3]) @ row[SHAPE_AXES : SHAPE_AXES + 9].reshape(3, 3)
+        expected = np.min(np.hypot(np.hypot(local[:, 0], local[:, 1]) - 0.3, local[:, 2]))
+        assert surface.out[0] <= expected + 1e-12
+        assert surface.out[0] == pytest.approx(expected, abs=1e-4)
