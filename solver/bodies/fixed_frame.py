@@ -123,11 +123,10 @@ def start_fixed_frames(kind: FixedFrameBodies, time: float, work: Workspace) -> 
 @implement(predict, FixedFrameBodies)
 @kernel(internal=True)
 def predict_fixed_frames(kind: FixedFrameBodies, time: float, step: float) -> None:
-    """Modal coordinates at the midpoint, for markers only."""
-    if kind.markers.shape[0] > 0:
-        for i in range(kind.modal.shape[1]):
-            kind.modal[MID_Q, i] = kind.modal[Q, i] + 0.5 * step * kind.modal[RATE, i]
-            kind.modal[MID_RATE, i] = kind.modal[RATE, i]
+    """Modal coordinates at the midpoint, for markers and contours only."""
+    for i in range(kind.modal.shape[1]):
+        kind.modal[MID_Q, i] = kind.modal[Q, i] + 0.5 * step * kind.modal[RATE, i]
+        kind.modal[MID_RATE, i] = kind.modal[RATE, i]
 
 
 @implement(fill_markers, FixedFrameBodies)

@@ -31,6 +31,7 @@ from heavylift.solver.bodies.floating_frame import (
 )
 from heavylift.solver.bodies.floating_frame import DOF as BODY_DOF
 from heavylift.solver.bodies.floating_frame import FIXED as FRAME_FIXED
+from heavylift.solver.bodies.floating_frame_stage import stage_at_state
 from heavylift.solver.contact.contour_rows import put_frame_rows
 from heavylift.solver.contact.generics import (
     bound_motion,
@@ -76,22 +77,35 @@ def owner_of(kind: FlexibleBodies, contacts: ContactRows, contour: int) -> int:
 
 
 @implement(pose_contours, FloatingFrameBodies)
+@kernel(internal=True)
+def pose_floating_contours(kind: FloatingFrameBodies, at_midpoint: bool, contacts: ContactRows) -> None:
+    """Pose of the body frame; without markers nothing else has brought the stage to the end of the step."""
+    if not at_midpoint and kind.markers.shape[0] == 0:
+        for body in range(kind.table.shape[0]):
+            stage_at_state(kind, body, False)
+    _write_poses(kind, contacts)
+
+
 @implement(pose_contours, FixedFrameBodies)
 @kernel(internal=True)
-def pose_flexible_contours(kind: FlexibleBodies, at_midpoint: bool, contacts: ContactRows) -> None:
-    """Pose of the body frame."""
+def pose_fixed_contours(kind: FixedFrameBodies, at_midpoint: bool, contacts: ContactRows) -> None:
+    """The frame stands still; likewise for the modes."""
+    if not at_midpoint:
+        for i in range(kind.modal.shape[1]):
+            kind.modal[MID_Q, i] = kind.modal[Q, i]
+    _write_poses(kind, contacts)
+
+
+@kernel(internal=True)
+def _write_poses(kind: FlexibleBodies, contacts: ContactRows) -> None:
+    """Of all contours on bodies of a kind at the stage."""
     for contour in range(contacts.contours.shape[0]):
         body = owner_of(kind, contacts, contour)
-        if body < 0:
-            continue
-        for k in range(9):
-            contacts.poses[contour, ROTATION + k] = kind.frame[body, MID_ROTATION + k]
-        for k in range(3):
-            contacts.poses[contour, ORIGIN + k] = kind.frame[body, MID_POSITION + k]
-        if not at_midpoint:  # of bodies without markers nothing else has brought the stage there
-            first = kind.table[body, MODAL]
-            for i in range(first, first + kind.table[body, MODES]):
-                kind.modal[MID_Q, i] = kind.modal[Q, i]
+        if body >= 0:
+            for k in range(9):
+                contacts.poses[contour, ROTATION + k] = kind.frame[body, MID_ROTATION + k]
+            for k in range(3):
+                contacts.poses[contour, ORIGIN + k] = kind.frame[body, MID_POSITION + k]
 
 
 @implement(form_controls, FloatingFrameBodies)

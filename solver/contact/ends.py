@@ -46,9 +46,10 @@ from heavylift.solver.contact.kind import (
     RATE,
     REST_SPEED,
     RESTITUTION,
+    RIGID,
+    SIZE,
     SLEEP,
     SLIP,
-    SLIP_PATH,
     SLIP_SPEED,
     STIFFNESS,
     TANGENT,
@@ -67,6 +68,9 @@ __all__ = ["REST", "pressed_force"]
 
 REST = 1e-6
 """Rate after an impact relative to that before it, below which the contact is closed."""
+
+OFF = 1e-4
+"""Gap relative to the size of a contact, with which it does not stay closed: it has slid over a border."""
 
 STICKING = 1e-9
 """Share of the bound below which a friction impulse counts as one that holds."""
@@ -206,7 +210,7 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
         if state[END_GAP] >= 0.0:
             state[TOUCH_DAMPING] = -1.0
     elif kind != BILATERAL and kind != CURVE:  # noqa: PLR1714  a set costs time here
-        stays = state[CLOSED] > 0.0 and total > 0.0
+        stays = state[CLOSED] > 0.0 and total > 0.0 and state[END_GAP] <= OFF * values[SIZE]
         stays = stays or (state[NEW] > 0.0 and a <= REST * abs(state[RATE]))
         state[CLOSED] = 1.0 if stays else 0.0
     first = 2 if kind == CURVE else 1
@@ -218,9 +222,9 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
         state[SLIP] = state[SLIP + 1] = 0.0
     speed = abs(d) if kind == CURVE else math.hypot(b, d)
     state[SLIP_SPEED] = speed if total != 0.0 else 0.0
-    state[SLIP_PATH] += step * state[SLIP_SPEED]
     state[RATE] = a
     state[GAP], state[GAP_2] = state[END_GAP], state[END_GAP_2]
+    _keep_in_cone(contacts, c, reaction, kind)
     _write_force(contacts, c, reaction, kind)
 
 
@@ -236,6 +240,22 @@ def pressed_force(contacts: ContactRows, c: int, rate: float) -> float:
         -contacts.state[c, END_GAP],
         -rate,
     )
+
+
+@kernel(internal=True)
+def _keep_in_cone(contacts: ContactRows, c: int, reaction: int, kind: int) -> None:
+    """Forces that were carried on to the end of the step obey the law too: none pulls, friction has its bound."""
+    rows = contacts.rows
+    first = 2 if kind == CURVE else 1
+    normal = math.hypot(rows[reaction], rows[reaction + 1]) if kind == CURVE else rows[reaction]
+    if kind == RIGID or kind == COMPLIANT:  # noqa: PLR1714, SIM109  a set costs time here
+        normal = rows[reaction] = max(rows[reaction], 0.0)
+    bound, found = contacts.values[c, FRICTION] * abs(normal), 0.0
+    for r in range(first, 3):
+        found = math.hypot(found, rows[reaction + r])
+    if found > bound:
+        for r in range(first, 3):
+            rows[reaction + r] *= bound / found
 
 
 @kernel(inline=True, internal=True)

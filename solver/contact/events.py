@@ -55,6 +55,7 @@ from heavylift.solver.contact.kind import (
     SIZE,
     SLEEP,
     SLIP,
+    SLIP_PATH,
     SPLITS,
     STEP_SHIFT,
     STIFFNESS,
@@ -82,6 +83,9 @@ SHORTEST = 1e-6
 RESOLUTION = 1e-10
 """Of the size of a contact, that a gap is found to."""
 
+
+BEHIND = 1e-6
+"""Relative rounding of a gap, and of the way in a step."""
 
 CLOSE = 1e-6
 """Of the size of a contact: a gap below is searched in every step."""
@@ -127,6 +131,8 @@ def _book_middle(contacts: ContactRows, c: int, work: Workspace, step: float) ->
     state[LOSS] -= 2.0 * contacts.rows[at + 2] * d
     state[SLIP] += step * b
     state[SLIP + 1] += step * d
+    if contacts.rows[at] != 0.0 or kind == CURVE:
+        state[SLIP_PATH] += step * (abs(d) if kind == CURVE else math.hypot(b, d))
 
 
 @kernel(internal=True)
@@ -164,6 +170,7 @@ def locate_contact_ends(
         state = contacts.state[c]
         asleep = state[SLEEP] > 0.0
         state[SLEEP] -= state[SHIFT]
+        nearest = min(state[GAP], state[SLEEP] + state[SHIFT]) - state[SHIFT]
         margin = (
             NEAR * state[SHIFT] if contacts.table[c, LAW] == COMPLIANT else CLOSE * contacts.values[c, SIZE]
         )
@@ -175,10 +182,26 @@ def locate_contact_ends(
             posed = True
         # far from where it was searched last another place may be nearer
         locate(contacts, bodies, c, asleep and state[CLOSED] == 0.0, work)
+        if contacts.table[c, LAW] == RIGID or contacts.table[c, LAW] == COMPLIANT:
+            _look_behind(contacts, c, nearest)
         state[SLEEP] = state[END_GAP]
     if posed:
         settle_points(bodies, (), False, work)
         _find_impact(contacts, work, step)
+
+
+@kernel(internal=True)
+def _look_behind(contacts: ContactRows, c: int, nearest: float) -> None:
+    """An open contact that is inside, but could not have come through, has gone round a border and is behind.
+
+    Notes
+    -----
+    A gap changes by no more than the way that both can have gone in the step. Contours have one side: what is behind
+    them touches nothing until it has come round again, over a way of its distance and its radius at least.
+    """
+    state, values = contacts.state[c], contacts.values[c]
+    if state[CLOSED] == 0.0 and state[END_GAP] < nearest - BEHIND * (values[SIZE] + abs(nearest)):
+        state[END_GAP] = abs(state[END_GAP])
 
 
 @kernel(internal=True)

@@ -16,31 +16,31 @@ __all__ = ["Curves", "Footprints", "Primitives", "Rings", "Surfaces", "touch", "
 class Surfaces(NamedTuple):
     """Points and balls on surfaces; how many."""
 
-    count: int
+    members: int
 
 
 class Curves(NamedTuple):
     """Beads on curves, points and balls on cylinders and bands; how many."""
 
-    count: int
+    members: int
 
 
 class Rings(NamedTuple):
     """Thin rings on surfaces; how many."""
 
-    count: int
+    members: int
 
 
 class Primitives(NamedTuple):
     """Convex primitives on surfaces; how many."""
 
-    count: int
+    members: int
 
 
 class Footprints(NamedTuple):
     """Contacts on surfaces whose gap and force are means over a disc; how many."""
 
-    count: int
+    members: int
 
 
 @optional

@@ -73,7 +73,7 @@ def gather_contact_rows(
                 pose_contours(bodies, False, contacts)
                 posed = True
             locate(contacts, bodies, c, False, work)
-            state[GAP] = state[SLEEP] = state[END_GAP]
+            state[GAP] = state[SLEEP] = abs(state[END_GAP])  # what sleeps and seems inside is behind
 
 
 @implement(record_rows, ContactRows)

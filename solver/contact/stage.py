@@ -273,7 +273,7 @@ def _tell(contacts: ContactRows, j: int, step: float, work: Workspace) -> None:
 
 @implement(refactor_rows, ContactRows)
 @kernel(internal=True)
-def refactor_contact_rows(contacts: ContactRows, bodies: Any, joints: Any, work: Workspace) -> None:
+def refactor_contact_rows(contacts: Any, bodies: Any, joints: Any, work: Workspace) -> None:
     """The rows stay those of the predicted midpoint; the matrices of bodies have changed."""
     add_impulses(contacts, work.velocity, -1.0)
     apply_inverse(bodies, True, contacts)

@@ -9,6 +9,7 @@ from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.ends import REST, pressed_force
 from heavylift.solver.contact.generics import (
     close_start,
+    forget_accelerations,
     locate_start,
     pose_contours,
     project_contacts,
@@ -45,6 +46,7 @@ from heavylift.solver.interface import (
     complete,
     end_velocity,
     fill_markers,
+    finish,
     set_velocity,
 )
 from heavylift.solver.kinds import implement
@@ -75,6 +77,8 @@ def run_start(
     project_contacts(systems, bodies, systems, joints, work, 0.0, step)
     complete(bodies, systems, False, step, work)
     set_velocity(bodies, step, work)
+    finish(bodies, step, work)
+    forget_accelerations(bodies)
     close_start(systems, work)
 
 
