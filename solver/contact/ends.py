@@ -14,7 +14,7 @@ from typing import Any
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact import layout as told
 from heavylift.solver.contact.delassus import assemble_delassus, contact_rates
-from heavylift.solver.contact.events import MOST_EVENTS, gap_tolerance
+from heavylift.solver.contact.events import CLOSE, MOST_EVENTS, gap_tolerance
 from heavylift.solver.contact.generics import follow_end, project_contacts
 from heavylift.solver.contact.kind import (
     BILATERAL,
@@ -144,7 +144,9 @@ def _tell_end(contacts: ContactRows, j: int, work: Workspace) -> None:
         contacts.kinds[j, 0] = told.UNILATERAL
         if state[NEW] > 0.0:
             rate = contact_rates(contacts, c, work.velocity)[0]
-            if -rate > values[REST_SPEED] and contacts.control[EVENT_COUNT] <= MOST_EVENTS:
+            # what is still inside from an impact before comes to rest, or it would hit again in every step
+            outside = state[GAP] >= -CLOSE * values[SIZE]
+            if outside and -rate > values[REST_SPEED] and contacts.control[EVENT_COUNT] <= MOST_EVENTS:
                 law[told.TARGET] = -values[RESTITUTION] * rate
 
 

@@ -69,7 +69,7 @@ from heavylift.solver.interface import SPLIT, Workspace, add_row_work
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import DOF, HALF_IMPULSE, IMPULSE, WIDTH
 
-__all__ = ["MOST_EVENTS", "gap_tolerance"]
+__all__ = ["CLOSE", "MOST_EVENTS", "gap_tolerance"]
 
 MOST_EVENTS = 20
 """Impacts within a whole step."""
