@@ -18,9 +18,9 @@ __all__ = [
 ]
 
 DEGREE_U, COUNT_U, CLOSED_U, KNOTS_U, DEGREE_V, COUNT_V, CLOSED_V, KNOTS_V, NET, WEIGHTS = range(10)
-"""Degree, number of distinct control points, 1 if closed, and first place in the knots, of both directions; first row of the
-control points, row-major with v running fastest; first place of the rational weights, -1 without. A curve has one control
-point of degree 0 in v."""
+"""Degree, number of distinct control points, 1 if closed, and first place in the knots, of both directions; first
+row of the control points, row-major with v running fastest; first place of the rational weights, -1 without. A curve
+has one control point of degree 0 in v."""
 
 CONTOUR_WIDTH = 10
 

@@ -163,17 +163,17 @@ def least_quadratic(
 def _held(
     u: float, v: float, g_u: float, g_v: float, open_u: bool, open_v: bool, floor_u: float, floor_v: float
 ) -> int:
-    """Flags of the borders that hold a point: on them, with the function falling outwards."""
+    """Flags of the borders that hold a point: on them, to the tolerance, with the function falling outwards."""
     flags = 0
     if open_u:
-        if u <= 0.0 and g_u > floor_u:
+        if u <= TOLERANCE and g_u > floor_u:
             flags |= BELOW_U
-        elif u >= 1.0 and g_u < -floor_u:
+        elif u >= 1.0 - TOLERANCE and g_u < -floor_u:
             flags |= ABOVE_U
     if open_v:
-        if v <= 0.0 and g_v > floor_v:
+        if v <= TOLERANCE and g_v > floor_v:
             flags |= BELOW_V
-        elif v >= 1.0 and g_v < -floor_v:
+        elif v >= 1.0 - TOLERANCE and g_v < -floor_v:
             flags |= ABOVE_V
     return flags
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.interface import STATUS_BLOCK, STATUS_BODY, STATUS_OUTCOME
 from heavylift.solver.layout import Layout
@@ -39,7 +41,27 @@ def stop_message(layout: Layout, when: str) -> str:
     of_mesh = status[STATUS_BLOCK] < 0
     if of_mesh and part == "joint":  # the iteration of a mesh
         remedy, part = "a smaller step", "body"
+    if outcome is Outcome.NOT_CONVERGED and part == "joint":
+        contact = int(status[STATUS_BLOCK]) - len(layout.block_names)
+        contact += sum(len(system.table) for system in _contacts(layout))
+        if contact >= 0:
+            part, remedy = "contact", _contact_remedy(layout, contact)
     names = layout.body_names if part == "body" else layout.block_names
     number = int(status[STATUS_BODY if part == "body" else STATUS_BLOCK])
     element = f", element {-1 - int(status[STATUS_BLOCK])}" if of_mesh else ""
     return f"{outcome.text} at {when}, {part} {names[number]!r}{element}; try {remedy}"
+
+
+def _contacts(layout: Layout) -> list[Any]:
+    """The system of the contacts, if there is one."""
+    return [system for system in layout.systems if "contours" in system._fields]
+
+
+def _contact_remedy(layout: Layout, contact: int) -> str:
+    """What may help a contact, from how its last search ended."""
+    from heavylift.solver.contact.kind import SEARCH, TOO_DEEP
+
+    (contacts,) = _contacts(layout)
+    if contacts.state[contact, SEARCH] == TOO_DEEP:
+        return "a smaller step, a stiffer law or a larger radius: it is deeper inside its contour than its rounding"
+    return "a smaller step, or a contour whose control points are not crowded"

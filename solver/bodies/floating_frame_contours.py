@@ -64,6 +64,9 @@ from heavylift.solver.rows import PANEL
 
 __all__: list[str] = []
 
+AT_ONCE = 512
+"""Control points that are formed together: `places` has room for so many."""
+
 
 @kernel(inline=True, internal=True)
 def owner_of(kind: FlexibleBodies, contacts: ContactRows, contour: int) -> int:
@@ -130,6 +133,16 @@ def form_flexible_controls(
         for j in range(first_v, last_v + 1):
             contacts.places[count] = (i % row[COUNT_U]) * row[COUNT_V] + j % row[COUNT_V]
             count += 1
+            if count == AT_ONCE:
+                _form_listed(kind, body, contacts, contour, count)
+                count = 0
+    _form_listed(kind, body, contacts, contour, count)
+
+
+@kernel(internal=True)
+def _form_listed(kind: FlexibleBodies, body: int, contacts: ContactRows, contour: int, count: int) -> None:
+    """The control points whose numbers stand in `places`."""
+    row = contacts.contours[contour]
     modal_points(
         contacts.constants,
         row[CONTROLS],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,12 +16,16 @@ from heavylift.solver.contact.kind import (
     GAP,
     GAP_2,
     LAW,
+    LOST,
+    NOT_A_NUMBER,
+    SEARCH,
     SIZE,
+    TOO_DEEP,
     ContactRows,
 )
 from heavylift.solver.contact.start import run_start
 
-__all__ = ["start_contacts"]
+__all__ = ["check_places", "start_contacts"]
 
 ON_CONTOUR = 1e-3
 """Distance from its contour relative to its size, at which a slider or bead may start: the first steps bring it
@@ -47,11 +52,35 @@ def start_contacts(layout: Any, step: float) -> None:
     """
     contacts: ContactRows = layout.systems[1]
     run_start(layout.bodies, layout.joints, layout.systems, layout.work, step)
-    names = layout.block_names[-len(contacts.table) :]
+    check_places(contacts, layout.block_names[-len(contacts.table) :])
+
+
+def check_places(contacts: ContactRows, names: Sequence[str]) -> None:
+    """Refuse what starts where it cannot.
+
+    Parameters
+    ----------
+    contacts
+        Located.
+    names
+        Of the contacts.
+
+    Raises
+    ------
+    InputError
+        As `start_contacts`.
+    """
     for name, table, values, state in zip(
         names, contacts.table, contacts.values, contacts.state, strict=True
     ):
         gap, size = float(state[GAP]), float(values[SIZE])
+        if LOST <= state[SEARCH] <= NOT_A_NUMBER:
+            raise InputError(
+                "no nearest point was found on its contour",
+                source=name,
+                key="between",
+                expected="a contour with tangents everywhere, of finite points",
+            )
         if table[LAW] in {BILATERAL, CURVE}:
             distance = float(np.hypot(gap, state[GAP_2])) if table[LAW] == CURVE else abs(gap)
             if not distance <= ON_CONTOUR * size:
@@ -62,6 +91,13 @@ def start_contacts(layout: Any, step: float) -> None:
                     expected=f"{ON_CONTOUR * size:.4g} m at most",
                 )
             continue
+        if state[SEARCH] == TOO_DEEP:
+            raise InputError(
+                f"starts {-gap:.4g} m inside its contour, deeper than its rounding",
+                source=name,
+                key="shape",
+                expected="a start outside, or a larger radius about its core",
+            )
         deepest = float(values[EXTENT]) if values[EXTENT] > 0.0 else DEEPEST * size
         if table[LAW] != COMPLIANT:
             deepest *= 0.1

@@ -13,8 +13,12 @@ from heavylift.solver.connections import GROUND
 from heavylift.solver.contact.kind import LARGEST_CONTROLS
 from heavylift.solver.contacts import (
     BilateralLaw,
+    BoxShape,
+    CapsuleShape,
     CircleShape,
     Contact,
+    CylinderShape,
+    EllipsoidShape,
     HertzLaw,
     HuntCrossleyLaw,
     LinearLaw,
@@ -22,12 +26,16 @@ from heavylift.solver.contacts import (
     RigidLaw,
     SphereShape,
 )
+from heavylift.solver.meshes import FrameBody
 from heavylift.solver.scene import FlexibleBody, Scene
 
 if TYPE_CHECKING:
     from heavylift.solver.contacts import Contour
 
-__all__ = ["check_contact"]
+__all__ = ["check_about_curve", "check_contact"]
+
+NEARLY_ALONG = 1e-3
+"""Sine of the angle between a curve and the director of a band, from which on that lies across."""
 
 
 def check_contact(contact: Contact, scene: Scene, scales: Callable[[str], tuple[float, float]]) -> None:
@@ -43,7 +51,8 @@ def check_contact(contact: Contact, scene: Scene, scales: Callable[[str], tuple[
     Raises
     ------
     InputError
-        Unknown contour or body, both on one body, nothing that can move, or numbers of law and shape out of range.
+        Unknown contour or body, both on one body, nothing that can move, sharp edges, a shape that the contour does not
+        take, or numbers of law and shape out of range.
     """
     contours = {contour.name: contour for contour in scene.contours}
     bodies = {body.name: body for body in scene.bodies}
@@ -68,7 +77,7 @@ def check_contact(contact: Contact, scene: Scene, scales: Callable[[str], tuple[
     if not 0.0 <= contact.friction < math.inf:
         _refuse(contact, "friction", f"{contact.friction}", "0 or more")
     _check_law(contact)
-    _check_shape(contact, contour)
+    _check_shape(contact, contour, bodies.get(contour.body))
     _check_footprint(contact, contour, bodies.get(contour.body))
 
 
@@ -94,15 +103,19 @@ def _check_law(contact: Contact) -> None:
             _refuse(contact, "exponent", f"{law.exponent}", "1 to 3")
 
 
-def _check_shape(contact: Contact, contour: Contour) -> None:
+def _check_shape(contact: Contact, contour: Contour, body: Any) -> None:
     shape: Any = contact.shape
-    curve = contour.neutral is not None and len(contour.neutral.spaces) == 1
+    curve = isinstance(body, FrameBody) or (contour.neutral is not None and len(contour.neutral.spaces) == 1)
     if isinstance(contact.law, BilateralLaw) and not isinstance(shape, PointShape):
         _refuse(contact, "shape", "a bilateral contact of more than a point", "a point")
-    if isinstance(shape, SphereShape) and not 0.0 < shape.radius < math.inf:
-        _refuse(contact, "shape.radius", f"{shape.radius} m", "a positive length")
-    if isinstance(shape, CircleShape) and not 0.0 < shape.radius < math.inf:
-        _refuse(contact, "shape.radius", f"{shape.radius} m", "a positive length")
+    _check_sizes(contact, shape)
+    if isinstance(shape, CircleShape) and contour.flip:
+        _refuse(
+            contact,
+            "shape",
+            f"a ring on {contour.name!r}, whose normal is turned round",
+            "a contour without 'flip', its rows of points in the opposite order",
+        )
     if curve and not isinstance(shape, PointShape | SphereShape):
         _refuse(contact, "shape", f"a {type(shape).__name__} on a curve", "a point or a sphere")
     unilateral = curve and not isinstance(contact.law, BilateralLaw)
@@ -115,11 +128,97 @@ def _check_shape(contact: Contact, contour: Contour) -> None:
         )
 
 
+def _check_sizes(contact: Contact, shape: Any) -> None:
+    """Lengths of shapes above 0; edges with a radius: on a sharp one the direction of a contact would jump."""
+    lengths: dict[str, Any] = {}
+    if isinstance(shape, SphereShape | CircleShape):
+        lengths = {"radius": shape.radius}
+    elif isinstance(shape, EllipsoidShape):
+        lengths = {"half_axes": shape.half_axes}
+    elif isinstance(shape, BoxShape):
+        lengths = {"half_lengths": shape.half_lengths}
+        _check_rounding(contact, "radius", shape.radius)
+    elif isinstance(shape, CapsuleShape):
+        lengths = {"radius": shape.radius, "half_length": shape.half_length}
+    elif isinstance(shape, CylinderShape):
+        lengths = {"radius": shape.radius, "half_length": shape.half_length}
+        _check_rounding(contact, "rounding", shape.rounding)
+    for key, value in lengths.items():
+        values = np.atleast_1d(np.asarray(value, dtype=np.float64))
+        wanted = (3,) if key in {"half_axes", "half_lengths"} else (1,)
+        if values.shape != wanted or not np.all((values > 0.0) & np.isfinite(values)):
+            several = "three positive lengths" if wanted == (3,) else "a positive length"
+            _refuse(contact, f"shape.{key}", f"{value} m", several)
+    if isinstance(shape, EllipsoidShape | BoxShape):
+        axes = np.asarray(shape.axes, dtype=np.float64)
+        square = axes.shape == (3, 3) and np.allclose(axes.T @ axes, np.eye(3), atol=1e-6)
+        if not (square and np.linalg.det(axes) > 0.0):
+            _refuse(contact, "shape.axes", f"{axes.tolist()}", "three orthogonal unit vectors, right-handed")
+
+
+def _check_rounding(contact: Contact, key: str, value: float) -> None:
+    if not 0.0 < value < math.inf:
+        _refuse(
+            contact,
+            f"shape.{key}",
+            f"{value} m: edges are sharp, and where one is touched there is no normal",
+            "a positive length; contacts stay defined until they are pressed in so deep",
+        )
+
+
+def check_about_curve(contour: Contour, is_curve: bool) -> None:
+    """Refuse a cylinder or band about a curve that cannot be.
+
+    Parameters
+    ----------
+    contour
+        The contour.
+    is_curve
+        Whether it is a curve.
+
+    Raises
+    ------
+    InputError
+        Lengths below 0, both at once, either on a surface, or a director that does not point across the curve.
+    """
+    for key, value in {"radius": contour.radius, "width": contour.width}.items():
+        if not 0.0 <= value < math.inf:
+            raise InputError(f"{value} m", source=contour.name, key=key, expected="0 or more")
+        if value > 0.0 and not is_curve:
+            raise InputError(
+                f"{value} m on a surface", source=contour.name, key=key, expected="a curve, or 0"
+            )
+    if contour.radius > 0.0 and contour.width > 0.0:
+        raise InputError(
+            "a cylinder and a band about one curve",
+            source=contour.name,
+            key="width",
+            expected="one of the two",
+        )
+    if contour.width > 0.0:
+        director = np.asarray(contour.director, dtype=np.float64)
+        across = math.inf
+        if contour.neutral is not None:
+            chords = np.diff(contour.neutral.control, axis=0)
+            chords = chords[np.linalg.norm(chords, axis=1) > 0.0]
+            sine = np.linalg.norm(np.cross(chords, director), axis=1) / np.linalg.norm(chords, axis=1)
+            across = float(sine.min(initial=math.inf))
+        if not (np.linalg.norm(director) > 0.0 and across > NEARLY_ALONG * float(np.linalg.norm(director))):
+            raise InputError(
+                f"{director.tolist()}",
+                source=contour.name,
+                key="director",
+                expected="a vector across the curve everywhere: along the width of the band",
+            )
+
+
 def _check_footprint(contact: Contact, contour: Contour, body: Any) -> None:
     if contact.footprint == 0.0:
         return
     if not 0.0 < contact.footprint < math.inf:
         _refuse(contact, "footprint", f"{contact.footprint} m", "0 or more")
+    if not isinstance(contact.shape, PointShape | SphereShape):
+        _refuse(contact, "footprint", f"of a {type(contact.shape).__name__}", "a point or a sphere")
     surface = contour.neutral is not None and len(contour.neutral.spaces) == 2
     if not (surface and isinstance(body, FlexibleBody)):
         _refuse(

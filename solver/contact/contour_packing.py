@@ -16,6 +16,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.rigid import principal_frame
 from heavylift.solver.connections import GROUND
+from heavylift.solver.contact.checks import check_about_curve
 from heavylift.solver.contact.kind import (
     BODY,
     CONTOUR_COLUMNS,
@@ -35,7 +36,9 @@ from heavylift.solver.contact.kind import (
     REACH,
     ROTATION,
     WIDTH_OF,
+    Samples,
 )
+from heavylift.solver.contact.sample_packing import pack_samples
 from heavylift.solver.contacts import Contour
 from heavylift.solver.meshes import MeshBody
 from heavylift.solver.scene import FlexibleBody, RigidBody, Scene
@@ -52,7 +55,7 @@ class PackedContours:
 
     Attributes
     ----------
-    rows, poses, constants, net
+    rows, poses, constants, net, samples
         As in `ContactRows`.
     sizes
         Largest extension of each contour [m].
@@ -68,6 +71,7 @@ class PackedContours:
     poses: NDArray[np.float64]
     constants: NDArray[np.float64]
     net: NDArray[np.float64]
+    samples: Samples
     sizes: list[float]
     is_curve: list[bool]
     mode_counts: list[int]
@@ -88,10 +92,12 @@ def pack_contours(scene: Scene, ordered: Sequence[AnyBody], dofs: Mapping[str, i
     ------
     InputError
         If a contour is on a body that is not there, has a degree below 3, has no spline and is not on a mesh, or its
-        modes are not those of its body.
+        modes are not those of its body, or what is about a curve cannot be.
     """
     by_name = {body.name: body for body in ordered}
     neutrals = [_neutral(contour, by_name) for contour in scene.contours]
+    for contour, neutral in zip(scene.contours, neutrals, strict=True):
+        check_about_curve(contour, len(neutral.spaces) == 1)
     frames = [_frame(contour, by_name) for contour in scene.contours]
     moved = [
         NeutralContour(one.spaces, (one.control - origin) @ axes, one.modal, one.weights)
@@ -125,11 +131,14 @@ def pack_contours(scene: Scene, ordered: Sequence[AnyBody], dofs: Mapping[str, i
         poses[i, RADIUS_OF], poses[i, WIDTH_OF] = contour.radius, contour.width
         modes.append(len(one.modal))
         normals.append(_across(contour, neutrals[i], body))
+    constants_of_all = np.concatenate([np.zeros(0), *constants])
+    net = np.ascontiguousarray(net)
     return PackedContours(
         rows=rows,
         poses=poses,
-        constants=np.concatenate([np.zeros(0), *constants]),
-        net=np.ascontiguousarray(net),
+        constants=constants_of_all,
+        net=net,
+        samples=pack_samples([one.spaces for one in moved], rows, constants_of_all, net),
         sizes=[float(np.ptp(one.control, axis=0).max()) for one in moved],
         is_curve=[len(one.spaces) == 1 for one in moved],
         mode_counts=modes,

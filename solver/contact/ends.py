@@ -24,7 +24,6 @@ from heavylift.solver.contact.kind import (
     DAMPING,
     END_GAP,
     END_GAP_2,
-    EVENT_COUNT,
     EXPONENT,
     FORCE,
     FORCE_LAW,
@@ -44,6 +43,7 @@ from heavylift.solver.contact.kind import (
     NORMAL_FORCE,
     PRESENT,
     RATE,
+    RECENT,
     REST_SPEED,
     RESTITUTION,
     RIGID,
@@ -58,6 +58,7 @@ from heavylift.solver.contact.kind import (
     ContactRows,
 )
 from heavylift.solver.contact.laws import normal_force
+from heavylift.solver.contact.search_end import judge_searches
 from heavylift.solver.contact.stage import friction_rows, impulse_row, present_at, softness_of, solve_present
 from heavylift.solver.integrate.row_stage import close_step
 from heavylift.solver.interface import LAST_STEP, Workspace, add_row_work, apply_inverse
@@ -146,7 +147,7 @@ def _tell_end(contacts: ContactRows, j: int, work: Workspace) -> None:
             rate = contact_rates(contacts, c, work.velocity)[0]
             # what is still inside from an impact before comes to rest, or it would hit again in every step
             outside = state[GAP] >= -CLOSE * values[SIZE]
-            if outside and -rate > values[REST_SPEED] and contacts.control[EVENT_COUNT] <= MOST_EVENTS:
+            if outside and -rate > values[REST_SPEED] and state[RECENT] < MOST_EVENTS:
                 law[told.TARGET] = -values[RESTITUTION] * rate
 
 
@@ -165,7 +166,7 @@ def _book_impact(contacts: ContactRows, j: int, work: Workspace) -> None:
     state[LOSS] += loss
     if state[NEW] > 0.0:
         contacts.control[IMPACT] = 1.0
-        contacts.control[EVENT_COUNT] += 1.0
+        state[RECENT] += 1.0
         state[IMPACTS] += 1.0
 
 
@@ -176,6 +177,7 @@ def close_contact_step(
 ) -> None:
     """What stays closed, sums and forces of the step; after the bodies have taken their velocities."""
     add_row_work(bodies, 1.0, work, contacts)
+    judge_searches(contacts, True, work)
     for c in range(contacts.table.shape[0]):
         _close_one(contacts, c, step, work)
 

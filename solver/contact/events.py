@@ -31,7 +31,6 @@ from heavylift.solver.contact.kind import (
     CONTOUR,
     CURVE,
     END_GAP,
-    EVENT_COUNT,
     EVENTS,
     EXPONENT,
     EXTENT,
@@ -50,6 +49,7 @@ from heavylift.solver.contact.kind import (
     NOMINAL,
     PRESENT,
     RATE,
+    RECENT,
     RIGID,
     SHIFT,
     SIZE,
@@ -72,7 +72,7 @@ from heavylift.solver.rows import DOF, HALF_IMPULSE, IMPULSE, WIDTH
 __all__ = ["CLOSE", "MOST_EVENTS", "gap_tolerance"]
 
 MOST_EVENTS = 20
-"""Impacts within a whole step."""
+"""Impacts of a contact within a whole step."""
 
 MOST_TRIALS = 400
 """Of times of impacts within a whole step."""
@@ -208,7 +208,7 @@ def _look_behind(contacts: ContactRows, c: int, nearest: float) -> None:
 def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
     """Set `work.control[SPLIT]` if an impact lies within the step, and keep its bracket."""
     control = contacts.control
-    if control[EVENT_COUNT] >= MOST_EVENTS or control[SPLITS] >= MOST_TRIALS:
+    if control[SPLITS] >= MOST_TRIALS * contacts.table.shape[0]:
         return
     watched = int(control[WATCHED])
     if watched >= 0:
@@ -221,7 +221,7 @@ def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
         state = contacts.state[c]
         if contacts.table[c, LAW] != RIGID or contacts.table[c, EVENTS] == 0 or state[CLOSED] > 0.0:
             continue
-        if state[END_GAP] > 0.0:
+        if state[END_GAP] > 0.0 or state[RECENT] >= MOST_EVENTS:
             continue
         rate = contact_rates(contacts, c, work.velocity)[0]
         if state[END_GAP] < -gap_tolerance(contacts, c, rate):
@@ -301,4 +301,6 @@ def after_contact_step(contacts: ContactRows, bodies: Any, work: Workspace, step
     control[WATCHED] = -1.0
     control[LOW] = control[HIGH] = 0.0
     if whole:
-        control[EVENT_COUNT] = control[SPLITS] = 0.0
+        control[SPLITS] = 0.0
+        for c in range(contacts.table.shape[0]):
+            contacts.state[c, RECENT] = 0.0

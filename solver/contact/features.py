@@ -10,7 +10,18 @@ from typing import Any, NamedTuple
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import optional
 
-__all__ = ["Curves", "Footprints", "Primitives", "Rings", "Surfaces", "touch", "weigh"]
+__all__ = [
+    "Curves",
+    "Deforming",
+    "Footprints",
+    "Primitives",
+    "Rings",
+    "SurfaceWeights",
+    "Surfaces",
+    "sample",
+    "touch",
+    "weigh",
+]
 
 
 class Surfaces(NamedTuple):
@@ -37,10 +48,27 @@ class Primitives(NamedTuple):
     members: int
 
 
+class Deforming(NamedTuple):
+    """Contours whose control points move in their own axes; how many."""
+
+    members: int
+
+
+class SurfaceWeights(NamedTuple):
+    """Contacts of any shape on surfaces that deform; how many."""
+
+    members: int
+
+
 class Footprints(NamedTuple):
     """Contacts on surfaces whose gap and force are means over a disc; how many."""
 
     members: int
+
+
+@optional
+def sample(features: Any, contacts: Any, bodies: Any, contour: int) -> None:
+    """Before a search from everywhere: control points and samples of a contour where it is now."""
 
 
 @optional

@@ -22,7 +22,7 @@ from heavylift.contours.layout import (
     KNOTS_V,
     NET,
 )
-from heavylift.contours.search_step import U, V
+from heavylift.contours.search_step import BORDER, FLAGS, U, V
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.contact.features import Footprints, weigh
@@ -109,7 +109,9 @@ def weigh_footprint(
     n1, n2, n3 = rotate_back(
         contacts.poses[contour], scratch[DIRECTIONS], scratch[DIRECTIONS + 1], scratch[DIRECTIONS + 2]
     )
-    contacts.state[c, END_GAP] = n1 * (y1 - p1) + n2 * (y2 - p2) + n3 * (y3 - p3) - contacts.values[c, RADIUS]
+    if int(result[FLAGS]) & BORDER == 0:  # beyond it the distance from the edge stands
+        gap = n1 * (y1 - p1) + n2 * (y2 - p2) + n3 * (y3 - p3)
+        contacts.state[c, END_GAP] = gap - contacts.values[c, RADIUS]
     contacts.places[CONTROL_COUNT] = count
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from heavylift.contours.layout import CONTOUR_WIDTH
 
-__all__ = ["ContactRows"]
+__all__ = ["ContactRows", "Samples"]
 
 # columns of `table`: a row is a contact
 CONTOUR, SHAPE, LAW, CENTRE, AXES, COLUMN, FORCE_LAW, EVENTS, SLOT, PRIMITIVE_KIND, TABLE_WIDTH = range(11)
@@ -62,12 +62,16 @@ NORMAL, TANGENT, FORCE, TOUCHED = 10, 13, 16, 19
 IMPULSES, LOSS, IMPACTS, SLIP_PATH, SLIP_SPEED, NORMAL_FORCE, FRICTION_FORCE = range(22, 29)
 """Sum of normal impulses [N s]; energy lost [J]; impacts; path [m] and speed [m/s] of the slip; forces [N]."""
 
-TOUCH_DAMPING, WARM, MIDDLE_FORCE, NEW, PRESENT, END_GAP, END_GAP_2 = 29, 30, 33, 36, 37, 38, 39
+TOUCH_DAMPING, WARM, MIDDLE_FORCE, NEW, PRESENT = 29, 30, 33, 36, 37
+END_GAP, END_GAP_2, SEARCH, FAILED, RECENT, STATE_WIDTH = 38, 39, 40, 41, 42, 43
 """Damping of Hunt and Crossley that belongs to the present touch; impulses of the last step, which start the next
 iteration; forces of the three rows in the middle of the last step [N]; 1 if it closes at the end of this step; 1
-if it takes part in the present stage; gaps at the end of this step."""
+if it takes part in the present stage; gaps at the end of this step; how the last search ended; searches so far that
+found nothing; impacts since the last whole step."""
 
-STATE_WIDTH = 40
+FOUND, LOST, NOT_A_NUMBER, TOO_DEEP = 0, 2, 3, 4
+"""How a search ended: well; without converging or at something that is not finite, which are statuses of the
+searches; the contour has reached the core of a primitive."""
 
 # columns of `contours`: those of the spline, then
 OWNER, DOF, CONTROLS, DIMENSION, FLIP, BODY = range(CONTOUR_WIDTH, CONTOUR_WIDTH + 6)
@@ -86,14 +90,14 @@ one moves in the step at most; constants of derived contours: direction across a
 # places in `scratch`
 RESULT, RESULT_END, DIRECTIONS, LEVER, SLOPES, HAS_SLOPES, ARM, SHAPE_ROW, EVALUATE = (
     0,
-    64,
-    64,
-    73,
-    76,
-    85,
-    86,
-    89,
-    112,
+    72,
+    72,
+    81,
+    84,
+    93,
+    94,
+    97,
+    120,
 )
 """Result of a search; directions of the three rows in the world; touched point in the axes of the contour; factors
 of the rates of its tangent in the rows, and whether there are any; from the point of the shape to where it
@@ -111,13 +115,46 @@ WEIGHTS_AT = 1024
 SHAPES = WEIGHTS_AT + 3 * LARGEST_CONTROLS
 """Mode shapes at the touched point, and their derivatives; from here on as long as the scene needs."""
 
+# columns of `grids` of the samples
+U_AT, U_COUNT, V_AT, V_COUNT, POINTS_AT, GRID_COLUMNS = range(6)
+"""First sample in u and in v, and how many; first row of the positions of the samples."""
+
 # columns of `control`
-EVENT_COUNT, LOW, LOW_GAP, HIGH, HIGH_GAP, HIGH_RATE, WATCHED, JOINS = range(8)
-IMPACT, RESIDUAL, ROUNDS, NOMINAL, LONGEST, SPLITS, CONTROL_WIDTH = range(8, 15)
-"""Impacts since the last whole step; bracket of the time of an impact with gaps, and the rate at its end; contact
+LOW, LOW_GAP, HIGH, HIGH_GAP, HIGH_RATE, WATCHED, JOINS = range(7)
+IMPACT, RESIDUAL, ROUNDS, NOMINAL, LONGEST, SPLITS, CONTROL_WIDTH = range(7, 14)
+"""Bracket of the time of an impact with gaps, and the rate at its end; contact
 it is for, -1 without; contact that joins the closed ones when the step is repeated, -1 without; 1 after an impact;
 largest residual and number of iterations of the solver in the last step; length of whole steps [s]; length of the
 step that an impact was first seen in [s]; trials since the last whole step."""
+
+
+class Samples(NamedTuple):
+    """A grid of points on every contour, from which a search begins when nothing is known.
+
+    Attributes
+    ----------
+    grids
+        Of each contour, shape (n, 5).
+    parameters, first, basis
+        Of all grids one after another, u before v: parameter, first function that is not zero, values of the functions,
+        shapes (a,), (a,) and (a, LARGEST_DEGREE + 1).
+    reach
+        Of a sample of each contour [m], shape (n,).
+    points
+        Positions [m], three rows a contour as wide as the largest grid. Contours that deform share the first three.
+    across, distances, angles
+        Scratch of the searches.
+    """
+
+    grids: NDArray[np.int64]
+    parameters: NDArray[np.float64]
+    first: NDArray[np.int64]
+    basis: NDArray[np.float64]
+    reach: NDArray[np.float64]
+    points: NDArray[np.float64]
+    across: NDArray[np.float64]
+    distances: NDArray[np.float64]
+    angles: NDArray[np.float64]
 
 
 class ContactRows(NamedTuple):
@@ -131,7 +168,7 @@ class ContactRows(NamedTuple):
         As in the system of joints; block c and its attachments 2 c (contour) and 2 c + 1 (what touches) belong to
         contact c. Impulses push what touches along the normal.
     table, values, state
-        Of each contact, shapes (nc, 10), (nc, 32), (nc, 40).
+        Of each contact, shapes (nc, 10), (nc, 32), (nc, 43).
     contours
         Packed rows of the contours, shape (n, 16).
     poses
@@ -141,6 +178,8 @@ class ContactRows(NamedTuple):
         3 + 3 nf numbers a point, component by component; flat.
     net
         Control points of the stage in the axes of their contours [m], shape (all points, 3).
+    samples
+        Where searches begin.
     delassus
         Rates by impulses of the contacts that are present, shape (3 nc, 3 nc).
     laws, kinds
@@ -170,6 +209,7 @@ class ContactRows(NamedTuple):
     poses: NDArray[np.float64]
     constants: NDArray[np.float64]
     net: NDArray[np.float64]
+    samples: Samples
     delassus: NDArray[np.float64]
     laws: NDArray[np.float64]
     kinds: NDArray[np.int64]

@@ -11,28 +11,33 @@ from typing import Any
 from heavylift.contours.search_step import U, V
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate, rotate_back
-from heavylift.solver.contact.features import touch, weigh
+from heavylift.solver.contact.features import sample, touch, weigh
 from heavylift.solver.contact.generics import put_contour_rows
 from heavylift.solver.contact.kind import (
     AT_U,
     AT_V,
     CENTRE,
+    CLOSED,
     CONTOUR,
     CONTROL_COUNT,
     DIRECTIONS,
+    END_GAP,
+    GAP,
     HAS_SLOPES,
     LEVER,
+    LOST,
     NORMAL,
+    NOT_A_NUMBER,
     OF_GROUND,
     OF_RIGID,
     ORIGIN,
     OWNER,
     RESULT,
+    SEARCH,
     TANGENT,
     TOUCHED,
     ContactRows,
 )
-from heavylift.solver.contact.search_start import find_start
 from heavylift.solver.contact.slider_rows import put_slider_rows
 from heavylift.solver.interface import POINT, Workspace
 
@@ -62,10 +67,12 @@ def locate(contacts: ContactRows, bodies: Any, c: int, cold: bool, work: Workspa
         work.markers[marker, POINT + 2] - pose[ORIGIN + 2],
     )
     if cold:
-        find_start(contacts, bodies, c, y1, y2, y3)
+        sample(contacts.features, contacts, bodies, contour)
     scratch[HAS_SLOPES] = 0.0
     touch(contacts.features, contacts, bodies, c, cold, y1, y2, y3, work)
     state[AT_U], state[AT_V] = scratch[RESULT + U], scratch[RESULT + V]
+    if state[CLOSED] == 0.0 and LOST <= state[SEARCH] <= NOT_A_NUMBER:
+        state[END_GAP] = state[GAP]  # nothing is known of it
     contacts.places[CONTROL_COUNT] = 0
     if contacts.contours[contour, OWNER] != OF_RIGID and contacts.contours[contour, OWNER] != OF_GROUND:
         weigh(contacts.features, contacts, bodies, c, y1, y2, y3)

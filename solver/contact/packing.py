@@ -24,7 +24,15 @@ from heavylift.solver.connections import axes_about
 from heavylift.solver.contact import layout as told
 from heavylift.solver.contact.checks import check_contact
 from heavylift.solver.contact.contour_packing import PackedContours, pack_contours
-from heavylift.solver.contact.features import Curves, Footprints, Primitives, Rings, Surfaces
+from heavylift.solver.contact.features import (
+    Curves,
+    Deforming,
+    Footprints,
+    Primitives,
+    Rings,
+    Surfaces,
+    SurfaceWeights,
+)
 from heavylift.solver.contact.interface import moving_points
 from heavylift.solver.contact.kind import (
     AXES,
@@ -48,7 +56,10 @@ from heavylift.solver.contact.kind import (
     LARGEST_CONTROLS,
     LAW,
     NORMAL,
+    OF_MODES,
+    OWNER,
     POINT,
+    POINTS_AT,
     PRIMITIVE,
     PRIMITIVE_KIND,
     RADIUS,
@@ -240,6 +251,7 @@ def _kind(
         poses=packed.poses,
         constants=packed.constants,
         net=packed.net,
+        samples=packed.samples,
         delassus=np.zeros((3 * count, 3 * count)),
         laws=np.zeros((count, told.PARAMETERS)),
         kinds=np.zeros((count, 2), dtype=np.int64),
@@ -259,11 +271,14 @@ def _features(
 ) -> tuple[Any, ...]:
     """Kinds of contact that are there; only their code is imported."""
     on_curve = np.array([packed.is_curve[i] for i in table[:, CONTOUR]], dtype=bool)
+    deforms = packed.rows[table[:, CONTOUR], OWNER] >= OF_MODES
     counts = {
         "touch_surface": (Surfaces, np.count_nonzero(~on_curve & (table[:, SHAPE] == POINT))),
+        "surface_weights": (SurfaceWeights, np.count_nonzero(~on_curve & deforms)),
         "touch_curve": (Curves, np.count_nonzero(on_curve)),
         "touch_ring": (Rings, np.count_nonzero(table[:, SHAPE] == CIRCLE)),
         "touch_primitive": (Primitives, np.count_nonzero(table[:, SHAPE] == CONVEX)),
+        "search_start": (Deforming, np.count_nonzero(packed.samples.grids[:, POINTS_AT] == 0)),
         "footprint": (Footprints, np.count_nonzero(values[:, FOOTPRINT] > 0.0)),
     }
     features = []

@@ -12,10 +12,12 @@ from heavylift.solver.channels import XYZ
 from heavylift.solver.contact.generics import pose_contours
 from heavylift.solver.contact.kind import (
     AT_U,
+    AT_V,
     CLOSED,
     COLUMN,
     COMPLIANT,
     END_GAP,
+    END_GAP_2,
     EXPONENT,
     FORCE,
     FORCE_LAW,
@@ -72,8 +74,11 @@ def gather_contact_rows(
             if not posed:
                 pose_contours(bodies, False, contacts)
                 posed = True
-            locate(contacts, bodies, c, False, work)
-            state[GAP] = state[SLEEP] = abs(state[END_GAP])  # what sleeps and seems inside is behind
+            u, v, end_gap, angle = state[AT_U], state[AT_V], state[END_GAP], state[END_GAP_2]
+            locate(contacts, bodies, c, True, work)
+            state[GAP] = abs(state[END_GAP])  # what sleeps and seems inside is behind
+            # a record must not change what follows
+            state[AT_U], state[AT_V], state[END_GAP], state[END_GAP_2] = u, v, end_gap, angle
 
 
 @implement(record_rows, ContactRows)

@@ -1,63 +1,86 @@
-"""Where a search begins that knows nothing: the nearest of samples over the whole contour."""
+"""Searches that know nothing begin at samples of the whole contour and end at the nearest of several minima."""
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
-from heavylift.contours.evaluate import curve_point, surface_point
-from heavylift.contours.layout import CLOSED_U, CLOSED_V, COUNT_U, COUNT_V, DEGREE_U, DEGREE_V
+from heavylift.contours.layout import COUNT_U, COUNT_V
+from heavylift.contours.samples import sample_points
+from heavylift.contours.search_cold import closest_point_cold
+from heavylift.contours.search_step import U, V
 from heavylift.numerics.jit import kernel
+from heavylift.solver.contact.features import Deforming, sample
 from heavylift.solver.contact.generics import form_controls
 from heavylift.solver.contact.kind import (
     AT_U,
     AT_V,
     CONTOUR,
-    DIMENSION,
     EVALUATE,
-    LEVER,
     OF_GROUND,
     OF_RIGID,
     OWNER,
+    POINTS_AT,
     RESULT,
     RESULT_END,
+    U_AT,
+    U_COUNT,
+    V_AT,
+    V_COUNT,
     WEIGHTS_AT,
     ContactRows,
 )
+from heavylift.solver.kinds import implement
 
-__all__ = ["find_start"]
+__all__ = ["start_at_point"]
 
-A_SPAN = 3
-"""Samples a span."""
+
+@implement(sample, Deforming)
+@kernel(internal=True)
+def sample_deforming(feature: Deforming, contacts: ContactRows, bodies: Any, contour: int) -> None:
+    """Form all control points, then the samples; those of rigid contours stand still."""
+    row, samples, net = contacts.contours[contour], contacts.samples, contacts.net
+    if row[OWNER] == OF_RIGID or row[OWNER] == OF_GROUND:
+        return
+    form_controls(bodies, contacts, contour, 0, row[COUNT_U] - 1, 0, row[COUNT_V] - 1)
+    grid = samples.grids[contour]
+    i, j, at = grid[U_AT], grid[V_AT], grid[POINTS_AT]
+    m, n = i + grid[U_COUNT], j + grid[V_COUNT]
+    samples.reach[contour] = sample_points(
+        row,
+        contacts.constants,
+        net,
+        samples.first[i:m],
+        samples.first[j:n],
+        samples.basis[i:m],
+        samples.basis[j:n],
+        samples.across,
+        samples.points[at : at + 3],
+    )
 
 
 @kernel(internal=True)
-def find_start(contacts: ContactRows, bodies: Any, c: int, y1: float, y2: float, y3: float) -> None:
-    """Write the parameters of the nearest sample into the state of a contact."""
+def start_at_point(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -> None:
+    """Nearest point of a curve or surface to a point in its axes [m], into the state of a contact."""
     contour = contacts.table[c, CONTOUR]
-    row, scratch = contacts.contours[contour], contacts.scratch
+    samples, scratch, state = contacts.samples, contacts.scratch, contacts.state[c]
     result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
-    if row[OWNER] != OF_RIGID and row[OWNER] != OF_GROUND:
-        form_controls(bodies, contacts, contour, 0, row[COUNT_U] - 1, 0, row[COUNT_V] - 1)
-    knots, net = contacts.constants, contacts.net
-    spans_u = row[COUNT_U] - (0 if row[CLOSED_U] else row[DEGREE_U])
-    spans_v = row[COUNT_V] - (0 if row[CLOSED_V] else row[DEGREE_V])
-    count_u, count_v = A_SPAN * spans_u, A_SPAN * spans_v
-    if row[DIMENSION] == 1:
-        count_v = 1
-    best = math.inf
-    for i in range(count_u):
-        u = (i + 0.5) / count_u
-        for j in range(count_v):
-            v = (j + 0.5) / count_v
-            if row[DIMENSION] == 2:
-                surface_point(row, knots, knots, net, u, v, evaluate, result)
-            else:
-                v = 0.0
-                curve_point(row, knots, knots, net, u, evaluate, result)
-            distance = (result[0] - y1) ** 2 + (result[1] - y2) ** 2 + (result[2] - y3) ** 2
-            if distance < best:
-                best = distance
-                contacts.state[c, AT_U], contacts.state[c, AT_V] = u, v
-                for k in range(3):
-                    scratch[LEVER + k] = result[k]
+    grid = samples.grids[contour]
+    i, j, at = grid[U_AT], grid[V_AT], grid[POINTS_AT]
+    closest_point_cold(
+        contacts.contours[contour],
+        contacts.constants,
+        contacts.constants,
+        contacts.net,
+        y1,
+        y2,
+        y3,
+        samples.parameters[i : i + grid[U_COUNT]],
+        samples.parameters[j : j + grid[V_COUNT]],
+        samples.points[at : at + 3],
+        samples.reach[contour],
+        0.0,
+        samples.distances,
+        evaluate,
+        result,
+    )
+    state[AT_U], state[AT_V] = result[U], result[V]

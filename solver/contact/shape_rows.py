@@ -53,6 +53,9 @@ def put_touch(
     contour, scratch = contacts.table[c, CONTOUR], contacts.scratch
     a1, a2, a3 = scratch[RESULT + 3], scratch[RESULT + 4], scratch[RESULT + 5]
     share = a1 * n1 + a2 * n2 + a3 * n3
+    if share * share > 0.8 * (a1 * a1 + a2 * a2 + a3 * a3):  # at an edge the normal may lie along it
+        a1, a2, a3 = scratch[RESULT + 6], scratch[RESULT + 7], scratch[RESULT + 8]
+        share = a1 * n1 + a2 * n2 + a3 * n3
     t1, t2, t3 = a1 - share * n1, a2 - share * n2, a3 - share * n3
     size = 1.0 / math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
     put_directions(contacts, contour, n1, n2, n3, size * t1, size * t2, size * t3)

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Any
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.outcome import Outcome
 from heavylift.solver.contact import layout as told
 from heavylift.solver.contact.delassus import assemble_delassus, contact_rates, push
 from heavylift.solver.contact.generics import (
@@ -49,11 +48,10 @@ from heavylift.solver.contact.kind import (
 from heavylift.solver.contact.laws import hunt_crossley_damping
 from heavylift.solver.contact.locate import locate
 from heavylift.solver.contact.newton import solve_contacts
+from heavylift.solver.contact.search_end import judge_searches, mark_failure
 from heavylift.solver.integrate.row_solver import add_impulses
 from heavylift.solver.interface import (
     CHANGED,
-    STATUS_BLOCK,
-    STATUS_OUTCOME,
     Workspace,
     apply_inverse,
     refactor_rows,
@@ -61,7 +59,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import IMPULSE, ROW_COLUMNS
 
-__all__ = ["NEAR", "friction_rows", "impulse_row", "mark_failure", "present_at", "solve_present"]
+__all__ = ["NEAR", "friction_rows", "impulse_row", "present_at", "solve_present"]
 
 CONTACT_ROUNDS = 50
 """Rounds of contacts against laws of ropes and stops."""
@@ -76,8 +74,6 @@ DEEP = 1e-5
 """Penetration relative to the size of a contact from which on it is pushed out gently, in `SOFTLY` of a step."""
 
 SOFTLY = 0.2
-
-NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
 
 
 @kernel(inline=True, internal=True)
@@ -125,6 +121,7 @@ def meet_contacts_midpoint(
     pose_contours(bodies, True, contacts)
     for j in range(count):
         locate(contacts, bodies, present_at(contacts, j), False, work)
+    judge_searches(contacts, False, work)
     settle_points(bodies, rows, True, work)
     apply_inverse(bodies, True, contacts)
     for j in range(count):
@@ -157,13 +154,6 @@ def _settle(
         if work.control[CHANGED] == 0.0:
             return
     mark_failure(contacts, present_at(contacts, 0), work)
-
-
-@kernel(internal=True)
-def mark_failure(contacts: ContactRows, contact: int, work: Workspace) -> None:
-    """Say that the impulses of a contact were not found; its block comes after those of the joints."""
-    work.status[STATUS_OUTCOME] = NOT_CONVERGED
-    work.status[STATUS_BLOCK] = contacts.places[LARGEST_CONTROLS + contacts.table.shape[0] + 1] + contact
 
 
 @kernel(internal=True)

@@ -22,7 +22,6 @@ from heavylift.solver.contact.kind import (
     CURVE,
     END_GAP,
     END_GAP_2,
-    EVENT_COUNT,
     FORCE,
     GAP,
     GAP_2,
@@ -34,6 +33,7 @@ from heavylift.solver.contact.kind import (
     NORMAL_FORCE,
     PRESENT,
     RATE,
+    RECENT,
     SLEEP,
     ContactRows,
 )
@@ -87,7 +87,6 @@ def run_start(
 def locate_contact_start(contacts: ContactRows, bodies: Any, work: Workspace, step: float) -> None:
     """Search from everywhere; sliders and beads are closed from the start."""
     contacts.control[NOMINAL] = step
-    contacts.control[EVENT_COUNT] = 0.0
     pose_contours(bodies, False, contacts)
     for c in range(contacts.table.shape[0]):
         state = contacts.state[c]
@@ -107,11 +106,11 @@ def close_contact_start(contacts: ContactRows, work: Workspace) -> None:
         after = contact_rates(contacts, c, work.velocity)[0]
         if state[NEW] > 0.0 and after <= REST * abs(state[RATE]):
             state[CLOSED] = 1.0
-        state[RATE] = after
+        state[RATE], state[RECENT] = after, 0.0
         if contacts.table[c, LAW] == COMPLIANT:
             force = pressed_force(contacts, c, after)
             state[NORMAL_FORCE] = force
             contacts.rows[impulse_row(contacts, c, REACTION)] = force
             for k in range(3):
                 state[FORCE + k] = force * state[NORMAL + k]
-    contacts.control[IMPACT] = contacts.control[EVENT_COUNT] = 0.0
+    contacts.control[IMPACT] = 0.0

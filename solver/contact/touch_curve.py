@@ -6,10 +6,10 @@ import math
 from typing import Any
 
 from heavylift.contours.basis import find_span
-from heavylift.contours.evaluate import curve_weights
+from heavylift.contours.evaluate import curve_point, curve_weights
 from heavylift.contours.layout import CLOSED_U, COUNT_U, DEGREE_U, KNOTS_U
 from heavylift.contours.search import closest_on_curve
-from heavylift.contours.search_step import NEED_SPAN, SPAN_U, U, start_search
+from heavylift.contours.search_step import CONVERGED, NEED_SPAN, SPAN_U, U, V, start_search
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate_back
 from heavylift.solver.contact.directions import form_span, put_ball, put_directions
@@ -27,6 +27,7 @@ from heavylift.solver.contact.kind import (
     END_GAP_2,
     EVALUATE,
     FLIP,
+    FOUND,
     HAS_SLOPES,
     LARGEST_CONTROLS,
     LAW,
@@ -36,6 +37,7 @@ from heavylift.solver.contact.kind import (
     RADIUS_OF,
     RESULT,
     RESULT_END,
+    SEARCH,
     SIZE,
     SLOPES,
     TANGENT,
@@ -43,6 +45,7 @@ from heavylift.solver.contact.kind import (
     WIDTH_OF,
     ContactRows,
 )
+from heavylift.solver.contact.search_start import start_at_point
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
 
@@ -68,7 +71,12 @@ def touch_curve(
     """Nearest point of the curve, then what is about it."""
     contour = contacts.table[c, CONTOUR]
     if contacts.contours[contour, DIMENSION] == 1:
-        _find_point(contacts, bodies, contour, contacts.state[c, AT_U], y1, y2, y3)
+        if cold:
+            start_at_point(contacts, c, y1, y2, y3)
+        status = _find_point(contacts, bodies, contour, contacts.state[c, AT_U], y1, y2, y3)
+        contacts.state[c, SEARCH] = FOUND if status == CONVERGED else status
+        if status != CONVERGED:
+            _keep_place(contacts, c)
         _put_touch(contacts, c, y1, y2, y3)
 
 
@@ -96,7 +104,7 @@ def weigh_curve(
 @kernel(internal=True)
 def _find_point(
     contacts: ContactRows, bodies: Any, contour: int, u: float, y1: float, y2: float, y3: float
-) -> None:
+) -> int:
     """Nearest point; control points are formed span by span as the search asks for them."""
     row, scratch = contacts.contours[contour], contacts.scratch
     result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
@@ -109,6 +117,17 @@ def _find_point(
         status = closest_on_curve(row, knots, knots, net, y1, y2, y3, span, evaluate, result)
         if status == NEED_SPAN:
             span = int(result[SPAN_U])
+    return status
+
+
+@kernel(internal=True)
+def _keep_place(contacts: ContactRows, c: int) -> None:
+    """The last place, after a search that found nothing."""
+    scratch, u, knots = contacts.scratch, contacts.state[c, AT_U], contacts.constants
+    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    row = contacts.contours[contacts.table[c, CONTOUR]]
+    curve_point(row, knots, knots, contacts.net, u, evaluate, result)
+    result[U], result[V] = u, 0.0
 
 
 @kernel(internal=True)

@@ -16,8 +16,20 @@ from heavylift.contours.layout import (
     KNOTS_U,
     KNOTS_V,
 )
+from heavylift.contours.search_cold import closest_shape_cold
 from heavylift.contours.search_shape import closest_shape_on_surface, shape_gap
-from heavylift.contours.search_step import NEED_SPAN, SPAN_U, SPAN_V, start_search
+from heavylift.contours.search_step import (
+    BORDER,
+    CONVERGED,
+    DEEP,
+    FLAGS,
+    NEED_SPAN,
+    SPAN_U,
+    SPAN_V,
+    U,
+    V,
+    start_search,
+)
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.directions import form_span
 from heavylift.solver.contact.features import Primitives, touch
@@ -29,14 +41,24 @@ from heavylift.solver.contact.kind import (
     END_GAP,
     END_GAP_2,
     EVALUATE,
+    EXTENT,
+    FLIP,
+    POINTS_AT,
     PRIMITIVE_KIND,
     RESULT,
     RESULT_END,
+    SEARCH,
     SHAPE,
     SHAPE_ROW,
+    TOO_DEEP,
+    U_AT,
+    U_COUNT,
+    V_AT,
+    V_COUNT,
     WEIGHTS_AT,
     ContactRows,
 )
+from heavylift.solver.contact.search_end import note_search
 from heavylift.solver.contact.shape_rows import place_shape, put_touch
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
@@ -57,7 +79,7 @@ def touch_primitive(
     y3: float,
     work: Workspace,
 ) -> None:
-    """The normal is the direction from the contour to the primitive."""
+    """The normal is the direction from the contour to the primitive, as long as its middle is on the outer side."""
     contour = contacts.table[c, CONTOUR]
     if contacts.table[c, SHAPE] != CONVEX:
         return
@@ -66,6 +88,8 @@ def touch_primitive(
     knots, net = contacts.constants, contacts.net
     shape = scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH]
     place_shape(contacts, c, y1, y2, y3, work)
+    if cold:
+        _start_anywhere(contacts, c)
     u, v = state[AT_U], state[AT_V]
     span_u = find_span(knots, row[KNOTS_U], row[DEGREE_U], row[COUNT_U] + row[CLOSED_U] * row[DEGREE_U], u)
     span_v = find_span(knots, row[KNOTS_V], row[DEGREE_V], row[COUNT_V] + row[CLOSED_V] * row[DEGREE_V], v)
@@ -79,6 +103,39 @@ def touch_primitive(
         )
         if status == NEED_SPAN:
             span_u, span_v = int(result[SPAN_U]), int(result[SPAN_V])
-    gap, m1, m2, m3, x1, x2, x3, _ = shape_gap(kind, shape, result)
+    note_search(contacts, c, status)
+    gap, m1, m2, m3, x1, x2, x3, side = shape_gap(kind, shape, result)
+    flags = int(result[FLAGS])
+    if status == CONVERGED and flags & DEEP:
+        state[SEARCH] = TOO_DEEP
+    if side * row[FLIP] > 0.0 and flags & BORDER == 0:  # its middle has gone through
+        gap, m1, m2, m3 = -(gap + contacts.values[c, EXTENT]), -m1, -m2, -m3
     state[END_GAP], state[END_GAP_2] = gap, 0.0
     put_touch(contacts, c, -m1, -m2, -m3, x1 - y1, x2 - y2, x3 - y3)
+
+
+@kernel(internal=True)
+def _start_anywhere(contacts: ContactRows, c: int) -> None:
+    """Nearest point of the surface to the primitive, of several minima."""
+    contour = contacts.table[c, CONTOUR]
+    samples, scratch, state = contacts.samples, contacts.scratch, contacts.state[c]
+    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    grid = samples.grids[contour]
+    i, j, at = grid[U_AT], grid[V_AT], grid[POINTS_AT]
+    closest_shape_cold(
+        contacts.contours[contour],
+        contacts.constants,
+        contacts.constants,
+        contacts.net,
+        contacts.table[c, PRIMITIVE_KIND],
+        scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH],
+        samples.parameters[i : i + grid[U_COUNT]],
+        samples.parameters[j : j + grid[V_COUNT]],
+        samples.points[at : at + 3],
+        samples.reach[contour],
+        0.0,
+        samples.distances,
+        evaluate,
+        result,
+    )
+    state[AT_U], state[AT_V] = result[U], result[V]

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from heavylift.contours.basis import find_span
-from heavylift.contours.convex import SHAPE_AXES, SHAPE_RADIUS, SHAPE_WIDTH
+from heavylift.contours.convex import SHAPE_RADIUS, SHAPE_WIDTH
 from heavylift.contours.layout import (
     CLOSED_U,
     CLOSED_V,
@@ -19,7 +19,18 @@ from heavylift.contours.layout import (
 )
 from heavylift.contours.search import signed_gap
 from heavylift.contours.search_circle import RING_PHI, ring_on_surface, ring_point, start_ring
-from heavylift.contours.search_step import NEED_SPAN, SPAN_U, SPAN_V
+from heavylift.contours.search_circle_cold import ring_cold
+from heavylift.contours.search_step import (
+    BORDER,
+    CONVERGED,
+    DISTANCE_SQUARED,
+    FLAGS,
+    NEED_SPAN,
+    SPAN_U,
+    SPAN_V,
+    U,
+    V,
+)
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.directions import form_span
 from heavylift.solver.contact.features import Rings, touch
@@ -32,19 +43,28 @@ from heavylift.solver.contact.kind import (
     END_GAP_2,
     EVALUATE,
     FLIP,
-    LEVER,
+    POINTS_AT,
     RESULT,
     RESULT_END,
     SHAPE,
     SHAPE_ROW,
+    SIZE,
+    U_AT,
+    U_COUNT,
+    V_AT,
+    V_COUNT,
     WEIGHTS_AT,
     ContactRows,
 )
+from heavylift.solver.contact.search_end import note_search
 from heavylift.solver.contact.shape_rows import place_shape, put_touch
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
+
+OFF = 1e-7
+"""Distance beside the patch relative to the size of the ring, from which on it passes beyond the border."""
 
 
 @implement(touch, Rings)
@@ -69,11 +89,11 @@ def touch_ring(
     knots, net = contacts.constants, contacts.net
     shape = scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH]
     place_shape(contacts, c, y1, y2, y3, work)
+    if cold:
+        _start_anywhere(contacts, c)
     u, v = state[AT_U], state[AT_V]
     span_u = find_span(knots, row[KNOTS_U], row[DEGREE_U], row[COUNT_U] + row[CLOSED_U] * row[DEGREE_U], u)
     span_v = find_span(knots, row[KNOTS_V], row[DEGREE_V], row[COUNT_V] + row[CLOSED_V] * row[DEGREE_V], v)
-    if cold:
-        state[END_GAP_2] = _lowest(contacts, y1, y2, y3)
     start_ring(row, u, v, state[END_GAP_2], result)
     status = NEED_SPAN
     while status == NEED_SPAN:
@@ -81,20 +101,44 @@ def touch_ring(
         status = ring_on_surface(row, knots, knots, net, shape, span_u, span_v, evaluate, result)
         if status == NEED_SPAN:
             span_u, span_v = int(result[SPAN_U]), int(result[SPAN_V])
+    note_search(contacts, c, status)
+    if status != CONVERGED:
+        result[RING_PHI] = state[END_GAP_2]
     r1, r2, r3, _, _, _ = ring_point(shape, result[RING_PHI])
     gap, n1, n2, n3 = signed_gap(y1 + r1, y2 + r2, y3 + r3, result)
     flip, rounding = row[FLIP], shape[SHAPE_RADIUS]
     n1, n2, n3 = flip * n1, flip * n2, flip * n3
-    state[END_GAP], state[END_GAP_2] = flip * gap - rounding, result[RING_PHI]
+    gap *= flip
+    if int(result[FLAGS]) & BORDER:
+        distance = math.sqrt(result[DISTANCE_SQUARED])
+        if distance * distance - gap * gap > (OFF * contacts.values[c, SIZE]) ** 2:
+            gap = distance
+    state[END_GAP], state[END_GAP_2] = gap - rounding, result[RING_PHI]
     put_touch(contacts, c, n1, n2, n3, r1 - rounding * n1, r2 - rounding * n2, r3 - rounding * n3)
 
 
 @kernel(internal=True)
-def _lowest(contacts: ContactRows, y1: float, y2: float, y3: float) -> float:
-    """Angle of the ring at which it reaches deepest along the line from its centre to the nearest sample."""
-    from_sample = contacts.scratch
-    shape = contacts.scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH]
-    d1, d2, d3 = y1 - from_sample[LEVER], y2 - from_sample[LEVER + 1], y3 - from_sample[LEVER + 2]
-    e = d1 * shape[SHAPE_AXES] + d2 * shape[SHAPE_AXES + 3] + d3 * shape[SHAPE_AXES + 6]
-    f = d1 * shape[SHAPE_AXES + 1] + d2 * shape[SHAPE_AXES + 4] + d3 * shape[SHAPE_AXES + 7]
-    return math.atan2(-f, -e)
+def _start_anywhere(contacts: ContactRows, c: int) -> None:
+    """Point of the surface and angle of the ring with the least gap of all."""
+    contour = contacts.table[c, CONTOUR]
+    samples, scratch, state = contacts.samples, contacts.scratch, contacts.state[c]
+    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    grid = samples.grids[contour]
+    i, j, at = grid[U_AT], grid[V_AT], grid[POINTS_AT]
+    ring_cold(
+        contacts.contours[contour],
+        contacts.constants,
+        contacts.constants,
+        contacts.net,
+        scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH],
+        samples.parameters[i : i + grid[U_COUNT]],
+        samples.parameters[j : j + grid[V_COUNT]],
+        samples.points[at : at + 3],
+        samples.reach[contour],
+        0.0,
+        samples.distances,
+        samples.angles,
+        evaluate,
+        result,
+    )
+    state[AT_U], state[AT_V], state[END_GAP_2] = result[U], result[V], result[RING_PHI]

@@ -6,7 +6,6 @@ import math
 from typing import Any
 
 from heavylift.contours.basis import find_span
-from heavylift.contours.evaluate import surface_weights
 from heavylift.contours.layout import (
     CLOSED_U,
     CLOSED_V,
@@ -18,23 +17,22 @@ from heavylift.contours.layout import (
     KNOTS_V,
 )
 from heavylift.contours.search import closest_on_surface
-from heavylift.contours.search_step import BORDER, FLAGS, NEED_SPAN, SPAN_U, SPAN_V, U, V, start_search
+from heavylift.contours.search_step import BORDER, FLAGS, NEED_SPAN, SPAN_U, SPAN_V, start_search
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 from heavylift.solver.contact.directions import form_span, put_ball, put_directions
-from heavylift.solver.contact.features import Surfaces, touch, weigh
+from heavylift.solver.contact.features import Surfaces, touch
 from heavylift.solver.contact.kind import (
     AT_U,
     AT_V,
+    BILATERAL,
     CONTOUR,
-    CONTROL_COUNT,
     DIMENSION,
     END_GAP,
     END_GAP_2,
     EVALUATE,
     FLIP,
-    FOOTPRINT,
-    LARGEST_CONTROLS,
+    LAW,
     LEVER,
     POINT,
     RADIUS,
@@ -45,6 +43,8 @@ from heavylift.solver.contact.kind import (
     WEIGHTS_AT,
     ContactRows,
 )
+from heavylift.solver.contact.search_end import note_search
+from heavylift.solver.contact.search_start import start_at_point
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
 
@@ -70,31 +70,19 @@ def touch_surface(
     """Beyond the border a ball touches the edge, and a point nothing."""
     contour = contacts.table[c, CONTOUR]
     if contacts.table[c, SHAPE] == POINT and contacts.contours[contour, DIMENSION] == 2:
-        _find_point(contacts, bodies, contour, contacts.state[c, AT_U], contacts.state[c, AT_V], y1, y2, y3)
-        _put_touch(contacts, c, y1, y2, y3)
-
-
-@implement(weigh, Surfaces)
-@kernel(internal=True)
-def weigh_surface(
-    feature: Surfaces, contacts: ContactRows, bodies: Any, c: int, y1: float, y2: float, y3: float
-) -> None:
-    """Control points of the span, and their weights."""
-    contour = contacts.table[c, CONTOUR]
-    if contacts.contours[contour, DIMENSION] == 2 and contacts.values[c, FOOTPRINT] == 0.0:
-        row, scratch = contacts.contours[contour], contacts.scratch
-        result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
-        weights = scratch[WEIGHTS_AT : WEIGHTS_AT + LARGEST_CONTROLS]
-        knots = contacts.constants
-        contacts.places[CONTROL_COUNT] = surface_weights(
-            row, knots, knots, result[U], result[V], evaluate, contacts.places, weights
+        if cold:
+            start_at_point(contacts, c, y1, y2, y3)
+        status = _find_point(
+            contacts, bodies, contour, contacts.state[c, AT_U], contacts.state[c, AT_V], y1, y2, y3
         )
+        note_search(contacts, c, status)
+        _put_touch(contacts, c, y1, y2, y3)
 
 
 @kernel(internal=True)
 def _find_point(
     contacts: ContactRows, bodies: Any, contour: int, u: float, v: float, y1: float, y2: float, y3: float
-) -> None:
+) -> int:
     """Nearest point; control points are formed span by span as the search asks for them."""
     row, scratch = contacts.contours[contour], contacts.scratch
     result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
@@ -108,6 +96,7 @@ def _find_point(
         status = closest_on_surface(row, knots, knots, net, y1, y2, y3, span_u, span_v, evaluate, result)
         if status == NEED_SPAN:
             span_u, span_v = int(result[SPAN_U]), int(result[SPAN_V])
+    return status
 
 
 @kernel(internal=True)
@@ -122,7 +111,7 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
     d1, d2, d3 = y1 - result[0], y2 - result[1], y3 - result[2]
     gap = n1 * d1 + n2 * d2 + n3 * d3
     radius = contacts.values[c, RADIUS]
-    if int(result[FLAGS]) & BORDER:
+    if int(result[FLAGS]) & BORDER and contacts.table[c, LAW] != BILATERAL:
         distance = math.sqrt(d1 * d1 + d2 * d2 + d3 * d3)
         beside = math.sqrt(max(0.0, distance * distance - gap * gap))
         if beside > OFF * contacts.values[c, SIZE]:
@@ -134,6 +123,10 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
     t1, t2, t3 = a * result[3], a * result[4], a * result[5]
     share = t1 * n1 + t2 * n2 + t3 * n3
     if share != 0.0:
+        if abs(share) > 0.9:  # at an edge the normal may lie along the first direction
+            a = 1.0 / math.sqrt(result[6] ** 2 + result[7] ** 2 + result[8] ** 2)
+            t1, t2, t3 = a * result[6], a * result[7], a * result[8]
+            share = t1 * n1 + t2 * n2 + t3 * n3
         t1, t2, t3 = t1 - share * n1, t2 - share * n2, t3 - share * n3
         a = 1.0 / math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
         t1, t2, t3 = a * t1, a * t2, a * t3

@@ -196,11 +196,12 @@ def run(
                 return index
             if tolerance == 0.0 and split == 0.0:
                 control[NEXT_STEP] = min(2.0 * h, step)
+            natural = tolerance > 0.0 and split == 0.0
             split = 0.0
             control[LAST_STEP] = h
             control[STEP_COUNT] += 1.0
             done = step if h == interval else done + h
-            after_step(systems, bodies, work, h, done == step)
+            after_step(systems, bodies, work, h, natural or done == step)
         if (index + 1) % every == 0:
             write_record(bodies, forces, joints, systems, work, (index + 1) * step, records[row])
             row += 1

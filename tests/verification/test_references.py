@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 SCRIPTS = sorted(CASES.glob("*/make_reference.py"))
-SLOW = {"mbs_a04", "mbs_a05", "mbs_chain", "flexible_pendulum"}
+SLOW = {"ball_on_beam", "flexible_pendulum", "mbs_a04", "mbs_a05", "mbs_chain", "point_mass_on_beam"}
 BY_OTHERS = {"mbs_a04_thin", "flexible_pendulum_g50", "flexible_pendulum_stiff"}
 
 assert SCRIPTS, "no case has a generator"
@@ -46,7 +46,8 @@ def test_stored_tables_are_reproduced(script: Path) -> None:
     assert tables
     for name, table in tables.items():
         stored = np.loadtxt(script.parent / name, delimiter=",", skiprows=1)
-        assert stored.shape == (101, table.shape[1])
+        assert len(stored) >= 101
+        assert stored.shape == table.shape
         scale = np.maximum(1.0, np.abs(stored).max(axis=0))
         np.testing.assert_allclose(table / scale, stored / scale, rtol=0.0, atol=2e-9, err_msg=name)
 

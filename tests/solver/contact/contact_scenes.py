@@ -79,7 +79,12 @@ def ring(radius: float = 1.0, count: int = 40, start: float = 0.0, **options: An
 
 
 def ball(
-    position: Any, velocity: Any = (0.0, 0.0, 0.0), *, name: str = "ball", mass: float = MASS, radius: float = RADIUS
+    position: Any,
+    velocity: Any = (0.0, 0.0, 0.0),
+    *,
+    name: str = "ball",
+    mass: float = MASS,
+    radius: float = RADIUS,
 ) -> RigidBody:
     """A solid ball."""
     return RigidBody(
@@ -93,7 +98,9 @@ def ball(
 
 def touch(contour: str = "floor", body: str = "ball", *, radius: float = RADIUS, **options: Any) -> Contact:
     """A ball that touches a contour."""
-    return Contact(**{"name": "touch", "contour": contour, "body": body, "shape": SphereShape(radius), **options})
+    return Contact(
+        **{"name": "touch", "contour": contour, "body": body, "shape": SphereShape(radius), **options}
+    )
 
 
 def ball_on_floor(

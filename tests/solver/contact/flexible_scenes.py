@@ -40,7 +40,9 @@ def plate(frequencies: tuple[float, ...] = (4.0, 9.0, 15.0), *, free: bool = Fal
     x, y = (axis.ravel() for axis in np.meshgrid(place, place, indexing="ij"))
     nodes = np.stack([x, y, np.zeros_like(x)], axis=1)
     masses = PLATE_MASS * np.full(len(x), 1.0 / len(x))
-    raw = [np.cos(2.0 * x) * np.cos(2.0 * y), np.cos(5.0 * x), np.cos(5.0 * y) + 0.3 * x * x][: len(frequencies)]
+    raw = [np.cos(2.0 * x) * np.cos(2.0 * y), np.cos(5.0 * x), np.cos(5.0 * y) + 0.3 * x * x][
+        : len(frequencies)
+    ]
     shapes = np.array(raw)
     if free:  # even functions have no moment about x and y; the mean goes
         shapes -= (shapes @ masses / masses.sum())[:, None]
@@ -75,7 +77,9 @@ def hit(
         forces=(Gravity(np.array([0.0, 0.0, -gravity])),),
         contours=(body.contour(),),
         contacts=(
-            Contact(name="touch", contour="skin", body="ball", shape=PointShape(), law=law, friction=friction),
+            Contact(
+                name="touch", contour="skin", body="ball", shape=PointShape(), law=law, friction=friction
+            ),
         ),
     )
 

@@ -139,7 +139,9 @@ def test_sliding_ball_ends_up_rolling_with_five_sevenths():
     found = run(scene, 2e-3, 0.5)
     until = 2.0 / 7.0 * speed / (friction * G)
     slides = found.times < until - 4e-3
-    assert np.abs(found["ball.velocity"][slides, 0] - (speed - friction * G * found.times[slides])).max() < 1e-9
+    assert (
+        np.abs(found["ball.velocity"][slides, 0] - (speed - friction * G * found.times[slides])).max() < 1e-9
+    )
     rolls = found.times > until + 4e-3
     assert np.abs(found["ball.velocity"][rolls, 0] - 5.0 / 7.0 * speed).max() < 1e-9
     assert np.isclose(found["touch.dissipated"][-1], MASS * speed**2 / 7.0, rtol=2e-2)
@@ -207,7 +209,9 @@ def test_linear_law_against_its_differential_equation():
         return y[0] + 1e-15
 
     parts.terminal, parts.direction = True, -1.0
-    exact = solve_ivp(rates, (0.0, 3.0 * pulse), [0.0, 1.0], events=parts, rtol=1e-10, atol=1e-14, max_step=pulse / 200)
+    exact = solve_ivp(
+        rates, (0.0, 3.0 * pulse), [0.0, 1.0], events=parts, rtol=1e-10, atol=1e-14, max_step=pulse / 200
+    )
     expected, lasts = -exact.y_events[0][0, 1], exact.t_events[0][0]
     errors = []
     for steps in (20, 40):
@@ -270,7 +274,12 @@ def test_steps_chosen_by_tolerance_meet_the_same_impacts():
 def test_tolerance_finds_a_stiff_pulse_that_the_interval_would_jump_over():
     pulse, _ = hertz_pulse(1e6)
     start = ball([0.1, 0.05, RADIUS + 0.01], [0.0, 0.0, -1.0])
-    found = run(ball_on_floor(start, HertzLaw(1e6), gravity=np.zeros(3)), 20.0 * pulse, 20.0 * pulse * 3, tolerance=1e-6)
+    found = run(
+        ball_on_floor(start, HertzLaw(1e6), gravity=np.zeros(3)),
+        20.0 * pulse,
+        20.0 * pulse * 3,
+        tolerance=1e-6,
+    )
     assert abs(found["ball.velocity"][-1, 2] - 1.0) < 1e-6
     way = 0.01 + found.times[-1] - 0.02 - pulse  # back at the start height, then on
     assert abs(found["ball.position"][-1, 2] - RADIUS - way) < 0.02 * pulse
@@ -367,7 +376,11 @@ def test_table_carries_a_ball_by_friction():
     times = np.linspace(0.0, 1.0, 11)
     way = Profile(times, 0.1 * (1.0 - np.cos(np.pi * times)))
     table = RigidBody(
-        name="table", mass=1.0, inertia=np.eye(3), motion=Driven(translation=(way, None, None)), position=np.zeros(3)
+        name="table",
+        mass=1.0,
+        inertia=np.eye(3),
+        motion=Driven(translation=(way, None, None)),
+        position=np.zeros(3),
     )
     scene = Scene(
         bodies=(table, ball([0.1, 0.0, RADIUS])),
@@ -386,3 +399,35 @@ def test_table_carries_a_ball_by_friction():
     gained = 0.5 * MASS * (speed**2 + 0.4 * RADIUS**2 * spin**2)
     assert gained.max() > 1e-3
     assert found.drift < 1e-3 * gained.max()
+
+
+@pytest.mark.parametrize("tilt", [0.0, 1e-9, 1e-6])
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+def test_table_lands_on_all_four_feet(tilt, restitution):
+    """Feet that meet the floor at once, or nearly: all obey the law, and the account of energy knows it."""
+    feet = [np.array([x, y, -0.1]) for x in (-0.2, 0.2) for y in (-0.3, 0.3)]
+    body = RigidBody(
+        name="ball",
+        mass=MASS,
+        inertia=MASS * np.diag([0.04, 0.03, 0.05]),
+        position=np.array([0.0, 0.0, 0.6]),
+        orientation=np.array([1.0, 0.5 * tilt, 0.3 * tilt, 0.0]),
+    )
+    scene = Scene(
+        bodies=(body,),
+        forces=(Gravity(DOWN),),
+        contours=(surface(),),
+        contacts=tuple(
+            touch(name=f"foot{i}", point=point, shape=PointShape(), law=RigidLaw(restitution))
+            for i, point in enumerate(feet)
+        ),
+    )
+    found = run(scene, STEP, np.round(np.sqrt(1.0 / G) + 0.05, 2))
+    height, speed = found["ball.position"][-1, 2] - 0.1, found["ball.velocity"][-1, 2]
+    energy = height + speed**2 / (2.0 * G)
+    if tilt == 0.0:  # one after the other they leave another motion, however small the tilt
+        assert abs(energy - 0.5 * restitution**2) < 1e-6
+    lost = sum(found[f"foot{i}.dissipated"][-1] for i in range(4))
+    total = found["energy.kinetic"] + found["energy.potential"]
+    assert abs(total[0] - total[-1] - lost) < 1e-6 * MASS * G
+    assert found.drift < 1e-6 * MASS * G

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-
 import numpy as np
 import pytest
-from contact_scenes import DOWN, G, MASS, RADIUS, ball, ring, run, tilted, touch
+from contact_scenes import DOWN, MASS, RADIUS, G, ball, ring, run, tilted, touch
 from scipy.integrate import solve_ivp
 
 from heavylift.contours.neutral import neutral_curve
@@ -33,9 +32,7 @@ def bead(step, duration=3.0, angle=0.5, friction=0.0, speed=0.0, gravity=DOWN, s
         bodies=(start,),
         forces=(Gravity(gravity),),
         contours=(ring(count=count, start=seam),),
-        contacts=(
-            Contact(name="slide", contour="ring", body="ball", law=BilateralLaw(), friction=friction),
-        ),
+        contacts=(Contact(name="slide", contour="ring", body="ball", law=BilateralLaw(), friction=friction),),
     )
     return run(scene, step, duration)
 
@@ -177,9 +174,7 @@ def test_ball_leaves_a_cylinder_at_two_thirds_of_its_height():
     pipe = Contour(name="pipe", body="ground", neutral=neutral_curve(line), radius=0.5)
     way, angle = 0.5 + RADIUS, 0.1
     start = ball(way * np.array([np.sin(angle), 0.0, np.cos(angle)]))
-    scene = Scene(
-        bodies=(start,), forces=(Gravity(DOWN),), contours=(pipe,), contacts=(touch("pipe"),)
-    )
+    scene = Scene(bodies=(start,), forces=(Gravity(DOWN),), contours=(pipe,), contacts=(touch("pipe"),))
     found = run(scene, 1e-3, 1.0)
     last = int(np.nonzero(found["touch.normal_force"] > 0.0)[0][-1])
     x, _, z = found["ball.position"][last]

@@ -100,14 +100,23 @@ def test_hard_contact_against_its_phases():
     body = plate((4.0,))
     exact, phases = hybrid(body, 0.01, 1.0, 0.25)
     assert phases == 1
+    for step, limit in ((5e-3, 1e-3), (2e-3, 1e-5), (5e-4, 4e-6)):
+        found = run(hit(body, 0.01, 1.0, RigidLaw()), step, 0.25)
+        assert abs(found["ball.velocity"][-1, 2] - exact[1]) < limit * abs(exact[1])
+        assert found["touch.impacts"][-1] == 1.0
+        assert found["touch.gap"].min() > -1e-6
+        assert found.drift < 1e-8
+
+
+def test_hard_contact_on_many_modes_converges():
+    body = plate()
+    exact, _ = hybrid(body, 0.01, 1.0, 0.25)
     errors = []
     for step in (1e-3, 5e-4, 2.5e-4):
         found = run(hit(body, 0.01, 1.0, RigidLaw()), step, 0.25)
         errors.append(abs(found["ball.velocity"][-1, 2] - exact[1]))
-        assert found["touch.gap"].min() > -1e-6
-        assert found.drift < 1e-3
-    assert errors[2] < 1e-4 * abs(exact[1])
-    assert errors[0] > 2.0 * errors[2]
+    assert errors[2] < 5e-5 * abs(exact[1])
+    assert errors[0] > 4.0 * errors[2]
 
 
 def test_hertz_law_against_its_differential_equation():
@@ -119,7 +128,13 @@ def test_hertz_law_against_its_differential_equation():
         return np.concatenate([[y[1], force / MASS], y[5:], -k * y[2:5] - b * force])
 
     exact = solve_ivp(
-        rates, (0.0, 0.05), [0.001, -1.0, *np.zeros(6)], rtol=1e-10, atol=1e-13, max_step=2e-5, method="DOP853"
+        rates,
+        (0.0, 0.05),
+        [0.001, -1.0, *np.zeros(6)],
+        rtol=1e-10,
+        atol=1e-13,
+        max_step=2e-5,
+        method="DOP853",
     ).y[:, -1]
     errors = []
     for step in (1e-4, 5e-5, 2.5e-5):
@@ -149,9 +164,13 @@ def test_sliding_point_keeps_the_energy_of_plate_and_mass():
 
 def test_rubbing_point_loses_what_friction_takes():
     body = plate()
-    scene = hit(body, 0.0, 0.0, BilateralLaw(), gravity=G, place=(-0.3, 0.0), sideways=(0.8, 0.0), friction=0.1)
+    scene = hit(
+        body, 0.0, 0.0, BilateralLaw(), gravity=G, place=(-0.3, 0.0), sideways=(0.8, 0.0), friction=0.1
+    )
     found = run(scene, 5e-4, 0.5)
     path = np.trapezoid(found["touch.friction_force"] * found["touch.slip"], found.times)
     assert np.isclose(found["touch.dissipated"][-1], path, rtol=2e-2)
-    assert np.abs(found["touch.friction_force"] - 0.1 * np.abs(found["touch.normal_force"]))[5:].max() < 0.02 * G
+    assert (
+        np.abs(found["touch.friction_force"] - 0.1 * np.abs(found["touch.normal_force"]))[5:].max() < 0.02 * G
+    )
     assert found.drift < 1e-3 * found["touch.dissipated"][-1]

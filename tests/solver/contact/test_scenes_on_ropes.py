@@ -71,5 +71,7 @@ def test_ball_leans_on_a_wall_with_the_force_of_its_rope():
     x, _, z = found["ball.position"][-1]
     assert abs(x - place) < 1e-6
     # swings up and down along the wall no more than the impact has left: the ball lies in the plane of the rope
-    assert np.isclose(found["touch.normal_force"][-100:].mean(), MASS * G * np.tan(np.arctan2(-x, -z)), rtol=2e-2)
+    assert np.isclose(
+        found["touch.normal_force"][-100:].mean(), MASS * G * np.tan(np.arctan2(-x, -z)), rtol=2e-2
+    )
     assert found.drift < 1e-4 * MASS * G * LENGTH

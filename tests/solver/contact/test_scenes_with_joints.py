@@ -70,12 +70,22 @@ def pendulum(angles, rates, height, law, *, gravity=DOWN, friction=0.0):
             frame_b=JointFrame(start, ABOUT_Y),
         ),
     )
-    floor = surface(lambda x, y: height + 0.0 * x, half=3.0)
+    floor = surface(lambda x, _: height + 0.0 * x, half=3.0)
     contact = Contact(
-        name="touch", contour="floor", body="lower", point=end, shape=SphereShape(TIP), law=law, friction=friction
+        name="touch",
+        contour="floor",
+        body="lower",
+        point=end,
+        shape=SphereShape(TIP),
+        law=law,
+        friction=friction,
     )
     return Scene(
-        bodies=(upper, lower), forces=(Gravity(gravity),), joints=joints, contours=(floor,), contacts=(contact,)
+        bodies=(upper, lower),
+        forces=(Gravity(gravity),),
+        joints=joints,
+        contours=(floor,),
+        contacts=(contact,),
     )
 
 
@@ -105,9 +115,7 @@ def test_impulse_at_the_tip_is_that_of_the_jointed_masses(restitution):
     angles, rates = (0.4, 1.0), (0.8, 1.3)
     height = LENGTH * (along(0.4) + along(1.0))[1] - TIP
     expected, impulse = after_impact(angles, rates, restitution)
-    found = run(
-        pendulum(angles, rates, height, RigidLaw(restitution), gravity=np.zeros(3)), 1e-4, 1e-3
-    )
+    found = run(pendulum(angles, rates, height, RigidLaw(restitution), gravity=np.zeros(3)), 1e-4, 1e-3)
     start = np.concatenate(
         [
             found["upper.velocity"][0, ::2],

@@ -1,0 +1,75 @@
+"""How a search ended: noted for the end of the step, and what the step does about it.
+
+A search in a trial step that is taken back does no harm, so its end is judged when the step stands.
+"""
+
+from __future__ import annotations
+
+from heavylift.contours.evaluate import surface_point
+from heavylift.contours.search_step import CONVERGED, FLAGS, U, V
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
+from heavylift.solver.contact.kind import (
+    AT_U,
+    AT_V,
+    CLOSED,
+    CONTOUR,
+    EVALUATE,
+    FAILED,
+    FOUND,
+    LARGEST_CONTROLS,
+    LOST,
+    NOT_A_NUMBER,
+    PRESENT,
+    RESULT,
+    RESULT_END,
+    SEARCH,
+    TOO_DEEP,
+    WEIGHTS_AT,
+    ContactRows,
+)
+from heavylift.solver.interface import STATUS_BLOCK, STATUS_OUTCOME, Workspace
+
+__all__ = ["judge_searches", "mark_failure", "note_search"]
+
+NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
+
+
+@kernel(internal=True)
+def mark_failure(contacts: ContactRows, contact: int, work: Workspace) -> None:
+    """Say that place or impulses of a contact were not found; its block comes after those of the joints."""
+    work.status[STATUS_OUTCOME] = NOT_CONVERGED
+    work.status[STATUS_BLOCK] = contacts.places[LARGEST_CONTROLS + contacts.table.shape[0] + 1] + contact
+
+
+@kernel(internal=True)
+def note_search(contacts: ContactRows, c: int, status: int) -> None:
+    """Keep the status of a search over a surface; one that found nothing leaves the last place."""
+    state, scratch = contacts.state[c], contacts.scratch
+    state[SEARCH] = FOUND
+    if status != CONVERGED:
+        contour = contacts.contours[contacts.table[c, CONTOUR]]
+        result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+        u, v, knots = state[AT_U], state[AT_V], contacts.constants
+        surface_point(contour, knots, knots, contacts.net, u, v, evaluate, result)
+        result[U], result[V], result[FLAGS] = u, v, 0.0
+        state[SEARCH] = status
+
+
+@kernel(internal=True)
+def judge_searches(contacts: ContactRows, at_end: bool, work: Workspace) -> None:
+    """Count what found nothing; stop where a closed contact did, or a primitive is pressed in deeper than its rounding.
+
+    In the middle of a step only what takes part has been searched, and a depth there may still be pushed out.
+    """
+    for c in range(contacts.table.shape[0]):
+        state = contacts.state[c]
+        if not at_end and state[PRESENT] == 0.0:
+            continue
+        if LOST <= state[SEARCH] <= NOT_A_NUMBER:
+            state[SEARCH] = FOUND
+            state[FAILED] += 1.0
+            if state[CLOSED] > 0.0:
+                mark_failure(contacts, c, work)
+        elif at_end and state[SEARCH] == TOO_DEEP:
+            mark_failure(contacts, c, work)
