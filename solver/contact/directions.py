@@ -38,8 +38,8 @@ def put_directions(
 
 
 @kernel(internal=True)
-def put_ball(contacts: ContactRows, contour: int, radius: float, n1: float, n2: float, n3: float) -> None:
-    """Arm of a ball: from its centre against the normal."""
+def put_ball(contacts: ContactRows, contour: int, length: float, n1: float, n2: float, n3: float) -> None:
+    """Arm of a point or ball: from its centre against the normal to the contour, so that forces on both meet."""
     a = rotate(contacts.poses[contour], n1, n2, n3)
     for k in range(3):
-        contacts.scratch[ARM + k] = -radius * a[k]
+        contacts.scratch[ARM + k] = -length * a[k]

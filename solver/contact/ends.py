@@ -14,7 +14,7 @@ from typing import Any
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact import layout as told
 from heavylift.solver.contact.delassus import assemble_delassus, contact_rates
-from heavylift.solver.contact.events import CLOSE, MOST_EVENTS, gap_tolerance
+from heavylift.solver.contact.events import CLOSE, MOST_EVENTS, SHORTEST, gap_tolerance
 from heavylift.solver.contact.generics import follow_end, project_contacts
 from heavylift.solver.contact.kind import (
     BILATERAL,
@@ -39,6 +39,7 @@ from heavylift.solver.contact.kind import (
     LOSS,
     MIDDLE_FORCE,
     NEW,
+    NOMINAL,
     NORMAL,
     NORMAL_FORCE,
     PRESENT,
@@ -61,7 +62,15 @@ from heavylift.solver.contact.laws import normal_force
 from heavylift.solver.contact.search_end import judge_searches
 from heavylift.solver.contact.stage import friction_rows, impulse_row, present_at, softness_of, solve_present
 from heavylift.solver.integrate.row_stage import close_step
-from heavylift.solver.interface import LAST_STEP, Workspace, add_row_work, apply_inverse
+from heavylift.solver.interface import (
+    LAST_STEP,
+    SPLIT,
+    STATUS_BLOCK,
+    STATUS_OUTCOME,
+    Workspace,
+    add_row_work,
+    apply_inverse,
+)
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import HALF_IMPULSE, IMPULSE, REACTION
 
@@ -72,6 +81,9 @@ REST = 1e-6
 
 OFF = 1e-4
 """Gap relative to the size of a contact, with which it does not stay closed: it has slid over a border."""
+
+SHORTEST_PART = 1e-3
+"""Of a whole step, down to which it is halved while the impulses at its end are not found."""
 
 STICKING = 1e-9
 """Share of the bound below which a friction impulse counts as one that holds."""
@@ -84,7 +96,8 @@ def _is_new(contacts: ContactRows, c: int, step: float, velocity) -> bool:  # ty
     if state[CLOSED] > 0.0 or contacts.table[c, LAW] == COMPLIANT:
         return False
     rate = contact_rates(contacts, c, velocity)[0]
-    return state[END_GAP] <= gap_tolerance(contacts, c, rate) and rate < 0.0
+    soon = -SHORTEST * rate * contacts.control[NOMINAL]  # what would touch at once belongs to the same impact
+    return rate < 0.0 and state[END_GAP] <= gap_tolerance(contacts, c, rate) + soon
 
 
 @implement(project_contacts, ContactRows)
@@ -119,6 +132,9 @@ def project_contact_rows(
         c = present_at(contacts, j)
         contacts.state[c, RATE] = contact_rates(contacts, c, work.velocity)[0]
     if not solve_present(contacts, count, work):
+        if step > SHORTEST_PART * contacts.control[NOMINAL]:  # not found: two steps may do what one does not
+            work.status[STATUS_OUTCOME] = work.status[STATUS_BLOCK] = 0
+            work.control[SPLIT] = 0.5 * step
         return
     follow_end(rows, work)
     for j in range(count):
@@ -194,6 +210,8 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
         for r in range(3):
             contacts.rows[reaction + r] = state[FORCE + r] = state[WARM + r] = state[MIDDLE_FORCE + r] = 0.0
         state[GAP], state[GAP_2] = state[END_GAP], state[END_GAP_2]
+        if state[END_GAP] <= CLOSE * values[SIZE]:  # so near it has been searched, and has rows
+            state[RATE] = contact_rates(contacts, c, work.velocity)[0]
         return
     a, b, d = contact_rates(contacts, c, work.velocity)
     total = 2.0 * contacts.rows[half] + contacts.rows[at]

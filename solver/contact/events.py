@@ -69,7 +69,7 @@ from heavylift.solver.interface import SPLIT, Workspace, add_row_work
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import DOF, HALF_IMPULSE, IMPULSE, WIDTH
 
-__all__ = ["CLOSE", "MOST_EVENTS", "gap_tolerance"]
+__all__ = ["CLOSE", "MOST_EVENTS", "SHORTEST", "gap_tolerance"]
 
 MOST_EVENTS = 20
 """Impacts of a contact within a whole step."""
@@ -86,6 +86,9 @@ RESOLUTION = 1e-10
 
 BEHIND = 1e-6
 """Relative rounding of a gap, and of the way in a step."""
+
+AT_ONCE = 5e-10
+"""Of a whole step: length of one that ends at an impact now; gaps are found to twice its way."""
 
 CLOSE = 1e-6
 """Of the size of a contact: a gap below is searched in every step."""
@@ -273,8 +276,11 @@ def _next_time(contacts: ContactRows, work: Workspace, step: float) -> None:
             return
         t = low
     elif low == 0.0 and (t < SHORTEST * control[NOMINAL] or _never_leaves(contacts, c, step)):
-        control[JOINS] = c
-        t = control[LONGEST]
+        if -contacts.state[c, RATE] * control[NOMINAL] > CLOSE * contacts.values[c, SIZE]:
+            t = AT_ONCE * control[NOMINAL]  # hit by what another impact has done to its body
+        else:
+            control[JOINS] = c
+            t = control[LONGEST]
     work.control[SPLIT] = t
 
 

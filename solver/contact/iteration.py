@@ -29,7 +29,7 @@ from heavylift.solver.contact.contact_rows import (
     ROWS,
     linearise,
 )
-from heavylift.solver.contact.layout import COMPLIANT, SOFTNESS, TARGET
+from heavylift.solver.contact.layout import COMPLIANT, OFFSET, SOFTNESS, TARGET
 from heavylift.solver.contact.system import (
     COUPLING,
     END,
@@ -237,6 +237,9 @@ def _evaluate(problem: Problem, work: Work, p: NDArray[np.float64]) -> tuple[flo
             abs(p[i]) * work.diagonal[2 * c],
             max(abs(p[i + 1]), abs(p[i + 2])) * work.diagonal[2 * c + 1],
         )
+        o = problem.parameters[c]  # what the step has given before counts like what is asked for now
+        scale = max(scale, abs(o[OFFSET]) * work.diagonal[2 * c])
+        scale = max(scale, max(abs(o[OFFSET + 1]), abs(o[OFFSET + 2])) * work.diagonal[2 * c + 1])
     if not finite:
         return np.inf, scale
     return math.sqrt(worst), max(scale, ROUNDING / ACCEPTED * largest)

@@ -147,6 +147,9 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
         share = n1 * t1 + n2 * t2 + n3 * t3
         n1, n2, n3 = n1 - share * t1, n2 - share * t2, n3 - share * t3
         size = math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
+        if size < 1e-3:  # a bead placed where the first guess lies along the curve
+            n1, n2, n3 = cross(t1, t2, t3, t2, t3, -t1)
+            size = math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
         n1, n2, n3 = n1 / size, n2 / size, n3 / size
         b1, b2, b3 = cross(t1, t2, t3, n1, n2, n3)
         state[END_GAP] = n1 * d1 + n2 * d2 + n3 * d3
@@ -167,7 +170,7 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
         beside = max(abs(across) - 0.5 * pose[WIDTH_OF], abs(ends) - OFF * contacts.values[c, SIZE])
         state[END_GAP] = max(gap, beside) if beside > 0.0 else gap
         put_directions(contacts, contour, n1, n2, n3, t1, t2, t3)
-        put_ball(contacts, contour, radius, n1, n2, n3)
+        put_ball(contacts, contour, gap + radius, n1, n2, n3)
     else:
         distance = math.sqrt(d1 * d1 + d2 * d2 + d3 * d3)
         if distance > 1e-12 * contacts.values[c, SIZE]:
@@ -184,7 +187,7 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
         else:
             g1, g2, g3 = rotate_back(pose, state[TANGENT], state[TANGENT + 1], state[TANGENT + 2])
             put_directions(contacts, contour, n1, n2, n3, g1, g2, g3)
-        put_ball(contacts, contour, radius, n1, n2, n3)
+        put_ball(contacts, contour, distance - pose[RADIUS_OF], n1, n2, n3)
     scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2] = result[0] + o1, result[1] + o2, result[2] + o3
     if o1 != 0.0 or o2 != 0.0 or o3 != 0.0:
         _put_slopes(contacts, contour, o1, o2, o3, t1, t2, t3, speed)

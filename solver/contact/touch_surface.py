@@ -131,6 +131,6 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
         a = 1.0 / math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
         t1, t2, t3 = a * t1, a * t2, a * t3
     put_directions(contacts, contour, n1, n2, n3, t1, t2, t3)
-    put_ball(contacts, contour, radius, n1, n2, n3)
+    put_ball(contacts, contour, gap, n1, n2, n3)
     for k in range(3):
         scratch[LEVER + k] = result[k]

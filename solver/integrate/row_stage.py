@@ -209,7 +209,8 @@ def _aim_compliant(system: Rows, at: int, step: float, nominal: float) -> None:
 def end_step(systems: Any, bodies: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
     """End of the step: velocities projected onto the rigid rows there, impacts, reactions of the step.
 
-    With `work.control[SPLIT]` set an impact lies within the step, and all of it has to be taken back.
+    With `work.control[SPLIT]` set an impact lies within the step, or contacts were not found at its end: then all
+    of it has to be taken back.
     """
     end_rows(systems, bodies, joints, work, time, step)
     locate_ends(systems, bodies, work, time, step)
@@ -217,6 +218,8 @@ def end_step(systems: Any, bodies: Any, joints: Any, work: Workspace, time: floa
         return
     solve_end(systems, bodies, joints, work, time, step)
     project_contacts(systems, bodies, systems, joints, work, time, step)
+    if work.control[SPLIT] > 0.0:
+        return
     close_step(systems, systems, bodies, work, step)
 
 
