@@ -1,1 +1,1 @@
-"""Contact of bodies, independent of how it was found: force laws and the solver of all contacts at once."""
+"""Contact: force laws, the solver of all contacts at once, and the system of rows of contacts on contours."""

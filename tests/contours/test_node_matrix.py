@@ -80,3 +80,14 @@ def test_lists_of_a_case_are_checked_alike() -> None:
         node_matrix([[1, 2], [3]], 3)
     with pytest.raises(InputError, match=r"holds no node"):
         node_matrix([], 3)
+
+
+def test_published_files(mbsim_data) -> None:
+    """The contour of the complex beam, 5 rows of 7 of its 374 nodes, and the line of 61 of 549 nodes of the sliding beam."""
+    surface = read_node_matrix(mbsim_data / "complex_beam" / "Example_Contour.txt", 374)
+    assert surface.shape == (5, 7)
+    assert surface[0, 0] == 115
+    assert surface[4, 6] == 136
+    line = read_node_row(mbsim_data / "sliding_beam" / "NeutralPhase.txt", 549)
+    assert line.shape == (61,)
+    assert (line[0], line[-1]) == (547, 7)
