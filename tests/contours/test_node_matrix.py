@@ -83,7 +83,7 @@ def test_lists_of_a_case_are_checked_alike() -> None:
 
 
 def test_published_files(mbsim_data) -> None:
-    """The contour of the complex beam, 5 rows of 7 of its 374 nodes, and the line of 61 of 549 nodes of the sliding beam."""
+    """Contour of the complex beam, 5 rows of 7 of its 374 nodes; line of 61 of the 549 nodes of the sliding beam."""
     surface = read_node_matrix(mbsim_data / "complex_beam" / "Example_Contour.txt", 374)
     assert surface.shape == (5, 7)
     assert surface[0, 0] == 115
