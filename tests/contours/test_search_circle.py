@@ -33,6 +33,8 @@ from heavylift.contours.search_step import (
 from heavylift.contours.spaces import clamped_space, closed_space
 from heavylift.numerics.jit import kernel
 
+pytestmark = pytest.mark.slow
+
 COLD, WARM, GO_ON = 0.0, 1.0, 2.0
 
 

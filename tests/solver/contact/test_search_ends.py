@@ -35,6 +35,8 @@ from heavylift.solver.layout import Layout, pack_scene
 from heavylift.solver.scene import RigidBody, Scene
 from heavylift.solver.stop_message import stop_message
 
+pytestmark = pytest.mark.slow
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
