@@ -205,8 +205,7 @@ class Simulation:
         layout = self._layout
         start_scene(layout.bodies, layout.work, 0.0)
         layout.work.control[NEXT_STEP] = FIRST_STEP * self.step if self.tolerance else self.step
-        jointed = bool(layout.systems) and len(layout.systems[0].attachments) > 0
-        if jointed or self._start_mode in AT_REST:
+        if layout.joints or self._start_mode in AT_REST:
             self._fit_joints()
         if self._touches:
             from heavylift.solver.contact.check_start import start_contacts
@@ -233,7 +232,7 @@ class Simulation:
         with compile_clock() as compiling:
             self.start_text = ways[self._start_mode](rows).text
         self.start_seconds += clock.thread_time() - begin - compiling.seconds
-        if len(self._layout.systems) and len(self._layout.systems[0].attachments) > 0:
+        if self._layout.joints:
             self.diagnosis = diagnose(rows)
             if self._stiff and not self.diagnosis.redundant:
                 self._straighten()
