@@ -107,9 +107,9 @@ def main() -> None:
             print(f"  {count} {words:24s} {rows(problem, False)}")
             print(f"  {'':26s} {rows(problem, True)}")
     print("velocities")
-    for push in (0.003, 0.03, 0.1):
-        problem = problems.stack(10, np.random.default_rng(1), push)
-        print(f"  stack of 10, push {push:5.3f}   {reduced(problem)}")
+    for count, push in ((10, 0.003), (10, 0.03), (10, 0.1), (30, 0.003), (30, 0.03), (30, 0.1)):
+        problem = problems.stack(count, np.random.default_rng(1), push)
+        print(f"  stack of {count}, push {push:5.3f}   {reduced(problem)}")
         p = problem.solve()[3].ravel()
         problem.y0 *= 1.001
         print(f"  {'warm':26s} {reduced(problem, p)}")

@@ -26,6 +26,7 @@ class Outcome(IntEnum):
     NOT_CLOSED = 9
     STEP_TOO_SMALL = 10
     STRAINS_LOST = 11
+    TOO_MANY_CONTACTS = 12
 
     @property
     def text(self) -> str:
@@ -45,6 +46,7 @@ _TEXTS = {
     Outcome.NOT_CONVERGED: "stopped: an iteration did not converge",
     Outcome.NOT_CLOSED: "stopped: a joint came apart",
     Outcome.STRAINS_LOST: "stopped: carried strains have left those of the shape",
+    Outcome.TOO_MANY_CONTACTS: "stopped: more contacts at once than there is room for",
     Outcome.STEP_TOO_SMALL: "stopped: no step is small enough for the tolerance",
 }
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble import check_on_body
+from heavylift.pipeline.assemble_collisions import assemble_collisions, assemble_surfaces
 from heavylift.pipeline.assemble_connections import (
     assemble_joints,
     assemble_loads,
@@ -120,6 +121,8 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         ropes=assemble_ropes(case, sides),
         contours=assemble_contours(case, bodies, sides, folder),
         contacts=contacts,
+        surfaces=assemble_surfaces(case, sides, folder),
+        collisions=assemble_collisions(case),
     )
 
 

@@ -4,6 +4,7 @@
 
 import tomllib
 from collections.abc import Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,6 +12,7 @@ from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, model_
 
 from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline.case_checks import CheckSection, ConvergeSection, QuantityReference
+from heavylift.pipeline.case_collisions import Collision
 from heavylift.pipeline.case_contacts import Contact
 from heavylift.pipeline.case_contours import Contour
 from heavylift.pipeline.case_errors import group_errors, input_errors
@@ -23,7 +25,9 @@ from heavylift.pipeline.case_repeat import Expansion, Parameters, RepeatSection,
 from heavylift.pipeline.case_ropes import Rope
 from heavylift.pipeline.case_sections import GravitySection, ReportSection, SensorSection
 from heavylift.pipeline.case_simulate import SimulateSection, multiple
+from heavylift.pipeline.case_surfaces import SurfaceSection
 from heavylift.pipeline.channel_kinds import Declared, declared
+from heavylift.pipeline.collision_pairs import collision_pairs
 from heavylift.pipeline.fields import GROUND, CaseContext, Section, UniqueName, reject
 from heavylift.pipeline.quantity_names import QuantityName, parse_quantity_name
 
@@ -60,6 +64,10 @@ class Case(Section):
     """Curves and surfaces of bodies that something may touch, by name."""
     contacts: tuple[Contact, ...] = ()
     """What touches contours, and by what law."""
+    surfaces: tuple[SurfaceSection, ...] = ()
+    """Triangles of bodies that may touch those of others: CAD files and simple shapes."""
+    collisions: tuple[Collision, ...] = ()
+    """Which surfaces may touch, and by what law."""
     sensors: tuple[SensorSection, ...] = ()
     """Material points whose motion is recorded."""
     reference: tuple[ReferenceSection, ...] = ()
@@ -112,6 +120,10 @@ class Case(Section):
         for contact in self.contacts:
             outside = self.contours[contact.between[1]].body == GROUND
             causes += [f"contact {contact.name!r}"] if outside else []
+        on_ground = {surface.name for surface in self.surfaces if surface.body == GROUND}
+        causes += [
+            f"collision {name!r}" for name, (_, pair) in self.collided.items() if on_ground & set(pair)
+        ]
         causes += [
             f"rope {rope.name!r}" for rope in self.ropes if GROUND in {stop.body for stop in rope.path}
         ]
@@ -157,11 +169,21 @@ class Case(Section):
 
     @model_validator(mode="after")
     def _integrates_contacts(self) -> "Case":
-        """Contacts need the integrator whose steps know impulses."""
-        if self.contacts and self.simulate is not None and self.simulate.integrator not in {"dele2", "auto"}:
+        """Contacts and collisions need the integrator whose steps know impulses; some laws its step."""
+        if self.simulate is None:
+            return self
+        what = "contacts" if self.contacts else "collisions"
+        if (self.contacts or self.collisions) and self.simulate.integrator not in {"dele2", "auto"}:
             reject(
-                f"{self.simulate.integrator!r} with contacts", "'dele2' or 'auto'", key="simulate.integrator"
+                f"{self.simulate.integrator!r} with {what}", "'dele2' or 'auto'", key="simulate.integrator"
             )
+        for index, collision in enumerate(self.collisions):
+            if collision.law == "thesis" and self.simulate.step is None:
+                reject(
+                    "'thesis' without a fixed step, on which 'gamma' depends",
+                    "'step' in [simulate], or law 'linear'",
+                    key=f"collisions.{index}.law",
+                )
         return self
 
     def _missing_for(self, quantity: QuantityName) -> str:
@@ -199,6 +221,19 @@ class Case(Section):
             if isinstance(body, (FrameBodySection, ShellBodySection))
         }
 
+    @cached_property
+    def collided(self) -> dict[str, tuple[int, tuple[str, str]]]:
+        """Collisions by the first part of their channels: number of the table, and names of both surfaces."""
+        surfaces = {surface.name: surface.body for surface in self.surfaces}
+        yielding = {name for name, body in self.bodies.items() if _yields(body)}
+        return {
+            name: (index, pair)
+            for index, entry in enumerate(self.collisions)
+            for name, pair in collision_pairs(
+                entry.name, entry.between, entry.among, surfaces, yielding
+            ).items()
+        }
+
     @property
     def file(self) -> Path:
         """The case file."""
@@ -228,6 +263,11 @@ class Case(Section):
     def output_folder(self) -> Path:
         """Where results go unless another folder is chosen."""
         return self.folder / "out"
+
+
+def _yields(body: Body) -> bool:
+    """Whether a body gives way to a force."""
+    return isinstance(body, MeshBodySection) or body.frame.motion == "free"
 
 
 def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:

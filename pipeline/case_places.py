@@ -17,12 +17,14 @@ __all__ = ["in_case", "places"]
 
 
 def places(case: Case) -> dict[str, str]:
-    """Dotted keys in the case file of its bodies, contours, joints, ropes, forces, sensors and contacts, by name."""
+    """Dotted keys in the case file of what has a name: bodies, contours, joints, surfaces, collisions and so on."""
     found = {name: case.place(f"bodies.{name}") for name in case.bodies}
     found |= {name: case.place(f"contours.{name}") for name in case.contours}
-    for section in ("joints", "ropes", "forces", "sensors", "contacts"):
+    for section in ("joints", "ropes", "forces", "sensors", "contacts", "surfaces", "collisions"):
         for index, entry in enumerate(getattr(case, section)):
             found[entry.name] = case.place(f"{section}.{index}")
+    for name, (index, _) in case.collided.items():
+        found[name] = case.place(f"collisions.{index}")
     return found
 
 

@@ -1,4 +1,4 @@
-"""Named numbers of a case, and blocks that stand for many bodies, joints, ropes, forces, sensors and contacts.
+"""Named numbers of a case, and blocks that stand for many bodies, joints, ropes, forces, contacts and so on.
 
 A ``[[repeat]]`` block is written out before the case is checked: its tables are copied once for every index,
 ``{i}``, ``{i+1}`` and the like in their texts become numbers, and places in the world move by a shift. Errors
@@ -26,7 +26,7 @@ __all__ = ["Expansion", "Origin", "Parameters", "RepeatSection", "expand"]
 INDEX = "i"
 LIMIT = 100_000
 """Largest number of copies of one block."""
-LISTS = ("joints", "ropes", "forces", "sensors", "contacts")
+LISTS = ("joints", "ropes", "forces", "sensors", "contacts", "surfaces", "collisions")
 TABLES = ("bodies", "contours")
 PROSE = ("title", "sources", "source")
 """Keys whose texts may have braces that mean nothing."""
@@ -56,7 +56,7 @@ class RepeatSection(Section):
     """The first index: an integer, or arithmetic of the parameters."""
     shift: LengthVector = (0.0, 0.0, 0.0)
     """Added i times to places in the world at the start [m]: positions of bodies, pivots of driven frames, ``at`` of
-    joints and contacts, points on the ground."""
+    joints and contacts, points and surfaces on the ground."""
     bodies: dict[str, dict[str, Any]] = Field(default_factory=dict)
     """Bodies by name, as in the case."""
     joints: tuple[dict[str, Any], ...] = ()
@@ -71,6 +71,10 @@ class RepeatSection(Section):
     """Contours by name, as in the case."""
     contacts: tuple[dict[str, Any], ...] = ()
     """Contacts, as in the case."""
+    surfaces: tuple[dict[str, Any], ...] = ()
+    """Surfaces, as in the case."""
+    collisions: tuple[dict[str, Any], ...] = ()
+    """Collisions, as in the case."""
 
 
 @dataclass(frozen=True)
@@ -304,7 +308,10 @@ class _Writer:
             place = f"{path}.{section}.{number}"
             entry = self.fill(template, place, names)
             if move is not None and isinstance(entry, dict):
-                _move_entry(entry, move)
+                if section == "surfaces":
+                    _move_surface(entry, move)
+                else:
+                    _move_entry(entry, move)
             self.origins[f"{section}.{len(found)}"] = Origin(place, int(names[INDEX]))
             found.append(entry)
 
@@ -340,6 +347,17 @@ def _move_entry(entry: dict[str, Any], move: list[float]) -> None:
     for stop in path if isinstance(path, list) else ():
         if isinstance(stop, dict) and stop.get("body") == GROUND and "point" in stop:
             stop["point"] = _moved(stop["point"], move)
+
+
+def _move_surface(entry: dict[str, Any], move: list[float]) -> None:
+    """Move a surface of the ground, and the boxes that exclude its triangles; those of bodies move with them."""
+    if entry.get("body") != GROUND:
+        return
+    entry["at"] = _moved(entry.get("at", [0.0, 0.0, 0.0]), move)
+    boxes = entry.get("exclude")
+    for box in boxes if isinstance(boxes, list) else ():
+        if isinstance(box, dict) and "centre" in box:
+            box["centre"] = _moved(box["centre"], move)
 
 
 def _move_contour(entry: dict[str, Any], move: list[float]) -> None:

@@ -68,6 +68,8 @@ class ReportSection(Section):
     """Side of shells whose von Mises stress is pictured; the largest of the three by default."""
     animation: AnimationSection | None = None
     """Moving picture; none if absent."""
+    collision_times: tuple[Time, ...] = ()
+    """Times [s] at which colliding surfaces are pictured; if empty each collision at its largest force or impulse."""
     deformation: Annotated[float, Positive("number")] = 0.1
     """Largest displacement drawn in pictures of mode shapes, relative to the size of the body."""
     channels: tuple[str, ...] = ()

@@ -6,11 +6,14 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from heavylift.pipeline.collision_pairs import declared_collisions, yields
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
 __all__ = [
     "ALL_CHANNELS",
+    "COLLISION_CONTACT",
     "CONTOUR_TYPES",
     "EDGE_JOINTS",
     "JOINT_TRAVELS",
@@ -62,6 +65,29 @@ _CONTACT = {
     "dissipated": "moment or energy",
     "impacts": "number",
 }
+_COLLISION = {
+    "gap": "length",
+    "contacts": "number",
+    "patches": "number",
+    "force": "force",
+    "normal_force": "force",
+    "largest_force": "force",
+    "impulse": "momentum",
+    "point": "length",
+    "slip": "velocity",
+    "dissipated": "moment or energy",
+    "impacts": "number",
+}
+COLLISION_CONTACT = {
+    "point": "length",
+    "normal": "number",
+    "gap": "length",
+    "force": "force",
+    "friction": "force",
+    "impulse": "momentum",
+    "patch": "number",
+}
+"""Last parts of the channels of each recorded contact of a collision, ``NAME.contact_1.point``: name to kind."""
 _MESH = _POINT | {"strain_drift": "number"}
 _FRAME_MESH = _MESH | {
     "tangent": "number",
@@ -110,12 +136,13 @@ ALL_CHANNELS = (
     | _SPRING
     | _LOAD
     | _CONTACT
+    | _COLLISION
     | _SHELL_MESH
     | _FRAME_MESH
 )
-"""Every last part of a channel that a body, sensor, joint, rope, force or contact may have: name to kind."""
+"""Every last part of a channel that a body, sensor, joint, rope, force, contact or collision may have: name to kind."""
 
-_VECTORS = frozenset({*_POINT, "angular_velocity", *_REACTION, "linear", "angular", "point"})
+_VECTORS = frozenset({*_POINT, "angular_velocity", *_REACTION, "linear", "angular", "point", "normal"})
 _BY_OWNER = frozenset({*_MODAL, "segment_tension", "force", *_FRAME_MESH, *_SHELL_MESH})
 """Channels whose components the scene decides: a force is a vector of a contact, and one number of a spring."""
 
@@ -143,13 +170,19 @@ class Declared:
     Attributes
     ----------
     names
-        Bodies, sensors, forces, joints, ropes, contours and contacts, with how often each occurs.
+        Bodies, sensors, forces, joints, ropes, contours, contacts, surfaces and collisions, with how often each occurs.
     bodies
         Names of the bodies.
     body_types
         Types of the bodies by name.
     contours
         By name of a contour: its type and its body.
+    surfaces
+        By name of a surface: its body.
+    yielding
+        Names of the bodies that give way to forces.
+    collisions
+        By first part of the channels of a collision: contacts that it records one by one.
     meshes
         Names of the frames and shells among them.
     shells
@@ -168,6 +201,9 @@ class Declared:
     bodies: frozenset[str] = frozenset()
     body_types: Mapping[str, str] = field(default_factory=dict)
     contours: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    surfaces: Mapping[str, str] = field(default_factory=dict)
+    yielding: frozenset[str] = frozenset()
+    collisions: Mapping[str, int] = field(default_factory=dict)
     meshes: frozenset[str] = frozenset()
     shells: frozenset[str] = frozenset()
     joints: Mapping[str, str] = field(default_factory=dict)
@@ -196,15 +232,27 @@ def declared(document: Mapping[str, Any]) -> Declared:
     contours = document.get("contours", {})
     contours = contours if isinstance(contours, dict) else {}
     channels |= {name: {} for name in contours}
-    lists = ("sensors", "forces", "joints", "ropes", "contacts")
+    surfaces = {name: str(row.get("body")) for name, row in _named(document, "surfaces")}
+    yielding = frozenset(name for name, body in bodies.items() if yields(body))
+    rows = list(_named(document, "collisions"))
+    collided = declared_collisions(rows, surfaces, yielding)
+    channels |= {name: {} for name in (*surfaces, *(name for name, _ in rows))}
+    channels |= {pair: _COLLISION for _, pair, _ in collided}
+    lists = ("sensors", "forces", "joints", "ropes", "contacts", "surfaces", "collisions")
+    numbered = [pair for name, pair, _ in collided if pair != name]
     return Declared(
-        names=Counter([*bodies, *contours, *(name for key in lists for name, _ in _named(document, key))]),
+        names=Counter(
+            [*bodies, *contours, *numbered, *(name for key in lists for name, _ in _named(document, key))]
+        ),
         bodies=frozenset(bodies),
         body_types=types,
         contours={
             name: (str(row.get("type")), str(row.get("body"))) if isinstance(row, dict) else ("", "")
             for name, row in contours.items()
         },
+        surfaces=surfaces,
+        yielding=yielding,
+        collisions={pair: recorded for _, pair, recorded in collided},
         meshes=frozenset(name for name, kind in types.items() if kind in MESH_TYPES),
         shells=frozenset(name for name, kind in types.items() if kind == "shell"),
         joints=joints,

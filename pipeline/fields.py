@@ -231,7 +231,7 @@ def _unreserved(name: str, info: ValidationInfo) -> str:
     if context and context.names.names[name] > 1:
         reject(
             f"{name!r} occurs {context.names.names[name]} times",
-            "one body, joint, rope, force, sensor, contour or contact a name",
+            "one body, joint, rope, force, sensor, surface, collision, contour or contact a name",
             kind="repeated",
         )
     return name
@@ -304,7 +304,7 @@ def _quantity_string(text: str, info: ValidationInfo) -> str:
 
 
 UniqueName = Annotated[Name, AfterValidator(_unreserved)]
-"""Name of a body, joint, rope, force, sensor, contour or contact that no other one has."""
+"""Name of a body, joint, rope, force, sensor, surface, collision, contour or contact that no other one has."""
 BodyName = Annotated[str, AfterValidator(_known_body)]
 """Name of a body that the case has."""
 SideName = Annotated[str, AfterValidator(_known_side)]

@@ -48,7 +48,10 @@ class Parts(NamedTuple):
                 Lines(origin + part.points @ R.T, part.ends, part.colour, part.width, part.opacity)
                 for part in self.lines
             ),
-            tuple(Patch(origin + part.points @ R.T, part.triangles, part.colour) for part in self.patches),
+            tuple(
+                Patch(origin + part.points @ R.T, part.triangles, part.colour, part.opacity)
+                for part in self.patches
+            ),
             tuple(Points(origin + part.points @ R.T, part.colour, part.size) for part in self.marks),
         )
 
@@ -125,7 +128,7 @@ class ContactParts:
 
 
 def scene_size(scene: Scene) -> float:
-    """Diagonal of the box around the bodies and contours of a scene at the start [m]."""
+    """Diagonal of the box around the bodies, contours and surfaces of bodies of a scene at the start [m]."""
     points: list[NDArray[np.float64]] = []
     frames = {GROUND: (np.zeros(3), np.eye(3))}
     for body in scene.bodies:
@@ -140,6 +143,10 @@ def scene_size(scene: Scene) -> float:
         if contour.neutral is not None:
             origin, R = frames[contour.body]
             points.append(origin + contour.neutral.control @ R.T)
+    for part in scene.surfaces:
+        if part.surface is not None and part.body != GROUND:
+            origin, R = frames[part.body]
+            points.append(origin + part.surface.points @ R.T)
     return float(np.linalg.norm(np.ptp(np.concatenate(points), axis=0))) or 1.0
 
 

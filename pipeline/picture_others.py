@@ -10,6 +10,7 @@ import numpy as np
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.picture_contacts import ContactParts
 from heavylift.pipeline.picture_render import Lines, Patch, Points
+from heavylift.pipeline.picture_triangles import drawn_triangles
 from heavylift.solver.connections import (
     GROUND,
     EdgeClamp,
@@ -38,6 +39,7 @@ __all__ = ["Others", "Seen", "rope_line"]
 _ROPE, _SPRING, _RIGID, _JOINT = "#7a4a12", "#2e7d32", "#5b6b7c", "#1d2733"
 _CIRCLE = 32  # corners of a pulley
 _TANGENTS = 12  # repetitions until tangents between pulleys are found
+_FLOOR = 2.0  # surfaces of the ground are drawn up to so many times the size of the scene
 
 
 class Seen(NamedTuple):
@@ -127,6 +129,12 @@ class Others:
         ]
 
         self._touching = [self._place(contact.body, contact.point) for contact in scene.contacts]
+        self._solids = [
+            (part.body, *drawn_triangles(part.surface)[:2])
+            for part in scene.surfaces
+            if part.surface is not None
+            and (part.body != GROUND or np.linalg.norm(np.ptp(part.surface.bounds, axis=0)) <= _FLOOR * size)
+        ]
         self._contacts = None
         if scene.contours:
             self._contacts = ContactParts(
@@ -141,7 +149,7 @@ class Others:
     @property
     def empty(self) -> bool:
         """Whether there is nothing but meshes."""
-        attached = self._ropes or self._springs or self._joints or self._contacts
+        attached = self._ropes or self._springs or self._joints or self._contacts or self._solids
         return not (self._centres or self._surfaces or attached)
 
     def seen(self, record: int) -> Seen:
@@ -171,6 +179,9 @@ class Others:
                 found = np.array([self._position(place, record) for place in places])
                 marks.append(Points(found, colour=colour, size=size))
         patches = [self._patch(name, record) for name in self._surfaces]
+        for name, points, triangles in self._solids:
+            origin, R = self._pose(name, record)
+            patches.append(Patch(origin + points @ R.T, triangles))
         if self._contacts is not None:
             contacts = self._contacts.seen(record)
             lines += contacts.lines

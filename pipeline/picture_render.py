@@ -114,11 +114,12 @@ class Points:
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """Another surface in one colour, shapes (m, 3) and (nt, 3)."""
+    """Another surface in one colour, shapes (m, 3) and (nt, 3); seen through if its opacity is below 1."""
 
     points: NDArray[np.float64]
     triangles: NDArray[np.int64]
     colour: str = "#b8c4d0"
+    opacity: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,6 +204,7 @@ class Renderer:
                 plotter.add_mesh(
                     _poly_data(patch.points, triangles=patch.triangles),
                     color=patch.colour,
+                    opacity=patch.opacity,
                     ambient=0.35,
                     diffuse=0.75,
                     reset_camera=False,

@@ -16,9 +16,18 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_bodies import FlexibleBodySection
     from heavylift.pipeline.case_meshes import MeshBodySection
+    from heavylift.pipeline.case_surfaces import SurfaceSection
     from heavylift.pipeline.storage import OutputFolder
 
-__all__ = ["mesh_digest", "modes_digest", "report_digest", "simulate_digest", "source_digest", "versions"]
+__all__ = [
+    "mesh_digest",
+    "modes_digest",
+    "report_digest",
+    "simulate_digest",
+    "source_digest",
+    "surface_digest",
+    "versions",
+]
 
 PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -36,6 +45,7 @@ STAGE_SOURCES = {
     "simulate": (
         "contours",
         "solver",
+        "pipeline/assemble_collisions.py",
         "pipeline/assemble_contacts.py",
         "pipeline/assemble_connections.py",
         "pipeline/assemble_mesh_shapes.py",
@@ -46,6 +56,7 @@ STAGE_SOURCES = {
         "pipeline/stage_simulate.py",
     ),
     "report": ("pipeline",),
+    "surfaces": ("numerics", "preprocess", "pipeline/assemble_surfaces.py"),
     "contour nodes": ("contours/face_grid.py", "contours/node_matrix.py", "pipeline/assemble_contacts.py"),
 }
 """Sources, below the package, whose change makes the outputs of a stage stale; of modes also those that pick the nodes
@@ -56,6 +67,7 @@ STAGE_PACKAGES = {
     "modes": ("numpy", "scipy", "scikit-sparse", "pypardiso"),
     "simulate": ("numpy", "numba"),
     "report": ("numpy", "matplotlib", "pyvista"),
+    "surfaces": ("numpy", "scipy", "trimesh", "gmsh", "meshio"),
 }
 """Packages whose versions are recorded with the outputs of a stage."""
 
@@ -161,12 +173,25 @@ def simulate_digest(case: Case) -> str:
             "sensors",
             "contours",
             "contacts",
+            "collisions",
             "simulate",
         },
     )
     names = {file for contour in case.contours.values() for file in (contour.nodes, contour.file) if file}
     files = {name: digest_file(case.folder / name) for name in sorted(names)}
+    if case.surfaces:
+        scene["surfaces"] = {
+            surface.name: [surface.body, surface.facets, surface_digest(case, surface)]
+            for surface in case.surfaces
+        }
     return _digest("simulate", {"bodies": bodies, "contour files": files, **scene})
+
+
+def surface_digest(case: Case, surface: SurfaceSection) -> str:
+    """Digest of all that the triangles of a surface depend on."""
+    section = surface.model_dump(mode="json", exclude={"body", "facets"})
+    content = digest_file(case.folder / surface.file) if surface.file else None
+    return _digest("surfaces", {"surface": section, "content": content})
 
 
 def report_digest(case: Case, folder: OutputFolder) -> str:
@@ -178,6 +203,7 @@ def report_digest(case: Case, folder: OutputFolder) -> str:
     """
     bodies = {name: body for name, body in case.bodies.items() if body.type == "flexible"}
     current = [modes_digest(case, body) for body in bodies.values()]
+    current += [surface_digest(case, surface) for surface in case.surfaces]
     if case.simulate is not None:
         current.append(simulate_digest(case))
     found: dict[str, Any] = {
@@ -195,6 +221,8 @@ def report_digest(case: Case, folder: OutputFolder) -> str:
         },
         "files": [_identity(path) for path in (folder.results, *segments)],
     }
+    if case.surfaces:
+        found["surfaces"] = [_identity(folder.surface(surface.name)) for surface in case.surfaces]
     references = {entry.file: digest_file(case.folder / entry.file) for entry in case.reference}
     return _digest(
         "report",

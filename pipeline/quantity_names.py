@@ -20,7 +20,8 @@
 
 Components of the channels of frames and shells begin with the number of a node or element:
 ``channel.plate.position.60.z.end``. Channels of joints along edges have the number of a node before their kind:
-``channel.rim.0.reaction_force.z.max``.
+``channel.rim.0.reaction_force.z.max``. Channels of the recorded contacts of a collision have ``contact_1``,
+``contact_2``, ... before their kind: ``channel.landing.contact_1.force.max``.
 
 What channels there are depends on the owner: a hinge has an ``angle``, a rope a ``tension``; see
 `heavylift.pipeline.channel_kinds`.
@@ -29,12 +30,14 @@ What channels there are depends on the owner: a hinge has an ``angle``, a rope a
 from __future__ import annotations
 
 import contextlib
+import re
 from difflib import get_close_matches
 from typing import NamedTuple
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.channel_kinds import (
     ALL_CHANNELS,
+    COLLISION_CONTACT,
     EDGE_JOINTS,
     RESERVED_NAMES,
     SCENE_CHANNELS,
@@ -53,6 +56,7 @@ MESH_QUANTITIES = {
 }
 DRIFTS = ("energy", "momentum", "angular_momentum")
 STATISTICS = ("end", "min", "max", "mean", "rms")
+_CONTACT = re.compile(r"contact_([1-9]\d*)")
 
 
 class QuantityName(NamedTuple):
@@ -169,7 +173,8 @@ def _frequency(text: str, parts: list[str], names: Declared | None) -> QuantityN
 
 def _channel_parts(parts: list[str]) -> tuple[str, str, str]:
     """Owner, channel and component of ``OWNER.KIND[.COMPONENT]``, split at the dots."""
-    own = 3 if parts[1].isdecimal() and len(parts) > 2 else 2  # a node of an edge stands before the kind
+    # a node of an edge, or a contact of a collision, stands before the kind
+    own = 3 if len(parts) > 2 and (parts[1].isdecimal() or _CONTACT.fullmatch(parts[1])) else 2
     return "" if parts[0] in RESERVED_NAMES else parts[0], ".".join(parts[:own]), ".".join(parts[own:])
 
 
@@ -182,6 +187,8 @@ def channel_kind(name: str, text: str, names: Declared | None) -> Kind:
         known = dict(names.channels.get(owner, ALL_CHANNELS))
     key = name if scene else last
     number, dot, kind = last.partition(".")
+    if not scene and _CONTACT.fullmatch(number):
+        return KINDS[_contact_channel(owner, number, kind, text, names)]
     edge = names is not None and names.joints.get(owner) in EDGE_JOINTS
     if dot and number.isdecimal() and (edge or names is None):
         key = kind
@@ -194,6 +201,21 @@ def channel_kind(name: str, text: str, names: Declared | None) -> Kind:
         whose = "a channel" if scene else f"a channel of {owner!r}"
         raise InputError(_unknown(text, key, known), expected=f"{whose}: {', '.join(known) or 'none'}")
     return KINDS[known[key]]
+
+
+def _contact_channel(owner: str, contact: str, kind: str, text: str, names: Declared | None) -> str:
+    """Name of the kind of a channel of a recorded contact of a collision."""
+    recorded = 0 if names is None else names.collisions.get(owner, 0)
+    known = names is not None and owner in names.names  # an owner that does not exist is told as such
+    if known and int(contact.partition("_")[2]) > recorded:
+        expected = f"contact_1 to contact_{recorded}, or a larger 'recorded'" if recorded else "a collision"
+        raise InputError(f"quantity {text!r}: {owner!r} has no {contact!r}", expected=expected)
+    if kind not in COLLISION_CONTACT:
+        raise InputError(
+            _unknown(text, kind, COLLISION_CONTACT),
+            expected=f"a channel of a recorded contact: {', '.join(COLLISION_CONTACT)}",
+        )
+    return COLLISION_CONTACT[kind]
 
 
 def _deviation(text: str, parts: list[str], names: Declared | None) -> QuantityName:

@@ -11,6 +11,7 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.picture_render import Renderer, RenderingUnavailableError
 from heavylift.pipeline.quantities import CheckResult, evaluate_checks
 from heavylift.pipeline.report_bodies import body_sections
+from heavylift.pipeline.report_collisions import collision_sections
 from heavylift.pipeline.report_contacts import contact_sections
 from heavylift.pipeline.report_document import (
     Document,
@@ -32,6 +33,7 @@ from heavylift.pipeline.report_run import (
     run_section,
 )
 from heavylift.pipeline.report_scene import scene_sections
+from heavylift.pipeline.report_surfaces import surface_sections
 from heavylift.pipeline.storage import OutputFolder, replacing
 
 if TYPE_CHECKING:
@@ -110,7 +112,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
     results, problem = load_finite_results(case, out)
     flexible = {name: body for name, body in case.bodies.items() if body.type == "flexible"}
     moved = results is not None and bool(results.meshes) and len(results.time) > 0
-    touching = results is not None and bool(case.contacts) and len(results.time) > 0
+    touching = results is not None and bool(case.contacts or case.collisions) and len(results.time) > 0
     renderer, remedy = _renderer() if flexible or moved or touching else (None, "")
     sections: list[Section] = [*rigid_sections(case), *mesh_sections(case, results)]
     try:
@@ -118,6 +120,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
             sections += body_sections(case, name, body, stages, results, renderer, album)
         sections += scene_sections(case, stages, results, renderer, album, log)
         touches = contact_sections(case, stages, results, renderer, album)
+        touches += collision_sections(case, stages, results, renderer, album)
     finally:
         if renderer is not None:
             renderer.close()
@@ -135,6 +138,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
             *([_check_section(checks, open_checks)] if case.check else []),
             input_section(case),
             *run_section(case, stages, results),
+            *surface_sections(case, stages),
             *sections,
             *edge_sections(case, results),
             *touches,

@@ -8,7 +8,8 @@ import numpy as np
 
 from heavylift.pipeline.report_connections import connection_tables
 from heavylift.pipeline.report_contacts import contact_tables
-from heavylift.pipeline.report_document import Facts, Section, Table
+from heavylift.pipeline.report_document import Facts, Section, Table, Text
+from heavylift.pipeline.report_surfaces import collision_tables
 from heavylift.pipeline.report_words import number_words, numbers_words, profile_words, short_table
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ _SECTIONS = 4  # rigid bodies with a section of their own at most
 
 
 def input_section(case: Case) -> Section:
-    """Gravity, time integration, overrides, joints, ropes, forces, contours, contacts and sensors of a case."""
+    """Gravity, time integration, overrides, joints, ropes, forces, contacts, collisions and sensors of a case."""
     rows = [
         ("gravity", numbers_words(case.gravity.acceleration, "m/s^2") if case.gravity is not None else "none")
     ]
@@ -39,7 +40,8 @@ def input_section(case: Case) -> Section:
     if case.parameters:
         rows.append(("parameters", ", ".join(f"{key} = {value:g}" for key, value in case.parameters.items())))
     rows += [("override (--set)", text) for text in case.overrides]
-    items: list[Facts | Table] = [Facts(tuple(rows)), *connection_tables(case), *contact_tables(case)]
+    items: list[Facts | Table | Text] = [Facts(tuple(rows)), *connection_tables(case), *contact_tables(case)]
+    items += collision_tables(case)
     if case.sensors:
         items.append(
             short_table(

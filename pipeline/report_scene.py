@@ -144,7 +144,8 @@ def scene_others(
     case: Case, stages: OutputFolder, results: Results, runs: dict[str, MeshRun], skins: dict[str, Any]
 ) -> Others | None:
     """What stands beside the meshes; nothing if the case has no more, or can no longer be put together."""
-    if len(case.bodies) == len(runs) and not (case.joints or case.ropes or case.forces or case.contacts):
+    attached = case.joints or case.ropes or case.forces or case.contacts or case.surfaces
+    if len(case.bodies) == len(runs) and not attached:
         return None
     from heavylift.pipeline.assemble_scene import assemble_scene
     from heavylift.pipeline.model_io import read_model

@@ -54,6 +54,7 @@ def simulate_stage(work: Work) -> StageReport:
 
 def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     """Simulate; `cut_off` tells that an earlier run in this folder had begun and did not end."""
+    from heavylift.pipeline.assemble_collisions import collision_notes
     from heavylift.pipeline.assemble_scene import assemble_scene
     from heavylift.pipeline.case_places import in_case
     from heavylift.solver.meshes import MeshBody
@@ -62,6 +63,8 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     section, folder, log = work.case.simulate, work.folder, work.log
     assert section is not None
     scene = assemble_scene(work.case, folder)
+    for note in collision_notes(work.case):
+        log.say(f"simulate: {note}")
     meshes = [mesh_shape(body) for body in scene.bodies if isinstance(body, MeshBody)]
     options: dict[str, Any] = {"record_every": section.record_every}
     if section.solver_tolerance is not None:

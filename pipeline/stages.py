@@ -36,6 +36,7 @@ REPORTED = {
     Outcome.NOT_CLOSED,
     Outcome.STEP_TOO_SMALL,
     Outcome.STRAINS_LOST,
+    Outcome.TOO_MANY_CONTACTS,
 }
 """Ends of a simulation that leave results worth a report; after the others there is no disk, or no wish."""
 
@@ -278,7 +279,7 @@ def _with_overrides(source: object, overrides: Sequence[str]) -> str:
 
 
 def mesh_stage(work: Work) -> StageReport:
-    """Geometry to finite-element models, one a flexible body."""
+    """Geometry to finite-element models, one a flexible body, and to surfaces for collision."""
 
     def make(name: str, body: FlexibleBodySection, header: dict[str, Any]) -> dict[str, Any]:
         from heavylift.pipeline.assemble import assemble_model, model_properties, write_vtu
@@ -294,7 +295,19 @@ def mesh_stage(work: Work) -> StageReport:
         names = list(work.case.meshes)
         some = ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
         work.log.say(f"mesh: {some}: frames and shells, whose elements are simulated themselves, skipped")
-    return _body_stage(work, "mesh", work.folder.model, mesh_digest, make)
+    report = _body_stage(work, "mesh", work.folder.model, mesh_digest, make)
+    if not work.case.surfaces:
+        return report
+    from heavylift.pipeline.stage_surfaces import make_surfaces
+
+    skipped, cpu_s, items = make_surfaces(work)
+    return StageReport(
+        "mesh",
+        Outcome.COMPLETED,
+        skipped=report.skipped and skipped,
+        cpu_s=report.cpu_s + cpu_s,
+        details={**report.details, **items},
+    )
 
 
 def modes_stage(work: Work) -> StageReport:

@@ -62,6 +62,15 @@ class OutputFolder:
         """Finite-element model of a body."""
         return self.root / "mesh" / f"{body}.h5"
 
+    def surface(self, name: str) -> Path:
+        """Triangles of a surface."""
+        return self.root / "mesh" / f"{name}.npz"
+
+    @property
+    def surface_manifest(self) -> Path:
+        """Manifest of the surfaces."""
+        return self.root / "mesh" / "surfaces.json"
+
     def reduced(self, body: str) -> Path:
         """Reduced body."""
         return self.root / "modes" / f"{body}.h5"

@@ -20,6 +20,7 @@ CARRIED = (
     "body",
     "nodal",
     "strains",
+    "placed",
 )
 """Fields of kinds that outlive a step."""
 

@@ -132,7 +132,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
     for marker, vector in book.fixed:
         work.markers[marker, POINT : POINT + 3] = vector
     kinds: tuple[Any, ...] = (tuple(bodies), tuple(made.joints), tuple(made.systems))
-    if scene.contacts:  # steps are taken back where something hits
+    if scene.touches:  # steps are taken back where something hits
         from heavylift.solver.carried import share_state
 
         kinds, carried = share_state(kinds)

@@ -132,7 +132,7 @@ def _pack(
         packed.block_names += laws.block_names
         packed.forces = laws.forces
     markers = _contact_markers(scene, book)
-    if scene.joints or laws is not None or scene.contacts:
+    if scene.joints or laws is not None or scene.touches:
         inverse_mass = inverse_masses(ordered, bases)
         held: RowSystem | None = make_system(inverse_mass, packed.column) if scene.joints else None
         made: Rows | None = held
@@ -149,7 +149,7 @@ def _pack(
                 packed.column = add_channels(
                     "monitor", [(name, "1", (name,))], packed.channels, packed.column
                 )
-        if scene.contacts:
+        if scene.touches:
             _add_contacts(scene, ordered, packed, markers, attachment, inverse_mass)
     return packed
 
@@ -179,6 +179,13 @@ def _add_contacts(
     for contact in scene.contacts:
         columns.append(packed.column)
         packed.column = add_channels(contact.name, list(CONTACT_CHANNELS), packed.channels, packed.column)
+    for collision in scene.collisions:
+        from heavylift.solver.contact.mesh_record import collision_channels
+
+        columns.append(packed.column)
+        packed.column = add_channels(
+            collision.name, collision_channels(collision.recorded), packed.channels, packed.column
+        )
     contacts = pack_contacts(
         scene,
         ordered,
@@ -191,7 +198,7 @@ def _add_contacts(
         len(packed.block_names),
     )
     packed.systems += (contacts,)
-    packed.block_names += tuple(contact.name for contact in scene.contacts)
+    packed.block_names += tuple(contact.name for contact in (*scene.contacts, *scene.collisions))
 
 
 def _pack_laws(

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.modal.reduced import ReducedBody
+    from heavylift.solver.collisions import Collision, CollisionSurface
     from heavylift.solver.connections import Joint, JointMotor, JointSpring, Rope, Spring, SpringRope
     from heavylift.solver.contacts import Contact, Contour
     from heavylift.solver.meshes import MeshBody
@@ -234,3 +235,10 @@ class Scene:
     ropes: tuple[Rope | SpringRope, ...] = ()
     contours: tuple[Contour, ...] = ()
     contacts: tuple[Contact, ...] = ()
+    surfaces: tuple[CollisionSurface, ...] = ()
+    collisions: tuple[Collision, ...] = ()
+
+    @property
+    def touches(self) -> bool:
+        """Whether there is anything that opens and closes."""
+        return bool(self.contacts or self.collisions)

@@ -49,7 +49,8 @@ def _check_names(scene: Scene) -> None:
     named = [force for force in scene.forces if not isinstance(force, Gravity)]
     seen: set[str] = set()
     recorded = [force for force in named if not isinstance(force, PointForce)]
-    for thing in (*scene.bodies, *scene.sensors, *scene.joints, *scene.ropes, *recorded):
+    touching = (*scene.contacts, *scene.collisions)
+    for thing in (*scene.bodies, *scene.sensors, *scene.joints, *scene.ropes, *recorded, *touching):
         if thing.name in seen or thing.name in RESERVED:
             raise InputError(
                 f"the name {thing.name!r} is taken", source="scene", expected="a name of its own for each"

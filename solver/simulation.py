@@ -151,7 +151,7 @@ class Simulation:
                 key="start",
                 expected="check, project, equilibrium or relax",
             )
-        self._touches = bool(scene.contacts)
+        self._touches = scene.touches
         if self._touches and start in AT_REST:
             raise InputError(
                 f"{start!r} with contacts",

@@ -37,19 +37,28 @@ def stop_message(layout: Layout, when: str) -> str:
         ),
         Outcome.STRAINS_LOST: ("a smaller step, or elasticity 'auto' or 'energy-momentum'", "body"),
         Outcome.NOT_CONVERGED: ("a smaller step, or softer stops and ropes", "joint"),
+        Outcome.TOO_MANY_CONTACTS: ("a larger 'most_contacts' or 'patch_size'", "collision"),
     }[outcome]
     of_mesh = status[STATUS_BLOCK] < 0
     if of_mesh and part == "joint":  # the iteration of a mesh
         remedy, part = "a smaller step", "body"
     if outcome is Outcome.NOT_CONVERGED and part == "joint":
-        contact = int(status[STATUS_BLOCK]) - len(layout.block_names)
-        contact += sum(len(system.table) for system in _contacts(layout))
+        contact = int(status[STATUS_BLOCK]) - _first_contact(layout)
         if contact >= 0:
             part, remedy = "contact", _contact_remedy(layout, contact)
     names = layout.body_names if part == "body" else layout.block_names
     number = int(status[STATUS_BODY if part == "body" else STATUS_BLOCK])
     element = f", element {-1 - int(status[STATUS_BLOCK])}" if of_mesh else ""
     return f"{outcome.text} at {when}, {part} {names[number]!r}{element}; try {remedy}"
+
+
+def _first_contact(layout: Layout) -> int:
+    """Number of the first block that is a contact; behind the last block if there is none."""
+    from heavylift.solver.contact.kind import FIRST_BLOCK, LARGEST_CONTROLS
+
+    for system in _contacts(layout):
+        return int(system.places[LARGEST_CONTROLS + len(system.table) + FIRST_BLOCK])
+    return len(layout.block_names)
 
 
 def _contacts(layout: Layout) -> list[Any]:
@@ -59,9 +68,11 @@ def _contacts(layout: Layout) -> list[Any]:
 
 def _contact_remedy(layout: Layout, contact: int) -> str:
     """What may help a contact, from how its last search ended."""
-    from heavylift.solver.contact.kind import SEARCH, TOO_DEEP
+    from heavylift.solver.contact.kind import LARGEST_CONTROLS, OF_CONTOURS, SEARCH, TOO_DEEP
 
     (contacts,) = _contacts(layout)
+    if contact >= contacts.places[LARGEST_CONTROLS + len(contacts.table) + OF_CONTOURS]:
+        return "a smaller step, or less friction where surfaces wedge"
     if contacts.state[contact, SEARCH] == TOO_DEEP:
         return "a smaller step, a stiffer law or a larger radius: it is deeper inside its contour than its rounding"
     return "a smaller step, or a contour whose control points are not crowded"

@@ -13,11 +13,14 @@ from heavylift.solver.contact.kind import (
     COMPLIANT,
     CURVE,
     EXTENT,
+    FIRST_BLOCK,
     GAP,
     GAP_2,
+    LARGEST_CONTROLS,
     LAW,
     LOST,
     NOT_A_NUMBER,
+    OF_CONTOURS,
     SEARCH,
     SIZE,
     TOO_DEEP,
@@ -51,8 +54,14 @@ def start_contacts(layout: Any, step: float) -> None:
         If something starts too deep inside a contour, or a slider off its own.
     """
     contacts: ContactRows = layout.systems[1]
+    behind = contacts.places[LARGEST_CONTROLS + len(contacts.table) :]
+    first, count = int(behind[FIRST_BLOCK]), int(behind[OF_CONTOURS])
+    if contacts.meshes:
+        from heavylift.solver.contact.mesh_start import check_overlaps
+
+        check_overlaps(contacts, layout.block_names[first + count :])
     run_start(layout.bodies, layout.joints, layout.systems, layout.work, step)
-    check_places(contacts, layout.block_names[-len(contacts.table) :])
+    check_places(contacts, layout.block_names[first : first + count])
 
 
 def check_places(contacts: ContactRows, names: Sequence[str]) -> None:
@@ -63,16 +72,15 @@ def check_places(contacts: ContactRows, names: Sequence[str]) -> None:
     contacts
         Located.
     names
-        Of the contacts.
+        Of the contacts with contours.
 
     Raises
     ------
     InputError
         As `start_contacts`.
     """
-    for name, table, values, state in zip(
-        names, contacts.table, contacts.values, contacts.state, strict=True
-    ):
+    for i, name in enumerate(names):
+        table, values, state = contacts.table[i], contacts.values[i], contacts.state[i]
         gap, size = float(state[GAP]), float(values[SIZE])
         if LOST <= state[SEARCH] <= NOT_A_NUMBER:
             raise InputError(

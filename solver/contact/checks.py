@@ -32,7 +32,7 @@ from heavylift.solver.scene import FlexibleBody, Scene
 if TYPE_CHECKING:
     from heavylift.solver.contacts import Contour
 
-__all__ = ["check_about_curve", "check_contact"]
+__all__ = ["check_about_curve", "check_contact", "check_law", "check_motion"]
 
 NEARLY_ALONG = 1e-3
 """Sine of the angle between a curve and the director of a band, from which on that lies across."""
@@ -63,44 +63,80 @@ def check_contact(contact: Contact, scene: Scene, scales: Callable[[str], tuple[
     contour = contours[contact.contour]
     if contour.body == contact.body:
         _refuse(contact, "between", f"{contact.body!r} touches itself", "a contour of another body")
-    other = 0.0 if contour.body == GROUND else scales(contour.body)[0]
-    if scales(contact.body)[0] + other == 0.0:
-        _refuse(
-            contact,
-            "between",
-            f"neither {contact.body!r} nor {contour.body!r} can move",
-            "at least one free body",
-        )
+    check_motion(contact.name, contact.body, contour.body, scales)
     point = np.asarray(contact.point, dtype=np.float64)
     if point.shape != (3,) or not np.all(np.isfinite(point)):
         _refuse(contact, "point", f"{contact.point!r}", "three finite coordinates [m]")
-    if not 0.0 <= contact.friction < math.inf:
-        _refuse(contact, "friction", f"{contact.friction}", "0 or more")
-    _check_law(contact)
+    check_law(contact.name, contact.law, contact.friction)
     _check_shape(contact, contour, bodies.get(contour.body))
     _check_footprint(contact, contour, bodies.get(contour.body))
 
 
-def _check_law(contact: Contact) -> None:
-    law: Any = contact.law
+def check_motion(name: str, first: str, second: str, scales: Callable[[str], tuple[float, float]]) -> None:
+    """Refuse what touches nothing that can move.
+
+    Parameters
+    ----------
+    name
+        Of the contact, for the message.
+    first, second
+        Bodies, or the ground.
+    scales
+        As of `check_contact`.
+
+    Raises
+    ------
+    InputError
+        If neither is free.
+    """
+    if sum(0.0 if body == GROUND else scales(body)[0] for body in (first, second)) == 0.0:
+        raise InputError(
+            f"neither {first!r} nor {second!r} can move",
+            source=name,
+            key="between",
+            expected="at least one free body",
+        )
+
+
+def check_law(name: str, law: Any, friction: float) -> None:
+    """Refuse numbers of a law that are out of range.
+
+    Parameters
+    ----------
+    name
+        Of the contact, for the message.
+    law, friction
+        The law, and Coulomb's coefficient.
+
+    Raises
+    ------
+    InputError
+        For such a number.
+    """
+
+    def refuse(key: str, problem: str, expected: str) -> None:
+        raise InputError(problem, source=name, key=key, expected=expected)
+
+    if not 0.0 <= friction < math.inf:
+        refuse("friction", f"{friction}", "0 or more")
     if isinstance(law, RigidLaw):
         if not 0.0 <= law.restitution <= 1.0:
-            _refuse(contact, "restitution", f"{law.restitution}", "0 to 1")
+            refuse("restitution", f"{law.restitution}", "0 to 1")
         if not 0.0 <= law.rest_speed < math.inf:
-            _refuse(contact, "rest_speed", f"{law.rest_speed} m/s", "0 or more")
+            refuse("rest_speed", f"{law.rest_speed} m/s", "0 or more")
         return
     if isinstance(law, BilateralLaw):
         return
     assert isinstance(law, LinearLaw | HertzLaw | HuntCrossleyLaw)
     if not 0.0 < law.stiffness < math.inf:
-        _refuse(contact, "stiffness", f"{law.stiffness}", "a positive number")
+        refuse("stiffness", f"{law.stiffness}", "a positive number")
     if isinstance(law, LinearLaw) and not 0.0 <= law.damping < math.inf:
-        _refuse(contact, "damping", f"{law.damping} N s/m", "0 or more")
+        refuse("damping", f"{law.damping} N s/m", "0 or more")
     if isinstance(law, HuntCrossleyLaw):
         if not 0.0 < law.restitution <= 1.0:
-            _refuse(contact, "restitution", f"{law.restitution}", "above 0, up to 1")
+            refuse("restitution", f"{law.restitution}", "above 0, up to 1")
         if not 1.0 <= law.exponent <= 3.0:
-            _refuse(contact, "exponent", f"{law.exponent}", "1 to 3")
+            refuse("exponent", f"{law.exponent}", "1 to 3")
 
 
 def _check_shape(contact: Contact, contour: Contour, body: Any) -> None:

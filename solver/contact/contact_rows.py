@@ -49,6 +49,8 @@ __all__ = [
     "ROWS",
     "clip",
     "linearise",
+    "linearise_unilateral",
+    "rub",
 ]
 
 RECORD = 10
@@ -92,8 +94,9 @@ def _linearise_normal(
         D /= 1.0 + D * S
         record[at + R0] = lack
         record[at + D00] = D
-        normal = max(0.0, P)
-        return lack / (r + D), normal, normal, 1.0 if P > 0.0 else 0.0
+        error = lack / (r + D)
+        predicted = P + r * error  # all of lack would bring the rounding of w into friction, D times
+        return error, max(0.0, predicted), max(0.0, P), 1.0 if predicted > 0.0 else 0.0
     if kind in (UNILATERAL, BILATERAL):  # a set would be allocated
         S = rows[ROWS * c]
         g = w + S * p - rows[ROWS * c + 3]
@@ -113,7 +116,110 @@ def _linearise_normal(
     return p / r, normal, normal, 0.0
 
 
-@kernel(internal=True)
+@kernel(inline=True, internal=True)
+def rub(
+    bound: float,
+    target: float,
+    slope: float,
+    r0: float,
+    D: float,
+    P1: float,
+    P2: float,
+    g1: float,
+    g2: float,
+    S1: float,
+    S2: float,
+    r_t: float,
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Linearise friction.
+
+    Parameters
+    ----------
+    bound, target, slope
+        mu times the impulse on the normal as predicted, as it is, and its derivative by p.
+    r0, D
+        Of the record of the normal row.
+    P1, P2, g1, g2, S1, S2, r_t
+        See above, for the tangents.
+
+    Returns
+    -------
+    r1, r2, D10, D20, D11, D12, D22, square
+        Of the record, D21 = D12, and the squared residual.
+    """
+    x1, x2 = P1 - r_t * g1, P2 - r_t * g2
+    size = math.sqrt(x1 * x1 + x2 * x2)
+    if size <= bound:  # sticks
+        i1, i2 = 1.0 / S1, 1.0 / S2
+        return -g1 * i1, -g2 * i2, 0.0, 0.0, i1, 0.0, i2, g1 * g1 + g2 * g2
+    over = 1.0 / size
+    d1, d2, ratio = x1 * over, x2 * over, bound * over
+    # (1 - e u.) dp_t = lack + slope d dp_n - ratio r_t e (e . dw_t), with e across d
+    e1, e2 = -d2, d1
+    u1, u2 = ratio * (1.0 - r_t * S1) * e1, ratio * (1.0 - r_t * S2) * e2
+    beta = 1.0 / (1.0 - u1 * e1 - u2 * e2)
+    lack1, lack2 = target * d1 - P1, target * d2 - P2
+    along = beta * (u1 * lack1 + u2 * lack2)
+    turn = slope * beta * (u1 * d1 + u2 * d2)
+    f1, f2 = slope * d1 + turn * e1, slope * d2 + turn * e2  # dp_t by dp_n
+    across = ratio * r_t * beta
+    left1, left2 = P1 - bound * d1, P2 - bound * d2
+    return (
+        lack1 + along * e1 + f1 * r0,
+        lack2 + along * e2 + f2 * r0,
+        f1 * D,
+        f2 * D,
+        across * e1 * e1,
+        across * e1 * e2,
+        across * e2 * e2,
+        (left1 * left1 + left2 * left2) / (r_t * r_t),
+    )
+
+
+@kernel(inline=True, internal=True)
+def linearise_unilateral(
+    parameters: NDArray[np.float64],
+    rows: NDArray[np.float64],
+    c: int,
+    p0: float,
+    p1: float,
+    p2: float,
+    w0: float,
+    w1: float,
+    w2: float,
+    r_n: float,
+    r_t: float,
+    record: NDArray[np.float64],
+    at: int,
+) -> float:
+    """As `linearise`, for a contact that can only push: short enough to stand in the loop over contacts."""
+    P0, P1, P2 = p0 + parameters[c, OFFSET], p1 + parameters[c, OFFSET + 1], p2 + parameters[c, OFFSET + 2]
+    S0, S1, S2 = rows[ROWS * c], rows[ROWS * c + 1], rows[ROWS * c + 2]
+    g0 = w0 + S0 * p0 - rows[ROWS * c + 3]
+    predicted, mu = P0 - r_n * g0, parameters[c, FRICTION]
+    if predicted > 0.0:
+        D = 1.0 / S0
+        r0, square = -g0 * D, g0 * g0
+        bound, target = mu * predicted, mu * P0
+    else:
+        D, r0, square = 0.0, -P0, (P0 / r_n) ** 2
+        bound = target = 0.0
+    record[at + R0], record[at + D00] = r0, D
+    if bound <= 0.0 and target <= 0.0:  # no friction
+        record[at + R1], record[at + R2] = -P1, -P2
+        for i in range(D10, RECORD):
+            record[at + i] = 0.0
+        return square + (P1 * P1 + P2 * P2) / (r_t * r_t)
+    g1 = w1 + S1 * p1 - rows[ROWS * c + 4]
+    g2 = w2 + S2 * p2 - rows[ROWS * c + 5]
+    r1, r2, a10, a20, a11, a12, a22, more = rub(bound, target, mu, r0, D, P1, P2, g1, g2, S1, S2, r_t)
+    record[at + R1], record[at + R2] = r1, r2
+    record[at + D10], record[at + D11], record[at + D12] = a10, a11, a12
+    record[at + D20], record[at + D21], record[at + D22] = a20, a12, a22
+    return square + more
+
+
+@kernel(inline=True, internal=True)
 def linearise(
     kinds: NDArray[np.int64],
     parameters: NDArray[np.float64],
@@ -165,31 +271,13 @@ def linearise(
     S1, S2 = rows[ROWS * c + 1], rows[ROWS * c + 2]
     g1 = w1 + S1 * p1 - rows[ROWS * c + 4]
     g2 = w2 + S2 * p2 - rows[ROWS * c + 5]
-    x1, x2 = P1 - r_t * g1, P2 - r_t * g2
-    size = math.sqrt(x1 * x1 + x2 * x2)
-    if size <= bound:  # sticks
-        record[at + R1], record[at + R2] = -g1 / S1, -g2 / S2
-        record[at + D10] = record[at + D12] = record[at + D20] = record[at + D21] = 0.0
-        record[at + D11], record[at + D22] = 1.0 / S1, 1.0 / S2
-        return error_n * error_n + g1 * g1 + g2 * g2
-    d1, d2 = x1 / size, x2 / size
-    ratio = bound / size
-    # (1 - e u.) dp_t = lack + slope d dp_n - ratio r_t e (e . dw_t), with e across d
-    e1, e2 = -d2, d1
-    u1, u2 = ratio * (1.0 - r_t * S1) * e1, ratio * (1.0 - r_t * S2) * e2
-    beta = 1.0 / (1.0 - u1 * e1 - u2 * e2)
-    lack1, lack2 = target * d1 - P1, target * d2 - P2
-    along = beta * (u1 * lack1 + u2 * lack2)
-    turn = slope * beta * (u1 * d1 + u2 * d2)
-    f1, f2 = slope * d1 + turn * e1, slope * d2 + turn * e2  # dp_t by dp_n
-    r0, D = record[at + R0], record[at + D00]
-    across = ratio * r_t * beta
-    record[at + R1], record[at + R2] = lack1 + along * e1 + f1 * r0, lack2 + along * e2 + f2 * r0
-    record[at + D10], record[at + D20] = f1 * D, f2 * D
-    record[at + D11], record[at + D22] = across * e1 * e1, across * e2 * e2
-    record[at + D12] = record[at + D21] = across * e1 * e2
-    lack1, lack2 = P1 - bound * d1, P2 - bound * d2
-    return error_n * error_n + (lack1 * lack1 + lack2 * lack2) / (r_t * r_t)
+    r1, r2, a10, a20, a11, a12, a22, square = rub(
+        bound, target, slope, record[at + R0], record[at + D00], P1, P2, g1, g2, S1, S2, r_t
+    )
+    record[at + R1], record[at + R2] = r1, r2
+    record[at + D10], record[at + D11], record[at + D12] = a10, a11, a12
+    record[at + D20], record[at + D21], record[at + D22] = a20, a12, a22
+    return error_n * error_n + square
 
 
 @kernel(internal=True)

@@ -13,7 +13,8 @@ from typing import Any
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact import layout as told
-from heavylift.solver.contact.delassus import assemble_delassus, contact_rates
+from heavylift.solver.contact.counts import contact_count, set_number
+from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.events import CLOSE, MOST_EVENTS, SHORTEST, gap_tolerance
 from heavylift.solver.contact.generics import follow_end, project_contacts
 from heavylift.solver.contact.kind import (
@@ -43,24 +44,36 @@ from heavylift.solver.contact.kind import (
     NORMAL,
     NORMAL_FORCE,
     PRESENT,
+    PRESENT_COUNT,
     RATE,
     RECENT,
     REST_SPEED,
     RESTITUTION,
     RIGID,
+    SHAPE,
     SIZE,
     SLEEP,
     SLIP,
     SLIP_SPEED,
+    STEP_IMPULSE,
     STIFFNESS,
     TANGENT,
     TOUCH_DAMPING,
+    TRIANGLES,
     WARM,
     ContactRows,
 )
 from heavylift.solver.contact.laws import normal_force
+from heavylift.solver.contact.mesh_interface import place_surfaces
 from heavylift.solver.contact.search_end import judge_searches
-from heavylift.solver.contact.stage import friction_rows, impulse_row, present_at, softness_of, solve_present
+from heavylift.solver.contact.stage import (
+    assemble_response,
+    friction_rows,
+    impulse_row,
+    present_at,
+    softness_of,
+    solve_present,
+)
 from heavylift.solver.integrate.row_stage import close_step
 from heavylift.solver.interface import (
     LAST_STEP,
@@ -95,6 +108,8 @@ def _is_new(contacts: ContactRows, c: int, step: float, velocity) -> bool:  # ty
     state = contacts.state[c]
     if state[CLOSED] > 0.0 or contacts.table[c, LAW] == COMPLIANT:
         return False
+    if state[PRESENT] > 0.0 and contacts.rows[impulse_row(contacts, c, HALF_IMPULSE)] > 0.0:
+        return True  # stopped by its row in the middle of the step
     rate = contact_rates(contacts, c, velocity)[0]
     soon = -SHORTEST * rate * contacts.control[NOMINAL]  # what would touch at once belongs to the same impact
     return rate < 0.0 and state[END_GAP] <= gap_tolerance(contacts, c, rate) + soon
@@ -107,7 +122,7 @@ def project_contact_rows(
 ) -> None:
     """With the factor of the joints at the end of the step, which have been solved without contacts."""
     count = 0
-    for c in range(contacts.table.shape[0]):
+    for c in range(contact_count(contacts)):
         state = contacts.state[c]
         at = impulse_row(contacts, c, IMPULSE)
         for r in range(3):
@@ -121,13 +136,13 @@ def project_contact_rows(
         if state[CLOSED] > 0.0 or state[NEW] > 0.0 or rubs:
             contacts.places[LARGEST_CONTROLS + count] = c
             count += 1
-    contacts.places[LARGEST_CONTROLS + contacts.table.shape[0]] = count
+    set_number(contacts, PRESENT_COUNT, count)
     if count == 0:
         return
     apply_inverse(bodies, False, contacts)
     for j in range(count):
         _tell_end(contacts, j, work)
-    assemble_delassus(contacts, rows, contacts.places[LARGEST_CONTROLS:], count, contacts.column)
+    assemble_response(contacts, rows, count)
     for j in range(count):  # whether it rests afterwards is told by the rate before
         c = present_at(contacts, j)
         contacts.state[c, RATE] = contact_rates(contacts, c, work.velocity)[0]
@@ -160,7 +175,7 @@ def _tell_end(contacts: ContactRows, j: int, work: Workspace) -> None:
     else:
         contacts.kinds[j, 0] = told.UNILATERAL
         if state[NEW] > 0.0:
-            rate = contact_rates(contacts, c, work.velocity)[0]
+            rate = state[RATE] if state[PRESENT] > 0.0 else contact_rates(contacts, c, work.velocity)[0]
             # what is still inside from an impact before comes to rest, or it would hit again in every step
             outside = state[GAP] >= -CLOSE * values[SIZE]
             if outside and -rate > values[REST_SPEED] and state[RECENT] < MOST_EVENTS:
@@ -194,8 +209,9 @@ def close_contact_step(
     """What stays closed, sums and forces of the step; after the bodies have taken their velocities."""
     add_row_work(bodies, 1.0, work, contacts)
     judge_searches(contacts, True, work)
-    for c in range(contacts.table.shape[0]):
+    for c in range(contact_count(contacts)):
         _close_one(contacts, c, step, work)
+    place_surfaces(contacts.meshes, contacts)
 
 
 @kernel(internal=True)
@@ -206,11 +222,14 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
     kind = contacts.table[c, LAW]
     touched = state[PRESENT] > 0.0 or state[NEW] > 0.0 or state[CLOSED] > 0.0
     if not touched and state[SLEEP] > 0.0:
+        state[STEP_IMPULSE] = 0.0
         state[NORMAL_FORCE] = state[FRICTION_FORCE] = state[SLIP_SPEED] = 0.0
         for r in range(3):
             contacts.rows[reaction + r] = state[FORCE + r] = state[WARM + r] = state[MIDDLE_FORCE + r] = 0.0
         state[GAP], state[GAP_2] = state[END_GAP], state[END_GAP_2]
-        if state[END_GAP] <= CLOSE * values[SIZE]:  # so near it has been searched, and has rows
+        if (
+            state[END_GAP] <= CLOSE * values[SIZE] or contacts.table[c, SHAPE] == TRIANGLES
+        ):  # so near it has been searched, and has rows
             state[RATE] = contact_rates(contacts, c, work.velocity)[0]
         return
     a, b, d = contact_rates(contacts, c, work.velocity)
@@ -218,6 +237,7 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
     if kind == CURVE:
         total = math.hypot(total, 2.0 * contacts.rows[half + 1] + contacts.rows[at + 1])
     state[IMPULSES] += abs(total) if kind == CURVE else total
+    state[STEP_IMPULSE] = total
     resting = state[PRESENT] > 0.0 and state[NEW] == 0.0
     ahead = step / (step + work.control[LAST_STEP])
     for r in range(3):

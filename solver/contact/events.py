@@ -12,6 +12,7 @@ import math
 from typing import Any
 
 from heavylift.numerics.jit import kernel
+from heavylift.solver.contact.counts import contact_count, number_of
 from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.generics import (
     after_step,
@@ -47,10 +48,12 @@ from heavylift.solver.contact.kind import (
     LOW,
     LOW_GAP,
     NOMINAL,
+    OF_CONTOURS,
     PRESENT,
     RATE,
     RECENT,
     RIGID,
+    SHAPE,
     SHIFT,
     SIZE,
     SLEEP,
@@ -59,11 +62,13 @@ from heavylift.solver.contact.kind import (
     SPLITS,
     STEP_SHIFT,
     STIFFNESS,
+    TRIANGLES,
     WATCHED,
     ContactRows,
 )
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.locate import locate
+from heavylift.solver.contact.mesh_interface import drop_contacts, keep_found, search_surfaces
 from heavylift.solver.contact.stage import NEAR, impulse_row
 from heavylift.solver.interface import SPLIT, Workspace, add_row_work
 from heavylift.solver.kinds import implement
@@ -108,7 +113,7 @@ def before_contact_advance(contacts: ContactRows, bodies: Any, work: Workspace, 
         contacts.saved[i] = contacts.carried[i]
     add_row_work(bodies, 2.0, work, contacts)
     bound_motion(bodies, contacts, step, work)
-    for c in range(contacts.table.shape[0]):
+    for c in range(contact_count(contacts)):
         _book_middle(contacts, c, work, step)
         contacts.state[c, SHIFT] = _shift(contacts, c, work, step)
 
@@ -124,6 +129,8 @@ def _book_middle(contacts: ContactRows, c: int, work: Workspace, step: float) ->
         return
     a, b, d = contact_rates(contacts, c, work.velocity)
     kind = contacts.table[c, LAW]
+    if contacts.table[c, SHAPE] == TRIANGLES and kind == RIGID:
+        state[LOSS] -= 2.0 * contacts.rows[at] * a  # rows that look ahead stop what still moves
     if kind == COMPLIANT:
         d0, d1 = -state[GAP], -state[GAP] - step * a
         law, k, n = contacts.table[c, FORCE_LAW], values[STIFFNESS], values[EXPONENT]
@@ -141,6 +148,9 @@ def _book_middle(contacts: ContactRows, c: int, work: Workspace, step: float) ->
 @kernel(internal=True)
 def _shift(contacts: ContactRows, c: int, work: Workspace, step: float) -> float:
     """How far contour and shape can have moved towards each other in the step [m]."""
+    if contacts.table[c, SHAPE] == TRIANGLES:
+        other = contacts.table[c, AXES]
+        return contacts.poses[contacts.table[c, CONTOUR], STEP_SHIFT] + contacts.poses[other, STEP_SHIFT]
     marker, axes = contacts.table[c, CENTRE], contacts.table[c, AXES]
     dof, width = contacts.attachments[2 * c + 1, DOF], contacts.attachments[2 * c + 1, WIDTH]
     speed = turning = 0.0
@@ -169,7 +179,7 @@ def locate_contact_ends(
 ) -> None:
     """Search where a gap may have closed; ask for a shorter step if one without compliance has."""
     posed = False
-    for c in range(contacts.table.shape[0]):
+    for c in range(number_of(contacts, OF_CONTOURS)):
         state = contacts.state[c]
         asleep = state[SLEEP] > 0.0
         state[SLEEP] -= state[SHIFT]
@@ -188,6 +198,11 @@ def locate_contact_ends(
         if contacts.table[c, LAW] == RIGID or contacts.table[c, LAW] == COMPLIANT:
             _look_behind(contacts, c, nearest)
         state[SLEEP] = state[END_GAP]
+    if number_of(contacts, OF_CONTOURS) < contacts.table.shape[0]:
+        if not posed:
+            pose_contours(bodies, False, contacts)
+            posed = True
+        search_surfaces(contacts.meshes, contacts, bodies, work, step)
     if posed:
         settle_points(bodies, (), False, work)
         _find_impact(contacts, work, step)
@@ -211,7 +226,7 @@ def _look_behind(contacts: ContactRows, c: int, nearest: float) -> None:
 def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
     """Set `work.control[SPLIT]` if an impact lies within the step, and keep its bracket."""
     control = contacts.control
-    if control[SPLITS] >= MOST_TRIALS * contacts.table.shape[0]:
+    if control[SPLITS] >= MOST_TRIALS * contact_count(contacts):
         return
     watched = int(control[WATCHED])
     if watched >= 0:
@@ -220,7 +235,7 @@ def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
         if state[END_GAP] > gap_tolerance(contacts, watched, rate):
             control[LOW], control[LOW_GAP] = step, state[END_GAP]
     worst, worst_time = -1, math.inf
-    for c in range(contacts.table.shape[0]):
+    for c in range(contact_count(contacts)):
         state = contacts.state[c]
         if contacts.table[c, LAW] != RIGID or contacts.table[c, EVENTS] == 0 or state[CLOSED] > 0.0:
             continue
@@ -288,8 +303,10 @@ def _next_time(contacts: ContactRows, work: Workspace, step: float) -> None:
 @kernel(internal=True)
 def go_back_to_copy(contacts: ContactRows) -> None:
     """All that the step has changed; a contact that touches joins the closed ones."""
+    keep_found(contacts.meshes, contacts, True)
     for i in range(contacts.carried.shape[0]):
         contacts.carried[i] = contacts.saved[i]
+    keep_found(contacts.meshes, contacts, False)
     joins = int(contacts.control[JOINS])
     if joins >= 0:
         contacts.state[joins, CLOSED] = 1.0
@@ -306,7 +323,8 @@ def after_contact_step(contacts: ContactRows, bodies: Any, work: Workspace, step
     control[IMPACT] = 0.0
     control[WATCHED] = -1.0
     control[LOW] = control[HIGH] = 0.0
+    drop_contacts(contacts.meshes, contacts)
     if whole:
         control[SPLITS] = 0.0
-        for c in range(contacts.table.shape[0]):
+        for c in range(contact_count(contacts)):
             contacts.state[c, RECENT] = 0.0

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.iteration import ACCEPTED, Problem, Work, fill_rows, iterate
+from heavylift.solver.contact.iteration import ACCEPTED, iterate
+from heavylift.solver.contact.problem import Problem, Work, fill_rows
 
 __all__ = ["take_proximal_steps"]
 

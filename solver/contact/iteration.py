@@ -2,18 +2,18 @@
 
 Impulses are kept and corrected, not computed from rates: with a softness of 1e-7 of the inverse masses ``(b - w)/S``
 would amplify the rounding of w to 1e-9 of the impulses. Full steps are taken. Where they do not lead to a solution, a
-search along them does not either: it stops at kinks of the laws.
+search along them does not either: it stops at kinks of the laws. An iteration passes twice over the rows of all
+contacts: once from velocities to linearised laws and their sums, once from the step of the velocities to impulses.
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.jit import kernel, view
+from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.contact_rows import (
     D00,
     D10,
@@ -26,34 +26,25 @@ from heavylift.solver.contact.contact_rows import (
     R1,
     R2,
     RECORD,
-    ROWS,
     linearise,
+    linearise_unilateral,
 )
-from heavylift.solver.contact.layout import COMPLIANT, OFFSET, SOFTNESS, TARGET
+from heavylift.solver.contact.end_blocks import CONTACT, add_pair, load_pair, same_ends
+from heavylift.solver.contact.envelope import factor_near_diagonal, solve_near_diagonal
+from heavylift.solver.contact.layout import UNILATERAL
+from heavylift.solver.contact.problem import NEAR_DIAGONAL, SCALE, UNIT_MASS, Problem, Work
 from heavylift.solver.contact.system import (
-    COUPLING,
-    END,
-    SCRATCH,
-    assemble,
+    add_unit,
+    add_unit_to_product,
     assemble_rows,
     factor,
-    gather,
     multiply,
     solve_factored,
-    spread,
+    update,
 )
+from heavylift.solver.contact.twelve import add_rows, multiply_rows
 
-__all__ = [
-    "ACCEPTED",
-    "Problem",
-    "Work",
-    "divide",
-    "fill_rows",
-    "find_diagonal",
-    "iterate",
-    "measure",
-    "workspace_length",
-]
+__all__ = ["ACCEPTED", "iterate", "measure"]
 
 ACCEPTED = 1e-10
 """Residual of a solution, relative to the largest rate without impulses or change of rate by them."""
@@ -71,175 +62,81 @@ ROUNDING = 1e-15
 """Residual that rounding leaves, relative to W times the largest impulse."""
 
 
-class Problem(NamedTuple):
-    """Contacts and what they touch; arrays as in the entry points."""
-
-    number: int
-    kinds: NDArray[np.int64]
-    parameters: NDArray[np.float64]
-    ends: NDArray[np.int64]
-    blocks: NDArray[np.float64]
-    size: int
-    start: NDArray[np.float64]
-    B: NDArray[np.float64]
-
-
-class Work(NamedTuple):
-    """Parts of the workspace."""
-
-    diagonal: NDArray[np.float64]  # (2 count,): W of the normal, mean of the tangents
-    inverse: NDArray[np.float64]  # (2 count,): r of the laws
-    rows: NDArray[np.float64]  # (6 count,)
-    records: NDArray[np.float64]  # (10 count,)
-    held: NDArray[np.float64]  # (7 count + SCRATCH,)
-    w0: NDArray[np.float64]  # (3 count,)
-    w: NDArray[np.float64]  # (3 count,)
-    dw: NDArray[np.float64]  # (3 count,)
-    best: NDArray[np.float64]  # (3 count,)
-    kept: NDArray[np.float64]  # (3 count,)
-    begin: NDArray[np.float64]  # (3 count,)
-    z: NDArray[np.float64]  # (size,)
-    y: NDArray[np.float64]  # (size,)
-    x: NDArray[np.float64]  # (size,)
-    pivots: NDArray[np.float64]  # (size,)
-    active: NDArray[np.float64]  # (size,)
-    K: NDArray[np.float64]  # (size^2,), empty without blocks
-    A: NDArray[np.float64]  # (size^2,)
-
-
-@kernel
-def workspace_length(count: int, size: int) -> int:
-    """Numbers that the solver needs as workspace.
-
-    Parameters
-    ----------
-    count
-        Contacts.
-    size
-        Touched velocities; three times the contacts for `solve_contacts`.
-    """
-    return 45 * count + SCRATCH + 5 * size + 2 * size * size
-
-
-@view
-def divide(problem: Problem, workspace: NDArray[np.float64]) -> Work:
-    """Parts of the workspace."""
-    n, m = problem.number, problem.size
-    held = 38 * n
-    vectors = held + COUPLING * n + SCRATCH
-    squares = vectors + 5 * m
-    return Work(
-        workspace[: 2 * n],
-        workspace[2 * n : 4 * n],
-        workspace[4 * n : 10 * n],
-        workspace[10 * n : 20 * n],
-        workspace[held:vectors],
-        workspace[20 * n : 23 * n],
-        workspace[23 * n : 26 * n],
-        workspace[26 * n : 29 * n],
-        workspace[29 * n : 32 * n],
-        workspace[32 * n : 35 * n],
-        workspace[35 * n : 38 * n],
-        workspace[vectors : vectors + m],
-        workspace[vectors + m : vectors + 2 * m],
-        workspace[vectors + 2 * m : vectors + 3 * m],
-        workspace[vectors + 3 * m : vectors + 4 * m],
-        workspace[vectors + 4 * m : squares],
-        workspace[squares : squares + m * m],
-        workspace[squares + m * m : squares + 2 * m * m],
-    )
-
-
-@kernel(internal=True, reassociate=True)
-def find_diagonal(problem: Problem, work: Work) -> None:
-    """Write the diagonal of W of each contact, for N a bound of it from the diagonal of B, and the rates without p."""
-    count, ends, blocks, B = problem.number, problem.ends, problem.blocks, problem.B
-    for c in range(count):
-        n = t = 0.0
-        if ends.shape[0] == 0:
-            n = B[3 * c, 3 * c]
-            t = 0.5 * (B[3 * c + 1, 3 * c + 1] + B[3 * c + 2, 3 * c + 2])
-        else:
-            for end in range(2):
-                first, o, width = ends[c, 2 * end], END * end, ends[c, 2 * end + 1]
-                if width == 6:  # unrolled
-                    for j in range(6):
-                        n0, n1, n2 = blocks[c, o + j], blocks[c, o + 6 + j], blocks[c, o + 12 + j]
-                        n += n0 * n0 * B[first + j, first + j]
-                        t += (n1 * n1 + n2 * n2) * B[first + j, first + j]
-                else:
-                    for j in range(width):
-                        n0, n1, n2 = blocks[c, o + j], blocks[c, o + 6 + j], blocks[c, o + 12 + j]
-                        n += n0 * n0 * B[first + j, first + j]
-                        t += (n1 * n1 + n2 * n2) * B[first + j, first + j]
-            t *= 0.5
-        work.diagonal[2 * c] = n if n > 0.0 else 1.0
-        work.diagonal[2 * c + 1] = t if t > 0.0 else 1.0
-    spread(count, ends, blocks, problem.size, problem.start, work.w0)
+@kernel(internal=True)
+def _sum_impulses(problem: Problem, work: Work, p: NDArray[np.float64]) -> None:
+    """``z = N^T p``."""
+    ends, z, sums = problem.ends, work.z, work.sums
+    for i in range(problem.size):
+        z[i] = 0.0
+    for c in range(problem.number):
+        if c > 0 and not same_ends(ends, c, c - 1):
+            add_pair(ends, work.place, c - 1, sums, z)
+        p0, p1, p2 = p[3 * c], p[3 * c + 1], p[3 * c + 2]
+        if p0 != 0.0 or p1 != 0.0 or p2 != 0.0:
+            add_rows(work.N, CONTACT * c, p0, p1, p2, sums)
+    add_pair(ends, work.place, problem.number - 1, sums, z)
 
 
 @kernel(internal=True)
-def fill_rows(problem: Problem, work: Work, factor_of_diagonal: float, near: NDArray[np.float64]) -> None:
-    """Write softness and target of all rows, with a further softness relative to the diagonal about impulses `near`."""
-    parameters, rows = problem.parameters, work.rows
-    for c in range(problem.number):
-        for i in range(3):
-            more = factor_of_diagonal * work.diagonal[2 * c + min(i, 1)]
-            S, b = parameters[c, SOFTNESS + i], parameters[c, TARGET + i]
-            if i == 0 and problem.kinds[c, 0] == COMPLIANT:
-                S = b = 0.0
-            rows[ROWS * c + i] = S + more
-            rows[ROWS * c + 3 + i] = b + (more * near[3 * c + i] if more > 0.0 else 0.0)
-        work.inverse[2 * c] = 1.0 / (work.diagonal[2 * c] + rows[ROWS * c])
-        work.inverse[2 * c + 1] = 1.0 / (
-            work.diagonal[2 * c + 1] + 0.5 * (rows[ROWS * c + 1] + rows[ROWS * c + 2])
-        )
+def _by_mass(problem: Problem, work: Work, z: NDArray[np.float64]) -> None:
+    """Write ``y = B z``; the same where the masses are in the rows."""
+    if work.marks[UNIT_MASS] > 0.0:
+        for i in range(problem.size):
+            work.y[i] = z[i]
+    else:
+        multiply(problem.size, problem.B, z, work.y)
 
 
 @kernel(internal=True)
 def _evaluate(problem: Problem, work: Work, p: NDArray[np.float64]) -> tuple[float, float]:
-    """Find rates and linearised laws; returns the largest residual of a contact and what it is measured by."""
-    count, size = problem.number, problem.size
-    w, w0, start = work.w, work.w0, problem.start
-    if problem.ends.shape[0] == 0:
+    """Find rates and linearised laws, on blocks from ``z = N^T p`` and with ``x = N^T r`` as a result.
+
+    Returns the largest residual of a contact and what it is measured by.
+    """
+    count, size, kinds, ends = problem.number, problem.size, problem.kinds, problem.ends
+    w, w0, x, records, place, N = work.w, work.w0, work.x, work.records, work.place, work.N
+    on_blocks = ends.shape[0] > 0
+    if on_blocks:
+        _by_mass(problem, work, work.z)
+        for i in range(size):
+            work.y[i] += work.y0[i]
+            x[i] = 0.0
+    else:
         multiply(size, problem.B, p, w)
         for i in range(size):
-            w[i] += start[i]
-    else:
-        y = work.y
-        gather(count, problem.ends, problem.blocks, size, p, 3, work.z)
-        multiply(size, problem.B, work.z, y)
-        for i in range(size):
-            y[i] += start[i]
-        spread(count, problem.ends, problem.blocks, size, y, w)
-    worst, largest, scale = 0.0, 0.0, 0.0
+            w[i] += w0[i]
+    worst, largest, scale = 0.0, 0.0, work.marks[SCALE]
     finite = True
     for c in range(count):
-        square = linearise(
-            problem.kinds,
-            problem.parameters,
-            work.rows,
-            c,
-            p,
-            w,
-            work.inverse[2 * c],
-            work.inverse[2 * c + 1],
-            work.records,
-            RECORD * c,
-        )
+        i, o = 3 * c, CONTACT * c
+        if on_blocks:
+            if c == 0 or not same_ends(ends, c, c - 1):
+                if c > 0:
+                    add_pair(ends, place, c - 1, work.sums, x)
+                load_pair(ends, place, c, work.y, work.pair)
+            v0, v1, v2 = multiply_rows(N, o, work.pair)
+            w[i], w[i + 1], w[i + 2] = v0, v1, v2
+        else:
+            v0, v1, v2 = w[i], w[i + 1], w[i + 2]
+        p0, p1, p2 = p[i], p[i + 1], p[i + 2]
+        r_n, r_t = work.inverse[2 * c], work.inverse[2 * c + 1]
+        at = RECORD * c
+        if kinds[c, 0] == UNILATERAL:
+            square = linearise_unilateral(
+                problem.parameters, work.rows, c, p0, p1, p2, v0, v1, v2, r_n, r_t, records, at
+            )
+        else:
+            square = linearise(kinds, problem.parameters, work.rows, c, p, w, r_n, r_t, records, at)
+        r0, r1, r2 = records[at + R0], records[at + R1], records[at + R2]
+        if on_blocks and (r0 != 0.0 or r1 != 0.0 or r2 != 0.0):
+            add_rows(N, o, r0, r1, r2, work.sums)
         worst = max(worst, square)
         finite = finite and square < np.inf
-        i = 3 * c
-        v0, v1, v2 = w0[i], w0[i + 1], w0[i + 2]
-        scale = max(scale, abs(v0), abs(v1), abs(v2), abs(w[i] - v0), abs(w[i + 1] - v1), abs(w[i + 2] - v2))
-        largest = max(
-            largest,
-            abs(p[i]) * work.diagonal[2 * c],
-            max(abs(p[i + 1]), abs(p[i + 2])) * work.diagonal[2 * c + 1],
-        )
-        o = problem.parameters[c]  # what the step has given before counts like what is asked for now
-        scale = max(scale, abs(o[OFFSET]) * work.diagonal[2 * c])
-        scale = max(scale, max(abs(o[OFFSET + 1]), abs(o[OFFSET + 2])) * work.diagonal[2 * c + 1])
+        scale = max(scale, abs(v0 - w0[i]), abs(v1 - w0[i + 1]), abs(v2 - w0[i + 2]))
+        normal, tangent = work.diagonal[2 * c], work.diagonal[2 * c + 1]
+        largest = max(largest, abs(p0) * normal, max(abs(p1), abs(p2)) * tangent)
+    if on_blocks:
+        add_pair(ends, place, count - 1, work.sums, x)
     if not finite:
         return np.inf, scale
     return math.sqrt(worst), max(scale, ROUNDING / ACCEPTED * largest)
@@ -248,16 +145,52 @@ def _evaluate(problem: Problem, work: Work, p: NDArray[np.float64]) -> tuple[flo
 @kernel(internal=True)
 def measure(problem: Problem, work: Work, p: NDArray[np.float64]) -> float:
     """Residual of impulses, relative as that of a solution."""
+    if problem.ends.shape[0] > 0:
+        _sum_impulses(problem, work, p)
     residual, scale = _evaluate(problem, work, p)
     return residual / scale if scale > 0.0 else residual
 
 
 @kernel(internal=True)
+def _solve_step(problem: Problem, work: Work, fresh: bool) -> bool:
+    """Solve for the sums of a step on the velocities, from x into y; returns False if the matrix is singular."""
+    size, marks = problem.size, work.marks
+    changed = update(problem.number, problem.ends, work.place, work.N, size, work.records, work.held, work.K)
+    if changed or fresh:
+        marks[NEAR_DIAGONAL] = 0.0
+        if marks[UNIT_MASS] > 0.0:
+            add_unit(size, work.K, work.reach, work.A)
+            if factor_near_diagonal(size, work.A, work.reach):
+                marks[NEAR_DIAGONAL] = 1.0
+            else:
+                for i in range(size):
+                    for j in range(size):
+                        work.A[size * i + j] = work.K[size * i + j]
+                    work.A[size * i + i] += 1.0
+        else:
+            add_unit_to_product(size, work.K, problem.B, work.A)
+        if marks[NEAR_DIAGONAL] == 0.0 and not factor(size, work.A, work.pivots):
+            return False
+    if marks[NEAR_DIAGONAL] > 0.0:
+        solve_near_diagonal(size, work.A, work.reach, work.x)
+    else:
+        solve_factored(size, work.A, work.pivots, work.x)
+    _by_mass(problem, work, work.x)
+    return True
+
+
+@kernel(internal=True)
 def _correct(problem: Problem, work: Work, p: NDArray[np.float64], fresh: bool) -> float:
     """Add a step of Newton's method to p; returns its largest size over that of p, weighted by W; below zero: none."""
-    count, size = problem.number, problem.size
-    records, dw, x = work.records, work.dw, work.x
-    if problem.ends.shape[0] == 0:
+    count, size, ends, place = problem.number, problem.size, problem.ends, work.place
+    records, dw, x, z, N = work.records, work.dw, work.x, work.z, work.N
+    on_blocks = ends.shape[0] > 0
+    if on_blocks:
+        if not _solve_step(problem, work, fresh):
+            return -1.0
+        for i in range(size):
+            z[i] = 0.0
+    else:
         n = assemble_rows(count, size, problem.B, records, work.A, work.active, x)
         if not factor(n, work.A, work.pivots):
             return -1.0
@@ -267,34 +200,30 @@ def _correct(problem: Problem, work: Work, p: NDArray[np.float64], fresh: bool) 
                 dw[3 * c + i] = records[RECORD * c + R0 + i]
         for i in range(n):
             dw[int(work.active[i])] = x[i]
-    else:
-        if assemble(
-            count, problem.ends, problem.blocks, size, problem.B, records, work.held, work.K, work.A, fresh
-        ) and not factor(size, work.A, work.pivots):
-            return -1.0
-        gather(count, problem.ends, problem.blocks, size, records, RECORD, x)
-        solve_factored(size, work.A, work.pivots, x)
-        multiply(size, problem.B, x, work.y)
-        spread(count, problem.ends, problem.blocks, size, work.y, dw)
-        for c in range(count):
-            a = RECORD * c
-            u0, u1, u2 = dw[3 * c], dw[3 * c + 1], dw[3 * c + 2]
-            dw[3 * c] = records[a + R0] - records[a + D00] * u0
-            dw[3 * c + 1] = (
-                records[a + R1] - records[a + D10] * u0 - records[a + D11] * u1 - records[a + D12] * u2
-            )
-            dw[3 * c + 2] = (
-                records[a + R2] - records[a + D20] * u0 - records[a + D21] * u1 - records[a + D22] * u2
-            )
     step, largest = 0.0, 0.0
     for c in range(count):
         i = 3 * c
-        d0, d1, d2 = dw[i], dw[i + 1], dw[i + 2]
+        if on_blocks:
+            if c == 0 or not same_ends(ends, c, c - 1):
+                if c > 0:
+                    add_pair(ends, place, c - 1, work.sums, z)
+                load_pair(ends, place, c, work.y, work.pair)
+            u0, u1, u2 = multiply_rows(N, CONTACT * c, work.pair)
+            a = RECORD * c
+            d0 = records[a + R0] - records[a + D00] * u0
+            d1 = records[a + R1] - records[a + D10] * u0 - records[a + D11] * u1 - records[a + D12] * u2
+            d2 = records[a + R2] - records[a + D20] * u0 - records[a + D21] * u1 - records[a + D22] * u2
+        else:
+            d0, d1, d2 = dw[i], dw[i + 1], dw[i + 2]
         p0, p1, p2 = p[i] + d0, p[i + 1] + d1, p[i + 2] + d2
         p[i], p[i + 1], p[i + 2] = p0, p1, p2
+        if on_blocks and (p0 != 0.0 or p1 != 0.0 or p2 != 0.0):
+            add_rows(N, CONTACT * c, p0, p1, p2, work.sums)
         normal, tangent = work.diagonal[2 * c], work.diagonal[2 * c + 1]
         step = max(step, abs(d0) * normal, max(abs(d1), abs(d2)) * tangent)
         largest = max(largest, abs(p0) * normal, max(abs(p1), abs(p2)) * tangent)
+    if on_blocks:
+        add_pair(ends, place, count - 1, work.sums, z)
     return step / largest if largest > 0.0 else 0.0
 
 
@@ -328,6 +257,8 @@ def iterate(
         work.held[i] = 0.0
     for i in range(work.K.shape[0]):
         work.K[i] = 0.0
+    if problem.ends.shape[0] > 0:
+        _sum_impulses(problem, work, p)
     best, step, refinements = np.inf, np.inf, 0
     iteration, relative = 0, np.inf
     while True:

@@ -23,8 +23,8 @@ CONTOUR, SHAPE, LAW, CENTRE, AXES, COLUMN, FORCE_LAW, EVENTS, SLOT, PRIMITIVE_KI
 column; force law of a compliant contact; 1 to split steps at impacts; number of its moving point on a mesh; kind
 of a convex primitive."""
 
-POINT, CIRCLE, CONVEX = range(3)
-"""What touches: a point or ball, a ring, another convex primitive."""
+POINT, CIRCLE, CONVEX, TRIANGLES = range(4)
+"""What touches: a point or ball, a ring, another convex primitive, another surface of triangles."""
 
 RIGID, BILATERAL, CURVE, COMPLIANT = range(4)
 """Laws: unilateral, a slider in a surface, a bead on a curve, a force law."""
@@ -63,11 +63,29 @@ IMPULSES, LOSS, IMPACTS, SLIP_PATH, SLIP_SPEED, NORMAL_FORCE, FRICTION_FORCE = r
 """Sum of normal impulses [N s]; energy lost [J]; impacts; path [m] and speed [m/s] of the slip; forces [N]."""
 
 TOUCH_DAMPING, WARM, MIDDLE_FORCE, NEW, PRESENT = 29, 30, 33, 36, 37
-END_GAP, END_GAP_2, SEARCH, FAILED, RECENT, STATE_WIDTH = 38, 39, 40, 41, 42, 43
+END_GAP, END_GAP_2, SEARCH, FAILED, RECENT = 38, 39, 40, 41, 42
 """Damping of Hunt and Crossley that belongs to the present touch; impulses of the last step, which start the next
 iteration; forces of the three rows in the middle of the last step [N]; 1 if it closes at the end of this step; 1
 if it takes part in the present stage; gaps at the end of this step; how the last search ended; searches so far that
 found nothing; impacts since the last whole step."""
+
+(
+    PAIR,
+    FEATURES,
+    FEATURE,
+    OTHER_FEATURE,
+    SIDE,
+    HIT,
+    BESIDE,
+    START_GAP,
+    PATCH,
+    SHARE,
+    STEP_IMPULSE,
+    STATE_WIDTH,
+) = range(43, 55)
+"""Of contacts between triangles: pair of surfaces, kind of the two features and their numbers, side they were on when
+they were last apart, 1 if their paths meet in this step; distance beside them [m]; gap at the start of the step they
+were found in [m]; patch; part of its stiffness; normal impulse of the last step [N s]."""
 
 FOUND, LOST, NOT_A_NUMBER, TOO_DEEP = 0, 2, 3, 4
 """How a search ended: well; without converging or at something that is not finite, which are statuses of the
@@ -105,6 +123,10 @@ touches, in the world; row of a primitive; scratch of evaluation and search."""
 
 LARGEST_CONTROLS = 1024
 """Control points under a footprint, and under a point."""
+
+# places behind the list of the contacts that take part: how many they are, first block of the contacts, contacts that
+# there are at present, those of contours, and whether all of them are between rigid bodies
+PRESENT_COUNT, FIRST_BLOCK, COUNT, OF_CONTOURS, ALL_RIGID, PLACES_BEHIND = range(6)
 
 CONTROL_COUNT = LARGEST_CONTROLS - 1
 """Place of their number in `places`, which begins with their numbers."""
@@ -168,7 +190,7 @@ class ContactRows(NamedTuple):
         As in the system of joints; block c and its attachments 2 c (contour) and 2 c + 1 (what touches) belong to
         contact c. Impulses push what touches along the normal.
     table, values, state
-        Of each contact, shapes (nc, 10), (nc, 32), (nc, 43).
+        Of each contact, shapes (nc, 10), (nc, 32), (nc, 54).
     contours
         Packed rows of the contours, shape (n, 16).
     poses
@@ -191,7 +213,14 @@ class ContactRows(NamedTuple):
     scratch, places, workspace
         Numbers and places that live within one call.
     control
-        Of events, shape (16,).
+        Of events, shape (14,).
+    reduced
+        What the solver needs on the velocities of the touched bodies, if all of them are rigid.
+    meshes
+        Pairs of surfaces of triangles, a tuple of one kind or none; their contacts come behind those of contours.
+    placed
+        Of those pairs, carried: poses of the surfaces at the end of the last step; sums over contacts that are gone;
+        number of contacts. Shape (n, 12).
     carried, saved
         All that a step changes in the scene, as one array, and its copy.
     """
@@ -219,5 +248,8 @@ class ContactRows(NamedTuple):
     places: NDArray[np.int64]
     workspace: NDArray[np.float64]
     control: NDArray[np.float64]
+    reduced: Any
+    meshes: Any
+    placed: NDArray[np.float64]
     carried: NDArray[np.float64]
     saved: NDArray[np.float64]

@@ -34,10 +34,13 @@ from heavylift.solver.contact.kind import (
     OWNER,
     RESULT,
     SEARCH,
+    SHAPE,
     TANGENT,
     TOUCHED,
+    TRIANGLES,
     ContactRows,
 )
+from heavylift.solver.contact.mesh_interface import touch_triangles
 from heavylift.solver.contact.slider_rows import put_slider_rows
 from heavylift.solver.interface import POINT, Workspace
 
@@ -57,6 +60,9 @@ def locate(contacts: ContactRows, bodies: Any, c: int, cold: bool, work: Workspa
     cold
         Search from everywhere, not from the last place.
     """
+    if contacts.table[c, SHAPE] == TRIANGLES:
+        touch_triangles(contacts.meshes, contacts, c)
+        return
     contour = contacts.table[c, CONTOUR]
     pose, scratch, state = contacts.poses[contour], contacts.scratch, contacts.state[c]
     marker = contacts.table[c, CENTRE]

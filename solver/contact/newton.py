@@ -18,16 +18,15 @@ from heavylift.numerics.small import solve_symmetric_3
 from heavylift.solver.contact.contact_rows import clip
 from heavylift.solver.contact.fallback_gauss_seidel import sweep_contacts
 from heavylift.solver.contact.fallback_proximal import take_proximal_steps
-from heavylift.solver.contact.iteration import (
-    ACCEPTED,
+from heavylift.solver.contact.iteration import ACCEPTED, iterate
+from heavylift.solver.contact.layout import FRICTION, OFFSET, SOFTNESS, TARGET, UNILATERAL
+from heavylift.solver.contact.problem import (
     Problem,
     divide,
     fill_rows,
-    find_diagonal,
-    iterate,
+    prepare,
     workspace_length,
 )
-from heavylift.solver.contact.layout import FRICTION, OFFSET, SOFTNESS, TARGET, UNILATERAL
 from heavylift.solver.contact.system import gather, multiply
 
 __all__ = [
@@ -43,13 +42,16 @@ __all__ = [
 BY_NEWTON, BY_PROXIMAL_STEPS, BY_GAUSS_SEIDEL = range(3)
 FAILED = -1
 
-LIMITS = (25, 20, 30, 60, 40, 25)
-FALLS = (1.0, 0.1, 0.3, 0.1, 0.5, 0.03)
-GROWTHS = (1.0, 3.0, 10.0, 2.0, 2.0, 5.0)
+LIMITS = (25, 20, 30, 60, 40, 25, 100, 60, 60)
+FALLS = (1.0, 0.1, 0.3, 0.1, 0.5, 0.03, 0.5, 0.3, 0.1)
+GROWTHS = (1.0, 3.0, 10.0, 2.0, 2.0, 5.0, 4.0, 30.0, 2.0)
 """Iterations of Newton's method in the first attempt; in the others for a proximal step, and how its size changes.
 
 Each of the others misses a few of 1000 problems with wedged contacts, but not the same ones.
 """
+
+FROM_SWEEPS = 6
+"""Attempt that is preceded by sweeps over the contacts, and from which on attempts begin with what those have left."""
 
 
 @kernel(internal=True)
@@ -59,7 +61,7 @@ def _solve(
     """Solve by Newton's method, then by proximal steps from the given impulses and from none; out: velocities."""
     n = 3 * problem.number
     work = divide(problem, workspace)
-    find_diagonal(problem, work)
+    prepare(problem, work)
     for i in range(n):
         if not abs(work.w0[i]) < np.inf:  # the bodies themselves have been lost before
             for j in range(problem.size):
@@ -71,25 +73,32 @@ def _solve(
     fill_rows(problem, work, 0.0, work.begin)
     status, found, total, residual = BY_NEWTON, False, 0, np.inf
     for attempt in range(len(LIMITS)):
-        if attempt == 0:
-            found, iterations, residual = iterate(problem, work, p, LIMITS[attempt], ACCEPTED)
-        else:
+        if attempt == FROM_SWEEPS:
+            fill_rows(problem, work, 0.0, work.begin)
+            found, iterations, residual = sweep_contacts(problem, work, p)
+            total += iterations
+            if found:
+                status = BY_GAUSS_SEIDEL
+                break
             for i in range(n):
-                p[i] = work.begin[i] if attempt == 1 else 0.0
-            found, iterations, residual = take_proximal_steps(
+                work.begin[i] = p[i]
+        if attempt == 0:
+            found, iterations, after = iterate(problem, work, p, LIMITS[attempt], ACCEPTED)
+        else:
+            from_none = 1 < attempt < FROM_SWEEPS
+            for i in range(n):
+                p[i] = 0.0 if from_none else work.begin[i]
+            found, iterations, after = take_proximal_steps(
                 problem, work, p, LIMITS[attempt], FALLS[attempt], GROWTHS[attempt]
             )
-            status = BY_PROXIMAL_STEPS
         total += iterations
         if found:
+            status, residual = BY_NEWTON if attempt == 0 else BY_PROXIMAL_STEPS, after
             break
-    if not found:
-        fill_rows(problem, work, 0.0, work.begin)
-        found, sweeps, residual = sweep_contacts(problem, work, p)
-        status = BY_GAUSS_SEIDEL
-        total += sweeps
-    if not found:
+    if not found:  # impulses of the sweeps push at least
         status = FAILED
+        for i in range(n):
+            p[i] = work.begin[i]
     for c in range(problem.number):
         clip(problem.kinds, problem.parameters, c, p)
     gather(problem.number, problem.ends, problem.blocks, problem.size, p, 3, work.z)

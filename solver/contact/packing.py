@@ -35,6 +35,7 @@ from heavylift.solver.contact.features import (
 )
 from heavylift.solver.contact.interface import moving_points
 from heavylift.solver.contact.kind import (
+    ALL_RIGID,
     AXES,
     BILATERAL,
     CENTRE,
@@ -44,11 +45,12 @@ from heavylift.solver.contact.kind import (
     CONTOUR,
     CONTROL_WIDTH,
     CONVEX,
+    COUNT,
     CURVE,
-    DAMPING,
+    DOF,
     EVENTS,
-    EXPONENT,
     EXTENT,
+    FIRST_BLOCK,
     FOOTPRINT,
     FORCE_LAW,
     FRICTION,
@@ -56,22 +58,21 @@ from heavylift.solver.contact.kind import (
     LARGEST_CONTROLS,
     LAW,
     NORMAL,
+    OF_CONTOURS,
     OF_MODES,
     OWNER,
+    PLACES_BEHIND,
     POINT,
     POINTS_AT,
     PRIMITIVE,
     PRIMITIVE_KIND,
     RADIUS,
-    REST_SPEED,
-    RESTITUTION,
     RIGID,
     SHAPE,
     SHAPES,
     SIZE,
     SLOT,
     STATE_WIDTH,
-    STIFFNESS,
     TABLE_WIDTH,
     TANGENT,
     TOUCH_DAMPING,
@@ -79,7 +80,10 @@ from heavylift.solver.contact.kind import (
     WATCHED,
     ContactRows,
 )
+from heavylift.solver.contact.laws_packing import force_law, put_law
 from heavylift.solver.contact.newton import workspace_length
+from heavylift.solver.contact.packed_collisions import no_collisions
+from heavylift.solver.contact.reduced import DENSE, make_reduced
 from heavylift.solver.contacts import (
     BilateralLaw,
     BoxShape,
@@ -88,9 +92,6 @@ from heavylift.solver.contacts import (
     Contact,
     CylinderShape,
     EllipsoidShape,
-    HertzLaw,
-    HuntCrossleyLaw,
-    LinearLaw,
     PointShape,
     RigidLaw,
     SphereShape,
@@ -98,10 +99,13 @@ from heavylift.solver.contacts import (
 from heavylift.solver.interface import FORCES
 from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.meshes import MeshBody
-from heavylift.solver.rows import ROW_COLUMNS, SCALE, Attachment
+from heavylift.solver.rows import DIAGONAL, HOLDER, PANEL, PRESCRIBED, ROW_COLUMNS, SCALE, WIDTH, Attachment
+from heavylift.solver.rows import DOF as FIRST_VELOCITY
+from heavylift.solver.rows import OWNER as BLOCK
 from heavylift.solver.scene import FlexibleBody, RigidBody, Scene
 
 if TYPE_CHECKING:
+    from heavylift.solver.contact.packed_collisions import PackedCollisions
     from heavylift.solver.scene import AnyBody
 
 __all__ = ["contact_markers", "count_moving", "pack_contacts"]
@@ -182,14 +186,22 @@ def pack_contacts(
     for module in _contour_modules(ordered):
         importlib.import_module(f"heavylift.solver.bodies.{module}")
     packed = pack_contours(scene, ordered, dofs)
-    count = len(scene.contacts)
+    if not scene.collisions:
+        collided = no_collisions()
+    else:
+        from heavylift.solver.contact.mesh_packing import pack_collisions
+
+        collided = pack_collisions(
+            scene, ordered, columns[len(scene.contacts) :], attachment, dofs, scales, len(packed.rows)
+        )
+    count = len(scene.contacts) + collided.most
     numbers = {contour.name: i for i, contour in enumerate(scene.contours)}
     table = np.zeros((count, TABLE_WIDTH), dtype=np.int64)
     values = np.zeros((count, VALUE_WIDTH))
     state = np.zeros((count, STATE_WIDTH))
     sides: list[Attachment] = []
     slots: dict[str, int] = {}
-    for i, (contact, column, marker) in enumerate(zip(scene.contacts, columns, markers, strict=True)):
+    for i, (contact, column, marker) in enumerate(zip(scene.contacts, columns, markers, strict=False)):
         check_contact(contact, scene, scales)
         contour = scene.contours[numbers[contact.contour]]
         sides += [attachment(contour.body), attachment(contact.body)]
@@ -206,16 +218,17 @@ def pack_contacts(
         values[i, RADIUS], values[i, EXTENT] = radius, extent
         values[i, SIZE] = extent if extent > 0.0 else size
         values[i, PRIMITIVE : PRIMITIVE + SHAPE_WIDTH] = numbers_of_shape
-        _put_law(contact, values[i])
+        put_law(contact.law, values[i])
         state[i, NORMAL : NORMAL + 3], state[i, TANGENT : TANGENT + 3] = packed.start_normals[
             numbers[contact.contour]
         ]
         state[i, TOUCH_DAMPING] = -1.0
-    return _kind(packed, sides, table, values, state, inverse_mass, block_count)
+    return _kind(packed, collided, sides, table, values, state, inverse_mass, block_count)
 
 
 def _kind(
     packed: PackedContours,
+    collided: PackedCollisions,
     sides: Sequence[Attachment],
     table: NDArray[np.int64],
     values: NDArray[np.float64],
@@ -224,21 +237,31 @@ def _kind(
     block_count: int,
 ) -> ContactRows:
     """Allocate everything that a step needs."""
-    count = len(table)
+    count, of_contours = len(table), len(table) - collided.most
+    rigid_only = collided.all_rigid and all(side.holder in {DIAGONAL, PRESCRIBED} for side in sides)
+    own = min(count, DENSE) if rigid_only else count
     shape = block_shape(ROWS)
     lanes = len(shape[1])
     window = max([6, *(side.width for side in sides)])
     attachments = np.zeros((2 * count, 5), dtype=np.int64)
+    attachments[:, PANEL] = np.arange(2 * count) * window * lanes
+    attachments[:, BLOCK] = np.arange(2 * count) // 2
+    attachments[:, FIRST_VELOCITY], attachments[:, HOLDER] = -1, PRESCRIBED
     for i, side in enumerate(sides):
-        attachments[i] = side.dof, side.width, i * window * lanes, side.holder, i // 2
+        attachments[i, [FIRST_VELOCITY, WIDTH, HOLDER]] = side.dof, side.width, side.holder
     rows = np.zeros((count, ROW_COLUMNS, lanes))
     rows[:, SCALE, :ROWS] = 1.0
-    places = np.zeros(LARGEST_CONTROLS + count + 2, dtype=np.int64)
-    places[-1] = block_count
+    places = np.zeros(LARGEST_CONTROLS + count + PLACES_BEHIND, dtype=np.int64)
+    behind = places[LARGEST_CONTROLS + count :]
+    behind[FIRST_BLOCK], behind[ALL_RIGID] = block_count, int(rigid_only)
+    behind[COUNT] = behind[OF_CONTOURS] = of_contours
+    bodies = len({side.dof for side in sides if side.width} | set(collided.contours[:, DOF]) - {-1})
+    reduced = make_reduced(*((count, bodies, len(inverse_mass)) if rigid_only else (0, 0, 0)))
+    size = max(3 * own, len(reduced.start))
     control = np.zeros(CONTROL_WIDTH)
     control[WATCHED] = control[JOINS] = -1.0
     return ContactRows(
-        features=_features(packed, table, values),
+        features=_features(packed, table[:of_contours], values[:of_contours]),
         shape=shape,
         attachments=attachments,
         panels=np.zeros(4 * count * window * lanes),
@@ -247,20 +270,23 @@ def _kind(
         table=table,
         values=values,
         state=state,
-        contours=packed.rows,
-        poses=packed.poses,
+        contours=np.concatenate([packed.rows, collided.contours]),
+        poses=np.concatenate([packed.poses, collided.poses]),
         constants=packed.constants,
         net=packed.net,
         samples=packed.samples,
-        delassus=np.zeros((3 * count, 3 * count)),
+        delassus=np.zeros((3 * own, 3 * own)),
         laws=np.zeros((count, told.PARAMETERS)),
         kinds=np.zeros((count, 2), dtype=np.int64),
         rates=np.zeros((3, 3 * count)),
         column=np.zeros(len(inverse_mass)),
         scratch=np.zeros(SHAPES + 6 * max([1, *packed.mode_counts])),
         places=places,
-        workspace=np.zeros(int(workspace_length(count, 3 * count))),
+        workspace=np.zeros(int(workspace_length(count, size))),
         control=control,
+        reduced=reduced,
+        meshes=collided.meshes,
+        placed=collided.placed,
         carried=np.zeros(0),
         saved=np.zeros(0),
     )
@@ -308,25 +334,7 @@ def _law(contact: Contact, of_curve: bool) -> tuple[int, int]:
         return RIGID, 0
     if isinstance(law, BilateralLaw):
         return (CURVE if of_curve else BILATERAL), 0
-    kinds = {LinearLaw: told.LINEAR, HertzLaw: told.HERTZ, HuntCrossleyLaw: told.HUNT_CROSSLEY}
-    return COMPLIANT, kinds[type(law)]
-
-
-def _put_law(contact: Contact, values: NDArray[np.float64]) -> None:
-    """Numbers of the law."""
-    law = contact.law
-    if isinstance(law, RigidLaw):
-        values[RESTITUTION], values[REST_SPEED] = law.restitution, law.rest_speed
-    elif isinstance(law, LinearLaw):
-        values[STIFFNESS], values[DAMPING], values[EXPONENT] = law.stiffness, law.damping, 1.0
-    elif isinstance(law, HertzLaw):
-        values[STIFFNESS], values[EXPONENT] = law.stiffness, 1.5
-    elif isinstance(law, HuntCrossleyLaw):
-        values[STIFFNESS], values[EXPONENT], values[RESTITUTION] = (
-            law.stiffness,
-            law.exponent,
-            law.restitution,
-        )
+    return COMPLIANT, force_law(law)
 
 
 def _shape(contact: Contact) -> tuple[int, float, float, int, NDArray[np.float64]]:

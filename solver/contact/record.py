@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.channels import XYZ
+from heavylift.solver.contact.counts import number_of
 from heavylift.solver.contact.generics import pose_contours
 from heavylift.solver.contact.kind import (
     AT_U,
@@ -28,6 +29,7 @@ from heavylift.solver.contact.kind import (
     LAW,
     LOSS,
     NORMAL_FORCE,
+    OF_CONTOURS,
     PRESENT,
     SLEEP,
     SLIP_PATH,
@@ -38,6 +40,7 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.locate import locate
+from heavylift.solver.contact.mesh_interface import record_pairs
 from heavylift.solver.integrate.row_stage import gather_rows, record_rows
 from heavylift.solver.interface import DISSIPATED, ELASTIC, Workspace, gather_reactions
 from heavylift.solver.kinds import implement
@@ -68,7 +71,7 @@ def gather_contact_rows(
     """The rows are still those of the end of the step; of what is far from touching only the gap is wanted."""
     gather_reactions(bodies, False, contacts)
     posed = False
-    for c in range(contacts.table.shape[0]):
+    for c in range(number_of(contacts, OF_CONTOURS)):
         state = contacts.state[c]
         if state[SLEEP] > 0.0 and state[CLOSED] == 0.0 and state[PRESENT] == 0.0:
             if not posed:
@@ -87,7 +90,8 @@ def record_contacts(
     contacts: ContactRows, joints: Any, work: Workspace, time: float, row: NDArray[np.float64]
 ) -> None:
     """What the last step has left."""
-    for c in range(contacts.table.shape[0]):
+    record_pairs(contacts.meshes, contacts, work, row)
+    for c in range(number_of(contacts, OF_CONTOURS)):
         state, at = contacts.state[c], contacts.table[c, COLUMN]
         row[at], row[at + 1], row[at + 2] = state[GAP], state[NORMAL_FORCE], state[FRICTION_FORCE]
         for k in range(3):

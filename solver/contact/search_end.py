@@ -9,6 +9,7 @@ from heavylift.contours.evaluate import surface_point
 from heavylift.contours.search_step import CONVERGED, FLAGS, U, V
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
+from heavylift.solver.contact.counts import block_of, contact_count
 from heavylift.solver.contact.kind import (
     AT_U,
     AT_V,
@@ -17,7 +18,6 @@ from heavylift.solver.contact.kind import (
     EVALUATE,
     FAILED,
     FOUND,
-    LARGEST_CONTROLS,
     LOST,
     NOT_A_NUMBER,
     PRESENT,
@@ -39,7 +39,7 @@ NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
 def mark_failure(contacts: ContactRows, contact: int, work: Workspace) -> None:
     """Say that place or impulses of a contact were not found; its block comes after those of the joints."""
     work.status[STATUS_OUTCOME] = NOT_CONVERGED
-    work.status[STATUS_BLOCK] = contacts.places[LARGEST_CONTROLS + contacts.table.shape[0] + 1] + contact
+    work.status[STATUS_BLOCK] = block_of(contacts, contact)
 
 
 @kernel(internal=True)
@@ -62,7 +62,7 @@ def judge_searches(contacts: ContactRows, at_end: bool, work: Workspace) -> None
 
     In the middle of a step only what takes part has been searched, and a depth there may still be pushed out.
     """
-    for c in range(contacts.table.shape[0]):
+    for c in range(contact_count(contacts)):
         state = contacts.state[c]
         if not at_end and state[PRESENT] == 0.0:
             continue

@@ -10,6 +10,7 @@ from typing import Any
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact import layout as told
+from heavylift.solver.contact.counts import contact_count, number_of, set_number
 from heavylift.solver.contact.delassus import assemble_delassus, contact_rates, push
 from heavylift.solver.contact.generics import (
     follow,
@@ -19,11 +20,13 @@ from heavylift.solver.contact.generics import (
 )
 from heavylift.solver.contact.interface import settle_points
 from heavylift.solver.contact.kind import (
+    ALL_RIGID,
     BILATERAL,
     CLOSED,
     COMPLIANT,
     CURVE,
     DAMPING,
+    EVENTS,
     EXPONENT,
     FORCE_LAW,
     FRICTION,
@@ -33,21 +36,27 @@ from heavylift.solver.contact.kind import (
     LAW,
     NOMINAL,
     PRESENT,
+    PRESENT_COUNT,
     RESIDUAL,
     RESTITUTION,
+    RIGID,
     ROUNDS,
+    SHAPE,
     SHIFT,
     SIZE,
     SLEEP,
     SLIP,
     STIFFNESS,
     TOUCH_DAMPING,
+    TRIANGLES,
     WARM,
     ContactRows,
 )
 from heavylift.solver.contact.laws import hunt_crossley_damping
 from heavylift.solver.contact.locate import locate
+from heavylift.solver.contact.mesh_interface import pose_surfaces, restore_contacts
 from heavylift.solver.contact.newton import solve_contacts
+from heavylift.solver.contact.reduced import DENSE, assemble_reduced, solve_reduced
 from heavylift.solver.contact.search_end import judge_searches, mark_failure
 from heavylift.solver.integrate.row_solver import add_impulses
 from heavylift.solver.interface import (
@@ -59,7 +68,15 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import IMPULSE, ROW_COLUMNS
 
-__all__ = ["NEAR", "friction_rows", "impulse_row", "present_at", "solve_present"]
+__all__ = [
+    "NEAR",
+    "assemble_response",
+    "friction_rows",
+    "impulse_row",
+    "looks_ahead",
+    "present_at",
+    "solve_present",
+]
 
 CONTACT_ROUNDS = 50
 """Rounds of contacts against laws of ropes and stops."""
@@ -91,6 +108,13 @@ def impulse_row(contacts: ContactRows, contact: int, column: int) -> int:
     return (contact * ROW_COLUMNS + column) * len(contacts.shape[1])
 
 
+@kernel(inline=True, internal=True)
+def looks_ahead(contacts: ContactRows, c: int) -> bool:
+    """Whether a contact without compliance takes part before it closes, in place of splitting the step."""
+    of_triangles = contacts.table[c, SHAPE] == TRIANGLES
+    return of_triangles and contacts.table[c, LAW] == RIGID and contacts.table[c, EVENTS] == 0
+
+
 @implement(meet_contacts, ContactRows)
 @kernel(internal=True)
 def meet_contacts_midpoint(
@@ -104,24 +128,27 @@ def meet_contacts_midpoint(
     nominal: float,
 ) -> None:
     """Rows at the predicted midpoint, then half impulses."""
+    restore_contacts(contacts.meshes, contacts)
     contacts.control[NOMINAL] = nominal
     contacts.control[RESIDUAL] = contacts.control[ROUNDS] = 0.0
     count = 0
-    for c in range(contacts.table.shape[0]):
+    for c in range(contact_count(contacts)):
         state = contacts.state[c]
         at = impulse_row(contacts, c, IMPULSE)
         for r in range(3):
             contacts.rows[at + r] = 0.0
         state[PRESENT] = 0.0
-        near = contacts.table[c, LAW] == COMPLIANT and state[SLEEP] <= NEAR * state[SHIFT]
+        early = contacts.table[c, LAW] == COMPLIANT or looks_ahead(contacts, c)
+        near = early and state[SLEEP] <= NEAR * state[SHIFT]
         if near or state[CLOSED] > 0.0:
             contacts.places[LARGEST_CONTROLS + count] = c
             state[PRESENT] = 1.0
             count += 1
-    contacts.places[LARGEST_CONTROLS + contacts.table.shape[0]] = count
+    set_number(contacts, PRESENT_COUNT, count)
     if count == 0:
         return
     pose_contours(bodies, True, contacts)
+    pose_surfaces(contacts.meshes, contacts)
     for j in range(count):
         locate(contacts, bodies, present_at(contacts, j), False, work)
     judge_searches(contacts, False, work)
@@ -138,7 +165,7 @@ def meet_contacts_again(
     contacts: ContactRows, rows: Any, joints: Any, work: Workspace, time: float, step: float
 ) -> None:
     """From the impulses that are there."""
-    count = contacts.places[LARGEST_CONTROLS + contacts.table.shape[0]]
+    count = number_of(contacts, PRESENT_COUNT)
     if count > 0:
         _settle(contacts, rows, joints, count, work, time, step)
 
@@ -149,7 +176,7 @@ def _settle(
 ) -> None:
     """Contacts, and laws of ropes and stops, until both stand."""
     for _ in range(CONTACT_ROUNDS):
-        assemble_delassus(contacts, rows, contacts.places[LARGEST_CONTROLS:], count, contacts.column)
+        assemble_response(contacts, rows, count)
         if not solve_present(contacts, count, work):
             return
         work.control[CHANGED] = 0.0
@@ -157,6 +184,21 @@ def _settle(
         if work.control[CHANGED] == 0.0:
             return
     mark_failure(contacts, present_at(contacts, 0), work)
+
+
+@kernel(inline=True, internal=True)
+def _on_velocities(contacts: ContactRows, count: int) -> bool:
+    """Whether the contacts that take part are solved on the velocities of their bodies."""
+    return number_of(contacts, ALL_RIGID) > 0 and count > DENSE
+
+
+@kernel(internal=True)
+def assemble_response(contacts: ContactRows, systems: Any, count: int) -> None:
+    """What the contacts that take part feel of each other."""
+    if _on_velocities(contacts, count):
+        assemble_reduced(contacts, systems, count)
+    else:
+        assemble_delassus(contacts, systems, contacts.places[LARGEST_CONTROLS:], count, contacts.column)
 
 
 @kernel(internal=True)
@@ -170,11 +212,16 @@ def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
         at = impulse_row(contacts, c, IMPULSE)
         for r in range(3):
             p[3 * j + r] = contacts.rows[at + r]
-    for i in range(3 * count):
-        total = 0.0
-        for k in range(3 * count):
-            total += contacts.delassus[i, k] * p[k]
-        free[i] -= total
+    reduced = _on_velocities(contacts, count)
+    if reduced:
+        for i in range(3 * count):
+            w[i] = p[i]
+    else:
+        for i in range(3 * count):
+            total = 0.0
+            for k in range(3 * count):
+                total += contacts.delassus[i, k] * p[k]
+            free[i] -= total
     for j in range(count):
         c = present_at(contacts, j)
         started = False
@@ -183,9 +230,12 @@ def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
         if not started:
             for r in range(3):
                 p[3 * j + r] = contacts.state[c, WARM + r]
-    status, rounds, residual = solve_contacts(
-        count, contacts.kinds, contacts.laws, free, contacts.delassus, p, w, contacts.workspace
-    )
+    if reduced:
+        status, rounds, residual = solve_reduced(contacts, count, work.velocity)
+    else:
+        status, rounds, residual = solve_contacts(
+            count, contacts.kinds, contacts.laws, free, contacts.delassus, p, w, contacts.workspace
+        )
     contacts.control[RESIDUAL] = max(contacts.control[RESIDUAL], residual)
     contacts.control[ROUNDS] += rounds
     if status < 0 and not residual < ENOUGH:
@@ -261,6 +311,9 @@ def _tell(contacts: ContactRows, j: int, step: float, work: Workspace) -> None:
         law[told.TARGET] = -rate * gap
         return
     contacts.kinds[j, 0] = told.UNILATERAL
+    if gap > 0.0 and state[CLOSED] == 0.0:  # closes within this step at most
+        law[told.TARGET] = -gap / step
+        return
     law[told.TARGET] = -rate * gap * (SOFTLY if gap < -DEEP * values[SIZE] else 1.0)
 
 

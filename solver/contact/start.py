@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from heavylift.numerics.jit import kernel
+from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.ends import REST, pressed_force
 from heavylift.solver.contact.generics import (
@@ -38,6 +39,7 @@ from heavylift.solver.contact.kind import (
     ContactRows,
 )
 from heavylift.solver.contact.locate import locate
+from heavylift.solver.contact.mesh_interface import find_first_contacts
 from heavylift.solver.contact.stage import impulse_row
 from heavylift.solver.integrate.row_stage import solve_end
 from heavylift.solver.interface import (
@@ -88,12 +90,13 @@ def locate_contact_start(contacts: ContactRows, bodies: Any, work: Workspace, st
     """Search from everywhere; sliders and beads are closed from the start."""
     contacts.control[NOMINAL] = step
     pose_contours(bodies, False, contacts)
-    for c in range(contacts.table.shape[0]):
+    for c in range(contact_count(contacts)):
         state = contacts.state[c]
         locate(contacts, bodies, c, True, work)
         state[GAP], state[GAP_2], state[SLEEP] = state[END_GAP], state[END_GAP_2], state[END_GAP]
         state[PRESENT] = 0.0
         state[CLOSED] = 1.0 if contacts.table[c, LAW] == BILATERAL or contacts.table[c, LAW] == CURVE else 0.0
+    find_first_contacts(contacts.meshes, contacts, bodies, work, step)
     settle_points(bodies, (), False, work)
 
 
@@ -101,7 +104,7 @@ def locate_contact_start(contacts: ContactRows, bodies: Any, work: Workspace, st
 @kernel(internal=True)
 def close_contact_start(contacts: ContactRows, work: Workspace) -> None:
     """What has met without restitution stays closed; impulses and forces are none yet."""
-    for c in range(contacts.table.shape[0]):
+    for c in range(contact_count(contacts)):
         state = contacts.state[c]
         after = contact_rates(contacts, c, work.velocity)[0]
         if state[NEW] > 0.0 and after <= REST * abs(state[RATE]):

@@ -5,7 +5,8 @@ the touched velocities, whatever the number of contacts::
 
     (I + K B) dz = N^T r,        K = N^T D N
 
-K is kept from one iteration to the next and changed by those contacts only whose D has changed. Without blocks
+or the same with the masses taken into N, so that B is the identity. K is kept from one iteration to the next and
+changed by those contacts only whose D has changed. Without blocks
 (``ends`` of length 0) N is the identity, and the unknowns are the impulses of those rows that react to rates.
 """
 
@@ -16,30 +17,31 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.contact_rows import D00, D10, D11, D12, D20, D21, D22, RECORD
+from heavylift.solver.contact.end_blocks import CONTACT, same_ends
+from heavylift.solver.contact.twelve import COLUMNS, add_product_of_rows
 
 __all__ = [
     "COUPLING",
     "END",
     "SCRATCH",
-    "assemble",
+    "add_unit",
+    "add_unit_to_product",
     "assemble_rows",
     "factor",
     "gather",
     "multiply",
     "solve_factored",
     "spread",
+    "update",
 ]
 
 END = 18
 """Numbers of the block of one end: 3 x 6, row by row."""
 
-PAIR = 12
-"""Columns of both ends of a contact."""
-
 COUPLING = D22 - D00 + 1
 """Numbers of D of a contact; the two that are not stored are zero."""
 
-SCRATCH = COUPLING + 3 * PAIR + PAIR * PAIR
+SCRATCH = COUPLING + COLUMNS * COLUMNS
 """Numbers behind the held D of all contacts; zeros at the beginning."""
 
 
@@ -122,108 +124,102 @@ def multiply(size: int, B: NDArray[np.float64], x: NDArray[np.float64], out: NDA
 
 
 @kernel(internal=True)
-def _add_product(
-    ends: NDArray[np.int64],
-    blocks: NDArray[np.float64],
-    c: int,
-    change: NDArray[np.float64],
-    product: NDArray[np.float64],
-    pair: NDArray[np.float64],
-) -> None:
-    """Add ``N^T D N`` of a contact to the 12 x 12 block of its pair of ends."""
-    a00, a10, a11, a12 = change[0], change[1], change[2], change[3]
-    a20, a21, a22 = change[4], change[5], change[6]
-    for end in range(2):
-        o = END * end
-        for j in range(ends[c, 2 * end + 1]):
-            n0, n1, n2 = blocks[c, o + j], blocks[c, o + 6 + j], blocks[c, o + 12 + j]
-            product[6 * end + j] = a00 * n0
-            product[12 + 6 * end + j] = a10 * n0 + a11 * n1 + a12 * n2
-            product[24 + 6 * end + j] = a20 * n0 + a21 * n1 + a22 * n2
-    for end in range(2):
-        o = END * end
-        for i in range(ends[c, 2 * end + 1]):
-            n0, n1, n2 = blocks[c, o + i], blocks[c, o + 6 + i], blocks[c, o + 12 + i]
-            row = PAIR * (6 * end + i)
-            for j in range(PAIR):
-                pair[row + j] += n0 * product[j] + n1 * product[12 + j] + n2 * product[24 + j]
-
-
-@kernel(internal=True)
 def _flush(
-    ends: NDArray[np.int64], size: int, c: int, pair: NDArray[np.float64], K: NDArray[np.float64]
+    ends: NDArray[np.int64],
+    place: NDArray[np.float64],
+    size: int,
+    c: int,
+    pair: NDArray[np.float64],
+    K: NDArray[np.float64],
 ) -> None:
     """Move the block of a pair of ends, that of contact c, into K."""
     for end in range(2):
         for i in range(ends[c, 2 * end + 1]):
-            row = (ends[c, 2 * end] + i) * size
+            row = (int(place[ends[c, 2 * end]]) + i) * size
             for other in range(2):
-                first, o = row + ends[c, 2 * other], PAIR * (6 * end + i) + 6 * other
-                for j in range(ends[c, 2 * other + 1]):
-                    K[first + j] += pair[o + j]
-    for j in range(PAIR * PAIR):
-        pair[j] = 0.0
+                width = ends[c, 2 * other + 1]
+                if width > 0:
+                    first = row + int(place[ends[c, 2 * other]])
+                    at = COLUMNS * (6 * end + i) + 6 * other
+                    for j in range(width):
+                        K[first + j] += pair[at + j]
+    for i in range(COLUMNS * COLUMNS):
+        pair[i] = 0.0
 
 
 @kernel(internal=True)
-def assemble(
+def update(
     count: int,
     ends: NDArray[np.int64],
-    blocks: NDArray[np.float64],
+    place: NDArray[np.float64],
+    N: NDArray[np.float64],
     size: int,
-    B: NDArray[np.float64],
     records: NDArray[np.float64],
     held: NDArray[np.float64],
     K: NDArray[np.float64],
-    A: NDArray[np.float64],
-    fresh: bool,
 ) -> bool:
-    """Write ``A = I + K B``; returns False if A holds the factors of the same matrix.
+    """Bring K to the linearised contacts; returns whether anything has changed.
 
     Parameters
     ----------
-    count, ends, blocks, size, B
+    count, ends, size
         The problem.
+    place, N
+        Where velocities stand, and the rows of contacts in twelve columns.
     records
         Linearised contacts.
     held
         D of the contacts that is in K, kept from call to call (zeros with K = 0 at the beginning), and behind it
         a scratch block.
-    K, A
-        Square matrices, row by row.
-    fresh
-        Nothing has been factored yet.
+    K
+        Square matrix, row by row.
     """
-    changed = False
     change = held[COUPLING * count : COUPLING * count + COUPLING]
-    product = held[COUPLING * (count + 1) : COUPLING * (count + 1) + 3 * PAIR]
-    pair = held[COUPLING * (count + 1) + 3 * PAIR : COUPLING * (count + 1) + 3 * PAIR + PAIR * PAIR]
+    pair = held[COUPLING * (count + 1) : COUPLING * (count + 1) + COLUMNS * COLUMNS]
     last = -1  # contact whose ends the pair has
     for c in range(count):
         at, o = RECORD * c + D00, COUPLING * c
-        differs = False
-        for i in range(COUPLING):
-            change[i] = records[at + i] - held[o + i]
-            differs = differs or change[i] != 0.0
-            held[o + i] = records[at + i]
-        if not differs:
+        d0 = records[at] - held[o]
+        d1, d2, d3 = (
+            records[at + 1] - held[o + 1],
+            records[at + 2] - held[o + 2],
+            records[at + 3] - held[o + 3],
+        )
+        d4, d5, d6 = (
+            records[at + 4] - held[o + 4],
+            records[at + 5] - held[o + 5],
+            records[at + 6] - held[o + 6],
+        )
+        if d0 == 0.0 and d1 == 0.0 and d2 == 0.0 and d3 == 0.0 and d4 == 0.0 and d5 == 0.0 and d6 == 0.0:
             continue
-        changed = True
-        same = last >= 0
-        if same:
-            for i in range(4):
-                same = same and ends[c, i] == ends[last, i]
-        if not same:
-            if last >= 0:
-                _flush(ends, size, last, pair, K)
-            for j in range(3 * PAIR):
-                product[j] = 0.0
-            last = c
-        _add_product(ends, blocks, c, change, product, pair)
+        change[0], change[1], change[2], change[3] = d0, d1, d2, d3
+        change[4], change[5], change[6] = d4, d5, d6
+        for i in range(COUPLING):
+            held[o + i] = records[at + i]
+        if last >= 0 and not same_ends(ends, c, last):
+            _flush(ends, place, size, last, pair, K)
+        last = c
+        add_product_of_rows(N, CONTACT * c, change, pair)
     if last >= 0:
-        _flush(ends, size, last, pair, K)
-    if not (changed or fresh):
-        return False  # A holds the factors already
+        _flush(ends, place, size, last, pair, K)
+    return last >= 0
+
+
+@kernel(internal=True)
+def add_unit(size: int, K: NDArray[np.float64], reach: NDArray[np.float64], A: NDArray[np.float64]) -> None:
+    """Write ``A = I + K`` as far as entries reach from the diagonal."""
+    for i in range(size):
+        for j in range(i, int(reach[i]) + 1):
+            A[i * size + j] = K[i * size + j]
+            A[j * size + i] = K[j * size + i]
+        A[i * size + i] += 1.0
+
+
+@kernel(internal=True)
+def add_unit_to_product(
+    size: int, K: NDArray[np.float64], B: NDArray[np.float64], A: NDArray[np.float64]
+) -> None:
+    """Write ``A = I + K B``."""
     for i in range(size):
         f = i * size
         for j in range(size):
@@ -234,7 +230,6 @@ def assemble(
             if x != 0.0:
                 for j in range(size):
                     A[f + j] += x * B[k, j]
-    return changed
 
 
 @kernel(internal=True)

@@ -65,8 +65,8 @@ def check_integrator(scene: Scene, name: str) -> None:
 
 def _rope_or_law(scene: Scene) -> str:
     """The first thing whose force has corners, as words; empty if none."""
-    if scene.contacts:
-        return f"contact {scene.contacts[0].name!r} opens and closes"
+    if scene.touches:
+        return f"contact {(*scene.contacts, *scene.collisions)[0].name!r} opens and closes"
     if scene.ropes:
         return f"rope {scene.ropes[0].name!r} can go slack"
     for joint in scene.joints:

@@ -1,0 +1,318 @@
+"""Gap, normal and nearest points of one pair of features of two surfaces, from their present poses.
+
+A pair of surfaces touches through *features*: a vertex and a face, two edges, or, where a surface is rounded, also a
+vertex and an edge or two vertices. Each kind has one smooth gap function, whose rate is the normal's product with the
+relative velocity of the nearest points (Ericson, *Real-Time Collision Detection*, 2005, chapters 5 and 9). Nothing here
+depends on how triangles are wound: `side` says on which side of the face, or of the plane through both edges, the
+second surface was when it was last clear of the first.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import cross
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from heavylift.contours.surface_pack import CollisionSurfaces
+
+__all__ = [
+    "EDGE_EDGE",
+    "EDGE_VERTEX",
+    "FACE_VERTEX",
+    "PARALLEL",
+    "VERTEX_EDGE",
+    "VERTEX_FACE",
+    "VERTEX_VERTEX",
+    "contact_gap",
+    "feature_gap",
+]
+
+VERTEX_FACE = 0
+"""A vertex of B on a face of A."""
+
+FACE_VERTEX = 1
+"""A face of B on a vertex of A."""
+
+EDGE_EDGE = 2
+
+VERTEX_EDGE = 3
+"""A vertex of B beside an edge of A; only where a surface is rounded, as the two below."""
+
+EDGE_VERTEX = 4
+
+VERTEX_VERTEX = 5
+
+PARALLEL = 1e-6
+"""Sine of the angle between two edges below which their common normal says nothing."""
+
+Vector = tuple[float, float, float]
+
+
+@kernel(inline=True, internal=True)
+def fixed_point(points: NDArray[np.float64], row: int) -> Vector:
+    """Coordinates [m] of a point."""
+    return points[row, 0], points[row, 1], points[row, 2]
+
+
+@kernel(inline=True, internal=True)
+def moved_point(points: NDArray[np.float64], row: int, pose: NDArray[np.float64], at: int) -> Vector:
+    """Point of B [m] in the axes of A: ``R x + p`` with R and p from place `at` of `pose`."""
+    x, y, z = points[row, 0], points[row, 1], points[row, 2]
+    return (
+        pose[at] * x + pose[at + 1] * y + pose[at + 2] * z + pose[at + 9],
+        pose[at + 3] * x + pose[at + 4] * y + pose[at + 5] * z + pose[at + 10],
+        pose[at + 6] * x + pose[at + 7] * y + pose[at + 8] * z + pose[at + 11],
+    )
+
+
+@kernel(inline=True, internal=True)
+def turned(x: float, y: float, z: float, pose: NDArray[np.float64], at: int) -> Vector:
+    """Direction of B in the axes of A."""
+    return (
+        pose[at] * x + pose[at + 1] * y + pose[at + 2] * z,
+        pose[at + 3] * x + pose[at + 4] * y + pose[at + 5] * z,
+        pose[at + 6] * x + pose[at + 7] * y + pose[at + 8] * z,
+    )
+
+
+@kernel(inline=True, internal=True)
+def turned_back(x: float, y: float, z: float, pose: NDArray[np.float64], at: int) -> Vector:
+    """Direction of A in the axes of B."""
+    return (
+        pose[at] * x + pose[at + 3] * y + pose[at + 6] * z,
+        pose[at + 1] * x + pose[at + 4] * y + pose[at + 7] * z,
+        pose[at + 2] * x + pose[at + 5] * y + pose[at + 8] * z,
+    )
+
+
+@kernel(inline=True, internal=True)
+def fill(out: NDArray[np.float64], n: Vector, a: Vector, b: Vector) -> None:
+    """Write normal and both points."""
+    out[0], out[1], out[2] = n
+    out[3], out[4], out[5] = a
+    out[6], out[7], out[8] = b
+
+
+@kernel(inline=True, internal=True)
+def foot_on_line(p: Vector, a: Vector, b: Vector) -> Vector:
+    """Point of the line through a and b [m] that is nearest to p."""
+    dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    u = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy + (p[2] - a[2]) * dz) / (dx * dx + dy * dy + dz * dz)
+    return a[0] + u * dx, a[1] + u * dy, a[2] + u * dz
+
+
+@kernel(inline=True, internal=True)
+def gap_between(a: Vector, b: Vector, radius: float, out: NDArray[np.float64]) -> float:
+    """Gap [m] of two points, and the direction between them; where they coincide, any."""
+    dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    distance = math.sqrt(dx * dx + dy * dy + dz * dz)
+    if distance > 0.0:
+        fill(out, (dx / distance, dy / distance, dz / distance), a, b)
+    else:
+        fill(out, (0.0, 0.0, 1.0), a, b)
+    return distance - radius
+
+
+@kernel(inline=True, internal=True)
+def gap_of_edges(
+    a0: Vector, a1: Vector, b0: Vector, b1: Vector, radius: float, side: float, out: NDArray[np.float64]
+) -> float:
+    """Gap [m] of the lines along two edges; of parallel ones from the middle of the second."""
+    ax, ay, az = a1[0] - a0[0], a1[1] - a0[1], a1[2] - a0[2]
+    bx, by, bz = b1[0] - b0[0], b1[1] - b0[1], b1[2] - b0[2]
+    rx, ry, rz = b0[0] - a0[0], b0[1] - a0[1], b0[2] - a0[2]
+    cx, cy, cz = cross(ax, ay, az, bx, by, bz)
+    square = cx * cx + cy * cy + cz * cz
+    lengths = (ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz)
+    if square <= PARALLEL * PARALLEL * lengths:
+        middle = (0.5 * (b0[0] + b1[0]), 0.5 * (b0[1] + b1[1]), 0.5 * (b0[2] + b1[2]))
+        return gap_between(foot_on_line(middle, a0, a1), middle, radius, out)
+    factor = side / math.sqrt(square)
+    nx, ny, nz = factor * cx, factor * cy, factor * cz
+    # r x d_B and r x d_A, both along the common normal, give the places along the edges
+    ux, uy, uz = cross(rx, ry, rz, bx, by, bz)
+    vx, vy, vz = cross(rx, ry, rz, ax, ay, az)
+    u = (ux * cx + uy * cy + uz * cz) / square
+    v = (vx * cx + vy * cy + vz * cz) / square
+    fill(
+        out,
+        (nx, ny, nz),
+        (a0[0] + u * ax, a0[1] + u * ay, a0[2] + u * az),
+        (b0[0] + v * bx, b0[1] + v * by, b0[2] + v * bz),
+    )
+    return nx * rx + ny * ry + nz * rz - radius
+
+
+@kernel(inline=True, internal=True)
+def contact_gap(
+    # model
+    surfaces: CollisionSurfaces,
+    kind: int,
+    feature_a: int,
+    feature_b: int,
+    radius: float,
+    side: float,
+    # state
+    pose: NDArray[np.float64],
+    at: int,
+    # out
+    out: NDArray[np.float64],
+) -> float:
+    """Gap [m] between two features, with its normal and points; cheap enough for every stage of every contact.
+
+    Parameters
+    ----------
+    surfaces
+        All surfaces of a scene.
+    kind
+        `VERTEX_FACE`, ..., `VERTEX_VERTEX`.
+    feature_a, feature_b
+        Rows of points, edges or triangles, as the kind says.
+    radius
+        Sum of the roundings of both surfaces [m].
+    side
+        1 or -1: sign of the product of the separation with the normal of the face, or with the vector product of both
+        edges (that of A first), when the features were last clear of each other. Without meaning for the other kinds.
+    pose, at
+        Rotation (9, row by row) and position [m] (3) of B in the axes of A begin at place `at`.
+    out
+        Written: unit normal from A to B (3), nearest point of A (3) and of B (3) [m], all in the axes of A; the points
+        lie on the surfaces without rounding, and on the plane of the face or the lines of the edges. Shape (>= 9,).
+
+    Returns
+    -------
+    gap
+        ``n . (x_B - x_A) - radius`` [m]; negative where the surfaces overlap.
+    """
+    points, triangles, edges = surfaces.points, surfaces.triangles, surfaces.edges
+    if kind == VERTEX_FACE:
+        n = fixed_point(surfaces.normals, feature_a)
+        a = fixed_point(points, triangles[feature_a, 0])
+        b = moved_point(points, feature_b, pose, at)
+        s = n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2])
+        foot = (b[0] - s * n[0], b[1] - s * n[1], b[2] - s * n[2])
+        fill(out, (side * n[0], side * n[1], side * n[2]), foot, b)
+        return side * s - radius
+    if kind == FACE_VERTEX:
+        own = fixed_point(surfaces.normals, feature_b)
+        n = turned(own[0], own[1], own[2], pose, at)
+        b = moved_point(points, triangles[feature_b, 0], pose, at)
+        a = fixed_point(points, feature_a)
+        s = n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2])
+        foot = (a[0] + s * n[0], a[1] + s * n[1], a[2] + s * n[2])
+        fill(out, (side * n[0], side * n[1], side * n[2]), a, foot)
+        return side * s - radius
+    if kind == EDGE_EDGE:
+        return gap_of_edges(
+            fixed_point(points, edges[feature_a, 0]),
+            fixed_point(points, edges[feature_a, 1]),
+            moved_point(points, edges[feature_b, 0], pose, at),
+            moved_point(points, edges[feature_b, 1], pose, at),
+            radius,
+            side,
+            out,
+        )
+    if kind == VERTEX_EDGE:
+        b = moved_point(points, feature_b, pose, at)
+        a0 = fixed_point(points, edges[feature_a, 0])
+        a1 = fixed_point(points, edges[feature_a, 1])
+        return gap_between(foot_on_line(b, a0, a1), b, radius, out)
+    if kind == EDGE_VERTEX:
+        a = fixed_point(points, feature_a)
+        b0 = moved_point(points, edges[feature_b, 0], pose, at)
+        b1 = moved_point(points, edges[feature_b, 1], pose, at)
+        return gap_between(a, foot_on_line(a, b0, b1), radius, out)
+    return gap_between(fixed_point(points, feature_a), moved_point(points, feature_b, pose, at), radius, out)
+
+
+@kernel(inline=True, internal=True)
+def beyond_side(p: Vector, a: Vector, b: Vector, n: Vector) -> float:
+    """How far [m] a point lies on the outer side of the edge from a to b of a face that n sees turn left."""
+    dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    ox, oy, oz = cross(dx, dy, dz, n[0], n[1], n[2])
+    outside = (p[0] - a[0]) * ox + (p[1] - a[1]) * oy + (p[2] - a[2]) * oz
+    return outside / math.sqrt(dx * dx + dy * dy + dz * dz)
+
+
+@kernel(inline=True, internal=True)
+def beyond_face(p: Vector, a: Vector, b: Vector, c: Vector, n: Vector) -> float:
+    """Largest of the distances [m] beyond the three edges of a face; negative inside."""
+    return max(beyond_side(p, a, b, n), beyond_side(p, b, c, n), beyond_side(p, c, a, n))
+
+
+@kernel(inline=True, internal=True)
+def beyond_ends(p: Vector, a: Vector, b: Vector) -> float:
+    """How far [m] a point of the line through a and b lies beyond the nearer end; negative between them."""
+    dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    length = math.sqrt(dx * dx + dy * dy + dz * dz)
+    s = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy + (p[2] - a[2]) * dz) / length
+    return max(-s, s - length)
+
+
+@kernel(inline=True, internal=True)
+def overshoot(
+    # model
+    surfaces: CollisionSurfaces,
+    kind: int,
+    feature_a: int,
+    feature_b: int,
+    # state
+    pose: NDArray[np.float64],
+    at: int,
+    out: NDArray[np.float64],
+) -> float:
+    """How far [m] the nearest points that `contact_gap` left in `out` lie outside of their face or edges."""
+    points, triangles, edges = surfaces.points, surfaces.triangles, surfaces.edges
+    a = (out[3], out[4], out[5])
+    x, y, z = turned_back(out[6] - pose[at + 9], out[7] - pose[at + 10], out[8] - pose[at + 11], pose, at)
+    b = (x, y, z)  # in its own axes, where its face and edges stand still
+    if kind in (VERTEX_FACE, FACE_VERTEX):
+        face = feature_a if kind == VERTEX_FACE else feature_b
+        return beyond_face(
+            a if kind == VERTEX_FACE else b,
+            fixed_point(points, triangles[face, 0]),
+            fixed_point(points, triangles[face, 1]),
+            fixed_point(points, triangles[face, 2]),
+            fixed_point(surfaces.normals, face),
+        )
+    beyond = -math.inf
+    if kind in (EDGE_EDGE, VERTEX_EDGE):
+        a0 = fixed_point(points, edges[feature_a, 0])
+        beyond = beyond_ends(a, a0, fixed_point(points, edges[feature_a, 1]))
+    if kind in (EDGE_EDGE, EDGE_VERTEX):
+        b0 = fixed_point(points, edges[feature_b, 0])
+        beyond = max(beyond, beyond_ends(b, b0, fixed_point(points, edges[feature_b, 1])))
+    return beyond
+
+
+@kernel(inline=True, internal=True)
+def feature_gap(
+    # model
+    surfaces: CollisionSurfaces,
+    kind: int,
+    feature_a: int,
+    feature_b: int,
+    radius: float,
+    side: float,
+    # state
+    pose: NDArray[np.float64],
+    at: int,
+    # out
+    out: NDArray[np.float64],
+) -> float:
+    """`contact_gap`, and in ``out[9]`` how far [m] the nearest points lie outside of the face or edges.
+
+    Notes
+    -----
+    The overshoot is the largest distance beyond an edge of the face, or beyond an end of the edges, zero or negative
+    inside; a pair with a positive one has slid off its features. Two vertices cannot: minus infinity.
+    """
+    gap = contact_gap(surfaces, kind, feature_a, feature_b, radius, side, pose, at, out)
+    out[9] = overshoot(surfaces, kind, feature_a, feature_b, pose, at, out)
+    return gap

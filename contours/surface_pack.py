@@ -1,0 +1,302 @@
+"""Surfaces of triangles as the arrays that collision kernels read: points, triangles in leaf order, edges, trees."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from heavylift.contours.surface_layout import (
+    BOX_CENTRE,
+    BOX_HALF,
+    BOX_WIDTH,
+    EDGE_AB,
+    EDGE_END,
+    EDGE_START,
+    EDGE_TRIANGLE,
+    EDGE_WIDTH,
+    FLAGS,
+    IS_FACE,
+    NODE_FIRST,
+    NODE_LEFT,
+    NODE_WIDTH,
+    OWNS_A,
+    OWNS_AB,
+    SURFACE,
+    SURFACE_WIDTH,
+    TRIANGLE_WIDTH,
+)
+from heavylift.contours.surface_tree import build_tree
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from heavylift.preprocess.surfaces import TriangleSurface
+
+__all__ = ["CollisionSurfaces", "pack_surfaces"]
+
+FLATTEST_FACE = 1e-12
+"""Smallest height over longest edge of a triangle that still has a normal."""
+
+
+class CollisionSurfaces(NamedTuple):
+    """All surfaces of a scene, one after another; for the columns see `surface_layout`.
+
+    Attributes
+    ----------
+    points
+        In the axes of the body of their surface [m], shape (n, 3).
+    triangles
+        Shape (nt, 8), in leaf order of their trees.
+    normals
+        Unit normals of faces, wound as given, shape (nt, 3); zeros for what is no face.
+    edges
+        Shape (ne, 3).
+    edge_first
+        Rows of `edge_inward` of each edge: from its own number to the next, shape (ne + 1,).
+    edge_inward
+        For each face at an edge the unit vector in the plane of the face, perpendicular to the edge, into the face;
+        shape (k, 3).
+    vertex_first
+        Places in `vertex_neighbours` of each point: from its own number to the next, shape (n + 1,).
+    vertex_neighbours
+        Points that an edge joins to the point, shape (2 ne,).
+    nodes
+        Of the trees, shape (nn, 3).
+    boxes
+        Of the nodes [m], shape (nn, 6); without the radii.
+    surfaces
+        Shape (ns, 6).
+    radii
+        Rounding [m], shape (ns,).
+    reaches
+        Largest distance of a point of the surface from the origin of its axes [m], shape (ns,).
+    order
+        Number of each triangle in its surface as it was given, shape (nt,).
+    triangle_boxes
+        Of the triangles [m], shape (nt, 6); without the radii.
+    edge_opposite
+        Point of the face opposite to the edge, for each row of `edge_inward`, shape (k,).
+    fitted_points
+        Points for which boxes, normals and `edge_inward` hold [m], shape (n, 3).
+    travels
+        Sum over all refits of the longest way that a point of the surface has gone in each [m], shape (ns,).
+    """
+
+    points: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+    normals: NDArray[np.float64]
+    edges: NDArray[np.int64]
+    edge_first: NDArray[np.int64]
+    edge_inward: NDArray[np.float64]
+    vertex_first: NDArray[np.int64]
+    vertex_neighbours: NDArray[np.int64]
+    nodes: NDArray[np.int64]
+    boxes: NDArray[np.float64]
+    surfaces: NDArray[np.int64]
+    radii: NDArray[np.float64]
+    reaches: NDArray[np.float64]
+    order: NDArray[np.int64]
+    triangle_boxes: NDArray[np.float64]
+    edge_opposite: NDArray[np.int64]
+    fitted_points: NDArray[np.float64]
+    travels: NDArray[np.float64]
+
+
+class _Part(NamedTuple):
+    """One surface, its rows counted from zero."""
+
+    points: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+    normals: NDArray[np.float64]
+    edges: NDArray[np.int64]
+    opposite_counts: NDArray[np.int64]
+    opposite: NDArray[np.int64]
+    neighbour_counts: NDArray[np.int64]
+    neighbours: NDArray[np.int64]
+    nodes: NDArray[np.int64]
+    boxes: NDArray[np.float64]
+    order: NDArray[np.int64]
+    triangle_boxes: NDArray[np.float64]
+    reach: float
+
+
+def pack_surfaces(surfaces: Sequence[TriangleSurface]) -> CollisionSurfaces:
+    """Arrays of all surfaces of a scene, with their trees, edges and neighbours.
+
+    Parameters
+    ----------
+    surfaces
+        In the axes of their bodies; there may be none.
+
+    Notes
+    -----
+    A point that no triangle uses keeps its row, but nothing owns it: it never touches anything.
+    """
+    parts = [_pack_one(surface) for surface in surfaces]
+    table = np.zeros((len(parts), SURFACE_WIDTH), dtype=np.int64)
+    point = triangle = edge = node = 0
+    triangles, edges, nodes, opposite, neighbours = [], [], [], [], []
+    for s, part in enumerate(parts):
+        table[s] = point, triangle, edge, node, len(part.triangles), len(part.points)
+        rows = part.triangles.copy()
+        rows[:, :EDGE_AB] += point
+        joined = rows[:, EDGE_AB:FLAGS]
+        joined[joined >= 0] += edge
+        rows[:, SURFACE] = s
+        triangles.append(rows)
+        edges.append(part.edges + np.array([point, point, triangle]))
+        tree = part.nodes.copy()
+        tree[tree[:, NODE_LEFT] >= 0, NODE_LEFT] += node
+        tree[:, NODE_FIRST] += triangle
+        nodes.append(tree)
+        opposite.append(part.opposite + point)
+        neighbours.append(part.neighbours + point)
+        point += len(part.points)
+        triangle += len(part.triangles)
+        edge += len(part.edges)
+        node += len(part.nodes)
+
+    points = _stack([part.points for part in parts], 3)
+    edge_rows = _stack(edges, EDGE_WIDTH, np.int64)
+    edge_first = _firsts([part.opposite_counts for part in parts])
+    edge_opposite = _stack(opposite, 0, np.int64)
+    owner = np.repeat(np.arange(len(edge_rows)), np.diff(edge_first))
+    return CollisionSurfaces(
+        points=points,
+        triangles=_stack(triangles, TRIANGLE_WIDTH, np.int64),
+        normals=_stack([part.normals for part in parts], 3),
+        edges=edge_rows,
+        edge_first=edge_first,
+        edge_inward=_inward(points, edge_rows[owner], edge_opposite),
+        vertex_first=_firsts([part.neighbour_counts for part in parts]),
+        vertex_neighbours=_stack(neighbours, 0, np.int64),
+        nodes=_stack(nodes, NODE_WIDTH, np.int64),
+        boxes=_stack([part.boxes for part in parts], BOX_WIDTH),
+        surfaces=table,
+        radii=np.array([surface.radius for surface in surfaces], dtype=np.float64),
+        reaches=np.array([part.reach for part in parts], dtype=np.float64),
+        order=_stack([part.order for part in parts], 0, np.int64),
+        triangle_boxes=_stack([part.triangle_boxes for part in parts], BOX_WIDTH),
+        edge_opposite=edge_opposite,
+        fitted_points=points.copy(),
+        travels=np.zeros(len(parts)),
+    )
+
+
+def _pack_one(surface: TriangleSurface) -> _Part:
+    """Arrays of one surface."""
+    points = np.array(surface.points, dtype=np.float64)
+    given = np.asarray(surface.triangles, dtype=np.int64)
+    corners = points[given]
+    lower, upper = corners.min(axis=1), corners.max(axis=1)
+    tree = build_tree(lower, upper)
+    corner = given[tree.order]
+    normals, faces = _normals(points, corner)
+
+    rows = np.zeros((len(corner), TRIANGLE_WIDTH), dtype=np.int64)
+    rows[:, :EDGE_AB] = corner
+    rows[:, FLAGS] = IS_FACE * faces
+    # the first triangle in leaf order that has a point owns it, and likewise edges
+    _, first = np.unique(corner.ravel(), return_index=True)
+    np.add.at(rows[:, FLAGS], first // 3, OWNS_A << (first % 3))
+    edges, owner = _edges(corner, len(points), rows[:, EDGE_AB:FLAGS])
+    np.add.at(rows[:, FLAGS], owner // 3, OWNS_AB << (owner % 3))
+
+    # corner (i + 2) is opposite to the side from corner i to i + 1
+    numbers = rows[:, EDGE_AB:FLAGS][faces].ravel()
+    by_edge = np.argsort(numbers, kind="stable")
+    opposite = corner[faces][:, [2, 0, 1]].ravel()[by_edge]
+    ends = edges[:, :EDGE_TRIANGLE]
+    starts = np.concatenate([ends[:, 0], ends[:, 1]])
+    by_point = np.argsort(starts, kind="stable")
+
+    boxes = np.empty((len(corner), BOX_WIDTH))
+    boxes[:, BOX_CENTRE:BOX_HALF] = (0.5 * (lower + upper))[tree.order]
+    boxes[:, BOX_HALF:] = (0.5 * (upper - lower))[tree.order]
+    return _Part(
+        points=points,
+        triangles=rows,
+        normals=normals,
+        edges=edges,
+        opposite_counts=np.bincount(numbers, minlength=len(edges)),
+        opposite=opposite,
+        neighbour_counts=np.bincount(starts, minlength=len(points)),
+        neighbours=np.concatenate([ends[:, 1], ends[:, 0]])[by_point],
+        nodes=tree.nodes,
+        boxes=tree.boxes,
+        order=tree.order,
+        triangle_boxes=boxes,
+        reach=float(np.linalg.norm(points[np.unique(given)], axis=1).max()),
+    )
+
+
+def _normals(
+    points: NDArray[np.float64], corner: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Unit normals of triangles, shape (nt, 3), and which of them are faces, shape (nt,)."""
+    a, b, c = (points[corner[:, k]] for k in range(3))
+    sides = np.stack([b - a, c - b, a - c])
+    longest = (sides * sides).sum(axis=2).max(axis=0)
+    product = np.cross(b - a, c - a)
+    length = np.linalg.norm(product, axis=1)
+    faces = length > FLATTEST_FACE * longest
+    product[~faces] = 0.0
+    return product / np.where(faces, length, 1.0)[:, np.newaxis], faces
+
+
+def _edges(
+    corner: NDArray[np.int64], point_count: int, numbers: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Edges of triangles, shape (ne, 3), and the place of the first side of each among all sides, shape (ne,).
+
+    Parameters
+    ----------
+    numbers
+        Out: edge of each side, shape (nt, 3); -1 for a side between a point and itself, and for the way back along
+        a lone segment.
+    """
+    start = corner.ravel()
+    end = corner[:, [1, 2, 0]].ravel()
+    keys = np.minimum(start, end) * point_count + np.maximum(start, end)
+    real = (start != end).reshape(-1, 3)
+    table = keys.reshape(-1, 3)
+    real[:, 1] &= (table[:, 1] != table[:, 0]) | ~real[:, 0]
+    real[:, 2] &= ((table[:, 2] != table[:, 0]) | ~real[:, 0]) & ((table[:, 2] != table[:, 1]) | ~real[:, 1])
+    sides = np.flatnonzero(real)
+    _, first, number = np.unique(keys[sides], return_index=True, return_inverse=True)
+    numbers[...] = -1
+    numbers[real] = number.ravel()
+    owner = sides[first]
+    edges = np.empty((len(owner), EDGE_WIDTH), dtype=np.int64)
+    edges[:, EDGE_START] = start[owner]
+    edges[:, EDGE_END] = end[owner]
+    edges[:, EDGE_TRIANGLE] = owner // 3
+    return edges, owner
+
+
+def _inward(
+    points: NDArray[np.float64], edges: NDArray[np.int64], opposite: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Unit vectors perpendicular to edges, towards a point each, shape (k, 3)."""
+    along = points[edges[:, EDGE_END]] - points[edges[:, EDGE_START]]
+    along /= np.linalg.norm(along, axis=1)[:, np.newaxis]
+    inward = points[opposite] - points[edges[:, EDGE_START]]
+    for _ in range(2):  # once more: of a sliver little is left by the first
+        inward -= (inward * along).sum(axis=1)[:, np.newaxis] * along
+        inward /= np.linalg.norm(inward, axis=1)[:, np.newaxis]
+    return inward
+
+
+def _firsts(counts: list[NDArray[np.int64]]) -> NDArray[np.int64]:
+    """Where each of some groups begins, and where the last ends."""
+    every = np.concatenate([*counts, np.zeros(0, dtype=np.int64)])
+    return np.concatenate([[0], np.cumsum(every)]).astype(np.int64)
+
+
+def _stack(arrays: list[NDArray], width: int, kind: type = np.float64) -> NDArray:
+    """Arrays below each other; rows of the given width if there are none. Width 0: of one axis."""
+    empty: NDArray = np.zeros((0, width) if width else 0, dtype=kind)
+    return np.ascontiguousarray(np.concatenate([*arrays, empty]), dtype=kind)

@@ -1,0 +1,78 @@
+"""What a user says of collision: surfaces of triangles on bodies, and which pairs of them may touch; SI units.
+
+A *surface* is any set of triangles, open or closed, wound either way. A *collision* lets two surfaces touch anywhere:
+its contacts come and go with the motion, by the same laws as those of contours.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+from heavylift.solver.contacts import ContactLaw, RigidLaw
+
+if TYPE_CHECKING:
+    from heavylift.preprocess.surfaces import TriangleSurface
+
+__all__ = ["Collision", "CollisionSurface"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CollisionSurface:
+    """Triangles that move with a body.
+
+    Attributes
+    ----------
+    name, body
+        Its own name and that of its body, `GROUND` for one that stands still in the world.
+    surface
+        Triangles in the frame of the body, excluded ones left out; of a frame or shell None: its own surface.
+    facets
+        Of a frame or shell: facets along each side of an element (around a frame likewise).
+    """
+
+    name: str
+    body: str
+    surface: TriangleSurface | None
+    facets: int = 2
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Collision:
+    """Two surfaces that may touch.
+
+    Attributes
+    ----------
+    name
+        Prefix of its channels.
+    surfaces
+        Names of both surfaces.
+    law
+        Force or impulse across each contact; a stiffness is that of a patch, which its contacts share.
+    friction
+        Coulomb's coefficient; 0 without.
+    events
+        Split the step at impacts of a rigid law. Otherwise contacts that could close within a step are rows of that step:
+        nothing passes through, and impacts happen at ends of steps.
+    method
+        ``"swept"``: certified tests of the paths of vertices and edges. ``"position-difference"``: the method of
+        "Integrated simulation ... (2018)", section 2.6, which misses collisions; for comparison.
+    patch_angle, patch_size
+        Contacts belong to one patch if their normals differ by less than this angle [rad], and lie within this distance
+        [m]; 0: a tenth of the smaller surface.
+    most_contacts
+        At once; if there are more, the simulation stops.
+    recorded
+        Contacts that are recorded with point, normal and force; those with the largest forces.
+    """
+
+    name: str
+    surfaces: tuple[str, str]
+    law: ContactLaw = field(default_factory=RigidLaw)
+    friction: float = 0.0
+    events: bool = True
+    method: Literal["swept", "position-difference"] = "swept"
+    patch_angle: float = 0.3141592653589793
+    patch_size: float = 0.0
+    most_contacts: int = 512
+    recorded: int = 8

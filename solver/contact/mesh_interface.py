@@ -1,0 +1,74 @@
+"""What contacts ask of pairs of surfaces of triangles: generic functions; without such pairs nothing is compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.solver.interface import Workspace
+from heavylift.solver.kinds import optional
+
+__all__ = [
+    "drop_contacts",
+    "find_first_contacts",
+    "forget_pair_sums",
+    "keep_found",
+    "place_surfaces",
+    "pose_surfaces",
+    "record_pairs",
+    "restore_contacts",
+    "search_surfaces",
+    "touch_triangles",
+]
+
+
+@optional
+def restore_contacts(meshes: Any, contacts: Any) -> None:
+    """Number, sides and laws of the contacts from what is carried of them; after a step has been taken back too."""
+
+
+@optional
+def pose_surfaces(meshes: Any, contacts: Any) -> None:
+    """Pose of the second surface of each pair in the axes of the first, from the poses of the stage."""
+
+
+@optional
+def touch_triangles(meshes: Any, contacts: Any, c: int) -> None:
+    """Gap, directions and rows of a contact at the stage."""
+
+
+@optional
+def search_surfaces(meshes: Any, contacts: Any, bodies: Any, work: Workspace, step: float) -> None:
+    """Contacts at the end of the step: those whose features have met on the way or are near, with gaps and rows."""
+
+
+@optional
+def find_first_contacts(meshes: Any, contacts: Any, bodies: Any, work: Workspace, step: float) -> None:
+    """The same before time starts, with both ends of the step at the start."""
+
+
+@optional
+def keep_found(meshes: Any, contacts: Any, before: bool) -> None:
+    """Contacts found in a step that is taken back outlive it: called before the state is restored, and after."""
+
+
+@optional
+def drop_contacts(meshes: Any, contacts: Any) -> None:
+    """After a step: contacts that are far away again go, and leave their sums to their pair."""
+
+
+@optional
+def place_surfaces(meshes: Any, contacts: Any) -> None:
+    """When a step stands: poses of the surfaces at its end, where the next one begins."""
+
+
+@optional
+def forget_pair_sums(meshes: Any, contacts: Any) -> None:
+    """Before a step: impulses of the step are counted anew."""
+
+
+@optional
+def record_pairs(meshes: Any, contacts: Any, work: Workspace, row: NDArray[np.float64]) -> None:
+    """Channels of pairs into a record, and what their contacts have stored and lost into the sums of energy."""

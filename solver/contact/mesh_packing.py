@@ -1,0 +1,263 @@
+"""Surfaces and collisions of a scene become the kind of pairs of surfaces, and room for their contacts."""
+
+from __future__ import annotations
+
+import importlib
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.rotation import rotation_matrix
+from heavylift.solver.bodies.rigid import principal_frame
+from heavylift.solver.connections import GROUND
+from heavylift.solver.contact.checks import check_law, check_motion
+from heavylift.solver.contact.kind import (
+    BODY,
+    COMPLIANT,
+    CONTOUR_COLUMNS,
+    DOF,
+    EXTENT,
+    FRICTION,
+    INVERSE_MASS,
+    OF_GROUND,
+    OF_RIGID,
+    ORIGIN,
+    OWNER,
+    POSE_WIDTH,
+    REACH,
+    RIGID,
+    ROTATION,
+    SIZE,
+    STATE_WIDTH,
+)
+from heavylift.solver.contact.laws_packing import force_law, put_law
+from heavylift.solver.contact.mesh_kind import (
+    FIRST,
+    FIRST_POSE,
+    FOUND_COLUMNS,
+    FOUND_NUMBERS,
+    METHOD,
+    MOST,
+    PAIR_COLUMN,
+    PAIR_COLUMNS,
+    PAIR_EVENTS,
+    PAIR_FORCE_LAW,
+    PAIR_LAW,
+    PAIR_VALUES,
+    PATCH_COSINE,
+    PATCH_SIZE,
+    RADII,
+    RECORDED,
+    SECOND,
+    SECOND_POSE,
+    SIDE_COLUMNS,
+    TOUCH_NUMBERS,
+    Meshes,
+)
+from heavylift.solver.contact.packed_collisions import PackedCollisions
+from heavylift.solver.contacts import RigidLaw
+from heavylift.solver.rows import Attachment
+from heavylift.solver.scene import RigidBody, Scene
+
+if TYPE_CHECKING:
+    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.solver.collisions import Collision, CollisionSurface
+    from heavylift.solver.scene import AnyBody
+
+__all__ = ["pack_collisions"]
+
+METHODS = {"swept": 0, "position-difference": 1}
+
+FOUND_AT_ONCE = 16
+"""Features that a search may find for each contact that there may be: those of one patch make few contacts."""
+
+
+def pack_collisions(
+    scene: Scene,
+    ordered: Sequence[AnyBody],
+    columns: Sequence[int],
+    attachment: Callable[[str], Attachment],
+    dofs: Mapping[str, int],
+    scales: Callable[[str], tuple[float, float]],
+    first_pose: int,
+) -> PackedCollisions:
+    """Make the kind.
+
+    Parameters
+    ----------
+    scene, ordered
+        What the user said, and its bodies in the order of their kinds.
+    columns
+        First record column of each collision.
+    attachment, dofs, scales
+        As of `pack_contacts`.
+    first_pose
+        Contours, whose poses come first.
+
+    Raises
+    ------
+    InputError
+        What the checks of collisions refuse.
+    """
+    from heavylift.contours.pair_list import make_pair_lists
+    from heavylift.contours.patches import EXTREMES, patch_scratch_size
+    from heavylift.contours.surface_pack import pack_surfaces
+
+    for module in ("mesh_search", "mesh_slots", "mesh_touch", "mesh_record"):
+        importlib.import_module(f"heavylift.solver.contact.{module}")
+    by_name = {body.name: body for body in ordered}
+    contours, poses, moved = [], [], []
+    for one in scene.surfaces:
+        row, pose, surface = _pack_surface(one, by_name, dofs)
+        contours.append(row)
+        poses.append(pose)
+        moved.append(surface)
+    numbers = {one.name: i for i, one in enumerate(scene.surfaces)}
+    count = len(scene.collisions)
+    pairs = np.zeros((count, PAIR_COLUMNS), dtype=np.int64)
+    sides = np.zeros((count, SIDE_COLUMNS), dtype=np.int64)
+    values = np.zeros((count, PAIR_VALUES))
+    for i, (collision, column) in enumerate(zip(scene.collisions, columns, strict=True)):
+        _check(collision, scene, scales)
+        first, second = (numbers[name] for name in collision.surfaces)
+        pairs[i, FIRST], pairs[i, SECOND] = first, second
+        pairs[i, FIRST_POSE], pairs[i, SECOND_POSE] = first_pose + first, first_pose + second
+        law = collision.law
+        pairs[i, PAIR_LAW] = RIGID if isinstance(law, RigidLaw) else COMPLIANT
+        pairs[i, PAIR_FORCE_LAW] = 0 if isinstance(law, RigidLaw) else force_law(law)
+        pairs[i, PAIR_EVENTS] = int(collision.events)
+        pairs[i, METHOD] = METHODS[collision.method]
+        pairs[i, PAIR_COLUMN], pairs[i, RECORDED] = column, collision.recorded
+        pairs[i, MOST] = collision.most_contacts
+        held = [attachment(scene.surfaces[k].body) for k in (first, second)]
+        sides[i] = [n for side in held for n in (side.dof, side.width, side.holder)]
+        size = min(_extent(moved[first]), _extent(moved[second]))
+        put_law(law, values[i])
+        values[i, FRICTION], values[i, SIZE], values[i, EXTENT] = collision.friction, size, 0.0
+        inverse = [0.0 if name == GROUND else scales(name)[0] for name in _bodies(collision, scene)]
+        values[i, INVERSE_MASS] = sum(inverse)
+        values[i, PATCH_COSINE] = math.cos(collision.patch_angle)
+        values[i, PATCH_SIZE] = collision.patch_size if collision.patch_size > 0.0 else 0.1 * size
+        values[i, RADII] = moved[first].radius + moved[second].radius
+    packed = pack_surfaces(moved)
+    most = sum(collision.most_contacts for collision in scene.collisions)
+    room = FOUND_AT_ONCE * max(collision.most_contacts for collision in scene.collisions)
+    places = len(scene.contacts) + most
+    meshes = Meshes(
+        surfaces=packed,
+        lists=make_pair_lists(packed, [(int(row[FIRST]), int(row[SECOND])) for row in pairs]),
+        pairs=pairs,
+        sides=sides,
+        pair_values=values,
+        relative=np.zeros((count, 12)),
+        motions=np.zeros((count, 24)),
+        found=np.zeros((room, FOUND_COLUMNS), dtype=np.int64),
+        found_values=np.zeros((room, FOUND_NUMBERS)),
+        touch=np.zeros(TOUCH_NUMBERS),
+        points=np.zeros((room, 3)),
+        normals=np.zeros((room, 3)),
+        depths=np.zeros(room),
+        active=np.zeros(room, dtype=np.int64),
+        patch_of=np.zeros(room, dtype=np.int64),
+        keeps=np.zeros(room, dtype=np.int64),
+        chosen=np.zeros((room, EXTREMES), dtype=np.int64),
+        sums=np.zeros(room),
+        grid=np.zeros(patch_scratch_size(room), dtype=np.int64),
+        slots=np.zeros(1 << (2 * most - 1).bit_length(), dtype=np.int64),
+        chains=np.zeros(places, dtype=np.int64),
+        kept=np.zeros((places, STATE_WIDTH)),
+    )
+    return PackedCollisions(
+        meshes=(meshes,),
+        contours=np.array(contours, dtype=np.int64).reshape(-1, CONTOUR_COLUMNS),
+        poses=np.array(poses).reshape(-1, POSE_WIDTH),
+        placed=np.zeros((len(moved) + count + 1, 12)),
+        most=most,
+        all_rigid=True,
+    )
+
+
+def _bodies(collision: Collision, scene: Scene) -> list[str]:
+    by_name = {one.name: one.body for one in scene.surfaces}
+    return [by_name[name] for name in collision.surfaces]
+
+
+def _extent(surface: TriangleSurface) -> float:
+    """Largest extension, rounding included [m]."""
+    return float(np.ptp(surface.points, axis=0).max()) + 2.0 * surface.radius
+
+
+def _pack_surface(
+    one: CollisionSurface, by_name: Mapping[str, AnyBody], dofs: Mapping[str, int]
+) -> tuple[NDArray[np.int64], NDArray[np.float64], TriangleSurface]:
+    """Row and pose of a surface, and its triangles in the axes in which the solver measures its body."""
+    from heavylift.preprocess.surfaces import TriangleSurface
+
+    if one.body != GROUND and one.body not in by_name:
+        raise InputError(
+            f"there is no body {one.body!r}",
+            source=one.name,
+            key="body",
+            expected=f"{GROUND} or one of {', '.join(sorted(by_name))}",
+        )
+    body = by_name.get(one.body)
+    if one.surface is None or not (body is None or isinstance(body, RigidBody)):
+        raise InputError(
+            f"a surface on {one.body!r}, which is flexible",
+            source=one.name,
+            key="body",
+            expected="a rigid body or the ground; flexible bodies touch by contours",
+        )
+    origin, axes = principal_frame(body) if body is not None else (np.zeros(3), np.eye(3))
+    surface = TriangleSurface(
+        (one.surface.points - origin) @ axes, one.surface.triangles, one.surface.radius, one.name
+    )
+    row = np.zeros(CONTOUR_COLUMNS, dtype=np.int64)
+    row[OWNER] = OF_GROUND if body is None else OF_RIGID
+    row[DOF] = -1 if body is None else dofs[one.body]
+    row[BODY] = -1 if body is None else list(by_name).index(one.body)
+    pose = np.zeros(POSE_WIDTH)
+    pose[ROTATION : ROTATION + 9] = np.eye(3).ravel()
+    if body is not None:
+        R = rotation_matrix(body.orientation)
+        pose[ROTATION : ROTATION + 9] = (R @ axes).ravel()
+        pose[ORIGIN : ORIGIN + 3] = body.position + R @ origin
+    pose[REACH] = float(np.linalg.norm(surface.points, axis=1).max()) + surface.radius
+    return row, pose, surface
+
+
+def _check(collision: Collision, scene: Scene, scales: Callable[[str], tuple[float, float]]) -> None:
+    """Refuse a collision that cannot be."""
+    by_name = {one.name: one for one in scene.surfaces}
+    for name in collision.surfaces:
+        if name not in by_name:
+            _refuse(
+                collision, "between", f"there is no surface {name!r}", f"one of {', '.join(sorted(by_name))}"
+            )
+    bodies = _bodies(collision, scene)
+    if bodies[0] == bodies[1]:
+        _refuse(collision, "between", f"{bodies[0]!r} touches itself", "surfaces of two bodies")
+    check_motion(collision.name, bodies[0], bodies[1], scales)
+    check_law(collision.name, collision.law, collision.friction)
+    if not isinstance(collision.law, RigidLaw) and not collision.events:
+        _refuse(collision, "events", "false with a law that is compliant", "law 'rigid', or no 'events'")
+    if collision.method not in METHODS:
+        _refuse(collision, "method", f"{collision.method!r}", " or ".join(map(repr, METHODS)))
+    if not 0.0 < collision.patch_angle <= math.pi:
+        _refuse(collision, "patch_angle", f"{collision.patch_angle} rad", "above 0, up to pi")
+    if not 0.0 <= collision.patch_size < math.inf:
+        _refuse(collision, "patch_size", f"{collision.patch_size} m", "0 or more")
+    for key, value, least in (
+        ("most_contacts", collision.most_contacts, 1),
+        ("recorded", collision.recorded, 0),
+    ):
+        if value < least:
+            _refuse(collision, key, f"{value}", f"{least} or more")
+
+
+def _refuse(collision: Collision, key: str, problem: str, expected: str) -> None:
+    raise InputError(problem, source=collision.name, key=key, expected=expected)

@@ -1,0 +1,181 @@
+"""Which of the contacts that were found take part: every patch has few, and they share its stiffness.
+
+How many features touch is a matter of the meshes. Those that span a patch carry it; one that is deeper than they are,
+as on curved surfaces, takes part too.
+"""
+
+from __future__ import annotations
+
+import math
+
+from heavylift.contours.feature_gap import feature_gap
+from heavylift.contours.patches import EXTREMES, extreme_points, group_patches
+from heavylift.numerics.jit import kernel
+from heavylift.solver.contact.counts import contact_count, number_of
+from heavylift.solver.contact.kind import (
+    COMPLIANT,
+    END_GAP,
+    EXPONENT,
+    FORCE_LAW,
+    LAW,
+    LOSS,
+    OF_CONTOURS,
+    PAIR,
+    PATCH,
+    SHARE,
+    SIDE,
+    SIZE,
+    STIFFNESS,
+    ContactRows,
+)
+from heavylift.solver.contact.laws import stored_energy
+from heavylift.solver.contact.mesh_kind import (
+    FOUND_COLUMNS,
+    FOUND_FIRST,
+    FOUND_KIND,
+    FOUND_NUMBERS,
+    FOUND_SECOND,
+    FOUND_SIDE,
+    NORMAL_AT,
+    OTHER_AT,
+    PATCH_COSINE,
+    PATCH_SIZE,
+    POINT_AT,
+    RADII,
+    Meshes,
+)
+from heavylift.solver.contact.mesh_table import look_up
+
+__all__ = ["choose_contacts", "share_stiffness", "sort_found"]
+
+DEEPER = 1e-9
+"""Of the size: what is deeper than those that span its patch by less does not count."""
+
+
+@kernel(inline=True, internal=True)
+def _comes_before(meshes: Meshes, i: int, kind: int, feature: int, other: int) -> bool:
+    """Whether found features stand before others in the order of their numbers."""
+    found = meshes.found[i]
+    if found[FOUND_KIND] != kind:
+        return bool(found[FOUND_KIND] < kind)
+    if found[FOUND_FIRST] != feature:
+        return bool(found[FOUND_FIRST] < feature)
+    return bool(found[FOUND_SECOND] < other)
+
+
+@kernel(internal=True)
+def sort_found(meshes: Meshes, count: int) -> None:
+    """By features (Shell's method): a search finds them in an order that depends on when its list was made."""
+    found, values = meshes.found, meshes.found_values
+    distance = 1
+    while distance < count // 3:
+        distance = 3 * distance + 1
+    while distance > 0:
+        for i in range(distance, count):
+            a, b, c, d = found[i, 0], found[i, 1], found[i, 2], found[i, 3]
+            x, y, z = values[i, 0], values[i, 1], values[i, 2]
+            k = i
+            while k >= distance and not _comes_before(meshes, k - distance, a, b, c):
+                for j in range(FOUND_COLUMNS):
+                    found[k, j] = found[k - distance, j]
+                for j in range(FOUND_NUMBERS):
+                    values[k, j] = values[k - distance, j]
+                k -= distance
+            found[k, 0], found[k, 1], found[k, 2], found[k, 3] = a, b, c, d
+            values[k, 0], values[k, 1], values[k, 2] = x, y, z
+        distance //= 3
+
+
+@kernel(internal=True)
+def choose_contacts(meshes: Meshes, contacts: ContactRows, pair: int, count: int) -> int:
+    """Group what was found into patches, and mark those that take part; returns the number of patches.
+
+    Contacts that are there already keep their place if they can, and get the number of their patch.
+    """
+    touch, size = meshes.touch, meshes.pair_values[pair, SIZE]
+    for i in range(count):
+        found = meshes.found[i]
+        kind, feature, other = found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]
+        c = look_up(meshes, contacts, pair, kind, feature, other)
+        side = contacts.state[c, SIDE] if c >= 0 else meshes.found_values[i, FOUND_SIDE]
+        gap = feature_gap(
+            meshes.surfaces,
+            kind,
+            feature,
+            other,
+            meshes.pair_values[pair, RADII],
+            side,
+            meshes.relative[pair],
+            0,
+            touch,
+        )
+        for k in range(3):
+            meshes.points[i, k] = 0.5 * (touch[POINT_AT + k] + touch[OTHER_AT + k])
+            meshes.normals[i, k] = touch[NORMAL_AT + k]
+        meshes.depths[i] = gap
+        meshes.active[i] = 1 if c >= 0 else 0
+        meshes.keeps[i] = 0
+    patches = group_patches(
+        count,
+        meshes.points,
+        meshes.normals,
+        meshes.pair_values[pair, PATCH_COSINE],
+        meshes.pair_values[pair, PATCH_SIZE],
+        meshes.grid,
+        meshes.patch_of,
+    )
+    extreme_points(
+        count,
+        meshes.points,
+        meshes.normals,
+        meshes.patch_of,
+        patches,
+        meshes.active,
+        meshes.grid,
+        meshes.chosen,
+    )
+    for k in range(patches):
+        meshes.sums[k] = math.inf
+        for e in range(EXTREMES):
+            i = meshes.chosen[k, e]
+            if i >= 0:
+                meshes.keeps[i] = 1
+                meshes.sums[k] = min(meshes.sums[k], meshes.depths[i])
+        meshes.chosen[k, 0] = -1
+    for i in range(count):  # the deepest of a patch
+        k = meshes.patch_of[i]
+        if meshes.depths[i] < min(meshes.sums[k], 0.0) - DEEPER * size:
+            meshes.sums[k] = meshes.depths[i]
+            meshes.chosen[k, 0] = i
+    for k in range(patches):
+        if meshes.chosen[k, 0] >= 0:
+            meshes.keeps[meshes.chosen[k, 0]] = 1
+    return patches
+
+
+@kernel(internal=True)
+def share_stiffness(meshes: Meshes, contacts: ContactRows, pair: int, patches: int, reach: float) -> None:
+    """Contacts share the stiffness of their patch by how deep they are, or how near.
+
+    A contact that comes near begins with nothing, so forces do not jump when it does. What the others have stored more
+    or less by that is booked as lost.
+    """
+    for k in range(patches):
+        meshes.sums[k] = 0.0
+    first, last = number_of(contacts, OF_CONTOURS), contact_count(contacts)
+    for c in range(first, last):
+        state = contacts.state[c]
+        if state[PAIR] == pair and state[PATCH] < patches:
+            meshes.sums[int(state[PATCH])] += max(reach - state[END_GAP], 0.0)
+    stiffness = meshes.pair_values[pair, STIFFNESS]
+    for c in range(first, last):
+        state, values = contacts.state[c], contacts.values[c]
+        if state[PAIR] != pair or contacts.table[c, LAW] != COMPLIANT:
+            continue
+        before = values[STIFFNESS]
+        if state[PATCH] < patches and meshes.sums[int(state[PATCH])] > 0.0:
+            state[SHARE] = max(reach - state[END_GAP], 0.0) / meshes.sums[int(state[PATCH])]
+        values[STIFFNESS] = state[SHARE] * stiffness
+        law, exponent, depth = contacts.table[c, FORCE_LAW], values[EXPONENT], -state[END_GAP]
+        state[LOSS] += stored_energy(law, before, exponent, depth)
+        state[LOSS] -= stored_energy(law, values[STIFFNESS], exponent, depth)

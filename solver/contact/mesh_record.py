@@ -1,0 +1,186 @@
+"""Pairs of surfaces in a record: sums over their contacts, and the contacts with the largest forces."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.channels import XYZ
+from heavylift.solver.contact.counts import contact_count, number_of
+from heavylift.solver.contact.kind import (
+    CLOSED,
+    COMPLIANT,
+    EXPONENT,
+    FORCE,
+    FORCE_LAW,
+    FRICTION_FORCE,
+    GAP,
+    IMPACTS,
+    IMPULSES,
+    LAW,
+    LOSS,
+    NORMAL,
+    NORMAL_FORCE,
+    OF_CONTOURS,
+    PAIR,
+    PATCH,
+    SLIP_SPEED,
+    STEP_IMPULSE,
+    STIFFNESS,
+    TOUCHED,
+    ContactRows,
+)
+from heavylift.solver.contact.laws import stored_energy
+from heavylift.solver.contact.mesh_interface import record_pairs
+from heavylift.solver.contact.mesh_kind import (
+    GONE_IMPACTS,
+    GONE_IMPULSE,
+    GONE_LOSS,
+    PAIR_COLUMN,
+    PAIR_REACH,
+    RECORDED,
+    Meshes,
+)
+from heavylift.solver.contact.mesh_slots import surface_count
+from heavylift.solver.interface import DISSIPATED, ELASTIC, Workspace
+from heavylift.solver.kinds import implement
+
+__all__ = ["COLLISION_CHANNELS", "collision_channels"]
+
+COLLISION_CHANNELS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
+    ("gap", "m", ("gap",)),
+    ("contacts", "1", ("contacts",)),
+    ("patches", "1", ("patches",)),
+    ("force", "N", XYZ),
+    ("normal_force", "N", ("normal_force",)),
+    ("largest_force", "N", ("largest_force",)),
+    ("impulse", "N s", ("impulse",)),
+    ("point", "m", XYZ),
+    ("slip", "m/s", ("slip",)),
+    ("dissipated", "J", ("dissipated",)),
+    ("impacts", "1", ("impacts",)),
+)
+"""Name, unit and components of the channels of a collision, in the order of its columns."""
+
+ONE_CONTACT: tuple[tuple[str, str, tuple[str, ...]], ...] = (
+    ("point", "m", XYZ),
+    ("normal", "1", XYZ),
+    ("gap", "m", ("gap",)),
+    ("force", "N", ("force",)),
+    ("friction", "N", ("friction",)),
+    ("impulse", "N s", ("impulse",)),
+    ("patch", "1", ("patch",)),
+)
+"""The same of each recorded contact."""
+
+GAP_AT, NUMBER_AT, PATCHES_AT, FORCE_AT, SUM_AT, LARGEST_AT, IMPULSE_AT = 0, 1, 2, 3, 6, 7, 8
+CENTRE_AT, SLIP_AT, LOSS_AT, IMPACTS_AT, CONTACTS_AT = 9, 12, 13, 14, 15
+POINT_OF, NORMAL_OF, GAP_OF, FORCE_OF, FRICTION_OF, IMPULSE_OF, PATCH_OF, ONE_WIDTH = 0, 3, 6, 7, 8, 9, 10, 11
+
+
+def collision_channels(recorded: int) -> list[tuple[str, str, tuple[str, ...]]]:
+    """Channels of a collision that records some of its contacts."""
+    found = list(COLLISION_CHANNELS)
+    for i in range(recorded):
+        found += [(f"contact_{i + 1}.{name}", unit, parts) for name, unit, parts in ONE_CONTACT]
+    return found
+
+
+@implement(record_pairs, Meshes)
+@kernel(internal=True)
+def record_mesh_pairs(
+    meshes: Meshes, contacts: ContactRows, work: Workspace, row: NDArray[np.float64]
+) -> None:
+    """Pair by pair."""
+    for pair in range(meshes.pairs.shape[0]):
+        at = meshes.pairs[pair, PAIR_COLUMN]
+        _record_sums(meshes, contacts, pair, work, row, at)
+        _record_largest(meshes, contacts, pair, row, at + CONTACTS_AT)
+
+
+@kernel(internal=True)
+def _record_sums(
+    meshes: Meshes, contacts: ContactRows, pair: int, work: Workspace, row: NDArray[np.float64], at: int
+) -> None:
+    """What all contacts of a pair do together; its gap is the reach of the search while nothing is nearer."""
+    gone = contacts.placed[surface_count(contacts, meshes) + pair]
+    for k in range(CONTACTS_AT):
+        row[at + k] = 0.0
+    row[at + GAP_AT] = meshes.pair_values[pair, PAIR_REACH]
+    row[at + IMPULSE_AT], row[at + LOSS_AT], row[at + IMPACTS_AT] = (
+        gone[GONE_IMPULSE],
+        gone[GONE_LOSS],
+        gone[GONE_IMPACTS],
+    )
+    highest = -1.0
+    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+        state = contacts.state[c]
+        if state[PAIR] != pair:
+            continue
+        row[at + GAP_AT] = min(row[at + GAP_AT], state[GAP])
+        row[at + IMPULSE_AT] += state[IMPULSES]
+        row[at + LOSS_AT] += state[LOSS]
+        row[at + IMPACTS_AT] += state[IMPACTS]
+        if contacts.table[c, LAW] == COMPLIANT:
+            values = contacts.values[c]
+            work.sums[ELASTIC] += stored_energy(
+                contacts.table[c, FORCE_LAW], values[STIFFNESS], values[EXPONENT], -state[GAP]
+            )
+        force = state[NORMAL_FORCE]
+        if not (force > 0.0 or state[CLOSED] > 0.0):
+            continue
+        row[at + NUMBER_AT] += 1.0
+        highest = max(highest, state[PATCH])
+        row[at + SUM_AT] += force
+        row[at + SLIP_AT] = max(row[at + SLIP_AT], state[SLIP_SPEED])
+        for k in range(3):
+            row[at + FORCE_AT + k] += state[FORCE + k]
+            row[at + CENTRE_AT + k] += force * state[TOUCHED + k]
+    work.sums[DISSIPATED] += row[at + LOSS_AT]
+    if row[at + SUM_AT] > 0.0:
+        for k in range(3):
+            row[at + CENTRE_AT + k] /= row[at + SUM_AT]
+    for patch in range(int(highest) + 1):
+        total, members = 0.0, 0
+        for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+            state = contacts.state[c]
+            touches = state[NORMAL_FORCE] > 0.0 or state[CLOSED] > 0.0
+            if state[PAIR] == pair and state[PATCH] == patch and touches:
+                total += state[NORMAL_FORCE]
+                members += 1
+        row[at + LARGEST_AT] = max(row[at + LARGEST_AT], total)
+        row[at + PATCHES_AT] += 1.0 if members > 0 else 0.0
+
+
+@kernel(internal=True)
+def _record_largest(
+    meshes: Meshes, contacts: ContactRows, pair: int, row: NDArray[np.float64], at: int
+) -> None:
+    """Contacts in the order of their normal forces, those of equal ones in that of their places."""
+    before, last = math.inf, -1
+    for i in range(meshes.pairs[pair, RECORDED]):
+        best, largest = -1, -1.0
+        for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+            state = contacts.state[c]
+            force = state[NORMAL_FORCE]
+            touches = force > 0.0 or state[CLOSED] > 0.0
+            later = force < before or (force == before and c > last)
+            if state[PAIR] == pair and touches and later and force > largest:
+                best, largest = c, force
+        place = at + i * ONE_WIDTH
+        for k in range(ONE_WIDTH):
+            row[place + k] = 0.0
+        row[place + PATCH_OF] = -1.0
+        if best < 0:
+            continue
+        before, last = largest, best
+        state = contacts.state[best]
+        for k in range(3):
+            row[place + POINT_OF + k] = state[TOUCHED + k]
+            row[place + NORMAL_OF + k] = state[NORMAL + k]
+        row[place + GAP_OF], row[place + FORCE_OF] = state[GAP], state[NORMAL_FORCE]
+        row[place + FRICTION_OF], row[place + IMPULSE_OF] = state[FRICTION_FORCE], state[STEP_IMPULSE]
+        row[place + PATCH_OF] = state[PATCH]

@@ -1,0 +1,62 @@
+"""Surfaces that already cross each other before time starts are refused: nobody knows which side is which."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.contours.overlap import find_overlap
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.contact.kind import (
+    COMPLIANT,
+    ORIGIN,
+    SIZE,
+    ContactRows,
+)
+from heavylift.solver.contact.mesh_kind import FIRST, FIRST_POSE, PAIR_LAW, RADII, SECOND, SECOND_POSE
+
+__all__ = ["check_overlaps"]
+
+DEEPEST = 1e-4
+"""Of the size of the smaller surface: what is less deep is pushed out gently."""
+
+
+def check_overlaps(contacts: ContactRows, names: Sequence[str]) -> None:
+    """Refuse pairs of surfaces that cross each other.
+
+    Parameters
+    ----------
+    contacts
+        With the poses of the start.
+    names
+        Of the collisions.
+
+    Raises
+    ------
+    InputError
+        With depth and place of the deepest crossing.
+    """
+    (meshes,) = contacts.meshes
+    for name, pair, values in zip(names, meshes.pairs, meshes.pair_values, strict=True):
+        first, second = contacts.poses[pair[FIRST_POSE]], contacts.poses[pair[SECOND_POSE]]
+        R = first[:9].reshape(3, 3)
+        turned = R.T @ second[:9].reshape(3, 3)
+        moved = R.T @ (second[ORIGIN : ORIGIN + 3] - first[ORIGIN : ORIGIN + 3])
+        found = find_overlap(meshes.surfaces, int(pair[FIRST]), int(pair[SECOND]), turned, moved)
+        allowed = DEEPEST * values[SIZE]
+        if pair[PAIR_LAW] == COMPLIANT:  # what is round may begin under load
+            allowed = max(allowed, values[RADII])
+        if found.triangle_a >= 0 and found.depth > allowed:
+            _refuse(name, found.depth, first[ORIGIN : ORIGIN + 3] + R @ found.place)
+
+
+def _refuse(name: str, depth: float, at: NDArray[np.float64]) -> None:
+    raise InputError(
+        f"the surfaces cross each other at the start, {depth:.4g} m deep at "
+        f"({at[0]:.4g}, {at[1]:.4g}, {at[2]:.4g}) m",
+        source=name,
+        key="between",
+        expected="bodies apart, or an exclusion box where they overlap on purpose",
+    )

@@ -1,0 +1,157 @@
+"""One contact between triangles at a stage: gap, directions and rows on both bodies, from its two features."""
+
+from __future__ import annotations
+
+import math
+
+from heavylift.contours.feature_gap import (
+    EDGE_VERTEX,
+    FACE_VERTEX,
+    VERTEX_FACE,
+    VERTEX_VERTEX,
+    feature_gap,
+)
+from heavylift.contours.surface_layout import CORNER_A, CORNER_B
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import rotate, rotate_back
+from heavylift.solver.contact.contour_rows import put_pose_rows
+from heavylift.solver.contact.directions import put_directions
+from heavylift.solver.contact.kind import (
+    AXES,
+    BESIDE,
+    CONTOUR,
+    DIRECTIONS,
+    END_GAP,
+    FEATURE,
+    FEATURES,
+    LEVER,
+    NORMAL,
+    ORIGIN,
+    OTHER_FEATURE,
+    PAIR,
+    SIDE,
+    TANGENT,
+    TOUCHED,
+    ContactRows,
+)
+from heavylift.solver.contact.mesh_interface import pose_surfaces, touch_triangles
+from heavylift.solver.contact.mesh_kind import (
+    BESIDE_AT,
+    FIRST,
+    FIRST_POSE,
+    NORMAL_AT,
+    OTHER_AT,
+    POINT_AT,
+    RADII,
+    SECOND,
+    SECOND_POSE,
+    Meshes,
+)
+from heavylift.solver.kinds import implement
+
+__all__ = ["relative_pose"]
+
+Direction = tuple[float, float, float]
+
+
+@kernel(internal=True)
+def relative_pose(first, second, out, at: int) -> None:  # type: ignore[no-untyped-def]
+    """``R = R_A^T R_B`` and ``p = R_A^T (p_B - p_A)`` of two poses, row by row, into 12 places from `at`."""
+    for j in range(3):
+        r = rotate_back(first, second[j], second[3 + j], second[6 + j])
+        for i in range(3):
+            out[at + 3 * i + j] = r[i]
+    p = rotate_back(
+        first,
+        second[ORIGIN] - first[ORIGIN],
+        second[ORIGIN + 1] - first[ORIGIN + 1],
+        second[ORIGIN + 2] - first[ORIGIN + 2],
+    )
+    for i in range(3):
+        out[at + 9 + i] = p[i]
+
+
+@implement(pose_surfaces, Meshes)
+@kernel(internal=True)
+def pose_mesh_surfaces(meshes: Meshes, contacts: ContactRows) -> None:
+    """Of all pairs."""
+    for pair in range(meshes.pairs.shape[0]):
+        first = contacts.poses[meshes.pairs[pair, FIRST_POSE]]
+        relative_pose(first, contacts.poses[meshes.pairs[pair, SECOND_POSE]], meshes.relative[pair], 0)
+
+
+@kernel(internal=True)
+def _tangent(
+    meshes: Meshes, pair: int, kind: int, feature: int, other: int, n1: float, n2: float, n3: float
+) -> Direction:
+    """A unit vector square to the normal, in the axes of the first surface; it moves with the features.
+
+    Elastic slip is carried along it, so it is no matter of how the bodies lie in the world.
+    """
+    points = meshes.surfaces.points
+    on_second = kind == FACE_VERTEX
+    a, b = 0, 0
+    if kind == VERTEX_FACE:
+        a, b = meshes.surfaces.triangles[feature, CORNER_A], meshes.surfaces.triangles[feature, CORNER_B]
+    elif kind == FACE_VERTEX:
+        a, b = meshes.surfaces.triangles[other, CORNER_A], meshes.surfaces.triangles[other, CORNER_B]
+    elif kind != VERTEX_VERTEX:
+        on_second = kind == EDGE_VERTEX
+        edge = other if on_second else feature
+        a, b = meshes.surfaces.edges[edge, 0], meshes.surfaces.edges[edge, 1]
+    t1, t2, t3 = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
+    if on_second:
+        t1, t2, t3 = rotate(meshes.relative[pair], t1, t2, t3)
+    share = t1 * n1 + t2 * n2 + t3 * n3
+    t1, t2, t3 = t1 - share * n1, t2 - share * n2, t3 - share * n3
+    size = math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
+    if not size > 0.0:  # two points: any direction serves
+        if abs(n1) < 0.6:
+            t1, t2, t3 = 1.0 - n1 * n1, -n1 * n2, -n1 * n3
+        else:
+            t1, t2, t3 = -n2 * n1, 1.0 - n2 * n2, -n2 * n3
+        size = math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
+    return t1 / size, t2 / size, t3 / size
+
+
+@implement(touch_triangles, Meshes)
+@kernel(internal=True)
+def touch_mesh_contact(meshes: Meshes, contacts: ContactRows, c: int) -> None:
+    """Both bodies are pushed in one point, half way between their surfaces."""
+    state, scratch, touch = contacts.state[c], contacts.scratch, meshes.touch
+    pair = int(state[PAIR])
+    first_pose, second_pose = contacts.table[c, CONTOUR], contacts.table[c, AXES]
+    kind, feature, other = int(state[FEATURES]), int(state[FEATURE]), int(state[OTHER_FEATURE])
+    relative = meshes.relative[pair]
+    state[END_GAP] = feature_gap(
+        meshes.surfaces,
+        kind,
+        feature,
+        other,
+        meshes.pair_values[pair, RADII],
+        state[SIDE],
+        relative,
+        0,
+        touch,
+    )
+    state[BESIDE] = touch[BESIDE_AT]
+    n1, n2, n3 = touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2]
+    t1, t2, t3 = _tangent(meshes, pair, kind, feature, other, n1, n2, n3)
+    put_directions(contacts, first_pose, n1, n2, n3, t1, t2, t3)
+    shift = 0.5 * (
+        meshes.surfaces.radii[meshes.pairs[pair, FIRST]] - meshes.surfaces.radii[meshes.pairs[pair, SECOND]]
+    )
+    x1 = 0.5 * (touch[POINT_AT] + touch[OTHER_AT]) + shift * n1
+    x2 = 0.5 * (touch[POINT_AT + 1] + touch[OTHER_AT + 1]) + shift * n2
+    x3 = 0.5 * (touch[POINT_AT + 2] + touch[OTHER_AT + 2]) + shift * n3
+    scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2] = x1, x2, x3
+    put_pose_rows(contacts, 2 * c, first_pose, -1.0)
+    pose = contacts.poses[first_pose]
+    s = rotate(pose, x1, x2, x3)
+    y = rotate_back(relative, x1 - relative[ORIGIN], x2 - relative[ORIGIN + 1], x3 - relative[ORIGIN + 2])
+    for k in range(3):
+        state[TOUCHED + k] = pose[ORIGIN + k] + s[k]
+        state[NORMAL + k] = scratch[DIRECTIONS + k]
+        state[TANGENT + k] = scratch[DIRECTIONS + 3 + k]
+        scratch[LEVER + k] = y[k]
+    put_pose_rows(contacts, 2 * c + 1, second_pose, 1.0)

@@ -1,0 +1,51 @@
+"""What the collisions of a scene add to its contacts; nothing, in most scenes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.solver.contact.kind import CONTOUR_COLUMNS, POSE_WIDTH
+
+__all__ = ["PackedCollisions", "no_collisions"]
+
+
+@dataclass(frozen=True, eq=False)
+class PackedCollisions:
+    """What the collisions add to the contacts.
+
+    Attributes
+    ----------
+    meshes
+        The kind, in a tuple; empty without collisions.
+    contours, poses
+        Rows for the surfaces, behind those of the contours.
+    placed
+        As in `ContactRows`.
+    most
+        Contacts at once.
+    all_rigid
+        Whether all surfaces are on rigid bodies or the ground.
+    """
+
+    meshes: tuple[Any, ...]
+    contours: NDArray[np.int64]
+    poses: NDArray[np.float64]
+    placed: NDArray[np.float64]
+    most: int
+    all_rigid: bool
+
+
+def no_collisions() -> PackedCollisions:
+    """Of scenes whose contacts are all with contours."""
+    return PackedCollisions(
+        (),
+        np.zeros((0, CONTOUR_COLUMNS), dtype=np.int64),
+        np.zeros((0, POSE_WIDTH)),
+        np.zeros((1, 12)),
+        0,
+        False,
+    )

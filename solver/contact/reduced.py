@@ -1,0 +1,158 @@
+"""Contacts between rigid bodies are solved on the velocities of those bodies: many contacts, few unknowns.
+
+``y = y0 + B N^T p`` on the velocities y of the bodies that are touched, where ``B = A^-1 - X S^-1 X^T`` is what they
+feel of each other through joints and ropes. The matrix of the contacts themselves is never formed.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.contact.generics import respond
+from heavylift.solver.contact.kind import LARGEST_CONTROLS, ContactRows
+from heavylift.solver.contact.newton import solve_contacts_reduced
+from heavylift.solver.rows import DOF, PANEL, WIDTH
+
+__all__ = ["DENSE", "Reduced", "assemble_reduced", "make_reduced", "solve_reduced"]
+
+DENSE = 4
+"""Contacts up to which their own matrix is formed."""
+
+SIZE_AT = 0
+
+
+class Reduced(NamedTuple):
+    """What the solver is told; columns are velocities of touched bodies.
+
+    Attributes
+    ----------
+    ends, blocks
+        Of each contact that takes part, shapes (nc, 4) and (nc, 36), see `solve_contacts_reduced`.
+    matrix
+        B, shape (n, n).
+    start, found
+        Velocities without and with impulses, shape (n,).
+    columns, velocities
+        Column of each velocity of the scene, -1 if it is not touched; velocity of each column.
+    numbers
+        How many columns there are.
+    """
+
+    ends: NDArray[np.int64]
+    blocks: NDArray[np.float64]
+    matrix: NDArray[np.float64]
+    start: NDArray[np.float64]
+    found: NDArray[np.float64]
+    columns: NDArray[np.int64]
+    velocities: NDArray[np.int64]
+    numbers: NDArray[np.int64]
+
+
+def make_reduced(contact_count: int, body_count: int, velocity_count: int) -> Reduced:
+    """Room for some contacts on some rigid bodies; none of either where contacts are not solved so."""
+    size = 6 * body_count
+    return Reduced(
+        ends=np.zeros((contact_count, 4), dtype=np.int64),
+        blocks=np.zeros((contact_count, 36)),
+        matrix=np.zeros((size, size)),
+        start=np.zeros(size),
+        found=np.zeros(size),
+        columns=np.full(velocity_count, -1, dtype=np.int64),
+        velocities=np.zeros(size, dtype=np.int64),
+        numbers=np.zeros(1, dtype=np.int64),
+    )
+
+
+@kernel(internal=True)
+def assemble_reduced(contacts: ContactRows, systems: Any, count: int) -> None:
+    """Columns, blocks and matrix for the contacts that take part."""
+    reduced = contacts.reduced
+    for j in range(reduced.numbers[SIZE_AT]):
+        reduced.columns[reduced.velocities[j]] = -1
+    size = 0
+    lanes = len(contacts.shape[1])
+    for j in range(count):
+        c = contacts.places[LARGEST_CONTROLS + j]
+        for side in range(2):
+            i = 2 * c + side
+            dof, width = contacts.attachments[i, DOF], contacts.attachments[i, WIDTH]
+            reduced.ends[j, 2 * side + 1] = width
+            if width == 0:
+                reduced.ends[j, 2 * side] = 0
+                continue
+            if reduced.columns[dof] < 0:
+                for k in range(width):
+                    reduced.columns[dof + k] = size + k
+                    reduced.velocities[size + k] = dof + k
+                size += width
+            reduced.ends[j, 2 * side] = reduced.columns[dof]
+            panel = contacts.attachments[i, PANEL]
+            for r in range(3):
+                for k in range(width):
+                    reduced.blocks[j, 18 * side + 6 * r + k] = contacts.panels[panel + k * lanes + r]
+    reduced.numbers[SIZE_AT] = size
+    column = contacts.column
+    for j in range(size):
+        dof = reduced.velocities[j]
+        if contacts.inverse_mass[dof] == 0.0:  # its motion is prescribed
+            for i in range(size):
+                reduced.matrix[i, j] = 0.0
+            continue
+        for i in range(column.shape[0]):
+            column[i] = 0.0
+        column[dof] = contacts.inverse_mass[dof]
+        respond(systems, column)
+        for i in range(size):
+            reduced.matrix[i, j] = column[reduced.velocities[i]]
+
+
+@kernel(internal=True)
+def solve_reduced(contacts: ContactRows, count: int, velocity: NDArray[np.float64]) -> tuple[int, int, float]:
+    """Impulses into the second row of `contacts.rates`, rates into the third, where impulses stand that are known.
+
+    Returns
+    -------
+    status, iterations, residual
+        As of `solve_contacts_reduced`.
+    """
+    reduced, p, w = contacts.reduced, contacts.rates[1], contacts.rates[2]
+    size = reduced.numbers[SIZE_AT]
+    for i in range(size):
+        reduced.found[i] = 0.0
+    for j in range(count):
+        for side in range(2):
+            at, width = reduced.ends[j, 2 * side], reduced.ends[j, 2 * side + 1]
+            for r in range(3):
+                for k in range(width):
+                    reduced.found[at + k] += reduced.blocks[j, 18 * side + 6 * r + k] * w[3 * j + r]
+    for i in range(size):
+        total = velocity[reduced.velocities[i]]
+        for k in range(size):
+            total -= reduced.matrix[i, k] * reduced.found[k]
+        reduced.start[i] = total
+    status, rounds, residual = solve_contacts_reduced(
+        count,
+        contacts.kinds,
+        contacts.laws,
+        reduced.ends,
+        reduced.blocks,
+        size,
+        reduced.start,
+        reduced.matrix,
+        p,
+        reduced.found,
+        contacts.workspace,
+    )
+    for j in range(count):
+        for r in range(3):
+            total = 0.0
+            for side in range(2):
+                at, width = reduced.ends[j, 2 * side], reduced.ends[j, 2 * side + 1]
+                for k in range(width):
+                    total += reduced.blocks[j, 18 * side + 6 * r + k] * reduced.found[at + k]
+            w[3 * j + r] = total
+    return status, rounds, residual

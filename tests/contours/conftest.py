@@ -1,0 +1,8 @@
+"""Puts the exact oracle and the generators of this folder on the path."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path.append(str(Path(__file__).resolve().parent))

@@ -1,0 +1,45 @@
+"""Boxes around what moves straight, against points that move."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from heavylift.contours.box_sweep import near, squared_gap, swept_box, swept_triangle
+from heavylift.numerics.jit import kernel
+
+
+@kernel
+def boxes_of(path, box, points, triangles, distance, out):
+    b = (box[0], box[1], box[2], box[3], box[4], box[5])
+    s = swept_box(path, b)
+    t = swept_triangle(path, points, triangles, 0)
+    for k in range(6):
+        out[k] = s[k]
+        out[6 + k] = t[k]
+    return near(b, s, distance), squared_gap(b, s)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_swept_boxes_hold_all_points_at_all_times_and_touch_the_outermost(seed):
+    rng = np.random.default_rng(seed)
+    poses = [(Rotation.from_rotvec(rng.normal(size=3)), rng.normal(size=3) * 3.0) for _ in range(2)]
+    path = np.concatenate([np.concatenate([turn.as_matrix().ravel(), place]) for turn, place in poses])
+    points = rng.normal(size=(3, 3))
+    box = np.concatenate([rng.normal(size=3), rng.uniform(0.0, 2.0, 3)])
+    out = np.zeros(12)
+    distance = 1.0
+    is_near, gap2 = boxes_of(path, box, points, np.array([[0, 1, 2]]), distance, out)
+
+    signs = np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T
+    for swept, start in ((out[:6], box[:3] + signs * box[3:]), (out[6:], points)):
+        first, last = (turn.apply(start) + place for turn, place in poses)
+        low = np.minimum(first, last).min(axis=0)
+        high = np.maximum(first, last).max(axis=0)
+        np.testing.assert_allclose(swept[:3] - swept[3:], low, atol=1e-13)
+        np.testing.assert_allclose(swept[:3] + swept[3:], high, atol=1e-13)
+
+    gaps = np.maximum(0.0, np.abs(box[:3] - out[:3]) - box[3:] - out[3:6])
+    assert gap2 == pytest.approx(gaps @ gaps, rel=1e-12)
+    assert is_near == (gaps.max() <= distance)
