@@ -57,8 +57,9 @@ POSITION_DIFFERENCE = 1
 MOVED = 6
 """Rows of `numbers` that hold the corners of a triangle of B at the start and at the end."""
 
-ROUNDING = 1e-9
-"""Part of the smaller surface by which positions that touch may differ."""
+ROUNDING = 1e-6
+"""Part of the smaller surface by which positions that touch may differ: a simulation leaves bodies at rest a little
+inside each other, and impacts are found to a tolerance."""
 
 Vector = tuple[float, float, float]
 Box = tuple[float, float, float, float, float, float]
@@ -112,9 +113,9 @@ def find_contacts(
 
     Notes
     -----
-    The side of a contact is that of the start of the interval. Where the features touch there within rounding, it is the
-    side on which their neighbours are, then the middles of the surfaces. A vertex that came through a face before has
-    the side where its edges are, and a negative gap (down to ``-reach``).
+    The side of a contact is that of the start of the interval. Where the features touch there within rounding, it is
+    the side on which their neighbours are, then the middles of the surfaces. A vertex that came through a face before
+    has the side where its edges are, and a negative gap (down to ``-reach``).
     """
     count = refresh_pairs(surfaces, lists, pair, motion, reach)
     if count <= 0:

@@ -74,6 +74,7 @@ def assemble_collisions(case: Case) -> tuple[c.Collision, ...]:
                 patch_size=section.patch_size or 0.0,
                 most_contacts=section.most_contacts,
                 recorded=section.recorded,
+                clearance=section.clearance,
             )
         )
     return tuple(found)

@@ -71,6 +71,8 @@ class _CollisionSection(Section):
     """At once; if there are more, the simulation stops."""
     recorded: Annotated[int, Field(ge=0, le=1000, strict=True)] = RECORDED
     """Contacts recorded one by one, those with the largest forces."""
+    clearance: Annotated[bool, Field(strict=True)] = False
+    """Record the distance of the surfaces in `gap` while they are far apart too; it costs a search for each record."""
 
     @model_validator(mode="before")
     @classmethod

@@ -22,7 +22,15 @@ if TYPE_CHECKING:
 
     from heavylift.preprocess.refinement import Refinement
 
-__all__ = ["MESH_SUFFIXES", "STEP_SUFFIXES", "load_geometry", "read_mesh", "read_step"]
+__all__ = [
+    "MESH_SUFFIXES",
+    "STEP_SUFFIXES",
+    "existing_file",
+    "load_geometry",
+    "read_mesh",
+    "read_step",
+    "read_with_meshio",
+]
 
 STEP_SUFFIXES = (".step", ".stp")
 MESH_SUFFIXES = (".bdf", ".fem", ".inp", ".med", ".msh", ".nas", ".vtk", ".vtu", ".xdmf")
@@ -123,7 +131,7 @@ def read_step(
         A missing or unreadable file, no solid in it, a size that is not positive, elements turned inside
         out by curved edges, an empty group.
     """
-    path = _existing(path, "a STEP file")
+    path = existing_file(path, "a STEP file")
     if size is not None and not (np.isfinite(size) and size > 0.0):
         raise InputError(f"{size!r}", source=path, key="size", expected="a positive length in m")
     with path.open("rb") as stream:  # OpenCASCADE would print its complaint on the terminal
@@ -199,12 +207,12 @@ def read_mesh(path: str | Path, *, length_unit: float = 1.0, groups: Sequence[No
         A missing or unreadable file, cells other than ``hex8`` and ``tet10``, both kinds at once, an
         inverted or disconnected element, a length unit that is not positive, an empty group.
     """
-    path = _existing(path, "a mesh file")
+    path = existing_file(path, "a mesh file")
     if not (np.isfinite(length_unit) and length_unit > 0.0):
         raise InputError(
             f"{length_unit!r}", source=path, key="length_unit", expected="a positive number of m per unit"
         )
-    raw = _meshio_read(path)
+    raw = read_with_meshio(path)
     element_type, elements = _solid_elements(raw, path)
     if raw.points.ndim != 2 or raw.points.shape[1] != 3:
         raise InputError("the points are not three-dimensional", source=path, expected="x, y, z a point")
@@ -226,7 +234,21 @@ def read_mesh(path: str | Path, *, length_unit: float = 1.0, groups: Sequence[No
     return mesh.with_groups(select_nodes(mesh.nodes, groups, faces=mesh.node_groups, source=str(path)))
 
 
-def _existing(path: str | Path, expected: str) -> Path:
+def existing_file(path: str | Path, expected: str) -> Path:
+    """Path of a file that is there.
+
+    Parameters
+    ----------
+    path
+        The file.
+    expected
+        What it should be, for the message, e.g. "a mesh file".
+
+    Raises
+    ------
+    InputError
+        The file does not exist, or is a folder.
+    """
     path = Path(path)
     if not path.is_file():
         problem = "is a folder" if path.is_dir() else "does not exist"
@@ -234,7 +256,19 @@ def _existing(path: str | Path, expected: str) -> Path:
     return path
 
 
-def _meshio_read(path: Path) -> Any:
+def read_with_meshio(path: Path) -> Any:
+    """``meshio.Mesh`` of a file, of any format that meshio knows by its suffix.
+
+    Parameters
+    ----------
+    path
+        The file, which exists.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read. The message holds what meshio would have printed.
+    """
     import meshio
 
     # meshio prints its complaint and may leave by SystemExit: keep both for the message

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.geometry import MESH_SUFFIXES, STEP_SUFFIXES, _existing, _meshio_read
+from heavylift.preprocess.geometry import MESH_SUFFIXES, STEP_SUFFIXES, existing_file, read_with_meshio
 from heavylift.preprocess.gmsh_session import gmsh_session
 from heavylift.preprocess.reference_elements import FACE_CORNER_COUNT, FACE_TRIANGLES, FACES
 from heavylift.preprocess.surfaces import TriangleSurface, checked_arrays, clean
@@ -80,7 +80,7 @@ def read_triangles(
         A missing or unreadable file, an unknown suffix, an option that does not fit the kind of file or is not
         positive, no triangle, coordinates that are not finite, numbers of points that do not exist.
     """
-    path = _existing(path, "a file with a surface")
+    path = existing_file(path, "a file with a surface")
     suffix = path.suffix.lower()
     if suffix not in SURFACE_SUFFIXES:
         raise InputError(
@@ -135,7 +135,7 @@ def _trimesh_read(path: Path, unit: float) -> tuple[NDArray[np.float64], NDArray
 
 
 def _faces_of_mesh(path: Path, unit: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    raw = _meshio_read(path)
+    raw = read_with_meshio(path)
     points = np.asarray(raw.points, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] not in {2, 3}:
         raise InputError("the points are not three-dimensional", source=path, expected="x, y, z a point")

@@ -52,18 +52,21 @@ class Collision:
     friction
         Coulomb's coefficient; 0 without.
     events
-        Split the step at impacts of a rigid law. Otherwise contacts that could close within a step are rows of that step:
-        nothing passes through, and impacts happen at ends of steps.
+        Split the step at impacts of a rigid law. Otherwise contacts that could close within a step are rows of that
+        step: nothing passes through, and impacts happen at ends of steps.
     method
         ``"swept"``: certified tests of the paths of vertices and edges. ``"position-difference"``: the method of
         "Integrated simulation ... (2018)", section 2.6, which misses collisions; for comparison.
     patch_angle, patch_size
         Contacts belong to one patch if their normals differ by less than this angle [rad], and lie within this distance
-        [m]; 0: a tenth of the smaller surface.
+        [m]; 0: a tenth of the smaller surface, at least 1.5 times its mean edge.
     most_contacts
         At once; if there are more, the simulation stops.
     recorded
         Contacts that are recorded with point, normal and force; those with the largest forces.
+    clearance
+        Record the distance of the surfaces where they are far from each other too; otherwise the gap that is recorded
+        there is only the reach of the search, a few ways of a step.
     """
 
     name: str
@@ -76,3 +79,4 @@ class Collision:
     patch_size: float = 0.0
     most_contacts: int = 512
     recorded: int = 8
+    clearance: bool = False

@@ -198,7 +198,8 @@ def _add_contacts(
         len(packed.block_names),
     )
     packed.systems += (contacts,)
-    packed.block_names += tuple(contact.name for contact in (*scene.contacts, *scene.collisions))
+    packed.block_names += tuple(contact.name for contact in scene.contacts)
+    packed.block_names += tuple(collision.name for collision in scene.collisions)
 
 
 def _pack_laws(

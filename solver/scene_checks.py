@@ -49,7 +49,7 @@ def _check_names(scene: Scene) -> None:
     named = [force for force in scene.forces if not isinstance(force, Gravity)]
     seen: set[str] = set()
     recorded = [force for force in named if not isinstance(force, PointForce)]
-    touching = (*scene.contacts, *scene.collisions)
+    touching: tuple[Any, ...] = (*scene.contacts, *scene.collisions)
     for thing in (*scene.bodies, *scene.sensors, *scene.joints, *scene.ropes, *recorded, *touching):
         if thing.name in seen or thing.name in RESERVED:
             raise InputError(

@@ -5,11 +5,16 @@ from __future__ import annotations
 import math
 
 from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.floating_frame import FREE
 from heavylift.solver.bodies.rigid import (
     ACCELERATION,
     DOF,
     MID_POSITION,
     MID_ROTATION,
+    MOTION,
+    PRINCIPAL,
+    SPIN,
+    SPIN_RATE,
     RigidBodies,
 )
 from heavylift.solver.contact.contour_rows import put_frame_rows
@@ -85,7 +90,15 @@ def bound_rigid_motion(kind: RigidBodies, contacts: ContactRows, step: float, wo
 @implement(forget_accelerations, RigidBodies)
 @kernel(internal=True)
 def forget_rigid_accelerations(kind: RigidBodies) -> None:
-    """Of the frame, and its spin."""
+    """Of the frame; that of its spin is Euler's of a body without moments, which the middle of the next step needs."""
     for body in range(kind.table.shape[0]):
-        for k in range(6):
-            kind.frame[body, ACCELERATION + k] = 0.0
+        if kind.table[body, MOTION] != FREE:
+            continue
+        frame = kind.frame[body]
+        w1, w2, w3 = frame[SPIN], frame[SPIN + 1], frame[SPIN + 2]
+        i1, i2, i3 = frame[PRINCIPAL], frame[PRINCIPAL + 1], frame[PRINCIPAL + 2]
+        for k in range(3):
+            frame[ACCELERATION + k] = 0.0
+        frame[SPIN_RATE] = (i2 - i3) / i1 * w2 * w3
+        frame[SPIN_RATE + 1] = (i3 - i1) / i2 * w3 * w1
+        frame[SPIN_RATE + 2] = (i1 - i2) / i3 * w1 * w2

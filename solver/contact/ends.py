@@ -71,6 +71,7 @@ from heavylift.solver.contact.stage import (
     friction_rows,
     impulse_row,
     present_at,
+    slip_stiffness,
     softness_of,
     solve_present,
 )
@@ -120,28 +121,69 @@ def _is_new(contacts: ContactRows, c: int, step: float, velocity) -> bool:  # ty
 def project_contact_rows(
     contacts: ContactRows, bodies: Any, rows: Any, joints: Any, work: Workspace, time: float, step: float
 ) -> None:
-    """With the factor of the joints at the end of the step, which have been solved without contacts."""
-    count = 0
+    """With the factor of the joints at the end of the step, which have been solved without contacts.
+
+    Where something hits, what has been closed all along is projected first: an impact may lift it, but cannot take back
+    the impulses that have borne it until then.
+    """
+    closed, hits = 0, 0
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
         at = impulse_row(contacts, c, IMPULSE)
         for r in range(3):
             contacts.rows[at + r] = state[WARM + r] = 0.0
         state[NEW] = 1.0 if _is_new(contacts, c, step, work.velocity) else 0.0
+        if state[NEW] > 0.0 and state[PRESENT] == 0.0:
+            hits += 1
+        elif state[CLOSED] > 0.0:
+            closed += 1
+    apart = closed > 0 and hits > 0
+    if apart:
+        if not _project(contacts, bodies, rows, work, step, True, False):
+            return
+        add_row_work(bodies, 1.0, work, contacts)
+        for c in range(contact_count(contacts)):
+            at, half = impulse_row(contacts, c, IMPULSE), impulse_row(contacts, c, HALF_IMPULSE)
+            for r in range(3):
+                contacts.rows[half + r] += 0.5 * contacts.rows[at + r]
+                contacts.rows[at + r] = 0.0
+    _project(contacts, bodies, rows, work, step, not apart, True)
+
+
+@kernel(internal=True)
+def _project(
+    contacts: ContactRows, bodies: Any, rows: Any, work: Workspace, step: float, smooth: bool, hits: bool
+) -> bool:
+    """Impulses at the end of what is closed, and of what hits; false if they are not found.
+
+    Parameters
+    ----------
+    contacts, bodies, rows, work, step
+        As of `project_contacts`.
+    smooth
+        Whether these impulses belong to those of the step: both together push and stay in their cones.
+    hits
+        Whether what is new takes part.
+    """
+    count = 0
+    for c in range(contact_count(contacts)):
+        state = contacts.state[c]
         rubs = (
-            contacts.table[c, LAW] == COMPLIANT
+            smooth
+            and contacts.table[c, LAW] == COMPLIANT
             and state[PRESENT] > 0.0
             and contacts.values[c, FRICTION] > 0.0
+            and contacts.table[c, SHAPE] != TRIANGLES  # there friction yields
         )
-        if state[CLOSED] > 0.0 or state[NEW] > 0.0 or rubs:
+        if state[CLOSED] > 0.0 or (hits and state[NEW] > 0.0) or rubs:
             contacts.places[LARGEST_CONTROLS + count] = c
             count += 1
     set_number(contacts, PRESENT_COUNT, count)
     if count == 0:
-        return
+        return True
     apply_inverse(bodies, False, contacts)
     for j in range(count):
-        _tell_end(contacts, j, work)
+        _tell_end(contacts, j, smooth, work)
     assemble_response(contacts, rows, count)
     for j in range(count):  # whether it rests afterwards is told by the rate before
         c = present_at(contacts, j)
@@ -150,21 +192,22 @@ def project_contact_rows(
         if step > SHORTEST_PART * contacts.control[NOMINAL]:  # not found: two steps may do what one does not
             work.status[STATUS_OUTCOME] = work.status[STATUS_BLOCK] = 0
             work.control[SPLIT] = 0.5 * step
-        return
+        return False
     follow_end(rows, work)
     for j in range(count):
         _book_impact(contacts, j, work)
+    return True
 
 
 @kernel(internal=True)
-def _tell_end(contacts: ContactRows, j: int, work: Workspace) -> None:
-    """Law of a contact for the projection."""
+def _tell_end(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -> None:
+    """Law of a contact for the projection; what is not smooth has no impulses of the step beside it."""
     c = present_at(contacts, j)
     state, values, law = contacts.state[c], contacts.values[c], contacts.laws[j]
     friction_rows(contacts, j, softness_of(contacts, c), 0.0)
     half = impulse_row(contacts, c, HALF_IMPULSE)
     for r in range(3):
-        law[told.OFFSET + r] = 2.0 * contacts.rows[half + r]
+        law[told.OFFSET + r] = 2.0 * contacts.rows[half + r] if smooth or state[NEW] > 0.0 else 0.0
     kind = contacts.table[c, LAW]
     if kind == COMPLIANT:
         contacts.kinds[j, 0] = told.NORMAL_GIVEN
@@ -227,9 +270,8 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
         for r in range(3):
             contacts.rows[reaction + r] = state[FORCE + r] = state[WARM + r] = state[MIDDLE_FORCE + r] = 0.0
         state[GAP], state[GAP_2] = state[END_GAP], state[END_GAP_2]
-        if (
-            state[END_GAP] <= CLOSE * values[SIZE] or contacts.table[c, SHAPE] == TRIANGLES
-        ):  # so near it has been searched, and has rows
+        # so near it has been searched, and has rows
+        if state[END_GAP] <= CLOSE * values[SIZE] or contacts.table[c, SHAPE] == TRIANGLES:
             state[RATE] = contact_rates(contacts, c, work.velocity)[0]
         return
     a, b, d = contact_rates(contacts, c, work.velocity)
@@ -253,6 +295,8 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
             state[TOUCH_DAMPING] = -1.0
     elif kind != BILATERAL and kind != CURVE:  # noqa: PLR1714  a set costs time here
         stays = state[CLOSED] > 0.0 and total > 0.0 and state[END_GAP] <= OFF * values[SIZE]
+        if contacts.table[c, SHAPE] == TRIANGLES:  # of more than needed some bear nothing, and rest all the same
+            stays = stays or (state[CLOSED] > 0.0 and state[END_GAP] <= gap_tolerance(contacts, c, a))
         stays = stays or (state[NEW] > 0.0 and a <= REST * abs(state[RATE]))
         state[CLOSED] = 1.0 if stays else 0.0
     first = 2 if kind == CURVE else 1
@@ -261,13 +305,22 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
     for r in range(first, 3):
         held = math.hypot(held, 2.0 * contacts.rows[half + r] + contacts.rows[at + r])
     if (state[CLOSED] == 0.0 and kind != COMPLIANT) or held >= bound * (1.0 - STICKING):
-        state[SLIP] = state[SLIP + 1] = 0.0
+        _let_slip(contacts, c, bound / step)
     speed = abs(d) if kind == CURVE else math.hypot(b, d)
     state[SLIP_SPEED] = speed if total != 0.0 else 0.0
     state[RATE] = a
     state[GAP], state[GAP_2] = state[END_GAP], state[END_GAP_2]
     _keep_in_cone(contacts, c, reaction, kind)
     _write_force(contacts, c, reaction, kind)
+
+
+@kernel(internal=True)
+def _let_slip(contacts: ContactRows, c: int, most: float) -> None:
+    """What slides keeps no memory of where it stuck, but for what the largest force of friction [N] stretches."""
+    state = contacts.state[c]
+    stretched = slip_stiffness(contacts, c) * math.hypot(state[SLIP], state[SLIP + 1])
+    share = min(1.0, most / stretched) if stretched > 0.0 else 0.0
+    state[SLIP], state[SLIP + 1] = share * state[SLIP], share * state[SLIP + 1]
 
 
 @kernel(internal=True)

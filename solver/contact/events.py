@@ -12,7 +12,7 @@ import math
 from typing import Any
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.counts import contact_count, number_of
+from heavylift.solver.contact.counts import contact_count, number_of, set_number
 from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.generics import (
     after_step,
@@ -49,6 +49,7 @@ from heavylift.solver.contact.kind import (
     LOW_GAP,
     NOMINAL,
     OF_CONTOURS,
+    PLACES_BEHIND,
     PRESENT,
     RATE,
     RECENT,
@@ -261,17 +262,36 @@ def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
 
 
 @kernel(internal=True)
-def _never_leaves(contacts: ContactRows, c: int, step: float) -> bool:
+def _never_leaves(contacts: ContactRows, c: int, step: float, end_rate: float) -> bool:
     """Whether a contact that touches at the start of the step is not outside between that and its end."""
-    state, control = contacts.state[c], contacts.control
-    tolerance = gap_tolerance(contacts, c, control[HIGH_RATE])
+    state = contacts.state[c]
+    tolerance = gap_tolerance(contacts, c, end_rate)
     if state[GAP] > tolerance:
         return False
-    slowing = state[RATE] - control[HIGH_RATE]
+    slowing = state[RATE] - end_rate
     if state[RATE] <= 0.0 or slowing <= 0.0:
         return True
     # highest point of a parabola with these rates
     return bool(state[GAP] + 0.5 * step * state[RATE] * state[RATE] / slowing <= tolerance)
+
+
+@kernel(inline=True, internal=True)
+def _hits_at_once(contacts: ContactRows, c: int) -> bool:
+    """Whether a contact that touches at the start approaches too fast to be at rest there."""
+    return -contacts.state[c, RATE] * contacts.control[NOMINAL] > CLOSE * contacts.values[c, SIZE]
+
+
+@kernel(internal=True)
+def _mark_joining(contacts: ContactRows, step: float, work: Workspace) -> None:
+    """Between surfaces many contacts begin to rest together: all of them join, not one in each repeated step."""
+    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+        state = contacts.state[c]
+        joins = False
+        if contacts.table[c, LAW] == RIGID and contacts.table[c, EVENTS] > 0 and state[CLOSED] == 0.0:
+            rate = contact_rates(contacts, c, work.velocity)[0]
+            inside = state[END_GAP] < -gap_tolerance(contacts, c, rate)
+            joins = inside and not _hits_at_once(contacts, c) and _never_leaves(contacts, c, step, rate)
+        set_number(contacts, PLACES_BEHIND + c, 1 if joins else 0)
 
 
 @kernel(internal=True)
@@ -290,11 +310,14 @@ def _next_time(contacts: ContactRows, work: Workspace, step: float) -> None:
             control[WATCHED] = -1.0
             return
         t = low
-    elif low == 0.0 and (t < SHORTEST * control[NOMINAL] or _never_leaves(contacts, c, step)):
-        if -contacts.state[c, RATE] * control[NOMINAL] > CLOSE * contacts.values[c, SIZE]:
+    elif low == 0.0 and (
+        t < SHORTEST * control[NOMINAL] or _never_leaves(contacts, c, step, control[HIGH_RATE])
+    ):
+        if _hits_at_once(contacts, c):
             t = AT_ONCE * control[NOMINAL]  # hit by what another impact has done to its body
         else:
             control[JOINS] = c
+            _mark_joining(contacts, step, work)
             t = control[LONGEST]
     work.control[SPLIT] = t
 
@@ -310,6 +333,9 @@ def go_back_to_copy(contacts: ContactRows) -> None:
     joins = int(contacts.control[JOINS])
     if joins >= 0:
         contacts.state[joins, CLOSED] = 1.0
+        for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+            if number_of(contacts, PLACES_BEHIND + c) > 0:
+                contacts.state[c, CLOSED] = 1.0
         contacts.control[JOINS] = contacts.control[WATCHED] = -1.0
 
 

@@ -81,11 +81,13 @@ found nothing; impacts since the last whole step."""
     PATCH,
     SHARE,
     STEP_IMPULSE,
+    LEFT,
     STATE_WIDTH,
-) = range(43, 55)
+) = range(43, 56)
 """Of contacts between triangles: pair of surfaces, kind of the two features and their numbers, side they were on when
 they were last apart, 1 if their paths meet in this step; distance beside them [m]; gap at the start of the step they
-were found in [m]; patch; part of its stiffness; normal impulse of the last step [N s]."""
+were found in [m]; patch; part of its stiffness; normal impulse of the last step [N s]; 1 if it had slid off
+its features at the end of the last step."""
 
 FOUND, LOST, NOT_A_NUMBER, TOO_DEEP = 0, 2, 3, 4
 """How a search ended: well; without converging or at something that is not finite, which are statuses of the
@@ -125,7 +127,8 @@ LARGEST_CONTROLS = 1024
 """Control points under a footprint, and under a point."""
 
 # places behind the list of the contacts that take part: how many they are, first block of the contacts, contacts that
-# there are at present, those of contours, and whether all of them are between rigid bodies
+# there are at present, those of contours, whether all of them are between rigid bodies; then 1 for each that joins
+# those that are closed
 PRESENT_COUNT, FIRST_BLOCK, COUNT, OF_CONTOURS, ALL_RIGID, PLACES_BEHIND = range(6)
 
 CONTROL_COUNT = LARGEST_CONTROLS - 1
@@ -190,7 +193,7 @@ class ContactRows(NamedTuple):
         As in the system of joints; block c and its attachments 2 c (contour) and 2 c + 1 (what touches) belong to
         contact c. Impulses push what touches along the normal.
     table, values, state
-        Of each contact, shapes (nc, 10), (nc, 32), (nc, 54).
+        Of each contact, shapes (nc, 10), (nc, 32), (nc, 55).
     contours
         Packed rows of the contours, shape (n, 16).
     poses

@@ -9,8 +9,8 @@ rates of slip, p the impulses on these rows. A parameter row holds S, b and o in
 with the softness S, the target b and the offset o, an impulse that the contact has got already. For ``CURVE`` the
 first two rows are equations (the normals of the curve) and the third one is friction along it.
 
-Friction with elastic slip: a spring k_t [N/m] with a damper c_t [N s/m] that is stretched by s at the start of a step h
-gives half of the step's impulse ``p_t = -h/2 ( k_t (s + h/2 w_t) + c_t w_t )`` at the rate w_t in the middle, which is a
+Friction with elastic slip: a spring k_t [N/m] with a damper c_t [N s/m], stretched by s at the start of a step h, gives
+half of the step's impulse ``p_t = -h/2 ( k_t (s + h/2 w_t) + c_t w_t )`` at the rate w_t in the middle, which is a
 row with ``S_t = 1 / ( h/2 (h/2 k_t + c_t) )`` and ``b_t = -S_t h/2 k_t s``. Members of a patch share its stiffness and
 damping. After the step s has grown by ``h w_t``, cut to ``2 mu p_n / (h k_t)`` where the contact has slipped.
 """

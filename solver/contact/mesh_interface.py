@@ -17,6 +17,7 @@ __all__ = [
     "keep_found",
     "place_surfaces",
     "pose_surfaces",
+    "record_clearance",
     "record_pairs",
     "restore_contacts",
     "search_surfaces",
@@ -67,6 +68,13 @@ def place_surfaces(meshes: Any, contacts: Any) -> None:
 @optional
 def forget_pair_sums(meshes: Any, contacts: Any) -> None:
     """Before a step: impulses of the step are counted anew."""
+
+
+@optional
+def record_clearance(
+    clearances: Any, meshes: Any, contacts: Any, pair: int, row: NDArray[np.float64], at: int
+) -> None:
+    """Distance of the surfaces of a pair into place `at` of a record, where it is more than the search reaches."""
 
 
 @optional

@@ -59,15 +59,19 @@ class Meshes(NamedTuple):
         What the search of a pair has found: shapes (n, 4), (n, 3).
     touch
         Of one contact: normal, points on both features and how far they lie beside them, shape (10,).
-    points, normals, depths, active, patch_of, keeps
-        Of what was found: place and normal in the axes of the first surface, gap [m], whether it is a contact already,
-        patch, whether it takes part; n rows each.
+    points, normals, depths, active, owners, patch_of
+        Of the contacts of a pair, then of what was found beside them: place and normal in the axes of the first
+        surface, gap [m], 1 if it is a contact already, its number in its own list, patch.
+    keeps
+        Of what was found: patch that it becomes a contact of, or -1.
     chosen, sums, grid
         Scratch of patches: shapes (n, 4), (n,) and as long as they need.
     slots, chains
         Table in which contacts are looked up by their features.
     kept
         Contacts found in a step that is taken back, shape (nc, STATE_WIDTH).
+    clearances
+        Pairs whose distance is recorded, a tuple of one kind or none.
     """
 
     surfaces: Any
@@ -84,6 +88,7 @@ class Meshes(NamedTuple):
     normals: NDArray[np.float64]
     depths: NDArray[np.float64]
     active: NDArray[np.int64]
+    owners: NDArray[np.int64]
     patch_of: NDArray[np.int64]
     keeps: NDArray[np.int64]
     chosen: NDArray[np.int64]
@@ -92,3 +97,4 @@ class Meshes(NamedTuple):
     slots: NDArray[np.int64]
     chains: NDArray[np.int64]
     kept: NDArray[np.float64]
+    clearances: Any

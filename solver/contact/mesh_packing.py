@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,11 +59,12 @@ from heavylift.solver.contact.mesh_kind import (
     Meshes,
 )
 from heavylift.solver.contact.packed_collisions import PackedCollisions
-from heavylift.solver.contacts import RigidLaw
+from heavylift.solver.contacts import BilateralLaw, RigidLaw
 from heavylift.solver.rows import Attachment
 from heavylift.solver.scene import RigidBody, Scene
 
 if TYPE_CHECKING:
+    from heavylift.contours.surface_pack import CollisionSurfaces
     from heavylift.preprocess.surfaces import TriangleSurface
     from heavylift.solver.collisions import Collision, CollisionSurface
     from heavylift.solver.scene import AnyBody
@@ -71,6 +72,9 @@ if TYPE_CHECKING:
 __all__ = ["pack_collisions"]
 
 METHODS = {"swept": 0, "position-difference": 1}
+
+EDGES_OF_PATCH = 1.5
+"""Mean edges of the smaller surface in a patch, at least: the diagonal of a square face is 1.41 of its edges."""
 
 FOUND_AT_ONCE = 16
 """Features that a search may find for each contact that there may be: those of one patch make few contacts."""
@@ -141,11 +145,14 @@ def pack_collisions(
         inverse = [0.0 if name == GROUND else scales(name)[0] for name in _bodies(collision, scene)]
         values[i, INVERSE_MASS] = sum(inverse)
         values[i, PATCH_COSINE] = math.cos(collision.patch_angle)
-        values[i, PATCH_SIZE] = collision.patch_size if collision.patch_size > 0.0 else 0.1 * size
+        values[i, PATCH_SIZE] = collision.patch_size or _patch_size(
+            min(moved[first], moved[second], key=_extent)
+        )
         values[i, RADII] = moved[first].radius + moved[second].radius
     packed = pack_surfaces(moved)
     most = sum(collision.most_contacts for collision in scene.collisions)
-    room = FOUND_AT_ONCE * max(collision.most_contacts for collision in scene.collisions)
+    room = FOUND_AT_ONCE * max(2, *(collision.most_contacts for collision in scene.collisions))
+    items = room + most
     places = len(scene.contacts) + most
     meshes = Meshes(
         surfaces=packed,
@@ -158,18 +165,20 @@ def pack_collisions(
         found=np.zeros((room, FOUND_COLUMNS), dtype=np.int64),
         found_values=np.zeros((room, FOUND_NUMBERS)),
         touch=np.zeros(TOUCH_NUMBERS),
-        points=np.zeros((room, 3)),
-        normals=np.zeros((room, 3)),
-        depths=np.zeros(room),
-        active=np.zeros(room, dtype=np.int64),
-        patch_of=np.zeros(room, dtype=np.int64),
+        points=np.zeros((items, 3)),
+        normals=np.zeros((items, 3)),
+        depths=np.zeros(items),
+        active=np.zeros(items, dtype=np.int64),
+        owners=np.zeros(items, dtype=np.int64),
+        patch_of=np.zeros(items, dtype=np.int64),
         keeps=np.zeros(room, dtype=np.int64),
-        chosen=np.zeros((room, EXTREMES), dtype=np.int64),
-        sums=np.zeros(room),
-        grid=np.zeros(patch_scratch_size(room), dtype=np.int64),
+        chosen=np.zeros((items, EXTREMES), dtype=np.int64),
+        sums=np.zeros(items),
+        grid=np.zeros(patch_scratch_size(items), dtype=np.int64),
         slots=np.zeros(1 << (2 * most - 1).bit_length(), dtype=np.int64),
         chains=np.zeros(places, dtype=np.int64),
         kept=np.zeros((places, STATE_WIDTH)),
+        clearances=_clearances(packed, scene),
     )
     return PackedCollisions(
         meshes=(meshes,),
@@ -189,6 +198,23 @@ def _bodies(collision: Collision, scene: Scene) -> list[str]:
 def _extent(surface: TriangleSurface) -> float:
     """Largest extension, rounding included [m]."""
     return float(np.ptp(surface.points, axis=0).max()) + 2.0 * surface.radius
+
+
+def _clearances(packed: CollisionSurfaces, scene: Scene) -> tuple[Any, ...]:
+    """Nothing is imported if no collision asks for it."""
+    wanted = [collision.clearance for collision in scene.collisions]
+    if not any(wanted):
+        return ()
+    from heavylift.solver.contact.mesh_clearance import make_clearances
+
+    return make_clearances(packed, wanted)
+
+
+def _patch_size(surface: TriangleSurface) -> float:
+    """A tenth of a surface, but so much that the corners of a coarse face belong together [m]."""
+    corners = surface.points[surface.triangles]
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    return max(0.1 * _extent(surface), EDGES_OF_PATCH * float(edges.mean()))
 
 
 def _pack_surface(
@@ -242,6 +268,8 @@ def _check(collision: Collision, scene: Scene, scales: Callable[[str], tuple[flo
     if bodies[0] == bodies[1]:
         _refuse(collision, "between", f"{bodies[0]!r} touches itself", "surfaces of two bodies")
     check_motion(collision.name, bodies[0], bodies[1], scales)
+    if isinstance(collision.law, BilateralLaw):
+        _refuse(collision, "law", "bilateral, between surfaces that come and go", "a law that lets go")
     check_law(collision.name, collision.law, collision.friction)
     if not isinstance(collision.law, RigidLaw) and not collision.events:
         _refuse(collision, "events", "false with a law that is compliant", "law 'rigid', or no 'events'")

@@ -13,13 +13,18 @@ from heavylift.contours.patches import EXTREMES, extreme_points, group_patches
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.counts import contact_count, number_of
 from heavylift.solver.contact.kind import (
+    BESIDE,
     COMPLIANT,
+    DAMPING,
     END_GAP,
     EXPONENT,
+    FEATURE,
+    FEATURES,
     FORCE_LAW,
     LAW,
     LOSS,
     OF_CONTOURS,
+    OTHER_FEATURE,
     PAIR,
     PATCH,
     SHARE,
@@ -46,7 +51,10 @@ from heavylift.solver.contact.mesh_kind import (
 )
 from heavylift.solver.contact.mesh_table import look_up
 
-__all__ = ["choose_contacts", "share_stiffness", "sort_found"]
+__all__ = ["BORDER", "choose_contacts", "share_stiffness", "sort_found"]
+
+BORDER = 1e-9
+"""Of the size: beyond the border by less a contact is still on its face."""
 
 DEEPER = 1e-9
 """Of the size: what is deeper than those that span its patch by less does not count."""
@@ -87,36 +95,55 @@ def sort_found(meshes: Meshes, count: int) -> None:
 
 
 @kernel(internal=True)
-def choose_contacts(meshes: Meshes, contacts: ContactRows, pair: int, count: int) -> int:
-    """Group what was found into patches, and mark those that take part; returns the number of patches.
+def _put_item(
+    meshes: Meshes, pair: int, n: int, kind: int, feature: int, other: int, side: float, owner: int
+) -> None:
+    """Place, normal and gap of a contact, or of what may become one, for the grouping."""
+    touch = meshes.touch
+    meshes.depths[n] = feature_gap(
+        meshes.surfaces,
+        kind,
+        feature,
+        other,
+        meshes.pair_values[pair, RADII],
+        side,
+        meshes.relative[pair],
+        0,
+        touch,
+    )
+    for k in range(3):
+        meshes.points[n, k] = 0.5 * (touch[POINT_AT + k] + touch[OTHER_AT + k])
+        meshes.normals[n, k] = touch[NORMAL_AT + k]
+    meshes.owners[n] = owner
 
-    Contacts that are there already keep their place if they can, and get the number of their patch.
+
+@kernel(internal=True)
+def choose_contacts(meshes: Meshes, contacts: ContactRows, pair: int, count: int, ahead: float) -> int:
+    """Group contacts and what was found beside them into patches; returns the number of patches.
+
+    Contacts get the number of their patch. Of what was found, those that span a patch are to become contacts, and those
+    nearer than `ahead` [m] that are nearer than all that span it: steps that are not split stop them too.
     """
-    touch, size = meshes.touch, meshes.pair_values[pair, SIZE]
+    n, size = 0, meshes.pair_values[pair, SIZE]
+    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+        state = contacts.state[c]
+        if state[PAIR] == pair and state[BESIDE] > BORDER * size:
+            state[PATCH] = -1.0  # at this place what was found beside it counts
+        elif state[PAIR] == pair:
+            kind, feature, other = int(state[FEATURES]), int(state[FEATURE]), int(state[OTHER_FEATURE])
+            _put_item(meshes, pair, n, kind, feature, other, state[SIDE], c)
+            meshes.active[n] = 1
+            n += 1
     for i in range(count):
         found = meshes.found[i]
         kind, feature, other = found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]
-        c = look_up(meshes, contacts, pair, kind, feature, other)
-        side = contacts.state[c, SIDE] if c >= 0 else meshes.found_values[i, FOUND_SIDE]
-        gap = feature_gap(
-            meshes.surfaces,
-            kind,
-            feature,
-            other,
-            meshes.pair_values[pair, RADII],
-            side,
-            meshes.relative[pair],
-            0,
-            touch,
-        )
-        for k in range(3):
-            meshes.points[i, k] = 0.5 * (touch[POINT_AT + k] + touch[OTHER_AT + k])
-            meshes.normals[i, k] = touch[NORMAL_AT + k]
-        meshes.depths[i] = gap
-        meshes.active[i] = 1 if c >= 0 else 0
-        meshes.keeps[i] = 0
+        meshes.keeps[i] = -1
+        if look_up(meshes, contacts, pair, kind, feature, other) < 0:
+            _put_item(meshes, pair, n, kind, feature, other, meshes.found_values[i, FOUND_SIDE], i)
+            meshes.active[n] = 0
+            n += 1
     patches = group_patches(
-        count,
+        n,
         meshes.points,
         meshes.normals,
         meshes.pair_values[pair, PATCH_COSINE],
@@ -125,7 +152,7 @@ def choose_contacts(meshes: Meshes, contacts: ContactRows, pair: int, count: int
         meshes.patch_of,
     )
     extreme_points(
-        count,
+        n,
         meshes.points,
         meshes.normals,
         meshes.patch_of,
@@ -134,48 +161,70 @@ def choose_contacts(meshes: Meshes, contacts: ContactRows, pair: int, count: int
         meshes.grid,
         meshes.chosen,
     )
+    _mark_chosen(meshes, contacts, n, patches, size, ahead)
+    return patches
+
+
+@kernel(internal=True)
+def _mark_chosen(
+    meshes: Meshes, contacts: ContactRows, n: int, patches: int, size: float, ahead: float
+) -> None:
+    """Those that span their patch, and the deepest one if it is deeper than they are."""
     for k in range(patches):
         meshes.sums[k] = math.inf
         for e in range(EXTREMES):
             i = meshes.chosen[k, e]
             if i >= 0:
-                meshes.keeps[i] = 1
+                if meshes.active[i] == 0:
+                    meshes.keeps[meshes.owners[i]] = k
                 meshes.sums[k] = min(meshes.sums[k], meshes.depths[i])
         meshes.chosen[k, 0] = -1
-    for i in range(count):  # the deepest of a patch
+    for i in range(n):
         k = meshes.patch_of[i]
+        if meshes.active[i] == 0 and meshes.depths[i] < min(meshes.sums[k] - DEEPER * size, ahead):
+            meshes.keeps[meshes.owners[i]] = k
+    for i in range(n):
+        k = meshes.patch_of[i]
+        if meshes.active[i] > 0:
+            contacts.state[meshes.owners[i], PATCH] = float(k)
         if meshes.depths[i] < min(meshes.sums[k], 0.0) - DEEPER * size:
             meshes.sums[k] = meshes.depths[i]
             meshes.chosen[k, 0] = i
     for k in range(patches):
-        if meshes.chosen[k, 0] >= 0:
-            meshes.keeps[meshes.chosen[k, 0]] = 1
-    return patches
+        i = meshes.chosen[k, 0]
+        if i >= 0 and meshes.active[i] == 0:
+            meshes.keeps[meshes.owners[i]] = k
+
+
+@kernel(inline=True, internal=True)
+def _weight(gap: float, reach: float) -> float:
+    """1 of what touches, 0 of what is out of reach."""
+    return min(max(1.0 - gap / reach, 0.0), 1.0)
 
 
 @kernel(internal=True)
 def share_stiffness(meshes: Meshes, contacts: ContactRows, pair: int, patches: int, reach: float) -> None:
-    """Contacts share the stiffness of their patch by how deep they are, or how near.
+    """Contacts that touch share the stiffness of their patch equally; one that comes near takes its share by and by.
 
-    A contact that comes near begins with nothing, so forces do not jump when it does. What the others have stored more
-    or less by that is booked as lost.
+    So forces do not jump when it touches. What the others have stored more or less by that is booked as lost.
     """
     for k in range(patches):
         meshes.sums[k] = 0.0
     first, last = number_of(contacts, OF_CONTOURS), contact_count(contacts)
     for c in range(first, last):
         state = contacts.state[c]
-        if state[PAIR] == pair and state[PATCH] < patches:
-            meshes.sums[int(state[PATCH])] += max(reach - state[END_GAP], 0.0)
+        if state[PAIR] == pair and state[PATCH] >= 0.0:
+            meshes.sums[int(state[PATCH])] += _weight(state[END_GAP], reach)
     stiffness = meshes.pair_values[pair, STIFFNESS]
     for c in range(first, last):
         state, values = contacts.state[c], contacts.values[c]
         if state[PAIR] != pair or contacts.table[c, LAW] != COMPLIANT:
             continue
         before = values[STIFFNESS]
-        if state[PATCH] < patches and meshes.sums[int(state[PATCH])] > 0.0:
-            state[SHARE] = max(reach - state[END_GAP], 0.0) / meshes.sums[int(state[PATCH])]
+        if state[PATCH] >= 0.0 and meshes.sums[int(state[PATCH])] > 0.0:
+            state[SHARE] = _weight(state[END_GAP], reach) / meshes.sums[int(state[PATCH])]
         values[STIFFNESS] = state[SHARE] * stiffness
+        values[DAMPING] = state[SHARE] * meshes.pair_values[pair, DAMPING]
         law, exponent, depth = contacts.table[c, FORCE_LAW], values[EXPONENT], -state[END_GAP]
         state[LOSS] += stored_energy(law, before, exponent, depth)
         state[LOSS] -= stored_energy(law, values[STIFFNESS], exponent, depth)

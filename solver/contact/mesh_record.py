@@ -34,7 +34,7 @@ from heavylift.solver.contact.kind import (
     ContactRows,
 )
 from heavylift.solver.contact.laws import stored_energy
-from heavylift.solver.contact.mesh_interface import record_pairs
+from heavylift.solver.contact.mesh_interface import record_clearance, record_pairs
 from heavylift.solver.contact.mesh_kind import (
     GONE_IMPACTS,
     GONE_IMPULSE,
@@ -140,6 +140,7 @@ def _record_sums(
             row[at + FORCE_AT + k] += state[FORCE + k]
             row[at + CENTRE_AT + k] += force * state[TOUCHED + k]
     work.sums[DISSIPATED] += row[at + LOSS_AT]
+    record_clearance(meshes.clearances, meshes, contacts, pair, row, at + GAP_AT)
     if row[at + SUM_AT] > 0.0:
         for k in range(3):
             row[at + CENTRE_AT + k] /= row[at + SUM_AT]

@@ -13,6 +13,7 @@ from heavylift.solver.contact.kind import (
     CLOSED,
     CONTOUR,
     COUNT,
+    DAMPING,
     END_GAP,
     EVENTS,
     FORCE_LAW,
@@ -96,6 +97,7 @@ def _assign(meshes: Meshes, contacts: ContactRows, c: int) -> None:
     for k in range(VALUE_WIDTH):
         contacts.values[c, k] = meshes.pair_values[pair, k]
     contacts.values[c, STIFFNESS] *= contacts.state[c, SHARE]
+    contacts.values[c, DAMPING] *= contacts.state[c, SHARE]
     for side in range(2):
         end, given = contacts.attachments[2 * c + side], meshes.sides[pair]
         end[DOF] = given[3 * side + SIDE_DOF]

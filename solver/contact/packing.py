@@ -251,7 +251,7 @@ def _kind(
         attachments[i, [FIRST_VELOCITY, WIDTH, HOLDER]] = side.dof, side.width, side.holder
     rows = np.zeros((count, ROW_COLUMNS, lanes))
     rows[:, SCALE, :ROWS] = 1.0
-    places = np.zeros(LARGEST_CONTROLS + count + PLACES_BEHIND, dtype=np.int64)
+    places = np.zeros(LARGEST_CONTROLS + 2 * count + PLACES_BEHIND, dtype=np.int64)
     behind = places[LARGEST_CONTROLS + count :]
     behind[FIRST_BLOCK], behind[ALL_RIGID] = block_count, int(rigid_only)
     behind[COUNT] = behind[OF_CONTOURS] = of_contours

@@ -6,6 +6,7 @@ touch into a rebound, because the end velocity of a step is twice that of the mi
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from heavylift.numerics.jit import kernel
@@ -21,17 +22,20 @@ from heavylift.solver.contact.generics import (
 from heavylift.solver.contact.interface import settle_points
 from heavylift.solver.contact.kind import (
     ALL_RIGID,
+    BESIDE,
     BILATERAL,
     CLOSED,
     COMPLIANT,
     CURVE,
     DAMPING,
+    END_GAP,
     EVENTS,
     EXPONENT,
     FORCE_LAW,
     FRICTION,
     GAP,
     GAP_2,
+    INVERSE_MASS,
     LARGEST_CONTROLS,
     LAW,
     NOMINAL,
@@ -75,6 +79,7 @@ __all__ = [
     "impulse_row",
     "looks_ahead",
     "present_at",
+    "slip_stiffness",
     "solve_present",
 ]
 
@@ -95,6 +100,9 @@ DEEP = 1e-5
 
 SOFTLY = 0.2
 
+SLIP_DAMPING = 0.2
+"""Damping ratio of the elastic slip: without it, what begins to stick swings to twice its load and slips again."""
+
 
 @kernel(inline=True, internal=True)
 def present_at(contacts: ContactRows, j: int) -> int:
@@ -113,6 +121,22 @@ def looks_ahead(contacts: ContactRows, c: int) -> bool:
     """Whether a contact without compliance takes part before it closes, in place of splitting the step."""
     of_triangles = contacts.table[c, SHAPE] == TRIANGLES
     return of_triangles and contacts.table[c, LAW] == RIGID and contacts.table[c, EVENTS] == 0
+
+
+@kernel(internal=True)
+def _passes_by(contacts: ContactRows, c: int, gap: float, beside: float) -> bool:
+    """Whether features that are apart will be beside each other when their gap closes, or never close it.
+
+    Gap and distance beside them go on through the step as they have changed up to its predicted middle.
+    """
+    state = contacts.state[c]
+    if contacts.table[c, SHAPE] != TRIANGLES or state[CLOSED] > 0.0 or not gap > 0.0:
+        return False
+    end = 2.0 * state[END_GAP] - gap
+    if beside > 0.0 and gap <= beside:  # the gap stood for the distance beside them
+        end = state[END_GAP]
+    share = min(gap / (gap - end), 1.0) if end < gap else 1.0
+    return bool(beside + 2.0 * share * (state[BESIDE] - beside) > 0.0)
 
 
 @implement(meet_contacts, ContactRows)
@@ -149,8 +173,20 @@ def meet_contacts_midpoint(
         return
     pose_contours(bodies, True, contacts)
     pose_surfaces(contacts.meshes, contacts)
+    kept = 0
     for j in range(count):
-        locate(contacts, bodies, present_at(contacts, j), False, work)
+        c = present_at(contacts, j)
+        gap, beside = contacts.state[c, GAP], contacts.state[c, BESIDE]
+        locate(contacts, bodies, c, False, work)
+        if _passes_by(contacts, c, gap, beside):
+            contacts.state[c, PRESENT] = 0.0
+        else:
+            contacts.places[LARGEST_CONTROLS + kept] = c
+            kept += 1
+    count = kept
+    set_number(contacts, PRESENT_COUNT, count)
+    if count == 0:
+        return
     judge_searches(contacts, False, work)
     settle_points(bodies, rows, True, work)
     apply_inverse(bodies, True, contacts)
@@ -266,6 +302,37 @@ def friction_rows(contacts: ContactRows, j: int, softness: float, rate: float) -
     law[told.TARGET + 2] = -rate * contacts.state[c, SLIP + 1]
 
 
+@kernel(inline=True, internal=True)
+def slip_stiffness(contacts: ContactRows, c: int) -> float:
+    """Of the elastic slip [N/m] of a compliant contact between surfaces; 0 where what sticks does not yield.
+
+    Notes
+    -----
+    A tangential compliance of 1.5 times the normal one, a little more than that of smooth elastic bodies (K. L.
+    Johnson, *Contact Mechanics*, 1985, section 7.2: (2 - nu)/(2 - 2 nu), which is 1.2 for nu = 0.3).
+    """
+    if contacts.table[c, SHAPE] != TRIANGLES or contacts.table[c, LAW] != COMPLIANT:
+        return 0.0
+    n, depth = contacts.values[c, EXPONENT], -contacts.state[c, GAP]
+    if not depth > 0.0:
+        return 0.0
+    return contacts.values[c, STIFFNESS] * n * depth ** (n - 1.0) / 1.5
+
+
+@kernel(internal=True)
+def _tell_slip(contacts: ContactRows, j: int, step: float) -> None:
+    """Tangential spring and damper: ``F = -(k (s + h/2 w) + c w)`` as rows of half impulses at the midpoint."""
+    c = present_at(contacts, j)
+    k = slip_stiffness(contacts, c)
+    if k > 0.0 and contacts.values[c, FRICTION] > 0.0:
+        law, state = contacts.laws[j], contacts.state[c]
+        damping = 2.0 * SLIP_DAMPING * math.sqrt(k / contacts.values[c, INVERSE_MASS])
+        yielding = 0.5 * step * k + damping
+        law[told.SOFTNESS + 1] = law[told.SOFTNESS + 2] = 2.0 / (step * yielding)
+        law[told.TARGET + 1] = -k * state[SLIP] / yielding
+        law[told.TARGET + 2] = -k * state[SLIP + 1] / yielding
+
+
 @kernel(internal=True)
 def softness_of(contacts: ContactRows, contact: int) -> float:
     """Regularisation of the rows of a contact, from what its normal row sees of its own bodies."""
@@ -289,6 +356,7 @@ def _tell(contacts: ContactRows, j: int, step: float, work: Workspace) -> None:
     kind = contacts.table[c, LAW]
     gap = state[GAP]
     if kind == COMPLIANT:
+        _tell_slip(contacts, j, step)
         contacts.kinds[j, 0], contacts.kinds[j, 1] = told.COMPLIANT, contacts.table[c, FORCE_LAW]
         law[told.STIFFNESS], law[told.EXPONENT] = values[STIFFNESS], values[EXPONENT]
         law[told.DAMPING], law[told.DEPTH], law[told.STEP] = values[DAMPING], -gap, step

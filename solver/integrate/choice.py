@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -66,7 +67,8 @@ def check_integrator(scene: Scene, name: str) -> None:
 def _rope_or_law(scene: Scene) -> str:
     """The first thing whose force has corners, as words; empty if none."""
     if scene.touches:
-        return f"contact {(*scene.contacts, *scene.collisions)[0].name!r} opens and closes"
+        first: Any = (*scene.contacts, *scene.collisions)[0]
+        return f"contact {first.name!r} opens and closes"
     if scene.ropes:
         return f"rope {scene.ropes[0].name!r} can go slack"
     for joint in scene.joints:
