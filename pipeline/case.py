@@ -151,11 +151,20 @@ class Case(Section):
             except InputError as error:
                 where = f"{reference.file}: {error.key}: " if error.key else f"{reference.file}: "
                 reject(f"{where}{error.problem}", error.expected, key=f"{key}.file")
-            step, end = self.simulate.output_interval, self.simulate.duration
+            step, duration = self.simulate.output_interval, self.simulate.duration
+            end, what = duration, "the simulation at"
+            if reference.until is not None:
+                end, what = reference.until, "but 'until' is"
+            if end > duration + 0.5 * step:
+                reject(
+                    f"{end:.9g} s, the simulation ends at {duration:.9g} s",
+                    "a time within the simulation",
+                    key=f"{key}.until",
+                )
             if abs(times[-1] - end) > 0.5 * step:
                 reject(
-                    f"{reference.file} ends at {times[-1]:.9g} s, the simulation at {end:.9g} s",
-                    "a history of the same duration",
+                    f"{reference.file} ends at {times[-1]:.9g} s, {what} {end:.9g} s",
+                    "a history of the same duration, or 'until' for that of a part",
                     key=f"{key}.file",
                 )
             odd = next((t for t in times if t != 0.0 and multiple(abs(t), step) is None), None)

@@ -15,6 +15,7 @@ from heavylift.pipeline.channel_kinds import channel_components
 from heavylift.pipeline.fields import (
     CaseContext,
     InFolder,
+    Positive,
     Quantity,
     ReferenceName,
     Section,
@@ -40,6 +41,8 @@ class ReferenceSection(Section):
         Annotated[float, WithJsonSchema(quantity_schema(exclusiveMinimum=0.0), mode="validation")] | None
     ) = None
     """Divides the distance, which then is a pure number; in the unit of the channel."""
+    until: Annotated[float, Positive("time")] | None = None
+    """Time [s] at which the history ends, if the simulation goes on; both end together if absent."""
 
     @field_validator("channel")
     @classmethod

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 __all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_checks", "relative_drift"]
 
-_EXTREMES = {"largest": np.max, "smallest": np.min}
-"""Components that are found among all components of a record."""
+_ACROSS = {"largest": np.max, "smallest": np.min, "norm": np.linalg.norm}
+"""Components that are made of all components of a record."""
 _SHOWN = 20  # components of a message at most
 
 
@@ -178,6 +178,7 @@ class Quantities:
             "max": lambda a: a.max(axis=0),
             "mean": lambda a: a.mean(axis=0),
             "rms": lambda a: np.sqrt(np.mean(a**2, axis=0)),
+            "rate": lambda a: (a[-1] - a[0]) / (self.results.time[-1] - self.results.time[0]),
         }
         return np.asarray(reductions[name.statistic](history))
 
@@ -188,12 +189,12 @@ class Quantities:
         components = results.components(name.item)
         if name.component in components and name.component:
             history = history[:, components.index(name.component)]
-        elif name.component in _EXTREMES:
-            history = _EXTREMES[name.component](history, axis=1)
+        elif name.component in _ACROSS:
+            history = _ACROSS[name.component](history, axis=1)
         elif name.component:
             more = f" and {len(components) - _SHOWN} more" if len(components) > _SHOWN else ""
             raise self._missing(
-                name, f"a component: {', '.join(components[:_SHOWN])}{more}; or {', '.join(_EXTREMES)}"
+                name, f"a component: {', '.join(components[:_SHOWN])}{more}; or {', '.join(_ACROSS)}"
             )
         elif len(components) == 1:
             history = history[:, 0]

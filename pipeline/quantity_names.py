@@ -9,8 +9,9 @@
 ``drift.energy``                               also ``momentum``, ``angular_momentum``: largest deviation
                                                from the initial value, relative
 ``channel.OWNER.KIND[.COMPONENT].STATISTIC``   ``end``, ``min``, ``max``, ``mean`` or ``rms`` of a recorded
-                                               channel, e.g. ``channel.tip.position.y.max``; component
-                                               ``largest`` or ``smallest``: of all components
+                                               channel, e.g. ``channel.tip.position.y.max``, or its mean
+                                               ``rate`` over the run, per second; component ``largest`` or
+                                               ``smallest``: of all components; ``norm``: of the vector
 ``frequency.OWNER.KIND[.COMPONENT]``           frequency of one sinusoid about a mean fitted to a channel,
                                                e.g. ``frequency.bead.position.y``
 ``deviation.NAME``                             largest distance of a channel from the reference history
@@ -55,7 +56,16 @@ MESH_QUANTITIES = {
     "volume": "volume",
 }
 DRIFTS = ("energy", "momentum", "angular_momentum")
-STATISTICS = ("end", "min", "max", "mean", "rms")
+STATISTICS = ("end", "min", "max", "mean", "rms", "rate")
+_RATES = {
+    "length": "velocity",
+    "velocity": "acceleration",
+    "angle": "angular velocity",
+    "momentum": "force",
+    "angular momentum": "moment or energy",
+    "number": "rate",
+}
+"""Kinds of channels whose rate over time has a kind of its own."""
 _CONTACT = re.compile(r"contact_([1-9]\d*)")
 
 
@@ -157,7 +167,14 @@ def _channel(text: str, parts: list[str], names: Declared | None) -> QuantityNam
             + ", ".join(STATISTICS),
         )
     owner, name, component = _channel_parts(parts[1:-1])
-    return QuantityName(text, "channel", owner, name, component, parts[-1], channel_kind(name, text, names))
+    kind = channel_kind(name, text, names)
+    if parts[-1] == "rate":
+        if kind.name not in _RATES:
+            raise InputError(
+                f"quantity {text!r}: {name!r} has no 'rate'", expected=f"a rate of: {', '.join(_RATES)}"
+            )
+        kind = KINDS[_RATES[kind.name]]
+    return QuantityName(text, "channel", owner, name, component, parts[-1], kind)
 
 
 def _frequency(text: str, parts: list[str], names: Declared | None) -> QuantityName:

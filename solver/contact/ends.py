@@ -195,7 +195,7 @@ def _project(
         return False
     follow_end(rows, work)
     for j in range(count):
-        _book_impact(contacts, j, work)
+        _book_impact(contacts, j, smooth, work)
     return True
 
 
@@ -226,14 +226,17 @@ def _tell_end(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -> N
 
 
 @kernel(internal=True)
-def _book_impact(contacts: ContactRows, j: int, work: Workspace) -> None:
+def _book_impact(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -> None:
     """Energy lost by an impact: its impulse on the mean of the rates before and after; by friction likewise."""
     c = present_at(contacts, j)
     state = contacts.state[c]
     at = impulse_row(contacts, c, IMPULSE)
     w, free = contacts.rates[2], contacts.rates[0]
     loss = 0.0
-    first = 0 if state[NEW] > 0.0 else (2 if contacts.table[c, LAW] == CURVE else 1)
+    first = 2 if contacts.table[c, LAW] == CURVE else 1
+    # what slides over a ridge of triangles takes a small blow in its new direction
+    if not smooth or state[NEW] > 0.0 or contacts.table[c, SHAPE] == TRIANGLES:
+        first = 0
     for r in range(first, 3):
         before = free[3 * j + r]
         loss -= 0.5 * contacts.rows[at + r] * (before + w[3 * j + r])
@@ -295,7 +298,9 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
             state[TOUCH_DAMPING] = -1.0
     elif kind != BILATERAL and kind != CURVE:  # noqa: PLR1714  a set costs time here
         stays = state[CLOSED] > 0.0 and total > 0.0 and state[END_GAP] <= OFF * values[SIZE]
-        if contacts.table[c, SHAPE] == TRIANGLES:  # of more than needed some bear nothing, and rest all the same
+        if (
+            contacts.table[c, SHAPE] == TRIANGLES
+        ):  # of more than needed some bear nothing, and rest all the same
             stays = stays or (state[CLOSED] > 0.0 and state[END_GAP] <= gap_tolerance(contacts, c, a))
         stays = stays or (state[NEW] > 0.0 and a <= REST * abs(state[RATE]))
         state[CLOSED] = 1.0 if stays else 0.0

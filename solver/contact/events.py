@@ -40,8 +40,10 @@ from heavylift.solver.contact.kind import (
     HIGH,
     HIGH_GAP,
     HIGH_RATE,
+    HIT,
     IMPACT,
     JOINS,
+    KNOWN,
     LAW,
     LONGEST,
     LOSS,
@@ -70,7 +72,7 @@ from heavylift.solver.contact.kind import (
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.locate import locate
 from heavylift.solver.contact.mesh_interface import drop_contacts, keep_found, search_surfaces
-from heavylift.solver.contact.stage import NEAR, impulse_row
+from heavylift.solver.contact.stage import NEAR, impulse_row, looks_ahead
 from heavylift.solver.interface import SPLIT, Workspace, add_row_work
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import DOF, HALF_IMPULSE, IMPULSE, WIDTH
@@ -112,6 +114,7 @@ def before_contact_advance(contacts: ContactRows, bodies: Any, work: Workspace, 
     """Copy of the state; then what the contacts do at the velocities of the middle."""
     for i in range(contacts.carried.shape[0]):
         contacts.saved[i] = contacts.carried[i]
+    contacts.control[KNOWN] = contact_count(contacts)
     add_row_work(bodies, 2.0, work, contacts)
     bound_motion(bodies, contacts, step, work)
     for c in range(contact_count(contacts)):
@@ -204,9 +207,20 @@ def locate_contact_ends(
             pose_contours(bodies, False, contacts)
             posed = True
         search_surfaces(contacts.meshes, contacts, bodies, work, step)
+        _repeat_with_found(contacts, work, step)
     if posed:
         settle_points(bodies, (), False, work)
         _find_impact(contacts, work, step)
+
+
+@kernel(internal=True)
+def _repeat_with_found(contacts: ContactRows, work: Workspace, step: float) -> None:
+    """A row that looks ahead and was not there, because nothing had been near, stops what came in by a second try."""
+    for c in range(int(contacts.control[KNOWN]), contact_count(contacts)):
+        if looks_ahead(contacts, c) and contacts.state[c, HIT] > 0.0:
+            rate = contact_rates(contacts, c, work.velocity)[0]
+            if contacts.state[c, END_GAP] < -gap_tolerance(contacts, c, rate):
+                work.control[SPLIT] = step
 
 
 @kernel(internal=True)

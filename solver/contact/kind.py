@@ -146,11 +146,11 @@ U_AT, U_COUNT, V_AT, V_COUNT, POINTS_AT, GRID_COLUMNS = range(6)
 
 # columns of `control`
 LOW, LOW_GAP, HIGH, HIGH_GAP, HIGH_RATE, WATCHED, JOINS = range(7)
-IMPACT, RESIDUAL, ROUNDS, NOMINAL, LONGEST, SPLITS, CONTROL_WIDTH = range(7, 14)
+IMPACT, RESIDUAL, ROUNDS, NOMINAL, LONGEST, SPLITS, KNOWN, CONTROL_WIDTH = range(7, 15)
 """Bracket of the time of an impact with gaps, and the rate at its end; contact
 it is for, -1 without; contact that joins the closed ones when the step is repeated, -1 without; 1 after an impact;
 largest residual and number of iterations of the solver in the last step; length of whole steps [s]; length of the
-step that an impact was first seen in [s]; trials since the last whole step."""
+step that an impact was first seen in [s]; trials since the last whole step; contacts before its search."""
 
 
 class Samples(NamedTuple):
@@ -216,7 +216,7 @@ class ContactRows(NamedTuple):
     scratch, places, workspace
         Numbers and places that live within one call.
     control
-        Of events, shape (14,).
+        Of events, shape (15,).
     reduced
         What the solver needs on the velocities of the touched bodies, if all of them are rigid.
     meshes

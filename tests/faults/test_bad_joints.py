@@ -168,6 +168,8 @@ HISTORY = "time,x,z\n0,0,0\n0.5,0,1\n1,0,2\n"
         ({"text": HISTORY.replace("1,0,2", "1,0,nan")}, "file", "line 4", "3 finite numbers"),
         ({"text": HISTORY.replace("0.5", "2")}, "file", "do not increase", "increasing times"),
         ({"text": HISTORY + "2,0,0\n"}, "file", "ends at 2 s, the simulation at 1 s", "same duration"),
+        ({"until": "500 ms"}, "file", "ends at 1 s, but 'until' is 0.5 s", "'until' for that of a part"),
+        ({"until": "2 s"}, "until", "2 s, the simulation ends at 1 s", "within the simulation"),
         (
             {"text": HISTORY.replace("0.5", "0.505")},
             "file",

@@ -97,6 +97,32 @@ def test_root_mean_square_over_the_times_of_the_file(folder):
         case.quantity("deviation.hook.mean")
 
 
+def test_a_history_of_a_part_of_the_run(folder):
+    """What happens before and after its times does not count."""
+    bump = CIRCLE.copy()
+    bump[[20, 40, 80], 1] += [4e-2, 1e-2, 3e-2]
+    write(folder, {"y": CIRCLE[:, 1]})
+    path = folder / "history.csv"
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[:2], *lines[5:9]]) + "\n")  # 0.3 s to 0.6 s
+    results = results_of({"hook.position": bump})
+    _, value = evaluate(folder, results, 'reference.0.until="600 ms"')
+    assert value == pytest.approx(1e-2, rel=1e-9)
+
+
+def test_length_and_rate_of_a_vector(folder):
+    write(folder, {"y": CIRCLE[:, 1]})
+    path = np.column_stack([3.0 * TIMES, np.zeros_like(TIMES), 4.0 * TIMES**2])
+    results = results_of({"hook.position": path})
+    case, value = evaluate(folder, results, quantity="channel.hook.position.norm.rate")
+    assert value == pytest.approx(5.0, rel=1e-12)
+    assert case.quantity("channel.hook.position.norm.rate").kind.unit == "m/s"
+    assert case.quantity("channel.hook.velocity.x.rate").kind.unit == "m/s^2"
+    assert evaluate(folder, results, quantity="channel.hook.position.norm.max")[1] == pytest.approx(5.0)
+    with pytest.raises(InputError, match="'energy.balance' has no 'rate'"):
+        case.quantity("channel.energy.balance.rate")
+
+
 def test_a_run_that_ended_early_has_no_deviation(folder):
     write(folder, {"y": CIRCLE[:, 1]})
     with pytest.raises(InputError, match=r"t = 0\.6 s is not recorded; the records end at 0\.5 s"):

@@ -8,12 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.preprocess.primitive_surfaces import (
-    box_surface,
-    capsule_surface,
-    plane_surface,
-    sphere_surface,
-)
 from heavylift.preprocess.surfaces import TriangleSurface
 from heavylift.solver.collisions import Collision, CollisionSurface
 from heavylift.solver.contacts import RigidLaw
@@ -140,9 +134,7 @@ def tilted(angle: float) -> NDArray[np.float64]:
     return G * np.array([np.sin(angle), 0.0, -np.cos(angle)])
 
 
-def irregular_floor(
-    half: float, count: int, seed: int = 1, *, reverse: float = 0.5
-) -> TriangleSurface:
+def irregular_floor(half: float, count: int, seed: int = 1, *, reverse: float = 0.5) -> TriangleSurface:
     """Plane z = 0 in 2 count^2 triangles of random shapes, a share of them wound the other way."""
     random = np.random.default_rng(seed)
     line = np.linspace(-half, half, count + 1)
@@ -197,4 +189,6 @@ def after_impulse(
     """Velocity in the world and angular velocity in the body after an impulse [N s] in a point."""
     R = rotation_matrix(one.orientation)
     moment = np.cross(np.asarray(point) - one.position, impulse)
-    return one.velocity + impulse / one.mass, one.angular_velocity + np.linalg.solve(one.inertia, R.T @ moment)
+    return one.velocity + impulse / one.mass, one.angular_velocity + np.linalg.solve(
+        one.inertia, R.T @ moment
+    )
