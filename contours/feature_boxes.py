@@ -1,17 +1,20 @@
-"""Boxes around the paths of features, as tuples: lowest coordinates [m], then highest."""
+"""Boxes around the paths of features, as tuples: lowest coordinates [m], then highest; faces grown by rounding."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
-from heavylift.contours.surface_layout import BOX_CENTRE, BOX_HALF
+from heavylift.contours.surface_layout import BOX_CENTRE, BOX_HALF, ROOT_NODE
 from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["apart", "box_around", "box_of", "stored_box"]
+    from heavylift.contours.surface_pack import CollisionSurfaces
+
+__all__ = ["apart", "box_around", "box_of", "grown", "middle_of", "stored_box"]
 
 Vector = tuple[float, float, float]
 Box = tuple[float, float, float, float, float, float]
@@ -56,3 +59,32 @@ def stored_box(boxes: NDArray[np.float64], row: int) -> Box:
     x, y, z = boxes[row, BOX_CENTRE], boxes[row, BOX_CENTRE + 1], boxes[row, BOX_CENTRE + 2]
     u, v, w = boxes[row, BOX_HALF], boxes[row, BOX_HALF + 1], boxes[row, BOX_HALF + 2]
     return x - u, y - v, z - w, x + u, y + v, z + w
+
+
+@kernel(inline=True, internal=True)
+def middle_of(surfaces: CollisionSurfaces, surface: int) -> Vector:
+    """Middle of the box around a surface [m], in its own axes."""
+    root = surfaces.surfaces[surface, ROOT_NODE]
+    return (
+        surfaces.boxes[root, BOX_CENTRE],
+        surfaces.boxes[root, BOX_CENTRE + 1],
+        surfaces.boxes[root, BOX_CENTRE + 2],
+    )
+
+
+@kernel(inline=True, internal=True)
+def grown(a: Vector, b: Vector, c: Vector, length: float) -> tuple[Vector, Vector, Vector]:
+    """Corners of a triangle, each away from the middle by a length [m]."""
+    if length == 0.0:
+        return a, b, c
+    x, y, z = (a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0, (a[2] + b[2] + c[2]) / 3.0
+    return _away(a, x, y, z, length), _away(b, x, y, z, length), _away(c, x, y, z, length)
+
+
+@kernel(inline=True, internal=True)
+def _away(p: Vector, x: float, y: float, z: float, length: float) -> Vector:
+    """Point farther from a place (x, y, z) by a length."""
+    u, v, w = p[0] - x, p[1] - y, p[2] - z
+    size = math.sqrt(u * u + v * v + w * w)
+    share = length / size if size > 0.0 else 0.0
+    return p[0] + share * u, p[1] + share * v, p[2] + share * w

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from heavylift.contours.feature_boxes import apart, box_around, box_of, stored_box
+from heavylift.contours.feature_boxes import apart, box_around, box_of, grown, middle_of, stored_box
 from heavylift.contours.feature_gap import EDGE_EDGE, FACE_VERTEX, VERTEX_FACE, fixed_point, moved_point
 from heavylift.contours.feature_judge import HIT, NEITHER, judge_vertex, turn
 from heavylift.contours.feature_judge_edges import judge_edges
@@ -36,7 +36,6 @@ from heavylift.contours.surface_layout import (
     PAIR_FIRST,
     PAIR_SURFACE_A,
     PAIR_SURFACE_B,
-    ROOT_NODE,
 )
 from heavylift.contours.swept import swept_edges, swept_face_vertex, swept_vertex_face
 from heavylift.numerics.jit import kernel
@@ -61,15 +60,12 @@ ROUNDING = 1e-6
 """Part of the smaller surface by which positions that touch may differ: a simulation leaves bodies at rest a little
 inside each other, and impacts are found to a tolerance."""
 
+GROWTH = 0.01
+"""Of that: by which faces are larger for vertices. One that rests on a floor, a little too low, must not slip through
+under a wall that stands on it."""
+
 Vector = tuple[float, float, float]
 Box = tuple[float, float, float, float, float, float]
-
-
-@kernel(inline=True, internal=True)
-def middle_of(surfaces: CollisionSurfaces, surface: int) -> Vector:
-    """Middle of the box around a surface [m], in its own axes."""
-    root = surfaces.surfaces[surface, ROOT_NODE]
-    return fixed_point(surfaces.boxes, root)
 
 
 @kernel(internal=True)
@@ -248,9 +244,10 @@ def vertices_on_face(
                 b[0], b[1], b[2], b[0], b[1], b[2], c[0], c[1], c[2], c[0], c[1], c[2], VERTEX_MOVES,
             )  # fmt: skip
         else:
+            p, q, r = grown(a, b, c, GROWTH * rounding if judged else 0.0)
             hit, time = swept_vertex_face(
                 x0[0], x0[1], x0[2], x1[0], x1[1], x1[2],
-                a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2],
+                p[0], p[1], p[2], q[0], q[1], q[2], r[0], r[1], r[2],
             )  # fmt: skip
         vertex = triangles[tb, i]
         verdict, side, gap = HIT if hit else NEITHER, 1.0, 0.0
@@ -309,6 +306,8 @@ def face_on_vertices(
                 b0[0], b0[1], b0[2], b1[0], b1[1], b1[2], c0[0], c0[1], c0[2], c1[0], c1[1], c1[2], FACE_SWEEPS,
             )  # fmt: skip
         else:
+            a0, b0, c0 = grown(a0, b0, c0, GROWTH * rounding if judged else 0.0)
+            a1, b1, c1 = grown(a1, b1, c1, GROWTH * rounding if judged else 0.0)
             hit, time = swept_face_vertex(
                 x[0], x[1], x[2], a0[0], a0[1], a0[2], a1[0], a1[1], a1[2],
                 b0[0], b0[1], b0[2], b1[0], b1[1], b1[2], c0[0], c0[1], c0[2], c1[0], c1[1], c1[2],

@@ -65,8 +65,8 @@ LIST_SLACK = LIST_PATH + FRAME_WIDTH
 LIST_TRAVEL, LIST_TRAVEL_LATEST, LIST_SIZE, LIST_SHARE = range(LIST_SLACK + 1, LIST_SLACK + 5)
 LIST_WIDTH = LIST_SLACK + 5
 
-LEAST_CAPACITY = 16384
-PAIRS_PER_TRIANGLE = 4
+LEAST_CAPACITY = 131072
+PAIRS_PER_TRIANGLE = 24
 """Places of a list: enough for plates that lie on each other, and not more than there are pairs."""
 
 

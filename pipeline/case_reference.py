@@ -8,7 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import ValidationInfo, WithJsonSchema, field_validator
+from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.channel_kinds import channel_components
@@ -43,6 +43,8 @@ class ReferenceSection(Section):
     """Divides the distance, which then is a pure number; in the unit of the channel."""
     until: Annotated[float, Positive("time")] | None = None
     """Time [s] at which the history ends, if the simulation goes on; both end together if absent."""
+    changes: Annotated[bool, Field(strict=True)] = False
+    """Compare what has changed since the first time of the file, not the values themselves."""
 
     @field_validator("channel")
     @classmethod

@@ -33,7 +33,7 @@ def compared_histories(
     components
         Names of the columns.
     computed, expected
-        In the unit of the channel, shape (nt, number of components).
+        In the unit of the channel, shape (nt, number of components); if changes are compared, both begin alike.
 
     Raises
     ------
@@ -67,8 +67,11 @@ def compared_histories(
             source=file,
             expected="a run over the whole history",
         )
-    rows = results[reference.channel].reshape(len(results.time), -1)[nearest]
-    return times, tuple(history.columns), rows[:, chosen], np.column_stack([*history.columns.values()])
+    computed = results[reference.channel].reshape(len(results.time), -1)[nearest][:, chosen]
+    expected = np.column_stack([*history.columns.values()])
+    if reference.changes:
+        computed = computed - computed[0] + expected[0]
+    return times, tuple(history.columns), computed, expected
 
 
 def deviation_history(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -31,6 +31,20 @@ if TYPE_CHECKING:
 __all__ = ["collision_sections"]
 
 _PLOTS = 4  # collisions with plots of their own at most
+
+
+NUMBERS = ("force", "impulse", "patch")
+"""Channels of a recorded contact that are single numbers."""
+
+
+class Recorded(NamedTuple):
+    """One contact in a record: place [m], normal, normal force [N], impulse [N s], patch."""
+
+    point: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    force: float
+    impulse: float
+    patch: float
 
 
 class _Happened:
@@ -83,31 +97,41 @@ class _Happened:
         return found is not None and found.resolved is not False
 
     def mass(self, record: int) -> float | None:
-        """Effective mass at the recorded contact of the largest force."""
-        place, normal = (self._vector(kind, record) for kind in ("point", "normal"))
-        if normal is None or not np.any(normal):
-            place = normal = None
-        return effective_mass(self.case, self.results, self.pair, record, place, normal)
+        """Effective mass at the centre of the forces of the patch with the largest one, along their sum."""
+        contacts = self._recorded(record)
+        totals: dict[float, float] = {}
+        for contact in contacts:
+            totals[contact.patch] = totals.get(contact.patch, 0.0) + contact.force
+        largest = max(totals, key=lambda patch: totals[patch], default=-1.0)
+        members = [contact for contact in contacts if contact.patch == largest]
+        return self._mass_at(record, members, [contact.force for contact in members])
 
     def impact_mass(self, record: int) -> float | None:
         """Effective mass at the centre of the impulses of all recorded contacts, along their sum."""
-        total, moment, weight = np.zeros(3), np.zeros(3), 0.0
-        for number in range(1, self.section.recorded + 1):
-            parts = [f"{self.name}.contact_{number}.{kind}" for kind in ("impulse", "normal", "point")]
-            if any(part not in self.results for part in parts):
-                break
-            impulse, normal, place = (self.results[part][record] for part in parts)
-            total += impulse * normal
-            moment += impulse * place
-            weight += float(impulse)
-        length = float(np.linalg.norm(total))
+        contacts = self._recorded(record)
+        return self._mass_at(record, contacts, [contact.impulse for contact in contacts])
+
+    def _mass_at(self, record: int, contacts: list[Recorded], weights: list[float]) -> float | None:
+        """Effective mass at the weighted centre of some contacts; of translation alone if none weighs."""
+        total = sum((w * one.normal for w, one in zip(weights, contacts, strict=True)), np.zeros(3))
+        moment = sum((w * one.point for w, one in zip(weights, contacts, strict=True)), np.zeros(3))
+        length, weight = float(np.linalg.norm(total)), float(sum(weights))
         if weight <= 0.0 or length == 0.0:
             return effective_mass(self.case, self.results, self.pair, record)
         return effective_mass(self.case, self.results, self.pair, record, moment / weight, total / length)
 
-    def _vector(self, kind: str, record: int) -> NDArray[np.float64] | None:
-        name = f"{self.name}.contact_1.{kind}"
-        return self.results[name][record] if name in self.results else None
+    def _recorded(self, record: int) -> list[Recorded]:
+        """Contacts in a record."""
+        found = []
+        for number in range(1, self.section.recorded + 1):
+            prefix = f"{self.name}.contact_{number}"
+            if f"{prefix}.normal" not in self.results:
+                break
+            values = [self.results[f"{prefix}.{kind}"][record] for kind in ("point", "normal")]
+            numbers = [float(np.ravel(self.results[f"{prefix}.{kind}"][record])[0]) for kind in NUMBERS]
+            if np.any(values[1]):
+                found.append(Recorded(values[0], values[1], *numbers))
+        return found
 
     def row(self) -> tuple[str, ...]:
         """Of the table of all collisions."""

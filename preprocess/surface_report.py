@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["SurfaceReport", "check_magnitudes", "report_surface", "unique_edges"]
 
 _LARGEST_RATIO = 300.0  # of the extents of two bodies that meet
-_LONGEST = 2000.0  # m; the longest ship has 458 m
+_LONGEST = 500.0  # m; the longest ship has 458 m
 
 
 class Edges(NamedTuple):
@@ -126,8 +126,15 @@ def check_magnitudes(
 ) -> str | None:
     """Say if one of two surfaces looks as if it were in another unit than the other.
 
-    That is if one is more than 300 times as large as the other, or more than 2 km. Planes (two triangles at most)
-    stand for the ground and may be as large as they like.
+    That is if one is more than 300 times as large as the other, or more than 500 m. Planes (two triangles at most)
+    stand for the ground and may be as large as they like. A part of half a metre in mm stays below both.
+
+    Parameters
+    ----------
+    name_a, name_b
+        What the message calls them.
+    surface_a, surface_b
+        Surfaces of two bodies that may meet, points in m.
 
     Returns
     -------

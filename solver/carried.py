@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.small import aligned
 
-__all__ = ["CARRIED", "share_state"]
+__all__ = ["CARRIED", "LINE", "share_state"]
 
 CARRIED = (
     "frame",
@@ -25,7 +25,7 @@ CARRIED = (
 """Fields of kinds that outlive a step."""
 
 LINE = 8
-"""Numbers in a cache line."""
+"""Numbers in a cache line, which each array fills to its end."""
 
 
 def share_state(

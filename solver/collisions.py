@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
+from heavylift.contours.patches import PATCH_ANGLE
 from heavylift.solver.contacts import ContactLaw, RigidLaw
 
 if TYPE_CHECKING:
@@ -75,7 +76,7 @@ class Collision:
     friction: float = 0.0
     events: bool = True
     method: Literal["swept", "position-difference"] = "swept"
-    patch_angle: float = 0.3141592653589793
+    patch_angle: float = PATCH_ANGLE
     patch_size: float = 0.0
     most_contacts: int = 512
     recorded: int = 8

@@ -403,6 +403,10 @@ class Simulation:
         self.outcome, self.message = Outcome.COMPLETED, ""
         self._layout.work.status[:] = 0
         self._started = True
+        if self._touches:
+            from heavylift.solver.contact.check_start import forget_trials
+
+            forget_trials(self._layout)
 
     def _digest(self) -> NDArray[np.uint8]:
         """Digest of what the bodies were packed into: equal shapes do not make equal bodies.

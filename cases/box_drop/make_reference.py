@@ -1,6 +1,6 @@
 """Boxes dropped on a plate: bounces between rigid bodies, and one touch of a spring with a damper, in closed form.
 
-    python make_reference.py        writes bounces.csv and soft1.csv, soft10.csv, soft50.csv and prints the key numbers
+    python make_reference.py        writes all tables and prints the key numbers
 
 **Bounces.** Released at the height H, the underside falls for t1 = sqrt(2 H / g); the n-th bounce begins with the
 velocity e^n g t1 and lasts 2 e^n t1, its apex is e^(2n) H; for e < 1 the box is at rest from t1 (1 + e) / (1 - e) on.
@@ -26,7 +26,8 @@ from scipy.optimize import brentq
 HERE = Path(__file__).resolve().parent
 GRAVITY = 9.81  # m/s^2
 DROP, RESTITUTIONS = 1.0, (0.0, 0.5, 1.0)  # m, -
-BOUNCE_TIMES = 2.0 * np.arange(201) / 200  # s
+BOUNCE_TIMES = np.arange(201) / 100  # s
+AFTER_FIRST = BOUNCE_TIMES[46:]  # the first impact is at 0.4515 s
 
 # Integrated simulation ... (2018), Table 2-6
 MASS, ARRIVAL, DEPARTURE = 10.0, 8.2, 6.5  # kg, m/s, m/s
@@ -104,24 +105,32 @@ def soft_touch(softness):
 
 
 def references():
-    """Table of each file: bounces (201, 4); touches (201, 4) with time since touch, depth, velocity down, force."""
-    tables = {
-        "bounces.csv": np.column_stack([BOUNCE_TIMES, *(height(BOUNCE_TIMES, e) for e in RESTITUTIONS)])
-    }
+    """Table of each file.
+
+    bounces_e0.csv and so on: time [s] and height of the underside [m]; soft1.csv and so on: time since the touch,
+    depth, velocity down, force (SI), shape (201, 4). plate.csv and touch1.csv and so on: times after the first impact,
+    and of a soft touch, with the height of the plate, from which apexes and depths are told.
+    """
+    tables = {"plate.csv": np.column_stack([AFTER_FIRST, np.zeros_like(AFTER_FIRST)])}
+    for name, e in zip(("e0", "e05", "e1"), RESTITUTIONS, strict=True):
+        tables[f"bounces_{name}.csv"] = np.column_stack([BOUNCE_TIMES, height(BOUNCE_TIMES, e)])
     for softness in SOFTNESS:
         one = soft_touch(softness)
         t = one.duration * np.arange(201) / 200
         tables[f"soft{softness}.csv"] = np.column_stack([t, *one.depth(t), one.force(t)])
+        begin = ARRIVAL / GRAVITY
+        steps = np.arange(np.ceil(1e3 * begin), np.floor(1e3 * (begin + one.duration)) + 1.0)
+        tables[f"touch{softness}.csv"] = np.column_stack([1e-3 * steps, np.zeros_like(steps)])
     return tables
 
 
-HEADS = {"bounces.csv": "time,height_e0,height_e05,height_e1"}
+SOFT_HEAD = "time,depth,velocity,force"
 
 
 def main():
     """Write the tables and print the numbers of the README."""
     for name, table in references().items():
-        rows = [HEADS.get(name, "time,depth,velocity,force")]
+        rows = [SOFT_HEAD if name.startswith("soft") else "time,z"]
         rows += [",".join(f"{value:.15g}" for value in row) for row in table]
         (HERE / name).write_text("\n".join(rows) + "\n", encoding="utf-8")
     sys.stdout.write(f"height of fall of the soft boxes {0.5 * ARRIVAL**2 / GRAVITY:.6f} m\n")

@@ -1,6 +1,6 @@
 """Links joined by ball joints that drop on a plate: first blow, and the motion of two links of a roof, by mechanics.
 
-    python make_reference.py        writes roof10.csv and roof30.csv and prints the blows
+    python make_reference.py        writes the tables and prints the blows
 
 Links are bars of 10 m, 0.5 m x 0.5 m, 1 t, with their joints on the axis at their ends; no friction, no rebound.
 
@@ -33,6 +33,7 @@ LENGTH, THICKNESS, MASS = 10.0, 0.5, 1000.0  # m, m, kg
 INERTIA = MASS * (LENGTH**2 + THICKNESS**2) / 12.0  # about an axis across
 DROP = 1.0  # m, of the lowest edge
 TILTS, CHAINS = (10, 30), (2, 5)  # degrees, links
+INTERVAL = 5e-3  # s, of the tables
 FALL, SPEED = np.sqrt(2.0 * DROP / GRAVITY), np.sqrt(2.0 * GRAVITY * DROP)
 HALF, LIFT = 0.5 * LENGTH, 0.5 * THICKNESS  # s, b
 
@@ -128,23 +129,29 @@ def joint_height(theta):
 
 
 def references():
-    """Time from the release [s], tilt [rad] and height of the joint [m] until the links lie flat, shape (201, 3)."""
-    tables = {}
+    """Table of each file.
+
+    roof10.csv and roof30.csv: time from the release [s], tilt [rad] and height of the joint [m] until the links lie
+    flat; ridge10.csv and ridge30.csv: the height alone; first_blow.csv: nothing, before and just after the first blow.
+    """
+    tables = {"first_blow.csv": np.array([[0.0, 0.0], [0.455, 0.0]])}
     for degrees in TILTS:
         tilt = np.radians(degrees)
         path, end, _, _ = roof(tilt)
-        t = end * np.arange(201) / 200
+        t = np.arange(int(end / INTERVAL) + 1) * INTERVAL
         falling = t < FALL
         theta = np.where(falling, tilt, path(np.maximum(t, FALL))[0])
         height = np.where(falling, joint_height(tilt) + DROP - 0.5 * GRAVITY * t**2, joint_height(theta))
         tables[f"roof{degrees}.csv"] = np.column_stack([t, theta, height])
+        tables[f"ridge{degrees}.csv"] = np.column_stack([t, height])
     return tables
 
 
 def main():
     """Write the tables and print the numbers of the README."""
     for name, table in references().items():
-        rows = ["time,tilt,joint_height", *(",".join(f"{value:.15g}" for value in row) for row in table)]
+        head = {2: "time,value" if name == "first_blow.csv" else "time,z", 3: "time,tilt,joint_height"}
+        rows = [head[table.shape[1]], *(",".join(f"{value:.15g}" for value in row) for row in table)]
         (HERE / name).write_text("\n".join(rows) + "\n", encoding="utf-8")
     sys.stdout.write(f"first touch after {FALL:.9f} s at {SPEED:.9f} m/s\n")
     for count in CHAINS:

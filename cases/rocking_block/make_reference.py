@@ -1,6 +1,6 @@
 """Free rocking of a rigid block on a rigid floor (Housner, Bull. Seismol. Soc. Am. 53, 1963, 403-417).
 
-    python make_reference.py        writes rocking.csv and prints times, ratios and the friction that it takes
+    python make_reference.py        writes the tables and prints times, ratios and the friction that it takes
 
 A block of 2b x 2h stands on an edge, tilted by theta > 0 over its right edge or theta < 0 over its left one, and
 neither slips nor leaves it. With R = sqrt(b^2 + h^2), tan(alpha) = b / h, I = 4/3 m R^2 about an edge, p^2 = m g R / I,
@@ -31,7 +31,7 @@ GRAVITY = 9.81  # m/s^2
 HALF_WIDTH, HALF_HEIGHT = 0.25, 1.0  # b, h, m
 START = 0.6  # phi_0
 DURATION = 6.0
-TIMES = DURATION * np.arange(301) / 300
+TIMES = np.arange(301) / 50
 
 RADIUS = np.hypot(HALF_WIDTH, HALF_HEIGHT)
 ALPHA = np.arctan2(HALF_WIDTH, HALF_HEIGHT)
@@ -79,9 +79,19 @@ def centre(theta):
 
 
 def references():
-    """Time [s], angle over the right edge [rad], x and z of the centre [m], shape (301, 4)."""
+    """Table of each file.
+
+    rocking.csv: time [s], angle over the right edge [rad], x and z of the centre [m]; turn.csv and place.csv the same
+    as components of the orientation and the position; first_loss.csv: nothing, at times between the first two impacts.
+    """
     theta = motion()[0]
-    return {"rocking.csv": np.column_stack([TIMES, theta, *centre(theta)])}
+    between = TIMES[(TIMES > 0.6) & (TIMES < 1.48)]
+    return {
+        "rocking.csv": np.column_stack([TIMES, theta, *centre(theta)]),
+        "turn.csv": np.column_stack([TIMES, np.cos(0.5 * theta), np.sin(0.5 * theta)]),
+        "place.csv": np.column_stack([TIMES, *centre(theta)]),
+        "first_loss.csv": np.column_stack([between, np.zeros_like(between)]),
+    }
 
 
 def quarter_period(phi):
@@ -121,11 +131,19 @@ def friction_needed():
     return rocking, HALF_HEIGHT / HALF_WIDTH * (1.0 - RATIO) / (1.0 + RATIO), (GRAVITY + az).min() / GRAVITY
 
 
+HEADS = {
+    "rocking.csv": "time,angle,x,z",
+    "turn.csv": "time,q0,q2",
+    "place.csv": "time,x,z",
+    "first_loss.csv": "time,value",
+}
+
+
 def main():
-    """Write the table and print the numbers of the README."""
-    rows = ["time,angle,x,z"]
-    rows += [",".join(f"{value:.15g}" for value in row) for row in references()["rocking.csv"]]
-    (HERE / "rocking.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    """Write the tables and print the numbers of the README."""
+    for name, table in references().items():
+        rows = [HEADS[name], *(",".join(f"{value:.15g}" for value in row) for row in table)]
+        (HERE / name).write_text("\n".join(rows) + "\n", encoding="utf-8")
     _, impacts = motion()
     first = np.arccosh(1.0 / (1.0 - START)) / RATE
     sys.stdout.write(f"alpha {ALPHA:.9f} rad, R {RADIUS:.9f} m, p {RATE:.9f} 1/s, r {RATIO:.9f}\n")

@@ -1,6 +1,6 @@
 """Stacks of equal boxes: how far they sink under their weight, and how a stack of soft pads settles, in closed form.
 
-    python make_reference.py        writes settling.csv and prints the key numbers
+    python make_reference.py        writes the tables and prints the key numbers
 
 Contact i is under box i, counted from the floor, and carries the boxes i to n; with k for all points of one contact,
 
@@ -27,7 +27,8 @@ MASS, POINT_STIFFNESS, POINTS = 1000.0, 1e9, 4  # kg, N/m, corners of a box
 HEIGHTS = (10, 30)  # boxes
 # soft pads
 SOFT_BOXES, SOFT_STIFFNESS, SOFT_TAU = 10, 4e7, 5e-3  # -, N/m for all four corners, s
-TIMES = 2.0 * np.arange(401) / 400  # s
+TIMES = np.arange(401) / 200  # s
+REST_TIMES = np.arange(1.0, 61.0)  # s
 
 
 def depths(count, stiffness):
@@ -64,16 +65,33 @@ def contact_forces():
 
 
 def references():
-    """Time [s], way of the lowest and of the highest box down [m], force on the floor [N]."""
+    """Table of each file.
+
+    settling.csv: time [s], way of the lowest and of the highest box down [m], force on the floor [N]; settling_top.csv:
+    every 10 ms the height of the centre of the highest box. ten0.csv and so on: boxes at rest on each other.
+    """
     x, _ = settling()
-    return {"settling.csv": np.column_stack([TIMES, x[:, 0], x[:, -1], contact_forces()[:, 0]])}
+    top = SOFT_BOXES - 0.5 - x[::2, -1]
+    tables = {
+        "settling.csv": np.column_stack([TIMES, x[:, 0], x[:, -1], contact_forces()[:, 0]]),
+        "settling_top.csv": np.column_stack([TIMES[::2], top]),
+    }
+    for name, count, x_stack in (("ten", 10, -10.0), ("thirty", 30, 0.0)):
+        for box in (0, count - 1):
+            place = np.tile([x_stack, 0.0, box + 0.5], (len(REST_TIMES), 1))
+            tables[f"{name}{box}.csv"] = np.column_stack([REST_TIMES, place])
+    return tables
+
+
+HEADS = {"settling.csv": "time,lowest,highest,floor_force", "settling_top.csv": "time,z"}
 
 
 def main():
-    """Write the table and print the numbers of the README."""
-    rows = ["time,lowest,highest,floor_force"]
-    rows += [",".join(f"{value:.15g}" for value in row) for row in references()["settling.csv"]]
-    (HERE / "settling.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    """Write the tables and print the numbers of the README."""
+    for name, table in references().items():
+        rows = [HEADS.get(name, "time,x,y,z")]
+        rows += [",".join(f"{value:.15g}" for value in row) for row in table]
+        (HERE / name).write_text("\n".join(rows) + "\n", encoding="utf-8")
     for count in HEIGHTS:
         sunk = depths(count, POINTS * POINT_STIFFNESS)
         sys.stdout.write(

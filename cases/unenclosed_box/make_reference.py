@@ -1,6 +1,6 @@
 """A box that falls with its flat bottom on the rim of a wall and tips over it, by an ordinary differential equation.
 
-    python make_reference.py        writes tipping.csv and prints the blow and the end
+    python make_reference.py        writes the tables and prints the blow and the end
 
 In the plane across the wall, the rim in the origin, no friction and no rebound. With the tilt phi (to the side of the
 centre), the place s of the centre along the bottom, and the half height c,
@@ -28,6 +28,8 @@ SIDE, MASS = 0.4, 50.0  # m, kg; a cube
 OFFSET, DROP = 0.08, 0.5  # m: of the centre from the wall outward, of the bottom over the rim
 INERTIA = MASS * SIDE**2 / 6.0
 HALF = 0.5 * SIDE
+RIM = (1.0, 1.0)  # m, x and z
+INTERVAL, RUN = 1e-3, 0.9  # s: of the tables, of the simulation
 FALL, SPEED = np.sqrt(2.0 * DROP / GRAVITY), np.sqrt(2.0 * GRAVITY * DROP)
 
 
@@ -85,6 +87,15 @@ def place(y):
     return s * np.cos(phi) + HALF * np.sin(phi), HALF * np.cos(phi) - s * np.sin(phi)
 
 
+def free_flight(y, duration):
+    """Place of the centre over the rim [m] after a time without force."""
+    s, phi, sliding, turning = y
+    x, z = place(y)
+    out = sliding * np.cos(phi) - s * np.sin(phi) * turning + HALF * np.cos(phi) * turning
+    up = -HALF * np.sin(phi) * turning - sliding * np.sin(phi) - s * np.cos(phi) * turning
+    return x + out * duration, z + up * duration - 0.5 * GRAVITY * duration**2
+
+
 def energy(y):
     """Kinetic and potential energy [J]."""
     s, _, sliding, turning = y
@@ -93,9 +104,14 @@ def energy(y):
 
 
 def references():
-    """Time from the release [s], centre outward and up from the rim [m], tilt [rad], force on the rim [N]."""
+    """Table of each file.
+
+    tipping.csv: time from the release [s], centre outward and up from the rim [m], tilt [rad], force on the rim [N];
+    place.csv and turn.csv: the same in the world, whose origin is on the floor of the container; first_blow.csv:
+    nothing, before and just after the blow.
+    """
     path, end, _ = tipping()
-    t = end * np.arange(201) / 200
+    t = np.arange(int(end / INTERVAL) + 1) * INTERVAL
     y = path(np.maximum(t, FALL))
     x, z = place(y)
     falling = t < FALL
@@ -106,14 +122,28 @@ def references():
         np.where(falling, 0.0, y[1]),
         np.where(falling, 0.0, force(y)),
     ]
-    return {"tipping.csv": np.column_stack(rows)}
+    _, out, up, tilt, _ = rows
+    return {
+        "tipping.csv": np.column_stack(rows),
+        "place.csv": np.column_stack([t, RIM[0] + out, RIM[1] + up]),
+        "turn.csv": np.column_stack([t, np.cos(0.5 * tilt), np.sin(0.5 * tilt)]),
+        "first_blow.csv": np.array([[0.0, 0.0], [0.32, 0.0]]),
+    }
+
+
+HEADS = {
+    "tipping.csv": "time,out,up,tilt,rim_force",
+    "place.csv": "time,x,z",
+    "turn.csv": "time,q0,q2",
+    "first_blow.csv": "time,value",
+}
 
 
 def main():
-    """Write the table and print the numbers of the README."""
-    rows = ["time,out,up,tilt,rim_force"]
-    rows += [",".join(f"{value:.15g}" for value in row) for row in references()["tipping.csv"]]
-    (HERE / "tipping.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    """Write the tables and print the numbers of the README."""
+    for name, table in references().items():
+        rows = [HEADS[name], *(",".join(f"{value:.15g}" for value in row) for row in table)]
+        (HERE / name).write_text("\n".join(rows) + "\n", encoding="utf-8")
     start, impulse = after_blow()
     path, end, why = tipping()
     last = path(end)
@@ -124,6 +154,7 @@ def main():
         f"free after {end:.9f} s ({why}): centre at {place(last)[0]:.9f}, {place(last)[1]:.9f} m, "
         f"tilt {last[1]:.9f} rad, {last[3]:.9f} rad/s, s = {last[0]:.6f} m, force {force(last):.1f} N; "
         f"energy constant to {np.ptp(levels):.1e} J\n"
+        f"in free flight {free_flight(last, RUN - end)[0]:.9f} m outside at {RUN} s\n"
     )
 
 

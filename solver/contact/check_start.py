@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from heavylift.numerics.outcome import InputError
+from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.contact.kind import (
     BILATERAL,
     COMPLIANT,
@@ -16,19 +16,29 @@ from heavylift.solver.contact.kind import (
     FIRST_BLOCK,
     GAP,
     GAP_2,
+    HIGH,
+    HIGH_GAP,
+    HIGH_RATE,
+    IMPACT,
+    JOINS,
     LARGEST_CONTROLS,
     LAW,
     LOST,
+    LOW,
+    LOW_GAP,
     NOT_A_NUMBER,
     OF_CONTOURS,
     SEARCH,
     SIZE,
+    SPLITS,
     TOO_DEEP,
+    WATCHED,
     ContactRows,
 )
 from heavylift.solver.contact.start import run_start
+from heavylift.solver.interface import SPLIT, STATUS_BLOCK, STATUS_OUTCOME
 
-__all__ = ["check_places", "start_contacts"]
+__all__ = ["check_places", "forget_trials", "start_contacts"]
 
 ON_CONTOUR = 1e-3
 """Distance from its contour relative to its size, at which a slider or bead may start: the first steps bring it
@@ -56,12 +66,34 @@ def start_contacts(layout: Any, step: float) -> None:
     contacts: ContactRows = layout.systems[1]
     behind = contacts.places[LARGEST_CONTROLS + len(contacts.table) :]
     first, count = int(behind[FIRST_BLOCK]), int(behind[OF_CONTOURS])
+    run_start(layout.bodies, layout.joints, layout.systems, layout.work, step)
     if contacts.meshes:
         from heavylift.solver.contact.mesh_start import check_overlaps
 
         check_overlaps(contacts, layout.block_names[first + count :])
-    run_start(layout.bodies, layout.joints, layout.systems, layout.work, step)
+        if layout.work.status[STATUS_OUTCOME] == int(Outcome.TOO_MANY_CONTACTS):
+            raise InputError(
+                "more contacts at the start than there is room for",
+                source=layout.block_names[int(layout.work.status[STATUS_BLOCK])],
+                key="most_contacts",
+                expected="more of them, or a larger 'patch_size'",
+            )
     check_places(contacts, layout.block_names[first : first + count])
+
+
+def forget_trials(layout: Any) -> None:
+    """After a state has been restored, brackets of impacts of an unfinished step mean nothing.
+
+    Parameters
+    ----------
+    layout
+        Packed scene.
+    """
+    control = layout.systems[1].control
+    for place in (LOW, LOW_GAP, HIGH, HIGH_GAP, HIGH_RATE, IMPACT, SPLITS):
+        control[place] = 0.0
+    control[WATCHED] = control[JOINS] = -1.0
+    layout.work.control[SPLIT] = 0.0
 
 
 def check_places(contacts: ContactRows, names: Sequence[str]) -> None:

@@ -65,6 +65,7 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.laws import normal_force
 from heavylift.solver.contact.mesh_interface import place_surfaces
+from heavylift.solver.contact.restitution import bound_restitution
 from heavylift.solver.contact.search_end import judge_searches
 from heavylift.solver.contact.stage import (
     assemble_response,
@@ -193,6 +194,8 @@ def _project(
             work.status[STATUS_OUTCOME] = work.status[STATUS_BLOCK] = 0
             work.control[SPLIT] = 0.5 * step
         return False
+    if hits and not bound_restitution(contacts, count, work):
+        return False
     follow_end(rows, work)
     for j in range(count):
         _book_impact(contacts, j, smooth, work)
@@ -223,6 +226,7 @@ def _tell_end(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -> N
             outside = state[GAP] >= -CLOSE * values[SIZE]
             if outside and -rate > values[REST_SPEED] and state[RECENT] < MOST_EVENTS:
                 law[told.TARGET] = -values[RESTITUTION] * rate
+        law[told.WANTED] = law[told.TARGET]
 
 
 @kernel(internal=True)

@@ -11,7 +11,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from heavylift.numerics.jit import kernel
+from heavylift.solver.carried import LINE
 from heavylift.solver.contact.counts import contact_count, number_of, set_number
 from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.generics import (
@@ -65,6 +69,7 @@ from heavylift.solver.contact.kind import (
     SPLITS,
     STEP_SHIFT,
     STIFFNESS,
+    STOPPING,
     TRIANGLES,
     WATCHED,
     ContactRows,
@@ -75,7 +80,7 @@ from heavylift.solver.contact.mesh_interface import drop_contacts, keep_found, s
 from heavylift.solver.contact.stage import NEAR, impulse_row, looks_ahead
 from heavylift.solver.interface import SPLIT, Workspace, add_row_work
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import DOF, HALF_IMPULSE, IMPULSE, WIDTH
+from heavylift.solver.rows import DOF, HALF_IMPULSE, IMPULSE, ROW_COLUMNS, WIDTH
 
 __all__ = ["CLOSE", "MOST_EVENTS", "SHORTEST", "gap_tolerance"]
 
@@ -90,7 +95,6 @@ SHORTEST = 1e-6
 
 RESOLUTION = 1e-10
 """Of the size of a contact, that a gap is found to."""
-
 
 BEHIND = 1e-6
 """Relative rounding of a gap, and of the way in a step."""
@@ -108,15 +112,39 @@ def gap_tolerance(contacts: ContactRows, c: int, rate: float) -> float:
     return RESOLUTION * contacts.values[c, SIZE] + 1e-9 * abs(rate) * contacts.control[NOMINAL]
 
 
+@kernel(internal=True)
+def copy_carried(contacts: ContactRows, source: NDArray[np.float64], target: NDArray[np.float64]) -> None:
+    """All that a step changes; of contacts that come and go those that were there when it began.
+
+    Rows, states and `placed` of the contacts are the last parts of the carried numbers, each in whole cache lines.
+    """
+    known, whole = int(contacts.control[KNOWN]), source.shape[0]
+    placed = whole - _lines(contacts.placed.size)
+    states = placed - _lines(contacts.state.size)
+    rows = states - _lines(contacts.rows.size)
+    for i in range(rows + known * ROW_COLUMNS * len(contacts.shape[1])):
+        target[i] = source[i]
+    for i in range(states, states + known * contacts.state.shape[1]):
+        target[i] = source[i]
+    for i in range(placed, whole):
+        target[i] = source[i]
+
+
+@kernel(inline=True, internal=True)
+def _lines(count: int) -> int:
+    """So many numbers in whole cache lines."""
+    return -(-count // LINE) * LINE
+
+
 @implement(before_advance, ContactRows)
 @kernel(internal=True)
 def before_contact_advance(contacts: ContactRows, bodies: Any, work: Workspace, step: float) -> None:
     """Copy of the state; then what the contacts do at the velocities of the middle."""
-    for i in range(contacts.carried.shape[0]):
-        contacts.saved[i] = contacts.carried[i]
     contacts.control[KNOWN] = contact_count(contacts)
+    copy_carried(contacts, contacts.carried, contacts.saved)
     add_row_work(bodies, 2.0, work, contacts)
     bound_motion(bodies, contacts, step, work)
+    contacts.control[STOPPING] = 0.0
     for c in range(contact_count(contacts)):
         _book_middle(contacts, c, work, step)
         contacts.state[c, SHIFT] = _shift(contacts, c, work, step)
@@ -135,6 +163,9 @@ def _book_middle(contacts: ContactRows, c: int, work: Workspace, step: float) ->
     kind = contacts.table[c, LAW]
     if contacts.table[c, SHAPE] == TRIANGLES and kind == RIGID:
         state[LOSS] -= 2.0 * contacts.rows[at] * a  # rows that look ahead stop what still moves
+        if state[CLOSED] == 0.0:
+            across = contacts.rows[at + 1] * b + contacts.rows[at + 2] * d
+            contacts.control[STOPPING] += 2.0 * (contacts.rows[at] * a + across)
     if kind == COMPLIANT:
         d0, d1 = -state[GAP], -state[GAP] - step * a
         law, k, n = contacts.table[c, FORCE_LAW], values[STIFFNESS], values[EXPONENT]
@@ -215,9 +246,10 @@ def locate_contact_ends(
 
 @kernel(internal=True)
 def _repeat_with_found(contacts: ContactRows, work: Workspace, step: float) -> None:
-    """A row that looks ahead and was not there, because nothing had been near, stops what came in by a second try."""
+    """What came in and had no row, because nothing had been near before, has one when the step is tried again."""
     for c in range(int(contacts.control[KNOWN]), contact_count(contacts)):
-        if looks_ahead(contacts, c) and contacts.state[c, HIT] > 0.0:
+        early = looks_ahead(contacts, c) or contacts.table[c, LAW] == COMPLIANT
+        if early and contacts.state[c, HIT] > 0.0:
             rate = contact_rates(contacts, c, work.velocity)[0]
             if contacts.state[c, END_GAP] < -gap_tolerance(contacts, c, rate):
                 work.control[SPLIT] = step
@@ -341,8 +373,7 @@ def _next_time(contacts: ContactRows, work: Workspace, step: float) -> None:
 def go_back_to_copy(contacts: ContactRows) -> None:
     """All that the step has changed; a contact that touches joins the closed ones."""
     keep_found(contacts.meshes, contacts, True)
-    for i in range(contacts.carried.shape[0]):
-        contacts.carried[i] = contacts.saved[i]
+    copy_carried(contacts, contacts.saved, contacts.carried)
     keep_found(contacts.meshes, contacts, False)
     joins = int(contacts.control[JOINS])
     if joins >= 0:

@@ -82,12 +82,14 @@ found nothing; impacts since the last whole step."""
     SHARE,
     STEP_IMPULSE,
     LEFT,
+    START_BESIDE,
+    START_RATE,
     STATE_WIDTH,
-) = range(43, 56)
+) = range(43, 58)
 """Of contacts between triangles: pair of surfaces, kind of the two features and their numbers, side they were on when
 they were last apart, 1 if their paths meet in this step; distance beside them [m]; gap at the start of the step they
 were found in [m]; patch; part of its stiffness; normal impulse of the last step [N s]; 1 if it had slid off
-its features at the end of the last step."""
+its features at the end of the last step; distance beside them [m] and rate of the gap [m/s] when this one began."""
 
 FOUND, LOST, NOT_A_NUMBER, TOO_DEEP = 0, 2, 3, 4
 """How a search ended: well; without converging or at something that is not finite, which are statuses of the
@@ -146,11 +148,12 @@ U_AT, U_COUNT, V_AT, V_COUNT, POINTS_AT, GRID_COLUMNS = range(6)
 
 # columns of `control`
 LOW, LOW_GAP, HIGH, HIGH_GAP, HIGH_RATE, WATCHED, JOINS = range(7)
-IMPACT, RESIDUAL, ROUNDS, NOMINAL, LONGEST, SPLITS, KNOWN, CONTROL_WIDTH = range(7, 15)
+IMPACT, RESIDUAL, ROUNDS, NOMINAL, LONGEST, SPLITS, KNOWN, STOPPING, CONTROL_WIDTH = range(7, 16)
 """Bracket of the time of an impact with gaps, and the rate at its end; contact
 it is for, -1 without; contact that joins the closed ones when the step is repeated, -1 without; 1 after an impact;
 largest residual and number of iterations of the solver in the last step; length of whole steps [s]; length of the
-step that an impact was first seen in [s]; trials since the last whole step; contacts before its search."""
+step that an impact was first seen in [s]; trials since the last whole step; contacts before its search;
+work of rows that look ahead in the middle of the step [J]."""
 
 
 class Samples(NamedTuple):
@@ -193,7 +196,7 @@ class ContactRows(NamedTuple):
         As in the system of joints; block c and its attachments 2 c (contour) and 2 c + 1 (what touches) belong to
         contact c. Impulses push what touches along the normal.
     table, values, state
-        Of each contact, shapes (nc, 10), (nc, 32), (nc, 55).
+        Of each contact, shapes (nc, 10), (nc, 32), (nc, 57).
     contours
         Packed rows of the contours, shape (n, 16).
     poses
@@ -216,7 +219,7 @@ class ContactRows(NamedTuple):
     scratch, places, workspace
         Numbers and places that live within one call.
     control
-        Of events, shape (15,).
+        Of events, shape (16,).
     reduced
         What the solver needs on the velocities of the touched bodies, if all of them are rigid.
     meshes

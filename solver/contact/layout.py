@@ -37,6 +37,7 @@ __all__ = [
     "STIFFNESS",
     "TARGET",
     "UNILATERAL",
+    "WANTED",
 ]
 
 INACTIVE, UNILATERAL, BILATERAL, CURVE, COMPLIANT, NORMAL_GIVEN = range(6)
@@ -61,4 +62,5 @@ OFFSET = 7  # of the three rows [N s]
 STIFFNESS, EXPONENT, DAMPING, DEPTH, STEP = range(
     10, 15
 )  # of a compliant normal; depth at the start of the step
+WANTED = 15  # target of the normal row that the law asks for; not read by the solver
 PARAMETERS = 16  # width of a row

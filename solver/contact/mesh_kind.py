@@ -11,19 +11,19 @@ __all__ = ["Meshes"]
 
 # columns of `pairs`
 FIRST, SECOND, FIRST_POSE, SECOND_POSE, PAIR_LAW, PAIR_FORCE_LAW, PAIR_EVENTS, METHOD, PAIR_COLUMN = range(9)
-MOST, RECORDED, PAIR_SPLIT, PAIR_COLUMNS = 9, 10, 11, 12
+MOST, RECORDED, PAIR_COLUMNS = 9, 10, 11
 """Numbers of both surfaces, rows of their poses; law; force law; 1 to split steps; method of the search; first record
-column; most contacts at once; contacts that are recorded; 1 if rows of a step look ahead."""
+column; most contacts at once; contacts that are recorded."""
 
 # columns of `sides`: of both surfaces
 SIDE_DOF, SIDE_WIDTH, SIDE_HOLDER = range(3)
 SIDE_COLUMNS = 6
 
 # columns of `pair_values` behind those of a contact
-PATCH_COSINE, PATCH_SIZE, RADII, PAIR_REACH = range(32, 36)
-PAIR_VALUES = 36
+PATCH_COSINE, PATCH_SIZE, RADII, PAIR_REACH, PAIR_PATCHES = range(32, 37)
+PAIR_VALUES = 37
 """Cosine of the angle between normals of one patch; its size [m]; sum of both roundings [m]; reach of the search in
-the last step [m]."""
+the last step [m], and how many patches it made."""
 
 # rows of `placed` behind the poses of the surfaces and the sums of pairs: a single one
 COUNT_AT = 0
@@ -50,7 +50,7 @@ class Meshes(NamedTuple):
     surfaces, lists
         Packed triangles with their trees, and lists of triangles that are near each other.
     pairs, sides, pair_values
-        Of each pair, shapes (np, 12), (np, 6), (np, 36).
+        Of each pair, shapes (np, 11), (np, 6), (np, 37).
     relative
         Pose of the second surface in the axes of the first at the stage: rotation matrix and origin, shape (np, 12).
     motions

@@ -76,6 +76,9 @@ METHODS = {"swept": 0, "position-difference": 1}
 EDGES_OF_PATCH = 1.5
 """Mean edges of the smaller surface in a patch, at least: the diagonal of a square face is 1.41 of its edges."""
 
+MOST_AT_ALL = 100_000
+"""Contacts at once, of all collisions: each takes about a kilobyte."""
+
 FOUND_AT_ONCE = 16
 """Features that a search may find for each contact that there may be: those of one patch make few contacts."""
 
@@ -140,6 +143,8 @@ def pack_collisions(
         held = [attachment(scene.surfaces[k].body) for k in (first, second)]
         sides[i] = [n for side in held for n in (side.dof, side.width, side.holder)]
         size = min(_extent(moved[first]), _extent(moved[second]))
+        if not size > 0.0:
+            _refuse(collision, "between", "a surface that is a single point", "a radius, or more points")
         put_law(law, values[i])
         values[i, FRICTION], values[i, SIZE], values[i, EXTENT] = collision.friction, size, 0.0
         inverse = [0.0 if name == GROUND else scales(name)[0] for name in _bodies(collision, scene)]
@@ -151,6 +156,13 @@ def pack_collisions(
         values[i, RADII] = moved[first].radius + moved[second].radius
     packed = pack_surfaces(moved)
     most = sum(collision.most_contacts for collision in scene.collisions)
+    if most > MOST_AT_ALL:
+        _refuse(
+            scene.collisions[0],
+            "most_contacts",
+            f"{most} of all collisions together",
+            f"{MOST_AT_ALL} at most: fewer of each",
+        )
     room = FOUND_AT_ONCE * max(2, *(collision.most_contacts for collision in scene.collisions))
     items = room + most
     places = len(scene.contacts) + most

@@ -37,6 +37,7 @@ from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.mesh_kind import (
     FOUND_COLUMNS,
     FOUND_FIRST,
+    FOUND_HIT,
     FOUND_KIND,
     FOUND_NUMBERS,
     FOUND_SECOND,
@@ -51,10 +52,13 @@ from heavylift.solver.contact.mesh_kind import (
 )
 from heavylift.solver.contact.mesh_table import look_up
 
-__all__ = ["BORDER", "choose_contacts", "share_stiffness", "sort_found"]
+__all__ = ["BORDER", "UNKNOWN", "choose_contacts", "share_stiffness", "sort_found"]
 
 BORDER = 1e-9
 """Of the size: beyond the border by less a contact is still on its face."""
+
+UNKNOWN = -1
+"""In place of a hit: what was found is inside, and nobody knows from which side."""
 
 DEEPER = 1e-9
 """Of the size: what is deeper than those that span its patch by less does not count."""
@@ -138,7 +142,7 @@ def choose_contacts(meshes: Meshes, contacts: ContactRows, pair: int, count: int
         found = meshes.found[i]
         kind, feature, other = found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]
         meshes.keeps[i] = -1
-        if look_up(meshes, contacts, pair, kind, feature, other) < 0:
+        if found[FOUND_HIT] != UNKNOWN and look_up(meshes, contacts, pair, kind, feature, other) < 0:
             _put_item(meshes, pair, n, kind, feature, other, meshes.found_values[i, FOUND_SIDE], i)
             meshes.active[n] = 0
             n += 1

@@ -10,19 +10,14 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from heavylift.contours.feature_gap import feature_gap
 from heavylift.contours.feature_pairs import find_contacts
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
-from heavylift.numerics.small import rotate
+from heavylift.numerics.small import cross
 from heavylift.solver.contact.counts import contact_count, number_of
 from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.kind import (
     BESIDE,
-    CLOSED,
     COMPLIANT,
     END_GAP,
     EXPONENT,
@@ -35,9 +30,9 @@ from heavylift.solver.contact.kind import (
     LAW,
     LEFT,
     LOSS,
+    MIDDLE_FORCE,
     NORMAL,
     OF_CONTOURS,
-    ORIGIN,
     OTHER_FEATURE,
     PAIR,
     PATCH,
@@ -47,15 +42,19 @@ from heavylift.solver.contact.kind import (
     SIDE,
     SIZE,
     SLEEP,
+    SLIP,
+    START_BESIDE,
     START_GAP,
+    START_RATE,
     STEP_SHIFT,
     STIFFNESS,
-    TOUCHED,
+    TANGENT,
     ContactRows,
 )
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.mesh_interface import find_first_contacts, search_surfaces
 from heavylift.solver.contact.mesh_kind import (
+    BESIDE_AT,
     FIRST_POSE,
     FOUND_FIRST,
     FOUND_HIT,
@@ -63,21 +62,36 @@ from heavylift.solver.contact.mesh_kind import (
     FOUND_SECOND,
     FOUND_SIDE,
     METHOD,
-    NORMAL_AT,
+    MOST,
     PAIR_EVENTS,
     PAIR_LAW,
+    PAIR_PATCHES,
     PAIR_REACH,
-    POINT_AT,
-    RADII,
     SECOND_POSE,
     Meshes,
 )
-from heavylift.solver.contact.mesh_patches import BORDER, choose_contacts, share_stiffness, sort_found
+from heavylift.solver.contact.mesh_patches import (
+    BORDER,
+    choose_contacts,
+    share_stiffness,
+    sort_found,
+)
+from heavylift.solver.contact.mesh_sides import (
+    ABOUT_NOTHING,
+    ALIGNED,
+    aligned,
+    evaluate,
+    gap_at_start,
+    holds,
+    settle_sides,
+)
 from heavylift.solver.contact.mesh_slots import add_contact, surface_count
 from heavylift.solver.contact.mesh_table import enter, fill_table, look_up
 from heavylift.solver.contact.mesh_touch import relative_pose, touch_mesh_contact
+from heavylift.solver.contact.stage import impulse_row
 from heavylift.solver.interface import STATUS_BLOCK, STATUS_OUTCOME, Workspace
 from heavylift.solver.kinds import implement
+from heavylift.solver.rows import HALF_IMPULSE
 
 __all__: list[str] = []
 
@@ -86,12 +100,6 @@ AHEAD = 4.0
 
 NEAR_ENOUGH = 1e-7
 """Of the size of the smaller surface: what is nearer counts as near, however slow it is."""
-
-ALIGNED = 0.9
-"""Cosine between normals of contacts that lie on the same side of the same thing."""
-
-ABOUT_NOTHING = 1e-6
-"""Of the size: a gap that does not tell the side."""
 
 FAR_AWAY = 1e3
 """Sizes and reaches from which a contact goes."""
@@ -125,6 +133,15 @@ def _search_all(meshes: Meshes, contacts: ContactRows, work: Workspace, step: fl
         moved = contacts.poses[a, STEP_SHIFT] + contacts.poses[b, STEP_SHIFT]
         _search_pair(meshes, contacts, pair, moved, step, first, work)
     _finish_contacts(meshes, contacts)
+    for pair in range(meshes.pairs.shape[0]):
+        if meshes.pairs[pair, PAIR_LAW] == COMPLIANT:
+            share_stiffness(
+                meshes,
+                contacts,
+                pair,
+                int(meshes.pair_values[pair, PAIR_PATCHES]),
+                meshes.pair_values[pair, PAIR_REACH],
+            )
 
 
 @implement(find_first_contacts, Meshes)
@@ -143,6 +160,7 @@ def find_first_mesh_contacts(
         state = contacts.state[c]
         state[GAP] = state[END_GAP]
         state[RATE] = contact_rates(contacts, c, work.velocity)[0]
+        state[START_BESIDE], state[START_RATE] = state[BESIDE], state[RATE]
 
 
 @kernel(internal=True)
@@ -175,6 +193,7 @@ def _search_pair(
         return
     lost = _follow_contacts(meshes, contacts, pair, size)
     sort_found(meshes, count)
+    settle_sides(meshes, contacts, pair, count, first)
     unsplit = meshes.pairs[pair, PAIR_LAW] == RIGID and meshes.pairs[pair, PAIR_EVENTS] == 0
     patches = choose_contacts(meshes, contacts, pair, count, 0.5 * reach if unsplit else -math.inf)
     for i in range(count):
@@ -182,15 +201,24 @@ def _search_pair(
         kind, feature, other = found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]
         c = look_up(meshes, contacts, pair, kind, feature, other)
         if c >= 0:
-            contacts.state[c, HIT] = float(found[FOUND_HIT])
+            state = contacts.state[c]
+            state[HIT] = float(found[FOUND_HIT])
+            if (
+                state[HIT] > 0.0
+                and state[SIDE] != meshes.found_values[i, FOUND_SIDE]
+                and not holds(contacts, c)
+            ):
+                state[SIDE] = meshes.found_values[i, FOUND_SIDE]
+                for k in range(3):
+                    state[NORMAL + k] = 0.0  # the side is new
+                touch_mesh_contact(meshes, contacts, c)
             continue
         if meshes.keeps[i] < 0 or (lost > 0 and _hand_over(meshes, contacts, pair, i)):
             continue
-        if not _add(meshes, contacts, pair, i, moved, step, first, work):
+        if not _add(meshes, contacts, pair, i, moved, step, work):
             _stop(contacts, pair, work)
             return
-    if meshes.pairs[pair, PAIR_LAW] == COMPLIANT:
-        share_stiffness(meshes, contacts, pair, patches, reach)
+    meshes.pair_values[pair, PAIR_PATCHES] = patches
 
 
 @kernel(internal=True)
@@ -215,61 +243,6 @@ def _follow_contacts(meshes: Meshes, contacts: ContactRows, pair: int, size: flo
 
 
 @kernel(internal=True)
-def _evaluate(meshes: Meshes, pair: int, i: int, pose: NDArray[np.float64], side: float) -> float:
-    """Gap of what was found, at a pose; normal and points are left in `touch`."""
-    found = meshes.found[i]
-    return feature_gap(
-        meshes.surfaces,
-        found[FOUND_KIND],
-        found[FOUND_FIRST],
-        found[FOUND_SECOND],
-        meshes.pair_values[pair, RADII],
-        side,
-        pose,
-        0,
-        meshes.touch,
-    )
-
-
-@kernel(internal=True)
-def _aligned(meshes: Meshes, contacts: ContactRows, pair: int, c: int) -> float:
-    """Cosine between the normal left in `touch` and that of a contact."""
-    touch, state = meshes.touch, contacts.state[c]
-    pose = contacts.poses[meshes.pairs[pair, FIRST_POSE]]
-    n1, n2, n3 = rotate(pose, touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2])
-    return n1 * state[NORMAL] + n2 * state[NORMAL + 1] + n3 * state[NORMAL + 2]
-
-
-@kernel(internal=True)
-def _deepest(meshes: Meshes, contacts: ContactRows, pair: int) -> float:
-    """How deep contacts of a pair that push or rest have been inside at the start of the step [m]."""
-    deepest = 0.0
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
-        if contacts.state[c, PAIR] == pair and holds(contacts, c):
-            deepest = max(deepest, -contacts.state[c, GAP])
-    return deepest
-
-
-@kernel(internal=True)
-def _is_turned(meshes: Meshes, contacts: ContactRows, pair: int, count: int, near: float) -> bool:
-    """Whether the normal left in `touch` is against that of the nearest contact that touches along the same line."""
-    touch, pose = meshes.touch, contacts.poses[meshes.pairs[pair, FIRST_POSE]]
-    x1, x2, x3 = rotate(pose, touch[POINT_AT], touch[POINT_AT + 1], touch[POINT_AT + 2])
-    x1, x2, x3 = x1 + pose[ORIGIN], x2 + pose[ORIGIN + 1], x3 + pose[ORIGIN + 2]
-    turned, nearest = False, math.inf
-    for k in range(number_of(contacts, OF_CONTOURS), count):
-        state = contacts.state[k]
-        if state[PAIR] != pair or not (holds(contacts, k) or abs(state[GAP]) <= near):
-            continue
-        cosine = _aligned(meshes, contacts, pair, k)
-        d1, d2, d3 = x1 - state[TOUCHED], x2 - state[TOUCHED + 1], x3 - state[TOUCHED + 2]
-        square = d1 * d1 + d2 * d2 + d3 * d3
-        if abs(cosine) > ALIGNED and square < nearest:
-            turned, nearest = cosine < 0.0, square
-    return turned
-
-
-@kernel(internal=True)
 def _hand_over(meshes: Meshes, contacts: ContactRows, pair: int, i: int) -> bool:
     """A closed contact that has left its face or edge goes on with what was found beside it, its memory kept."""
     found, size = meshes.found[i], meshes.pair_values[pair, SIZE]
@@ -281,17 +254,50 @@ def _hand_over(meshes: Meshes, contacts: ContactRows, pair: int, i: int) -> bool
             continue
         if state[FEATURES] != kind or not (state[FEATURE] == feature or state[OTHER_FEATURE] == other):
             continue
-        _evaluate(meshes, pair, i, meshes.relative[pair], side)
-        cosine = _aligned(meshes, contacts, pair, c)
+        evaluate(meshes, pair, i, meshes.relative[pair], side)
+        cosine = aligned(meshes, contacts, pair, c)
         if abs(cosine) < ALIGNED:
             continue
         state[FEATURE], state[OTHER_FEATURE] = feature, other
         state[SIDE] = side if cosine > 0.0 else -side
         state[PATCH] = float(meshes.keeps[i])
+        t1, t2, t3 = state[TANGENT], state[TANGENT + 1], state[TANGENT + 2]
         touch_mesh_contact(meshes, contacts, c)
-        enter(meshes, contacts, c)
+        _turn_memory(contacts, c, t1, t2, t3)
         return True
     return False
+
+
+@kernel(internal=True)
+def _turn_memory(contacts: ContactRows, c: int, t1: float, t2: float, t3: float) -> None:
+    """What a contact remembers along its tangents, in those of its new features; `t` is the first one before."""
+    state = contacts.state[c]
+    n1, n2, n3 = state[NORMAL], state[NORMAL + 1], state[NORMAL + 2]
+    # components of the tangent before: the second ones are turned by the same angle
+    cosine = t1 * state[TANGENT] + t2 * state[TANGENT + 1] + t3 * state[TANGENT + 2]
+    s1, s2, s3 = cross(n1, n2, n3, state[TANGENT], state[TANGENT + 1], state[TANGENT + 2])
+    sine = t1 * s1 + t2 * s2 + t3 * s3
+    size = math.hypot(cosine, sine)
+    if not size > 0.0:
+        return
+    cosine, sine = cosine / size, sine / size
+    a, b = state[SLIP], state[SLIP + 1]
+    state[SLIP], state[SLIP + 1] = cosine * a - sine * b, sine * a + cosine * b
+    a, b = state[MIDDLE_FORCE + 1], state[MIDDLE_FORCE + 2]
+    state[MIDDLE_FORCE + 1], state[MIDDLE_FORCE + 2] = cosine * a - sine * b, sine * a + cosine * b
+    half = impulse_row(contacts, c, HALF_IMPULSE)
+    a, b = contacts.rows[half + 1], contacts.rows[half + 2]
+    contacts.rows[half + 1], contacts.rows[half + 2] = cosine * a - sine * b, sine * a + cosine * b
+
+
+@kernel(internal=True)
+def _has_room(meshes: Meshes, contacts: ContactRows, pair: int) -> bool:
+    """Whether a pair may have one contact more."""
+    count = 0
+    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+        if contacts.state[c, PAIR] == pair:
+            count += 1
+    return bool(count < meshes.pairs[pair, MOST])
 
 
 @kernel(internal=True)
@@ -302,22 +308,14 @@ def _add(
     i: int,
     moved: float,
     step: float,
-    first: bool,
     work: Workspace,
 ) -> bool:
-    """A new contact; false if there is no place for it.
-
-    What was inside at the start of the step already, and has no contact to go on from, is none: its side is unknown.
-    """
-    found, size = meshes.found[i], meshes.pair_values[pair, SIZE]
-    side = meshes.found_values[i, FOUND_SIDE]
-    start = _evaluate(meshes, pair, i, meshes.motions[pair], side)
-    # which side it comes from is told by what touches already, and may be as deep inside
-    nothing = ABOUT_NOTHING * size + 2.0 * _deepest(meshes, contacts, pair)
-    if abs(start) <= nothing and _is_turned(meshes, contacts, pair, contact_count(contacts), nothing):
-        side, start = -side, -start - 2.0 * meshes.pair_values[pair, RADII]
-    if start < -nothing and not first:
-        return True
+    """A new contact; false if there is no place for it."""
+    found, side = meshes.found[i], meshes.found_values[i, FOUND_SIDE]
+    start = gap_at_start(meshes, pair, i)
+    beside = meshes.touch[BESIDE_AT]
+    if not _has_room(meshes, contacts, pair):
+        return False
     c = add_contact(meshes, contacts, pair)
     if c < 0:
         return False
@@ -333,16 +331,10 @@ def _add(
     touch_mesh_contact(meshes, contacts, c)
     # the rate at the start of the step, of a gap that is a parabola
     rate = contact_rates(contacts, c, work.velocity)[0]
-    state[RATE] = 2.0 * (state[END_GAP] - start) / step - rate
+    state[RATE] = state[START_RATE] = 2.0 * (state[END_GAP] - start) / step - rate
+    state[START_BESIDE] = beside
     enter(meshes, contacts, c)
     return True
-
-
-@kernel(inline=True, internal=True)
-def holds(contacts: ContactRows, c: int) -> bool:
-    """Whether a contact has pushed in the last step, or rested: it knows its side."""
-    state = contacts.state[c]
-    return bool(state[CLOSED] > 0.0 or (contacts.table[c, LAW] == COMPLIANT and state[GAP] < 0.0))
 
 
 @kernel(internal=True)
@@ -357,6 +349,7 @@ def _finish_contacts(meshes: Meshes, contacts: ContactRows) -> None:
         gone_round = state[GAP] > nothing and state[END_GAP] < -nothing and not holds(contacts, c)
         if (beside or gone_round) and state[HIT] == 0.0:
             if not holds(contacts, c):  # goes; if it comes back, it is found with the side it comes from
+                state[PATCH] = -1.0
                 state[END_GAP] = FAR_AWAY * (size + meshes.pair_values[int(state[PAIR]), PAIR_REACH])
             elif state[LEFT] > 0.0:  # nothing beyond the border took it over for a whole step
                 if contacts.table[c, LAW] == COMPLIANT:  # and what it has stored is lost

@@ -10,6 +10,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.counts import contact_count, number_of, set_number
 from heavylift.solver.contact.kind import (
     AXES,
+    BESIDE,
     CLOSED,
     CONTOUR,
     COUNT,
@@ -25,10 +26,13 @@ from heavylift.solver.contact.kind import (
     LOSS,
     OF_CONTOURS,
     PAIR,
+    RATE,
     SHAPE,
     SHARE,
     SLIP_PATH,
+    START_BESIDE,
     START_GAP,
+    START_RATE,
     STATE_WIDTH,
     STIFFNESS,
     TOUCH_DAMPING,
@@ -160,7 +164,11 @@ def keep_found_contacts(meshes: Meshes, contacts: ContactRows, before: bool) -> 
     for c in range(carried, contact_count(contacts)):
         for k in range(STATE_WIDTH):
             contacts.state[c, k] = meshes.kept[c, k]
-        contacts.state[c, GAP] = contacts.state[c, START_GAP]
+        contacts.state[c, GAP], contacts.state[c, RATE] = (
+            contacts.state[c, START_GAP],
+            contacts.state[c, START_RATE],
+        )
+        contacts.state[c, LOSS] = contacts.state[c, SHARE] = 0.0
     _set_count(contacts, contact_count(contacts))
 
 
@@ -210,8 +218,11 @@ def _move(contacts: ContactRows, source: int, target: int) -> None:
 @implement(place_surfaces, Meshes)
 @kernel(internal=True)
 def place_mesh_surfaces(meshes: Meshes, contacts: ContactRows) -> None:
-    """The search of the next step begins where this one has ended."""
+    """The search of the next step begins where this one has ended, and so do its contacts."""
     first = contacts.poses.shape[0] - surface_count(contacts, meshes)
     for i in range(surface_count(contacts, meshes)):
         for k in range(12):
             contacts.placed[i, k] = contacts.poses[first + i, k]
+    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+        contacts.state[c, START_BESIDE] = contacts.state[c, BESIDE]
+        contacts.state[c, START_RATE] = contacts.state[c, RATE]

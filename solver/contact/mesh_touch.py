@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 
 from heavylift.contours.feature_gap import (
+    EDGE_EDGE,
     EDGE_VERTEX,
     FACE_VERTEX,
     VERTEX_FACE,
     VERTEX_VERTEX,
+    contact_gap,
     feature_gap,
 )
 from heavylift.contours.surface_layout import CORNER_A, CORNER_B
@@ -114,6 +116,21 @@ def _tangent(
     return t1 / size, t2 / size, t3 / size
 
 
+@kernel(internal=True)
+def _keep_side(meshes: Meshes, contacts: ContactRows, c: int, pair: int) -> None:
+    """The product of two edges turns over where they pass through parallel: the side does then, and not the normal."""
+    state, touch = contacts.state[c], meshes.touch
+    if state[FEATURES] != EDGE_EDGE:
+        return
+    feature, other = int(state[FEATURE]), int(state[OTHER_FEATURE])
+    relative = meshes.relative[pair]
+    contact_gap(meshes.surfaces, EDGE_EDGE, feature, other, 0.0, state[SIDE], relative, 0, touch)
+    pose = contacts.poses[contacts.table[c, CONTOUR]]
+    n1, n2, n3 = rotate(pose, touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2])
+    if n1 * state[NORMAL] + n2 * state[NORMAL + 1] + n3 * state[NORMAL + 2] < 0.0:
+        state[SIDE] = -state[SIDE]
+
+
 @implement(touch_triangles, Meshes)
 @kernel(internal=True)
 def touch_mesh_contact(meshes: Meshes, contacts: ContactRows, c: int) -> None:
@@ -123,6 +140,7 @@ def touch_mesh_contact(meshes: Meshes, contacts: ContactRows, c: int) -> None:
     first_pose, second_pose = contacts.table[c, CONTOUR], contacts.table[c, AXES]
     kind, feature, other = int(state[FEATURES]), int(state[FEATURE]), int(state[OTHER_FEATURE])
     relative = meshes.relative[pair]
+    _keep_side(meshes, contacts, c, pair)
     state[END_GAP] = feature_gap(
         meshes.surfaces,
         kind,

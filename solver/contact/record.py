@@ -40,7 +40,7 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.locate import locate
-from heavylift.solver.contact.mesh_interface import record_pairs
+from heavylift.solver.contact.mesh_interface import record_pairs, restore_contacts
 from heavylift.solver.integrate.row_stage import gather_rows, record_rows
 from heavylift.solver.interface import DISSIPATED, ELASTIC, Workspace, gather_reactions
 from heavylift.solver.kinds import implement
@@ -69,6 +69,7 @@ def gather_contact_rows(
     contacts: ContactRows, bodies: Any, joints: Any, work: Workspace, time: float
 ) -> None:
     """The rows are still those of the end of the step; of what is far from touching only the gap is wanted."""
+    restore_contacts(contacts.meshes, contacts)  # a state may have been restored since the last step
     gather_reactions(bodies, False, contacts)
     posed = False
     for c in range(number_of(contacts, OF_CONTOURS)):

@@ -112,14 +112,14 @@ def assemble_reduced(contacts: ContactRows, systems: Any, count: int) -> None:
 
 @kernel(internal=True)
 def solve_reduced(contacts: ContactRows, count: int, velocity: NDArray[np.float64]) -> tuple[int, int, float]:
-    """Impulses into the second row of `contacts.rates`, rates into the third, where impulses stand that are known.
+    """Impulses into the second row of `contacts.rates`, rates without and with them into the first and third.
 
     Returns
     -------
     status, iterations, residual
         As of `solve_contacts_reduced`.
     """
-    reduced, p, w = contacts.reduced, contacts.rates[1], contacts.rates[2]
+    reduced, free, p, w = contacts.reduced, contacts.rates[0], contacts.rates[1], contacts.rates[2]
     size = reduced.numbers[SIZE_AT]
     for i in range(size):
         reduced.found[i] = 0.0
@@ -155,4 +155,10 @@ def solve_reduced(contacts: ContactRows, count: int, velocity: NDArray[np.float6
                 for k in range(width):
                     total += reduced.blocks[j, 18 * side + 6 * r + k] * reduced.found[at + k]
             w[3 * j + r] = total
+            total = 0.0
+            for side in range(2):
+                at, width = reduced.ends[j, 2 * side], reduced.ends[j, 2 * side + 1]
+                for k in range(width):
+                    total += reduced.blocks[j, 18 * side + 6 * r + k] * reduced.start[at + k]
+            free[3 * j + r] = total
     return status, rounds, residual

@@ -50,6 +50,7 @@ from heavylift.solver.contact.kind import (
     SIZE,
     SLEEP,
     SLIP,
+    START_BESIDE,
     STIFFNESS,
     TOUCH_DAMPING,
     TRIANGLES,
@@ -124,17 +125,16 @@ def looks_ahead(contacts: ContactRows, c: int) -> bool:
 
 
 @kernel(internal=True)
-def _passes_by(contacts: ContactRows, c: int, gap: float, beside: float) -> bool:
+def _passes_by(contacts: ContactRows, c: int) -> bool:
     """Whether features that are apart will be beside each other when their gap closes, or never close it.
 
     Gap and distance beside them go on through the step as they have changed up to its predicted middle.
     """
     state = contacts.state[c]
+    gap, beside = state[GAP], state[START_BESIDE]
     if contacts.table[c, SHAPE] != TRIANGLES or state[CLOSED] > 0.0 or not gap > 0.0:
         return False
     end = 2.0 * state[END_GAP] - gap
-    if beside > 0.0 and gap <= beside:  # the gap stood for the distance beside them
-        end = state[END_GAP]
     share = min(gap / (gap - end), 1.0) if end < gap else 1.0
     return bool(beside + 2.0 * share * (state[BESIDE] - beside) > 0.0)
 
@@ -176,9 +176,8 @@ def meet_contacts_midpoint(
     kept = 0
     for j in range(count):
         c = present_at(contacts, j)
-        gap, beside = contacts.state[c, GAP], contacts.state[c, BESIDE]
         locate(contacts, bodies, c, False, work)
-        if _passes_by(contacts, c, gap, beside):
+        if _passes_by(contacts, c):
             contacts.state[c, PRESENT] = 0.0
         else:
             contacts.places[LARGEST_CONTROLS + kept] = c

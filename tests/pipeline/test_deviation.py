@@ -110,6 +110,14 @@ def test_a_history_of_a_part_of_the_run(folder):
     assert value == pytest.approx(1e-2, rel=1e-9)
 
 
+def test_changes_alone(folder):
+    off = CIRCLE + np.array([3e-3, 0, -4e-3])
+    write(folder, {"x": off[:, 0], "y": off[:, 1], "z": off[:, 2]})
+    drifting = CIRCLE + 1e-3 * TIMES[:, None]
+    _, value = evaluate(folder, results_of({"hook.position": drifting}), "reference.0.changes=true")
+    assert value == pytest.approx(np.sqrt(3.0) * 1e-3, rel=1e-9)
+
+
 def test_length_and_rate_of_a_vector(folder):
     write(folder, {"y": CIRCLE[:, 1]})
     path = np.column_stack([3.0 * TIMES, np.zeros_like(TIMES), 4.0 * TIMES**2])
@@ -119,7 +127,7 @@ def test_length_and_rate_of_a_vector(folder):
     assert case.quantity("channel.hook.position.norm.rate").kind.unit == "m/s"
     assert case.quantity("channel.hook.velocity.x.rate").kind.unit == "m/s^2"
     assert evaluate(folder, results, quantity="channel.hook.position.norm.max")[1] == pytest.approx(5.0)
-    with pytest.raises(InputError, match="'energy.balance' has no 'rate'"):
+    with pytest.raises(InputError, match=r"'energy\.balance' has no 'rate'"):
         case.quantity("channel.energy.balance.rate")
 
 

@@ -172,3 +172,23 @@ def test_threshold_of_friction() -> None:
         expected = case.GRAVITY * (np.sin(theta) - case.FRICTION * np.cos(theta))
         assert case.acceleration(slope) == pytest.approx(expected, abs=1e-14)
     assert case.acceleration(case.FRICTION * (1.0 + 1e-6)) == pytest.approx(4.387164e-6, rel=2e-7)
+
+
+def test_fall_of_the_bunny_by_a_grid() -> None:
+    """On vertical lines, the lowest of one surface is at least as high over the highest of the other as it falls."""
+    case = reference("bunnies")
+    bunny = case.read_stl(CASES / "bunnies" / "bunny.stl")
+    lower, upper = bunny + case.TWIN, case.turned(bunny) + case.FALLING
+    touch, _ = case.first_touch()
+    lines = np.stack(np.meshgrid(*(touch.place[k] + 2e-3 * np.arange(-20, 21) for k in (0, 1))), axis=-1)
+    lines = np.concatenate([lines.reshape(-1, 2), np.zeros((41 * 41, 1))], axis=1)
+    top = np.nanmax(np.nan_to_num(-case.over_triangles(lines, lower), nan=-np.inf), axis=1)
+    bottom = np.nanmin(np.nan_to_num(-case.over_triangles(lines, upper), nan=np.inf), axis=1)
+    least = (bottom - top).min()
+    assert touch.distance <= least < touch.distance + 4e-3
+    # the twin's point is on the triangle that touches it, which faces down
+    assert touch.normal[2] > 0.0
+    speed = np.sqrt(2.0 * case.GRAVITY * touch.distance)
+    _, impulse, lost = case.blow(touch)
+    assert lost == pytest.approx(0.5 * impulse * speed * touch.normal[2])
+    assert lost < case.MASS * case.GRAVITY * touch.distance

@@ -19,6 +19,8 @@ from heavylift.solver.contact.layout import (
     TARGET,
 )
 
+pytestmark = pytest.mark.slow
+
 RESIDUAL = 1e-10
 
 

@@ -1,0 +1,141 @@
+"""On which side of each other features are that were found: told by where they begin, or by what touches already."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.contours.feature_gap import EDGE_EDGE, feature_gap
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import rotate
+from heavylift.solver.contact.counts import contact_count, number_of
+from heavylift.solver.contact.kind import (
+    CLOSED,
+    COMPLIANT,
+    GAP,
+    LAW,
+    NORMAL,
+    OF_CONTOURS,
+    ORIGIN,
+    PAIR,
+    SIZE,
+    TOUCHED,
+    ContactRows,
+)
+from heavylift.solver.contact.mesh_kind import (
+    FIRST_POSE,
+    FOUND_FIRST,
+    FOUND_HIT,
+    FOUND_KIND,
+    FOUND_SECOND,
+    FOUND_SIDE,
+    NORMAL_AT,
+    POINT_AT,
+    RADII,
+    Meshes,
+)
+from heavylift.solver.contact.mesh_patches import UNKNOWN
+from heavylift.solver.contact.mesh_table import look_up
+
+__all__ = ["ABOUT_NOTHING", "ALIGNED", "aligned", "evaluate", "gap_at_start", "holds", "settle_sides"]
+
+ALIGNED = 0.9
+"""Cosine between normals of contacts that lie on the same side of the same thing."""
+
+ABOUT_NOTHING = 1e-6
+"""Of the size: a gap that does not tell the side."""
+
+
+@kernel(inline=True, internal=True)
+def holds(contacts: ContactRows, c: int) -> bool:
+    """Whether a contact has pushed in the last step, or rested: it knows its side."""
+    state = contacts.state[c]
+    return bool(state[CLOSED] > 0.0 or (contacts.table[c, LAW] == COMPLIANT and state[GAP] < 0.0))
+
+
+@kernel(internal=True)
+def evaluate(meshes: Meshes, pair: int, i: int, pose: NDArray[np.float64], side: float) -> float:
+    """Gap of what was found, at a pose; normal and points are left in `touch`."""
+    found = meshes.found[i]
+    return feature_gap(
+        meshes.surfaces,
+        found[FOUND_KIND],
+        found[FOUND_FIRST],
+        found[FOUND_SECOND],
+        meshes.pair_values[pair, RADII],
+        side,
+        pose,
+        0,
+        meshes.touch,
+    )
+
+
+@kernel(internal=True)
+def gap_at_start(meshes: Meshes, pair: int, i: int) -> float:
+    """Gap of what was found at the start of the step, where the product of two edges may point the other way."""
+    side, touch = meshes.found_values[i, FOUND_SIDE], meshes.touch
+    if meshes.found[i, FOUND_KIND] == EDGE_EDGE:
+        evaluate(meshes, pair, i, meshes.relative[pair], side)
+        n1, n2, n3 = touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2]
+        evaluate(meshes, pair, i, meshes.motions[pair], side)
+        if n1 * touch[NORMAL_AT] + n2 * touch[NORMAL_AT + 1] + n3 * touch[NORMAL_AT + 2] < 0.0:
+            side = -side
+    return evaluate(meshes, pair, i, meshes.motions[pair], side)
+
+
+@kernel(internal=True)
+def aligned(meshes: Meshes, contacts: ContactRows, pair: int, c: int) -> float:
+    """Cosine between the normal left in `touch` and that of a contact."""
+    touch, state = meshes.touch, contacts.state[c]
+    pose = contacts.poses[meshes.pairs[pair, FIRST_POSE]]
+    n1, n2, n3 = rotate(pose, touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2])
+    return n1 * state[NORMAL] + n2 * state[NORMAL + 1] + n3 * state[NORMAL + 2]
+
+
+@kernel(internal=True)
+def _deepest(meshes: Meshes, contacts: ContactRows, pair: int) -> float:
+    """How deep contacts of a pair that push or rest have been inside at the start of the step [m]."""
+    deepest = 0.0
+    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+        if contacts.state[c, PAIR] == pair and holds(contacts, c):
+            deepest = max(deepest, -contacts.state[c, GAP])
+    return deepest
+
+
+@kernel(internal=True)
+def _is_turned(meshes: Meshes, contacts: ContactRows, pair: int, count: int, near: float) -> bool:
+    """Whether the normal left in `touch` is against that of the nearest contact that touches along the same line."""
+    touch, pose = meshes.touch, contacts.poses[meshes.pairs[pair, FIRST_POSE]]
+    x1, x2, x3 = rotate(pose, touch[POINT_AT], touch[POINT_AT + 1], touch[POINT_AT + 2])
+    x1, x2, x3 = x1 + pose[ORIGIN], x2 + pose[ORIGIN + 1], x3 + pose[ORIGIN + 2]
+    turned, nearest = False, math.inf
+    for k in range(number_of(contacts, OF_CONTOURS), count):
+        state = contacts.state[k]
+        if state[PAIR] != pair or not (holds(contacts, k) or abs(state[GAP]) <= near):
+            continue
+        cosine = aligned(meshes, contacts, pair, k)
+        d1, d2, d3 = x1 - state[TOUCHED], x2 - state[TOUCHED + 1], x3 - state[TOUCHED + 2]
+        square = d1 * d1 + d2 * d2 + d3 * d3
+        if abs(cosine) > ALIGNED and square < nearest:
+            turned, nearest = cosine < 0.0, square
+    return turned
+
+
+@kernel(internal=True)
+def settle_sides(meshes: Meshes, contacts: ContactRows, pair: int, count: int, first: bool) -> None:
+    """Sides of what was found and is no contact yet; what was inside before, and has none to go on from, is unknown.
+
+    Which side it comes from is told by what touches already, and it may be as deep inside as that.
+    """
+    nothing = ABOUT_NOTHING * meshes.pair_values[pair, SIZE] + 2.0 * _deepest(meshes, contacts, pair)
+    for i in range(count):
+        found = meshes.found[i]
+        if look_up(meshes, contacts, pair, found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]) >= 0:
+            continue
+        start = gap_at_start(meshes, pair, i)
+        if abs(start) <= nothing and _is_turned(meshes, contacts, pair, contact_count(contacts), nothing):
+            meshes.found_values[i, FOUND_SIDE] = -meshes.found_values[i, FOUND_SIDE]
+        elif start < -nothing and not first:
+            found[FOUND_HIT] = UNKNOWN
