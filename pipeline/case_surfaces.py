@@ -141,7 +141,7 @@ class SurfaceSection(Section):
     exclude: tuple[ExclusionSection, ...] = ()
     """Boxes whose triangles take no part."""
     facets: Annotated[int, Field(ge=1, le=32, strict=True)] | None = None
-    """Of a frame or shell: facets along each side of an element, around a frame likewise; 2 if absent."""
+    """Of a frame or shell: facets along each side of an element; 2 if absent."""
 
     @model_validator(mode="after")
     def _has_one_source(self, info: ValidationInfo) -> Self:

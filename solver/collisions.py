@@ -27,9 +27,16 @@ class CollisionSurface:
     name, body
         Its own name and that of its body, `GROUND` for one that stands still in the world.
     surface
-        Triangles in the frame of the body, excluded ones left out; of a frame or shell None: its own surface.
+        Triangles in the frame of the body, excluded ones left out; of a frame or shell None: its own surface. That of
+        a shell is its middle surface, rounded by half of its (largest) thickness; that of a frame its axis, round,
+        with the area of its (largest) cross-section, which rounds its ends too.
     facets
-        Of a frame or shell: facets along each side of an element (around a frame likewise).
+        Of a frame or shell: facets along each side of an element.
+
+    Notes
+    -----
+    Surfaces that deform are found by nearness: contacts begin while features are still apart, at four motions of a
+    step. What moves on by more than half of its thickness from one step to the next, beyond that, can be missed.
     """
 
     name: str
@@ -54,7 +61,8 @@ class Collision:
         Coulomb's coefficient; 0 without.
     events
         Split the step at impacts of a rigid law. Otherwise contacts that could close within a step are rows of that
-        step: nothing passes through, and impacts happen at ends of steps.
+        step: nothing passes through, and impacts happen at ends of steps. So it is with a frame or shell without
+        restitution.
     method
         ``"swept"``: certified tests of the paths of vertices and edges. ``"position-difference"``: the method of
         "Integrated simulation ... (2018)", section 2.6, which misses collisions; for comparison.
@@ -62,7 +70,7 @@ class Collision:
         Contacts belong to one patch if their normals differ by less than this angle [rad], and lie within this distance
         [m]; 0: a tenth of the smaller surface, at least 1.5 times its mean edge.
     most_contacts
-        At once; if there are more, the simulation stops.
+        At once; if there are more, the simulation stops. With a frame or shell 64 at most.
     recorded
         Contacts that are recorded with point, normal and force; those with the largest forces.
     clearance

@@ -152,8 +152,8 @@ def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
 
 
 def _moving(scene: Scene) -> dict[str, int]:
-    """Points of frames and shells that contacts slide on."""
-    if not scene.contacts:
+    """Points of frames and shells that contacts touch."""
+    if not scene.touches:
         return {}
     from heavylift.solver.contact.packing import count_moving
 

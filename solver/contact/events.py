@@ -76,7 +76,12 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.locate import locate
-from heavylift.solver.contact.mesh_interface import drop_contacts, keep_found, search_surfaces
+from heavylift.solver.contact.mesh_interface import (
+    bound_surfaces,
+    drop_contacts,
+    keep_found,
+    search_surfaces,
+)
 from heavylift.solver.contact.stage import NEAR, impulse_row, looks_ahead
 from heavylift.solver.interface import SPLIT, Workspace, add_row_work
 from heavylift.solver.kinds import implement
@@ -144,6 +149,7 @@ def before_contact_advance(contacts: ContactRows, bodies: Any, work: Workspace, 
     copy_carried(contacts, contacts.carried, contacts.saved)
     add_row_work(bodies, 2.0, work, contacts)
     bound_motion(bodies, contacts, step, work)
+    bound_surfaces(contacts.meshes, contacts, bodies, step)
     contacts.control[STOPPING] = 0.0
     for c in range(contact_count(contacts)):
         _book_middle(contacts, c, work, step)

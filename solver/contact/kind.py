@@ -84,12 +84,14 @@ found nothing; impacts since the last whole step."""
     LEFT,
     START_BESIDE,
     START_RATE,
-    STATE_WIDTH,
+    POINT_SLOT,
 ) = range(43, 58)
+STATE_WIDTH = POINT_SLOT + 2
 """Of contacts between triangles: pair of surfaces, kind of the two features and their numbers, side they were on when
 they were last apart, 1 if their paths meet in this step; distance beside them [m]; gap at the start of the step they
 were found in [m]; patch; part of its stiffness; normal impulse of the last step [N s]; 1 if it had slid off
-its features at the end of the last step; distance beside them [m] and rate of the gap [m/s] when this one began."""
+its features at the end of the last step; distance beside them [m] and rate of the gap [m/s] when this one began;
+numbers of its moving points on both bodies, if they deform."""
 
 FOUND, LOST, NOT_A_NUMBER, TOO_DEEP = 0, 2, 3, 4
 """How a search ended: well; without converging or at something that is not finite, which are statuses of the
@@ -102,7 +104,7 @@ CONTOUR_COLUMNS = CONTOUR_WIDTH + 6
 surfaces; -1 if the normal is turned round, else 1; number of the body. Of flexible bodies the largest
 displacements of a control point by each mode follow the data of the control points."""
 
-OF_GROUND, OF_RIGID, OF_MODES, OF_MESH = range(4)
+OF_GROUND, OF_RIGID, OF_MODES, OF_MESH, OF_FACETS = range(5)
 
 # columns of `poses`: of the axes of each contour
 ROTATION, ORIGIN, REACH, STEP_SHIFT, DIRECTOR, RADIUS_OF, WIDTH_OF, POSE_WIDTH = 0, 9, 12, 13, 14, 17, 18, 20
@@ -196,7 +198,7 @@ class ContactRows(NamedTuple):
         As in the system of joints; block c and its attachments 2 c (contour) and 2 c + 1 (what touches) belong to
         contact c. Impulses push what touches along the normal.
     table, values, state
-        Of each contact, shapes (nc, 10), (nc, 32), (nc, 57).
+        Of each contact, shapes (nc, 10), (nc, 32), (nc, 59).
     contours
         Packed rows of the contours, shape (n, 16).
     poses

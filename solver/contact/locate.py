@@ -61,7 +61,7 @@ def locate(contacts: ContactRows, bodies: Any, c: int, cold: bool, work: Workspa
         Search from everywhere, not from the last place.
     """
     if contacts.table[c, SHAPE] == TRIANGLES:
-        touch_triangles(contacts.meshes, contacts, c)
+        touch_triangles(contacts.meshes, contacts, bodies, c, work)
         return
     contour = contacts.table[c, CONTOUR]
     pose, scratch, state = contacts.poses[contour], contacts.scratch, contacts.state[c]

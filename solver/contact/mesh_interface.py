@@ -11,6 +11,7 @@ from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import optional
 
 __all__ = [
+    "bound_surfaces",
     "drop_contacts",
     "find_first_contacts",
     "forget_pair_sums",
@@ -31,12 +32,20 @@ def restore_contacts(meshes: Any, contacts: Any) -> None:
 
 
 @optional
-def pose_surfaces(meshes: Any, contacts: Any) -> None:
-    """Pose of the second surface of each pair in the axes of the first, from the poses of the stage."""
+def pose_surfaces(meshes: Any, contacts: Any, bodies: Any) -> None:
+    """Pose of the second surface of each pair in the axes of the first, from the poses of the stage.
+
+    Points of surfaces that deform come first.
+    """
 
 
 @optional
-def touch_triangles(meshes: Any, contacts: Any, c: int) -> None:
+def bound_surfaces(meshes: Any, contacts: Any, bodies: Any, step: float) -> None:
+    """How far surfaces that deform move in the step, into their poses."""
+
+
+@optional
+def touch_triangles(meshes: Any, contacts: Any, bodies: Any, c: int, work: Workspace) -> None:
     """Gap, directions and rows of a contact at the stage."""
 
 

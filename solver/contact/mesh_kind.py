@@ -11,9 +11,9 @@ __all__ = ["Meshes"]
 
 # columns of `pairs`
 FIRST, SECOND, FIRST_POSE, SECOND_POSE, PAIR_LAW, PAIR_FORCE_LAW, PAIR_EVENTS, METHOD, PAIR_COLUMN = range(9)
-MOST, RECORDED, PAIR_COLUMNS = 9, 10, 11
+MOST, RECORDED, DEFORMS, PAIR_COLUMNS = 9, 10, 11, 12
 """Numbers of both surfaces, rows of their poses; law; force law; 1 to split steps; method of the search; first record
-column; most contacts at once; contacts that are recorded."""
+column; most contacts at once; contacts that are recorded; 1 if a surface deforms."""
 
 # columns of `sides`: of both surfaces
 SIDE_DOF, SIDE_WIDTH, SIDE_HOLDER = range(3)
@@ -50,7 +50,7 @@ class Meshes(NamedTuple):
     surfaces, lists
         Packed triangles with their trees, and lists of triangles that are near each other.
     pairs, sides, pair_values
-        Of each pair, shapes (np, 11), (np, 6), (np, 37).
+        Of each pair, shapes (np, 12), (np, 6), (np, 37).
     relative
         Pose of the second surface in the axes of the first at the stage: rotation matrix and origin, shape (np, 12).
     motions
@@ -72,6 +72,8 @@ class Meshes(NamedTuple):
         Contacts found in a step that is taken back, shape (nc, STATE_WIDTH).
     clearances
         Pairs whose distance is recorded, a tuple of one kind or none.
+    facets
+        Surfaces that deform, a tuple of one kind or none.
     """
 
     surfaces: Any
@@ -98,3 +100,4 @@ class Meshes(NamedTuple):
     chains: NDArray[np.int64]
     kept: NDArray[np.float64]
     clearances: Any
+    facets: Any

@@ -15,6 +15,18 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.rigid import principal_frame
 from heavylift.solver.connections import GROUND
 from heavylift.solver.contact.checks import check_law, check_motion
+from heavylift.solver.contact.facet_counts import count_slots, most_of
+from heavylift.solver.contact.facet_kind import (
+    FIRST_SLOT,
+    LAST_SLOT,
+    OF_DOF,
+    OF_POSE,
+    OF_SURFACE,
+    OWN_POINT,
+    POINTS,
+    ROW_COLUMNS,
+    FacetSurfaces,
+)
 from heavylift.solver.contact.kind import (
     BODY,
     COMPLIANT,
@@ -23,6 +35,7 @@ from heavylift.solver.contact.kind import (
     EXTENT,
     FRICTION,
     INVERSE_MASS,
+    OF_FACETS,
     OF_GROUND,
     OF_RIGID,
     ORIGIN,
@@ -36,6 +49,7 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.laws_packing import force_law, put_law
 from heavylift.solver.contact.mesh_kind import (
+    DEFORMS,
     FIRST,
     FIRST_POSE,
     FOUND_COLUMNS,
@@ -55,17 +69,20 @@ from heavylift.solver.contact.mesh_kind import (
     SECOND,
     SECOND_POSE,
     SIDE_COLUMNS,
+    SIDE_WIDTH,
     TOUCH_NUMBERS,
     Meshes,
 )
 from heavylift.solver.contact.packed_collisions import PackedCollisions
 from heavylift.solver.contacts import BilateralLaw, RigidLaw
+from heavylift.solver.meshes import MeshBody
 from heavylift.solver.rows import Attachment
 from heavylift.solver.scene import RigidBody, Scene
 
 if TYPE_CHECKING:
     from heavylift.contours.surface_pack import CollisionSurfaces
     from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.solver.bodies.ancf.facet_packing import FacetBook
     from heavylift.solver.collisions import Collision, CollisionSurface
     from heavylift.solver.scene import AnyBody
 
@@ -76,6 +93,8 @@ METHODS = {"swept": 0, "position-difference": 1}
 EDGES_OF_PATCH = 1.5
 """Mean edges of the smaller surface in a patch, at least: the diagonal of a square face is 1.41 of its edges."""
 
+FOUND_AT_A_POINT = 4
+"""Features that a search may find for each point of a surface that deforms: all of it may lie on something."""
 MOST_AT_ALL = 100_000
 """Contacts at once, of all collisions: each takes about a kilobyte."""
 
@@ -114,15 +133,18 @@ def pack_collisions(
     from heavylift.contours.patches import EXTREMES, patch_scratch_size
     from heavylift.contours.surface_pack import pack_surfaces
 
-    for module in ("mesh_search", "mesh_slots", "mesh_touch", "mesh_record"):
+    for module in ("mesh_search", "mesh_slots", "mesh_touch", "mesh_record", "mesh_facets"):
         importlib.import_module(f"heavylift.solver.contact.{module}")
     by_name = {body.name: body for body in ordered}
     contours, poses, moved = [], [], []
-    for one in scene.surfaces:
-        row, pose, surface = _pack_surface(one, by_name, dofs)
+    deforming: dict[int, FacetBook] = {}
+    for i, one in enumerate(scene.surfaces):
+        row, pose, surface, book = _pack_surface(one, by_name, dofs)
         contours.append(row)
         poses.append(pose)
         moved.append(surface)
+        if book is not None:
+            deforming[i] = book
     numbers = {one.name: i for i, one in enumerate(scene.surfaces)}
     count = len(scene.collisions)
     pairs = np.zeros((count, PAIR_COLUMNS), dtype=np.int64)
@@ -139,7 +161,10 @@ def pack_collisions(
         pairs[i, PAIR_EVENTS] = int(collision.events)
         pairs[i, METHOD] = METHODS[collision.method]
         pairs[i, PAIR_COLUMN], pairs[i, RECORDED] = column, collision.recorded
-        pairs[i, MOST] = collision.most_contacts
+        pairs[i, MOST] = most_of(collision, scene)
+        pairs[i, DEFORMS] = int(first in deforming or second in deforming)
+        if pairs[i, DEFORMS] and isinstance(law, RigidLaw) and law.restitution == 0.0:
+            pairs[i, PAIR_EVENTS] = 0  # each impact sends waves, and each wave opens and closes others
         held = [attachment(scene.surfaces[k].body) for k in (first, second)]
         sides[i] = [n for side in held for n in (side.dof, side.width, side.holder)]
         size = min(_extent(moved[first]), _extent(moved[second]))
@@ -155,7 +180,9 @@ def pack_collisions(
         )
         values[i, RADII] = moved[first].radius + moved[second].radius
     packed = pack_surfaces(moved)
-    most = sum(collision.most_contacts for collision in scene.collisions)
+    most = int(pairs[:, MOST].sum())
+    room = FOUND_AT_ONCE * max(2, int(pairs[:, MOST].max()))
+    room = max([room, *(FOUND_AT_A_POINT * len(book.counts) for book in deforming.values())])
     if most > MOST_AT_ALL:
         _refuse(
             scene.collisions[0],
@@ -163,7 +190,6 @@ def pack_collisions(
             f"{most} of all collisions together",
             f"{MOST_AT_ALL} at most: fewer of each",
         )
-    room = FOUND_AT_ONCE * max(2, *(collision.most_contacts for collision in scene.collisions))
     items = room + most
     places = len(scene.contacts) + most
     meshes = Meshes(
@@ -191,6 +217,7 @@ def pack_collisions(
         chains=np.zeros(places, dtype=np.int64),
         kept=np.zeros((places, STATE_WIDTH)),
         clearances=_clearances(packed, scene),
+        facets=_pack_facets(scene, deforming, dofs, first_pose) if deforming else (),
     )
     return PackedCollisions(
         meshes=(meshes,),
@@ -198,7 +225,39 @@ def pack_collisions(
         poses=np.array(poses).reshape(-1, POSE_WIDTH),
         placed=np.zeros((len(moved) + count + 1, 12)),
         most=most,
-        all_rigid=True,
+        all_rigid=not deforming,
+        widest=max(6, int(sides[:, [SIDE_WIDTH, 3 + SIDE_WIDTH]].max())),
+    )
+
+
+def _pack_facets(
+    scene: Scene, deforming: Mapping[int, FacetBook], dofs: Mapping[str, int], first_pose: int
+) -> tuple[FacetSurfaces]:
+    """The kind of surfaces that deform."""
+    from heavylift.solver.contact.packing import count_moving
+
+    slots, moving = count_slots(scene), count_moving(scene)
+    rows = np.zeros((len(deforming), ROW_COLUMNS), dtype=np.int64)
+    row_of = np.full(len(scene.surfaces), -1, dtype=np.int64)
+    point = 0
+    for k, (i, book) in enumerate(deforming.items()):
+        body, row_of[i] = scene.surfaces[i].body, k
+        rows[k, [OF_SURFACE, OF_DOF, OF_POSE]] = i, dofs[body], first_pose + i
+        rows[k, [OWN_POINT, POINTS]] = point, len(book.counts)
+        rows[k, LAST_SLOT] = moving.get(body, 0)
+        rows[k, FIRST_SLOT] = rows[k, LAST_SLOT] - slots.get(body, 0)
+        point += len(book.counts)
+    counts = np.concatenate([book.counts for book in deforming.values()])
+    return (
+        FacetSurfaces(
+            rows=rows,
+            row_of=row_of,
+            first=np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
+            entries=np.concatenate([book.entries for book in deforming.values()]),
+            factors=np.concatenate([book.factors for book in deforming.values()]),
+            corners=np.zeros(3, dtype=np.int64),
+            shares=np.zeros(3),
+        ),
     )
 
 
@@ -231,8 +290,8 @@ def _patch_size(surface: TriangleSurface) -> float:
 
 def _pack_surface(
     one: CollisionSurface, by_name: Mapping[str, AnyBody], dofs: Mapping[str, int]
-) -> tuple[NDArray[np.int64], NDArray[np.float64], TriangleSurface]:
-    """Row and pose of a surface, and its triangles in the axes in which the solver measures its body."""
+) -> tuple[NDArray[np.int64], NDArray[np.float64], TriangleSurface, FacetBook | None]:
+    """Row and pose of a surface, its triangles in the axes in which its body is measured, and how they deform."""
     from heavylift.preprocess.surfaces import TriangleSurface
 
     if one.body != GROUND and one.body not in by_name:
@@ -243,12 +302,15 @@ def _pack_surface(
             expected=f"{GROUND} or one of {', '.join(sorted(by_name))}",
         )
     body = by_name.get(one.body)
+    if isinstance(body, MeshBody):
+        return _pack_own_surface(one, body, list(by_name).index(one.body), dofs)
     if one.surface is None or not (body is None or isinstance(body, RigidBody)):
         raise InputError(
-            f"a surface on {one.body!r}, which is flexible",
+            f"no triangles on {one.body!r}" if one.surface is None else f"triangles on {one.body!r}",
             source=one.name,
             key="body",
-            expected="a rigid body or the ground; flexible bodies touch by contours",
+            expected="a rigid body or the ground with triangles, a frame or shell without; flexible bodies with "
+            "modes touch by contours",
         )
     origin, axes = principal_frame(body) if body is not None else (np.zeros(3), np.eye(3))
     surface = TriangleSurface(
@@ -265,7 +327,32 @@ def _pack_surface(
         pose[ROTATION : ROTATION + 9] = (R @ axes).ravel()
         pose[ORIGIN : ORIGIN + 3] = body.position + R @ origin
     pose[REACH] = float(np.linalg.norm(surface.points, axis=1).max()) + surface.radius
-    return row, pose, surface
+    return row, pose, surface, None
+
+
+def _pack_own_surface(
+    one: CollisionSurface, body: MeshBody, number: int, dofs: Mapping[str, int]
+) -> tuple[NDArray[np.int64], NDArray[np.float64], TriangleSurface, FacetBook]:
+    """The same of a frame or shell: axes are those in which it was placed, and stand still."""
+    from heavylift.solver.bodies.ancf.facet_packing import facet_surface
+
+    if one.surface is not None:
+        raise InputError(
+            "triangles of its own",
+            source=one.name,
+            key="surface",
+            expected=f"none: {one.body!r} touches with its own surface, in 'facets'",
+        )
+    if one.facets < 1:
+        raise InputError(f"{one.facets}", source=one.name, key="facets", expected="1 or more")
+    book = facet_surface(body, one.facets, one.name)
+    row = np.zeros(CONTOUR_COLUMNS, dtype=np.int64)
+    row[OWNER], row[DOF], row[BODY] = OF_FACETS, dofs[one.body], number
+    pose = np.zeros(POSE_WIDTH)
+    pose[ROTATION : ROTATION + 9] = rotation_matrix(np.asarray(body.orientation, dtype=np.float64)).ravel()
+    pose[ORIGIN : ORIGIN + 3] = body.position
+    pose[REACH] = float(np.linalg.norm(book.surface.points, axis=1).max()) + book.surface.radius
+    return row, pose, book.surface, book
 
 
 def _check(collision: Collision, scene: Scene, scales: Callable[[str], tuple[float, float]]) -> None:

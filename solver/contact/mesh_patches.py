@@ -35,6 +35,7 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.mesh_kind import (
+    DEFORMS,
     FOUND_COLUMNS,
     FOUND_FIRST,
     FOUND_HIT,
@@ -62,6 +63,9 @@ UNKNOWN = -1
 
 DEEPER = 1e-9
 """Of the size: what is deeper than those that span its patch by less does not count."""
+
+DEEPER_ON_MESHES = 1e-2
+"""The same of the roundings where a surface deforms: all points of a sheet that lies on something are about as deep."""
 
 
 @kernel(inline=True, internal=True)
@@ -165,13 +169,16 @@ def choose_contacts(meshes: Meshes, contacts: ContactRows, pair: int, count: int
         meshes.grid,
         meshes.chosen,
     )
-    _mark_chosen(meshes, contacts, n, patches, size, ahead)
+    deeper = DEEPER * size
+    if meshes.pairs[pair, DEFORMS] > 0:
+        deeper = max(deeper, DEEPER_ON_MESHES * meshes.pair_values[pair, RADII])
+    _mark_chosen(meshes, contacts, n, patches, deeper, ahead)
     return patches
 
 
 @kernel(internal=True)
 def _mark_chosen(
-    meshes: Meshes, contacts: ContactRows, n: int, patches: int, size: float, ahead: float
+    meshes: Meshes, contacts: ContactRows, n: int, patches: int, deeper: float, ahead: float
 ) -> None:
     """Those that span their patch, and the deepest one if it is deeper than they are."""
     for k in range(patches):
@@ -185,13 +192,13 @@ def _mark_chosen(
         meshes.chosen[k, 0] = -1
     for i in range(n):
         k = meshes.patch_of[i]
-        if meshes.active[i] == 0 and meshes.depths[i] < min(meshes.sums[k] - DEEPER * size, ahead):
+        if meshes.active[i] == 0 and meshes.depths[i] < min(meshes.sums[k] - deeper, ahead):
             meshes.keeps[meshes.owners[i]] = k
     for i in range(n):
         k = meshes.patch_of[i]
         if meshes.active[i] > 0:
             contacts.state[meshes.owners[i], PATCH] = float(k)
-        if meshes.depths[i] < min(meshes.sums[k], 0.0) - DEEPER * size:
+        if meshes.depths[i] < min(meshes.sums[k], 0.0) - deeper:
             meshes.sums[k] = meshes.depths[i]
             meshes.chosen[k, 0] = i
     for k in range(patches):

@@ -16,6 +16,7 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.small import cross
 from heavylift.solver.contact.counts import contact_count, number_of
 from heavylift.solver.contact.delassus import contact_rates
+from heavylift.solver.contact.facet_interface import form_facets
 from heavylift.solver.contact.kind import (
     BESIDE,
     COMPLIANT,
@@ -55,6 +56,7 @@ from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.mesh_interface import find_first_contacts, search_surfaces
 from heavylift.solver.contact.mesh_kind import (
     BESIDE_AT,
+    DEFORMS,
     FIRST_POSE,
     FOUND_FIRST,
     FOUND_HIT,
@@ -116,13 +118,16 @@ def search_mesh_surfaces(
     meshes: Meshes, contacts: ContactRows, bodies: Any, work: Workspace, step: float
 ) -> None:
     """All pairs, from the poses that are carried to those of the stage."""
-    _search_all(meshes, contacts, work, step, False)
+    _search_all(meshes, contacts, bodies, work, step, False)
 
 
 @kernel(internal=True)
-def _search_all(meshes: Meshes, contacts: ContactRows, work: Workspace, step: float, first: bool) -> None:
+def _search_all(
+    meshes: Meshes, contacts: ContactRows, bodies: Any, work: Workspace, step: float, first: bool
+) -> None:
     """The same; at the start what is a little inside is found too."""
     first_row = contacts.poses.shape[0] - surface_count(contacts, meshes)
+    form_facets(meshes.facets, meshes.surfaces, bodies)
     fill_table(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
         a, b = meshes.pairs[pair, FIRST_POSE], meshes.pairs[pair, SECOND_POSE]
@@ -130,8 +135,10 @@ def _search_all(meshes: Meshes, contacts: ContactRows, work: Workspace, step: fl
         relative_pose(contacts.poses[a], contacts.poses[b], meshes.motions[pair], 12)
         for k in range(12):
             meshes.relative[pair, k] = meshes.motions[pair, 12 + k]
+            if meshes.pairs[pair, DEFORMS] > 0:  # its points are those of the end, so paths say nothing
+                meshes.motions[pair, k] = meshes.motions[pair, 12 + k]
         moved = contacts.poses[a, STEP_SHIFT] + contacts.poses[b, STEP_SHIFT]
-        _search_pair(meshes, contacts, pair, moved, step, first, work)
+        _search_pair(meshes, contacts, bodies, pair, moved, step, first, work)
     _finish_contacts(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
         if meshes.pairs[pair, PAIR_LAW] == COMPLIANT:
@@ -155,18 +162,20 @@ def find_first_mesh_contacts(
         for k in range(12):
             contacts.placed[i, k] = contacts.poses[first_row + i, k]
         contacts.poses[first_row + i, STEP_SHIFT] = 0.0
-    _search_all(meshes, contacts, work, step, True)
+    _search_all(meshes, contacts, bodies, work, step, True)
     for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
         state = contacts.state[c]
         state[GAP] = state[END_GAP]
         state[RATE] = contact_rates(contacts, c, work.velocity)[0]
         state[START_BESIDE], state[START_RATE] = state[BESIDE], state[RATE]
+        state[SHIFT] = step * abs(state[RATE]) + AT_START * meshes.pair_values[int(state[PAIR]), SIZE]
 
 
 @kernel(internal=True)
 def _search_pair(
     meshes: Meshes,
     contacts: ContactRows,
+    bodies: Any,
     pair: int,
     moved: float,
     step: float,
@@ -176,6 +185,7 @@ def _search_pair(
     """Search, look up, hand over, add."""
     size = meshes.pair_values[pair, SIZE]
     early = meshes.pairs[pair, PAIR_LAW] != RIGID or meshes.pairs[pair, PAIR_EVENTS] == 0
+    early = early or meshes.pairs[pair, DEFORMS] > 0
     reach = (AT_START if first else NEAR_ENOUGH) * size + (AHEAD * moved if early else 0.0)
     meshes.pair_values[pair, PAIR_REACH] = reach
     count = find_contacts(
@@ -191,7 +201,7 @@ def _search_pair(
     if count < 0:
         _stop(contacts, pair, work)
         return
-    lost = _follow_contacts(meshes, contacts, pair, size)
+    lost = _follow_contacts(meshes, contacts, bodies, pair, size, work)
     sort_found(meshes, count)
     settle_sides(meshes, contacts, pair, count, first)
     unsplit = meshes.pairs[pair, PAIR_LAW] == RIGID and meshes.pairs[pair, PAIR_EVENTS] == 0
@@ -211,11 +221,11 @@ def _search_pair(
                 state[SIDE] = meshes.found_values[i, FOUND_SIDE]
                 for k in range(3):
                     state[NORMAL + k] = 0.0  # the side is new
-                touch_mesh_contact(meshes, contacts, c)
+                touch_mesh_contact(meshes, contacts, bodies, c, work)
             continue
-        if meshes.keeps[i] < 0 or (lost > 0 and _hand_over(meshes, contacts, pair, i)):
+        if meshes.keeps[i] < 0 or (lost > 0 and _hand_over(meshes, contacts, bodies, pair, i, work)):
             continue
-        if not _add(meshes, contacts, pair, i, moved, step, work):
+        if not _add(meshes, contacts, bodies, pair, i, moved, step, work):
             _stop(contacts, pair, work)
             return
     meshes.pair_values[pair, PAIR_PATCHES] = patches
@@ -229,13 +239,15 @@ def _stop(contacts: ContactRows, pair: int, work: Workspace) -> None:
 
 
 @kernel(internal=True)
-def _follow_contacts(meshes: Meshes, contacts: ContactRows, pair: int, size: float) -> int:
+def _follow_contacts(
+    meshes: Meshes, contacts: ContactRows, bodies: Any, pair: int, size: float, work: Workspace
+) -> int:
     """Gaps and rows of the contacts of a pair; how many of the closed ones have left their face or edges."""
     lost = 0
     for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
         state = contacts.state[c]
         if state[PAIR] == pair:
-            touch_mesh_contact(meshes, contacts, c)
+            touch_mesh_contact(meshes, contacts, bodies, c, work)
             state[HIT] = 0.0
             if holds(contacts, c) and state[BESIDE] > BORDER * size:
                 lost += 1
@@ -243,7 +255,9 @@ def _follow_contacts(meshes: Meshes, contacts: ContactRows, pair: int, size: flo
 
 
 @kernel(internal=True)
-def _hand_over(meshes: Meshes, contacts: ContactRows, pair: int, i: int) -> bool:
+def _hand_over(
+    meshes: Meshes, contacts: ContactRows, bodies: Any, pair: int, i: int, work: Workspace
+) -> bool:
     """A closed contact that has left its face or edge goes on with what was found beside it, its memory kept."""
     found, size = meshes.found[i], meshes.pair_values[pair, SIZE]
     kind, feature, other = found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]
@@ -262,7 +276,7 @@ def _hand_over(meshes: Meshes, contacts: ContactRows, pair: int, i: int) -> bool
         state[SIDE] = side if cosine > 0.0 else -side
         state[PATCH] = float(meshes.keeps[i])
         t1, t2, t3 = state[TANGENT], state[TANGENT + 1], state[TANGENT + 2]
-        touch_mesh_contact(meshes, contacts, c)
+        touch_mesh_contact(meshes, contacts, bodies, c, work)
         _turn_memory(contacts, c, t1, t2, t3)
         return True
     return False
@@ -304,6 +318,7 @@ def _has_room(meshes: Meshes, contacts: ContactRows, pair: int) -> bool:
 def _add(
     meshes: Meshes,
     contacts: ContactRows,
+    bodies: Any,
     pair: int,
     i: int,
     moved: float,
@@ -328,10 +343,14 @@ def _add(
     state[SIDE], state[START_GAP], state[GAP] = side, start, start
     state[SHIFT] = moved  # or it would take part one step late
     state[HIT], state[PATCH] = float(found[FOUND_HIT]), float(meshes.keeps[i])
-    touch_mesh_contact(meshes, contacts, c)
+    touch_mesh_contact(meshes, contacts, bodies, c, work)
     # the rate at the start of the step, of a gap that is a parabola
     rate = contact_rates(contacts, c, work.velocity)[0]
-    state[RATE] = state[START_RATE] = 2.0 * (state[END_GAP] - start) / step - rate
+    if meshes.pairs[pair, DEFORMS] > 0:
+        state[START_GAP] = state[GAP] = state[END_GAP] - step * rate
+        state[RATE] = state[START_RATE] = rate
+    else:
+        state[RATE] = state[START_RATE] = 2.0 * (state[END_GAP] - start) / step - rate
     state[START_BESIDE] = beside
     enter(meshes, contacts, c)
     return True
@@ -347,6 +366,7 @@ def _finish_contacts(meshes: Meshes, contacts: ContactRows) -> None:
         beside = state[BESIDE] > BORDER * size
         # from one side to the other in a step without a hit: round the border
         gone_round = state[GAP] > nothing and state[END_GAP] < -nothing and not holds(contacts, c)
+        gone_round = gone_round and meshes.pairs[int(state[PAIR]), DEFORMS] == 0
         if (beside or gone_round) and state[HIT] == 0.0:
             if not holds(contacts, c):  # goes; if it comes back, it is found with the side it comes from
                 state[PATCH] = -1.0

@@ -25,6 +25,7 @@ from heavylift.solver.contact.kind import (
     ContactRows,
 )
 from heavylift.solver.contact.mesh_kind import (
+    DEFORMS,
     FIRST_POSE,
     FOUND_FIRST,
     FOUND_HIT,
@@ -130,12 +131,16 @@ def settle_sides(meshes: Meshes, contacts: ContactRows, pair: int, count: int, f
     Which side it comes from is told by what touches already, and it may be as deep inside as that.
     """
     nothing = ABOUT_NOTHING * meshes.pair_values[pair, SIZE] + 2.0 * _deepest(meshes, contacts, pair)
+    deforms, inside = meshes.pairs[pair, DEFORMS] > 0, nothing
+    if deforms:  # where only the rounding is inside, the side is known
+        inside = meshes.pair_values[pair, RADII]
     for i in range(count):
         found = meshes.found[i]
         if look_up(meshes, contacts, pair, found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]) >= 0:
             continue
         start = gap_at_start(meshes, pair, i)
-        if abs(start) <= nothing and _is_turned(meshes, contacts, pair, contact_count(contacts), nothing):
+        near = abs(start) <= nothing and not deforms
+        if near and _is_turned(meshes, contacts, pair, contact_count(contacts), nothing):
             meshes.found_values[i, FOUND_SIDE] = -meshes.found_values[i, FOUND_SIDE]
-        elif start < -nothing and not first:
+        elif start < -inside and not first:
             found[FOUND_HIT] = UNKNOWN

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.counts import contact_count, number_of, set_number
+from heavylift.solver.contact.facet_interface import take_slots
 from heavylift.solver.contact.kind import (
     AXES,
     BESIDE,
@@ -26,6 +27,7 @@ from heavylift.solver.contact.kind import (
     LOSS,
     OF_CONTOURS,
     PAIR,
+    POINT_SLOT,
     RATE,
     SHAPE,
     SHARE,
@@ -147,7 +149,8 @@ def add_contact(meshes: Meshes, contacts: ContactRows, pair: int) -> int:
     contacts.state[c, TOUCH_DAMPING] = -1.0
     _assign(meshes, contacts, c)
     _set_count(contacts, c + 1)
-    return c
+    take_slots(meshes.facets, meshes, contacts, c)
+    return c if contacts.state[c, POINT_SLOT] >= 0.0 else -1
 
 
 @implement(keep_found, Meshes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from heavylift.contours.feature_gap import (
     EDGE_EDGE,
@@ -18,6 +19,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate, rotate_back
 from heavylift.solver.contact.contour_rows import put_pose_rows
 from heavylift.solver.contact.directions import put_directions
+from heavylift.solver.contact.facet_interface import bound_facets, form_facets, touch_facets
 from heavylift.solver.contact.kind import (
     AXES,
     BESIDE,
@@ -36,7 +38,7 @@ from heavylift.solver.contact.kind import (
     TOUCHED,
     ContactRows,
 )
-from heavylift.solver.contact.mesh_interface import pose_surfaces, touch_triangles
+from heavylift.solver.contact.mesh_interface import bound_surfaces, pose_surfaces, touch_triangles
 from heavylift.solver.contact.mesh_kind import (
     BESIDE_AT,
     FIRST,
@@ -49,6 +51,7 @@ from heavylift.solver.contact.mesh_kind import (
     SECOND_POSE,
     Meshes,
 )
+from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
 
 __all__ = ["relative_pose"]
@@ -75,11 +78,19 @@ def relative_pose(first, second, out, at: int) -> None:  # type: ignore[no-untyp
 
 @implement(pose_surfaces, Meshes)
 @kernel(internal=True)
-def pose_mesh_surfaces(meshes: Meshes, contacts: ContactRows) -> None:
+def pose_mesh_surfaces(meshes: Meshes, contacts: ContactRows, bodies: Any) -> None:
     """Of all pairs."""
+    form_facets(meshes.facets, meshes.surfaces, bodies)
     for pair in range(meshes.pairs.shape[0]):
         first = contacts.poses[meshes.pairs[pair, FIRST_POSE]]
         relative_pose(first, contacts.poses[meshes.pairs[pair, SECOND_POSE]], meshes.relative[pair], 0)
+
+
+@implement(bound_surfaces, Meshes)
+@kernel(internal=True)
+def bound_mesh_surfaces(meshes: Meshes, contacts: ContactRows, bodies: Any, step: float) -> None:
+    """Those of frames and shells; others move with their contours."""
+    bound_facets(meshes.facets, contacts, bodies, step)
 
 
 @kernel(internal=True)
@@ -133,7 +144,7 @@ def _keep_side(meshes: Meshes, contacts: ContactRows, c: int, pair: int) -> None
 
 @implement(touch_triangles, Meshes)
 @kernel(internal=True)
-def touch_mesh_contact(meshes: Meshes, contacts: ContactRows, c: int) -> None:
+def touch_mesh_contact(meshes: Meshes, contacts: ContactRows, bodies: Any, c: int, work: Workspace) -> None:
     """Both bodies are pushed in one point, half way between their surfaces."""
     state, scratch, touch = contacts.state[c], contacts.scratch, meshes.touch
     pair = int(state[PAIR])
@@ -173,3 +184,4 @@ def touch_mesh_contact(meshes: Meshes, contacts: ContactRows, c: int) -> None:
         state[TANGENT + k] = scratch[DIRECTIONS + 3 + k]
         scratch[LEVER + k] = y[k]
     put_pose_rows(contacts, 2 * c + 1, second_pose, 1.0)
+    touch_facets(meshes.facets, meshes, contacts, bodies, work, c)

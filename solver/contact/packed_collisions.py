@@ -29,6 +29,8 @@ class PackedCollisions:
         Contacts at once.
     all_rigid
         Whether all surfaces are on rigid bodies or the ground.
+    widest
+        Velocities that a side of a contact sees at most.
     """
 
     meshes: tuple[Any, ...]
@@ -37,6 +39,7 @@ class PackedCollisions:
     placed: NDArray[np.float64]
     most: int
     all_rigid: bool
+    widest: int = 6
 
 
 def no_collisions() -> PackedCollisions:

@@ -122,7 +122,7 @@ class ContactMarkers:
 
 
 def count_moving(scene: Scene) -> dict[str, int]:
-    """Contacts on contours of each frame and shell: each touches a point of its own that moves."""
+    """Contacts on each frame and shell: each touches a point of its own that moves, those of contours first."""
     on = {contour.name: contour for contour in scene.contours}
     meshes = {body.name for body in scene.bodies if isinstance(body, MeshBody)}
     counts: dict[str, int] = {}
@@ -130,6 +130,11 @@ def count_moving(scene: Scene) -> dict[str, int]:
         contour = on.get(contact.contour)
         if contour is not None and contour.body in meshes:
             counts[contour.body] = counts.get(contour.body, 0) + moving_points(contour)
+    if scene.collisions:
+        from heavylift.solver.contact.facet_counts import count_slots
+
+        for name, count in count_slots(scene).items():
+            counts[name] = counts.get(name, 0) + count
     return counts
 
 
@@ -242,7 +247,7 @@ def _kind(
     own = min(count, DENSE) if rigid_only else count
     shape = block_shape(ROWS)
     lanes = len(shape[1])
-    window = max([6, *(side.width for side in sides)])
+    window = max([collided.widest, *(side.width for side in sides)])
     attachments = np.zeros((2 * count, 5), dtype=np.int64)
     attachments[:, PANEL] = np.arange(2 * count) * window * lanes
     attachments[:, BLOCK] = np.arange(2 * count) // 2
@@ -324,6 +329,7 @@ def _contour_modules(ordered: Sequence[AnyBody]) -> list[str]:
         modules.append("floating_frame_contours")
     if any(isinstance(body, MeshBody) for body in ordered):
         modules.append("ancf.contours")
+        modules.append("ancf.facets")
     return modules
 
 

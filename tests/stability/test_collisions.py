@@ -235,11 +235,7 @@ def throw(random: np.random.Generator, target: str, events: bool, laws: list[tup
     [
         ("plate", True),
         ("plate", False),
-        pytest.param(
-            "open box",
-            True,
-            marks=pytest.mark.xfail(reason="a corner slides along the floor under a wall that stands on it"),
-        ),
+        ("open box", True),
         ("open box", False),
     ],
 )
@@ -266,19 +262,14 @@ def test_none_of_random_throws_gets_through(events: bool, target: str) -> None:
     assert through == []
 
 
-UNDER_THE_WALL = pytest.mark.xfail(
-    reason="resting on the floor it is inside by 1e-13, and the wall ends at the floor"
-)
-
-
 @EVENTS
 @pytest.mark.parametrize(
     ("yaw", "speed", "spin"),
     [
         (0.0, 1.0, 0.0),
-        pytest.param(0.3, 2.5, 0.5, marks=UNDER_THE_WALL),
-        pytest.param(-0.4, 2.0, -1.0, marks=UNDER_THE_WALL),
-        pytest.param(0.1, 1.3, 1.0, marks=UNDER_THE_WALL),
+        (0.3, 2.5, 0.5),
+        (-0.4, 2.0, -1.0),
+        (0.1, 1.3, 1.0),
     ],
 )
 def test_a_corner_slides_along_a_floor_into_a_wall(
@@ -316,18 +307,8 @@ LAWS = {
         (True, "e up to 0.3"),
         (False, "e up to 0.3"),
         (True, "e = 1"),
-        pytest.param(
-            False,
-            "e = 1",
-            marks=pytest.mark.xfail(
-                reason="stop in the middle of a step and rebound at its end along other arms"
-            ),
-        ),
-        pytest.param(
-            True,
-            "e = 1 with friction",
-            marks=pytest.mark.xfail(reason="Newton's restitution with Coulomb's friction can gain energy"),
-        ),
+        (False, "e = 1"),
+        (True, "e = 1 with friction"),
     ],
 )
 def test_no_impact_of_random_throws_makes_energy(events: bool, laws: str) -> None:

@@ -80,11 +80,11 @@ from heavylift.solver.interface import Workspace, add_row_impulses
 from heavylift.solver.kinds import implement, optional
 from heavylift.solver.rows import PANEL, WIDTH, LawRowSystem, Rows, RowSystem
 
-__all__: list[str] = []
+__all__ = ["body_with_points"]
 
 
 @kernel(internal=True)
-def _body_at(kind: Meshes, dof: int) -> int:
+def body_with_points(kind: Meshes, dof: int) -> int:
     """Row of the body with moving points whose first velocity this is, -1 if it is not of this kind."""
     for body in range(kind.table.shape[0]):
         if kind.table[body, DOF] == dof and kind.table[body, MOVING] > 0:
@@ -125,7 +125,7 @@ def _form_controls(
     last_v: int,
     net: NDArray[np.float64],
 ) -> None:
-    body = _body_at(kind, dof)
+    body = body_with_points(kind, dof)
     if body < 0:
         return
     count_u, count_v = contour[COUNT_U], contour[COUNT_V]
@@ -216,7 +216,7 @@ def _aim_point(
     first: int,
     count: int,
 ) -> None:
-    body = _body_at(kind, dof)
+    body = body_with_points(kind, dof)
     if body < 0:
         return
     point = moving.bodies[body, FIRST_POINT] + slot
@@ -337,7 +337,7 @@ def put_mesh_contour_rows(kind: Meshes, contacts: ContactRows, contact: int, cou
     if contacts.contours[contour, OWNER] != OF_MESH:
         return
     dof, slot = contacts.contours[contour, CONTOUR_DOF], contacts.table[contact, SLOT]
-    body = _body_at(kind, dof)
+    body = body_with_points(kind, dof)
     if body < 0:
         return
     lanes, scratch, pose = len(contacts.shape[1]), contacts.scratch, contacts.poses[contour]
@@ -377,7 +377,7 @@ def _bound(points: Any, kind: Any, contacts: Any, step: float) -> None:
 def _bound_motion(moving: MovingPoints, kind: Meshes, contacts: ContactRows, step: float) -> None:
     for contour in range(contacts.contours.shape[0]):
         row = contacts.contours[contour]
-        body = _body_at(kind, row[CONTOUR_DOF]) if row[OWNER] == OF_MESH else -1
+        body = body_with_points(kind, row[CONTOUR_DOF]) if row[OWNER] == OF_MESH else -1
         if body < 0:
             continue
         origin, speed = moving.bodies[body, FIRST_CONTROL], kind.nodal[MID_V]

@@ -126,6 +126,11 @@ def collect_impulses(system: Rows, body_kind: Meshes, row: int) -> None:
             continue
         panel, first = system.attachments[i, PANEL], body_kind.table[body, FIRST_BASE]
         impulse = (system.attachments[i, OWNER] * ROW_COLUMNS + IMPULSE) * lanes
+        pushes = False
+        for r in range(lanes):
+            pushes = pushes or system.rows[impulse + r] != 0.0
+        if not pushes:  # most contacts that there may be
+            continue
         for base in range(body_kind.table[body, BASES] + body_kind.table[body, MOVING]):
             place = body_kind.bases[first + base, BASE_PLACE]
             for k in range(3):

@@ -1,0 +1,38 @@
+"""How many contacts there may be at once on surfaces that deform: each takes a moving point of its body."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from heavylift.solver.meshes import MeshBody
+
+if TYPE_CHECKING:
+    from heavylift.solver.collisions import Collision
+    from heavylift.solver.scene import Scene
+
+__all__ = ["MOST_ON_MESHES", "count_slots", "most_of"]
+
+MOST_ON_MESHES = 64
+"""Contacts at once of a collision with a frame or shell: each is a vector over all nodes in every step."""
+
+
+def _mesh_sides(collision: Collision, scene: Scene) -> list[str]:
+    """Frames and shells that take part."""
+    meshes = {body.name for body in scene.bodies if isinstance(body, MeshBody)}
+    owners = {one.name: one.body for one in scene.surfaces}
+    return [owners[name] for name in collision.surfaces if owners.get(name) in meshes]
+
+
+def most_of(collision: Collision, scene: Scene) -> int:
+    """Contacts of a collision at once."""
+    most = collision.most_contacts
+    return max(1, min(most, MOST_ON_MESHES)) if _mesh_sides(collision, scene) else most
+
+
+def count_slots(scene: Scene) -> dict[str, int]:
+    """Moving points for contacts between triangles, by the names of frames and shells."""
+    counts: dict[str, int] = {}
+    for collision in scene.collisions:
+        for name in _mesh_sides(collision, scene):
+            counts[name] = counts.get(name, 0) + most_of(collision, scene)
+    return counts

@@ -1,0 +1,79 @@
+"""What collisions ask of surfaces that deform, and those of the frames and shells under them.
+
+All functions are optional: scenes whose surfaces are rigid compile none of them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.solver.interface import Workspace
+from heavylift.solver.kinds import optional
+
+__all__ = [
+    "bound_facets",
+    "bound_surface_points",
+    "form_facets",
+    "form_surface_points",
+    "put_surface_rows",
+    "take_slots",
+    "touch_facets",
+]
+
+
+# ---- of the surfaces ----
+
+
+@optional
+def form_facets(facets: Any, surfaces: Any, bodies: Any) -> None:
+    """Points, normals, edges and trees from the coordinates of the stage."""
+
+
+@optional
+def bound_facets(facets: Any, contacts: Any, bodies: Any, step: float) -> None:
+    """How far any of their points moves in the step at the velocity of the stage, into the poses."""
+
+
+@optional
+def take_slots(facets: Any, meshes: Any, contacts: Any, contact: int) -> None:
+    """Moving points for a new contact of its pair; -1 if all of them are taken."""
+
+
+@optional
+def touch_facets(facets: Any, meshes: Any, contacts: Any, bodies: Any, work: Workspace, contact: int) -> None:
+    """Rows of a contact of which a side deforms, after `meshes.touch` and the directions have been found."""
+
+
+# ---- of bodies ----
+
+
+@optional
+def form_surface_points(bodies: Any, facets: Any, row: int, first: int, points: NDArray[np.float64]) -> None:
+    """Points of a surface, which begin at row `first` of `points`, from the coordinates of the stage."""
+
+
+@optional
+def bound_surface_points(bodies: Any, facets: Any, row: int, contacts: Any, step: float) -> None:
+    """`bound_facets` of one surface."""
+
+
+@optional
+def put_surface_rows(
+    bodies: Any,
+    facets: Any,
+    row: int,
+    slot: int,
+    contacts: Any,
+    attachment: int,
+    sign: float,
+    work: Workspace,
+) -> None:
+    """Aim a moving point at the touched point of a contact, and put the rows of one side on its velocities.
+
+    The touched point is the sum of the points in `facets.corners` times `facets.shares`; directions stand in the
+    scratch of the contacts. The velocity of the point at the carried state goes into the workspace, so that rates are
+    known at once at the end of a step; `settle_points` finds those of the middle.
+    """

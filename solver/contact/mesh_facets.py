@@ -1,0 +1,204 @@
+"""Contacts between triangles of which a side deforms: its points at each stage, and rows on what they are made of.
+
+A point of a frame or shell is material, so the touched point is a sum of the corners of its triangle or edge, with the
+shares it has there, and so is its velocity. Rows take it as a moving point of its body
+(`heavylift.solver.contact.interface`). Both bodies are pushed in the point of the middle surface or axis, so that
+friction leaves no moment between them; of two bodies that deform each in its own.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from heavylift.contours.feature_gap import (
+    EDGE_EDGE,
+    EDGE_VERTEX,
+    FACE_VERTEX,
+    VERTEX_EDGE,
+    VERTEX_FACE,
+)
+from heavylift.contours.surface_layout import CORNER_A, FIRST_POINT
+from heavylift.contours.surface_refit import refit_surface
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import cross, rotate_back
+from heavylift.solver.contact.contour_rows import put_pose_rows
+from heavylift.solver.contact.counts import contact_count, number_of
+from heavylift.solver.contact.facet_interface import (
+    bound_facets,
+    bound_surface_points,
+    form_facets,
+    form_surface_points,
+    put_surface_rows,
+    take_slots,
+    touch_facets,
+)
+from heavylift.solver.contact.facet_kind import (
+    FIRST_SLOT,
+    LAST_SLOT,
+    OF_DOF,
+    OF_SURFACE,
+    FacetSurfaces,
+)
+from heavylift.solver.contact.kind import (
+    FEATURE,
+    FEATURES,
+    LEVER,
+    OF_CONTOURS,
+    ORIGIN,
+    OTHER_FEATURE,
+    PAIR,
+    POINT_SLOT,
+    ContactRows,
+)
+from heavylift.solver.contact.mesh_kind import (
+    FIRST,
+    FIRST_POSE,
+    OTHER_AT,
+    POINT_AT,
+    SECOND,
+    SIDE_DOF,
+    Meshes,
+)
+from heavylift.solver.interface import Workspace
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+Vector = tuple[float, float, float]
+
+
+@implement(form_facets, FacetSurfaces)
+@kernel(internal=True)
+def form_facet_points(facets: FacetSurfaces, surfaces, bodies: Any) -> None:  # type: ignore[no-untyped-def]
+    """Surface by surface."""
+    for row in range(facets.rows.shape[0]):
+        surface = facets.rows[row, OF_SURFACE]
+        form_surface_points(bodies, facets, row, surfaces.surfaces[surface, FIRST_POINT], surfaces.points)
+        refit_surface(surfaces, surface)
+
+
+@implement(bound_facets, FacetSurfaces)
+@kernel(internal=True)
+def bound_facet_motion(facets: FacetSurfaces, contacts: ContactRows, bodies: Any, step: float) -> None:
+    """Surface by surface."""
+    for row in range(facets.rows.shape[0]):
+        bound_surface_points(bodies, facets, row, contacts, step)
+
+
+@implement(take_slots, FacetSurfaces)
+@kernel(internal=True)
+def take_contact_slots(facets: FacetSurfaces, meshes: Meshes, contacts: ContactRows, contact: int) -> None:
+    """The first one of the body that no other contact has."""
+    pair = int(contacts.state[contact, PAIR])
+    for side in range(2):
+        row = facets.row_of[meshes.pairs[pair, FIRST + side]]
+        contacts.state[contact, POINT_SLOT + side] = 0.0
+        if row < 0:
+            continue
+        found = -1
+        for slot in range(facets.rows[row, FIRST_SLOT], facets.rows[row, LAST_SLOT]):
+            if not _is_taken(meshes, contacts, contact, facets.rows[row, OF_DOF], slot):
+                found = slot
+                break
+        contacts.state[contact, POINT_SLOT + side] = float(found)
+        if found < 0:
+            contacts.state[contact, POINT_SLOT] = -1.0
+            return
+
+
+@kernel(internal=True)
+def _is_taken(meshes: Meshes, contacts: ContactRows, contact: int, dof: int, slot: int) -> bool:
+    """Whether another contact between triangles has a moving point of a body."""
+    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+        state = contacts.state[c]
+        for side in range(2):
+            of = meshes.sides[int(state[PAIR]), 3 * side + SIDE_DOF]
+            if c != contact and of == dof and state[POINT_SLOT + side] == slot:
+                return True
+    return False
+
+
+@kernel(internal=True)
+def _share_on_edge(facets: FacetSurfaces, meshes: Meshes, edge: int, x: Vector) -> None:
+    """Of a point of the line along an edge."""
+    points = meshes.surfaces.points
+    a, b = meshes.surfaces.edges[edge, 0], meshes.surfaces.edges[edge, 1]
+    along = square = 0.0
+    for k in range(3):
+        d = points[b, k] - points[a, k]
+        along += (x[k] - points[a, k]) * d
+        square += d * d
+    facets.corners[0], facets.corners[1], facets.corners[2] = a, b, b
+    facets.shares[0], facets.shares[1], facets.shares[2] = 1.0 - along / square, along / square, 0.0
+
+
+@kernel(internal=True)
+def _share_in_face(facets: FacetSurfaces, meshes: Meshes, face: int, x: Vector) -> None:
+    """Of a point of the plane of a triangle (Ericson, *Real-Time Collision Detection*, 2005, section 3.4)."""
+    points = meshes.surfaces.points
+    a, b, c = (
+        meshes.surfaces.triangles[face, CORNER_A],
+        meshes.surfaces.triangles[face, CORNER_A + 1],
+        meshes.surfaces.triangles[face, CORNER_A + 2],
+    )
+    n = meshes.surfaces.normals[face]
+    u1, u2, u3 = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
+    v1, v2, v3 = points[c, 0] - points[a, 0], points[c, 1] - points[a, 1], points[c, 2] - points[a, 2]
+    r1, r2, r3 = x[0] - points[a, 0], x[1] - points[a, 1], x[2] - points[a, 2]
+    t1, t2, t3 = cross(u1, u2, u3, v1, v2, v3)
+    area = t1 * n[0] + t2 * n[1] + t3 * n[2]
+    t1, t2, t3 = cross(r1, r2, r3, v1, v2, v3)
+    at_b = (t1 * n[0] + t2 * n[1] + t3 * n[2]) / area
+    t1, t2, t3 = cross(u1, u2, u3, r1, r2, r3)
+    at_c = (t1 * n[0] + t2 * n[1] + t3 * n[2]) / area
+    facets.corners[0], facets.corners[1], facets.corners[2] = a, b, c
+    facets.shares[0], facets.shares[1], facets.shares[2] = 1.0 - at_b - at_c, at_b, at_c
+
+
+@kernel(internal=True)
+def _share(
+    facets: FacetSurfaces, meshes: Meshes, kind: int, feature: int, second: bool, surface: int, x: Vector
+) -> None:
+    """Corners and shares of the touched point on one side, which is x in the axes of the surface."""
+    own_face = FACE_VERTEX if second else VERTEX_FACE
+    own_edge = EDGE_VERTEX if second else VERTEX_EDGE
+    if kind == own_face:
+        _share_in_face(facets, meshes, feature, x)
+    elif kind == EDGE_EDGE or kind == own_edge:  # noqa: PLR1714, SIM109  a set costs time here
+        _share_on_edge(facets, meshes, feature, x)
+    else:
+        facets.corners[0] = facets.corners[1] = facets.corners[2] = feature
+        facets.shares[0], facets.shares[1], facets.shares[2] = 1.0, 0.0, 0.0
+    for k in range(3):
+        facets.corners[k] -= meshes.surfaces.surfaces[surface, FIRST_POINT]
+
+
+@implement(touch_facets, FacetSurfaces)
+@kernel(internal=True)
+def touch_facet_contact(
+    facets: FacetSurfaces, meshes: Meshes, contacts: ContactRows, bodies: Any, work: Workspace, contact: int
+) -> None:
+    """Side by side, in place of what rigid bodies have there."""
+    state, touch, scratch = contacts.state[contact], meshes.touch, contacts.scratch
+    pair = int(state[PAIR])
+    first, second = meshes.pairs[pair, FIRST], meshes.pairs[pair, SECOND]
+    if facets.row_of[first] < 0 and facets.row_of[second] < 0:
+        return
+    relative = meshes.relative[pair]
+    for side in range(2):
+        row, own = facets.row_of[meshes.pairs[pair, FIRST + side]], OTHER_AT if side == 1 else POINT_AT
+        at = own if row >= 0 else POINT_AT + OTHER_AT - own
+        x = touch[at], touch[at + 1], touch[at + 2]
+        if side == 1:
+            x = rotate_back(
+                relative, x[0] - relative[ORIGIN], x[1] - relative[ORIGIN + 1], x[2] - relative[ORIGIN + 2]
+            )
+        if row >= 0:
+            feature = int(state[OTHER_FEATURE if side == 1 else FEATURE])
+            _share(facets, meshes, int(state[FEATURES]), feature, side == 1, facets.rows[row, OF_SURFACE], x)
+            slot = int(state[POINT_SLOT + side])
+            put_surface_rows(bodies, facets, row, slot, contacts, 2 * contact + side, 2.0 * side - 1.0, work)
+        else:
+            scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2] = x
+            pose = meshes.pairs[pair, FIRST_POSE + side]
+            put_pose_rows(contacts, 2 * contact + side, pose, 2.0 * side - 1.0)
