@@ -15,6 +15,7 @@ from heavylift.pipeline.sinusoid import fit_sinusoid
 from heavylift.pipeline.storage import OutputFolder, read_json
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -172,7 +173,7 @@ class Quantities:
 
     def _channel(self, name: QuantityName) -> NDArray[np.float64]:
         history = self._history(name)
-        reductions = {
+        reductions: dict[str, Callable[[NDArray[np.float64]], Any]] = {
             "end": lambda a: a[-1],
             "min": lambda a: a.min(axis=0),
             "max": lambda a: a.max(axis=0),

@@ -11,11 +11,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from heavylift.numerics.jit import kernel
-from heavylift.solver.carried import LINE
+from heavylift.solver.contact.copying import copy_carried
 from heavylift.solver.contact.counts import contact_count, number_of, set_number
 from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.generics import (
@@ -85,7 +82,7 @@ from heavylift.solver.contact.mesh_interface import (
 from heavylift.solver.contact.stage import NEAR, impulse_row, looks_ahead
 from heavylift.solver.interface import SPLIT, Workspace, add_row_work
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import DOF, HALF_IMPULSE, IMPULSE, ROW_COLUMNS, WIDTH
+from heavylift.solver.rows import DOF, HALF_IMPULSE, IMPULSE, WIDTH
 
 __all__ = ["CLOSE", "MOST_EVENTS", "SHORTEST", "gap_tolerance"]
 
@@ -115,30 +112,6 @@ CLOSE = 1e-6
 def gap_tolerance(contacts: ContactRows, c: int, rate: float) -> float:
     """Gap that counts as none [m]: of the size of the contact, and of the way in a whole step."""
     return RESOLUTION * contacts.values[c, SIZE] + 1e-9 * abs(rate) * contacts.control[NOMINAL]
-
-
-@kernel(internal=True)
-def copy_carried(contacts: ContactRows, source: NDArray[np.float64], target: NDArray[np.float64]) -> None:
-    """All that a step changes; of contacts that come and go those that were there when it began.
-
-    Rows, states and `placed` of the contacts are the last parts of the carried numbers, each in whole cache lines.
-    """
-    known, whole = int(contacts.control[KNOWN]), source.shape[0]
-    placed = whole - _lines(contacts.placed.size)
-    states = placed - _lines(contacts.state.size)
-    rows = states - _lines(contacts.rows.size)
-    for i in range(rows + known * ROW_COLUMNS * len(contacts.shape[1])):
-        target[i] = source[i]
-    for i in range(states, states + known * contacts.state.shape[1]):
-        target[i] = source[i]
-    for i in range(placed, whole):
-        target[i] = source[i]
-
-
-@kernel(inline=True, internal=True)
-def _lines(count: int) -> int:
-    """So many numbers in whole cache lines."""
-    return -(-count // LINE) * LINE
 
 
 @implement(before_advance, ContactRows)

@@ -1,0 +1,37 @@
+"""The copy of the start of a step that contacts go back to: what is carried, but only of contacts that there are."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.carried import LINE
+from heavylift.solver.contact.kind import KNOWN, ContactRows
+from heavylift.solver.rows import ROW_COLUMNS
+
+__all__ = ["copy_carried"]
+
+
+@kernel(internal=True)
+def copy_carried(contacts: ContactRows, source: NDArray[np.float64], target: NDArray[np.float64]) -> None:
+    """All that a step changes; of contacts that come and go those that were there when it began.
+
+    Rows, states and `placed` of the contacts are the last parts of the carried numbers, each in whole cache lines.
+    """
+    known, whole = int(contacts.control[KNOWN]), source.shape[0]
+    placed = whole - _lines(contacts.placed.size)
+    states = placed - _lines(contacts.state.size)
+    rows = states - _lines(contacts.rows.size)
+    for i in range(rows + known * ROW_COLUMNS * len(contacts.shape[1])):
+        target[i] = source[i]
+    for i in range(states, states + known * contacts.state.shape[1]):
+        target[i] = source[i]
+    for i in range(placed, whole):
+        target[i] = source[i]
+
+
+@kernel(inline=True, internal=True)
+def _lines(count: int) -> int:
+    """So many numbers in whole cache lines."""
+    return -(-count // LINE) * LINE
