@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_checks", "relative_drift"]
 
-_ACROSS = {"largest": np.max, "smallest": np.min, "norm": np.linalg.norm}
+_ACROSS: dict[str, Callable[..., NDArray[np.float64]]] = {"largest": np.max, "smallest": np.min, "norm": np.linalg.norm}
 """Components that are made of all components of a record."""
 _SHOWN = 20  # components of a message at most
 
@@ -173,7 +173,7 @@ class Quantities:
 
     def _channel(self, name: QuantityName) -> NDArray[np.float64]:
         history = self._history(name)
-        reductions: dict[str, Callable[[NDArray[np.float64]], Any]] = {
+        reductions = {
             "end": lambda a: a[-1],
             "min": lambda a: a.min(axis=0),
             "max": lambda a: a.max(axis=0),
