@@ -244,6 +244,13 @@ class ThesisNumbers(NamedTuple):
 def thesis_numbers(section: ThesisCollisionSection, step: float) -> ThesisNumbers:
     """Spring and damper of a law ``"thesis"`` at a step [s].
 
+    Parameters
+    ----------
+    section
+        With the compliance ``epsilon`` [m/N] and the number ``gamma``, above 0 up to 1.
+    step
+        [s].
+
     Notes
     -----
     Equation (49) of section 2.6 softens a contact row by ``4 Gamma epsilon / h^2`` with

@@ -143,6 +143,11 @@ def effective_mass(
 def linear_restitution(stiffness: float, damping: float, mass: float) -> float:
     """Velocity after an impact over that before it of a spring and damper that do not pull.
 
+    Parameters
+    ----------
+    stiffness, damping, mass
+        [N/m], [N s/m], and the effective mass [kg].
+
     Notes
     -----
     ``e = exp(-zeta theta / s)`` with ``zeta = c / (2 sqrt(k m))``, ``s = sqrt(1 - zeta^2)`` and
@@ -160,7 +165,19 @@ def linear_restitution(stiffness: float, damping: float, mass: float) -> float:
 
 
 def regime(section: Collision, force: float, mass: float | None, step: float) -> Regime | None:
-    """How well a collision is resolved at its largest force [N] of a patch; None of rigid laws and without a force."""
+    """How well a collision is resolved at its largest force; None of rigid laws and without a force.
+
+    Parameters
+    ----------
+    section
+        Of the case file.
+    force
+        Largest force of a patch [N].
+    mass
+        Effective mass there [kg]; None if it is not one number.
+    step
+        [s].
+    """
     if section.law == "rigid" or force <= 0.0:
         return None
     damping, exponent = 0.0, 1.0
@@ -184,6 +201,12 @@ def regime(section: Collision, force: float, mass: float | None, step: float) ->
 
 
 def peak_estimate(impulse: float, restitution: float, stiffness: float, mass: float) -> Peak:
-    """Peak force of an impact of a given impulse [N s] on a spring [N/m]: ``v sqrt(k m)``, ``v = p / ((1 + e) m)``."""
+    """Peak force of an impact on a spring: ``v sqrt(k m)``, ``v = p / ((1 + e) m)``.
+
+    Parameters
+    ----------
+    impulse, restitution, stiffness, mass
+        [N s], coefficient, [N/m] and effective mass [kg].
+    """
     speed = impulse / ((1.0 + restitution) * mass)
     return Peak(speed * math.sqrt(stiffness * mass), speed, mass)

@@ -26,7 +26,11 @@ if TYPE_CHECKING:
 
 __all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_checks", "relative_drift"]
 
-_ACROSS: dict[str, Callable[..., NDArray[np.float64]]] = {"largest": np.max, "smallest": np.min, "norm": np.linalg.norm}
+_ACROSS: dict[str, Callable[..., NDArray[np.float64]]] = {
+    "largest": np.max,
+    "smallest": np.min,
+    "norm": np.linalg.norm,
+}
 """Components that are made of all components of a record."""
 _SHOWN = 20  # components of a message at most
 

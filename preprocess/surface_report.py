@@ -28,7 +28,13 @@ class Edges(NamedTuple):
 
 
 def unique_edges(surface: TriangleSurface) -> Edges:
-    """Find the edges of the faces; lone points and segments have none."""
+    """Find the edges of the faces; lone points and segments have none.
+
+    Parameters
+    ----------
+    surface
+        Triangles, shape (nt, 3), of which some may be no faces.
+    """
     faces = surface.triangles[surface.faces]
     sides = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     forward = sides[:, 0] < sides[:, 1]
@@ -99,7 +105,15 @@ class SurfaceReport:
 
 
 def report_surface(surface: TriangleSurface, dropped: CleanCounts | None = None) -> SurfaceReport:
-    """Count edges and windings of a surface, and measure it."""
+    """Count edges and windings of a surface, and measure it.
+
+    Parameters
+    ----------
+    surface
+        Points [m] and triangles.
+    dropped
+        What cleaning has left out, from `heavylift.preprocess.surfaces.clean`.
+    """
     edges = unique_edges(surface)
     a, b, c = np.moveaxis(surface.points[surface.triangles], 1, 0)
     along = np.bincount(edges.of_side[edges.forward], minlength=len(edges.ends))

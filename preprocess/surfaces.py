@@ -99,6 +99,13 @@ def checked_arrays(
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Points and triangles as arrays that kernels take.
 
+    Parameters
+    ----------
+    points, triangles
+        Positions [m], shape (nv, 3), and numbers of points, shape (nt, 3).
+    source
+        What messages call them.
+
     Raises
     ------
     InputError
@@ -216,7 +223,15 @@ def clean(
 
 
 def with_triangles(surface: TriangleSurface, triangles: NDArray[np.int64]) -> TriangleSurface:
-    """Return the surface of some triangles only, with the points that they use, in the order of their use."""
+    """Return the surface of some triangles only, with the points that they use, in the order of their use.
+
+    Parameters
+    ----------
+    surface
+        Points [m] and rounding.
+    triangles
+        Numbers of its points, shape (n, 3).
+    """
     flat = triangles.ravel()
     used, first, place = np.unique(flat, return_index=True, return_inverse=True)
     order = np.argsort(first)
