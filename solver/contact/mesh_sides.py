@@ -13,9 +13,7 @@ from heavylift.numerics.small import rotate
 from heavylift.solver.contact.counts import contact_count, number_of
 from heavylift.solver.contact.kind import (
     CLOSED,
-    COMPLIANT,
     GAP,
-    LAW,
     NORMAL,
     OF_CONTOURS,
     ORIGIN,
@@ -51,9 +49,8 @@ ABOUT_NOTHING = 1e-6
 
 @kernel(inline=True, internal=True)
 def holds(contacts: ContactRows, c: int) -> bool:
-    """Whether a contact has pushed in the last step, or rested: it knows its side."""
-    state = contacts.state[c]
-    return bool(state[CLOSED] > 0.0 or (contacts.table[c, LAW] == COMPLIANT and state[GAP] < 0.0))
+    """Whether a contact rests, or has been inside at the end of the last step: it knows its side."""
+    return bool(contacts.state[c, CLOSED] > 0.0 or contacts.state[c, GAP] < 0.0)
 
 
 @kernel(internal=True)

@@ -101,6 +101,9 @@ DEEP = 1e-5
 
 SOFTLY = 0.2
 
+PASSING = 1e-7
+"""Of the size: what is beside its face by less meets it."""
+
 SLIP_DAMPING = 0.2
 """Damping ratio of the elastic slip: without it, what begins to stick swings to twice its load and slips again."""
 
@@ -136,7 +139,8 @@ def _passes_by(contacts: ContactRows, c: int) -> bool:
         return False
     end = 2.0 * state[END_GAP] - gap
     share = min(gap / (gap - end), 1.0) if end < gap else 1.0
-    return bool(beside + 2.0 * share * (state[BESIDE] - beside) > 0.0)
+    beside += 2.0 * share * (state[BESIDE] - beside)
+    return bool(beside > PASSING * contacts.values[c, SIZE])
 
 
 @implement(meet_contacts, ContactRows)
