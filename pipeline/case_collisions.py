@@ -7,7 +7,6 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from heavylift.contours.patches import PATCH_ANGLE
 from heavylift.pipeline.case_contacts import PowerStiffness, contact_stiffness
 from heavylift.pipeline.collision_pairs import RECORDED, collision_pairs
 from heavylift.pipeline.fields import (
@@ -64,7 +63,7 @@ class _CollisionSection(Section):
     method: Literal["swept", "position-difference"] = "swept"
     """``swept``: certified tests of the paths within a step; ``position-difference``: as in the thesis, which misses
     collisions; for comparison."""
-    patch_angle: Annotated[float, Quantity("angle", minimum=0.0, maximum=math.pi)] = PATCH_ANGLE
+    patch_angle: Annotated[float, Quantity("angle", minimum=0.0, maximum=math.pi)] = math.radians(18.0)
     """Contacts belong to one patch if their normals differ by less [rad]."""
     patch_size: Annotated[float, Positive("length")] | None = None
     """And lie within this distance [m]; a tenth of the smaller surface if absent."""

@@ -6,10 +6,10 @@ its contacts come and go with the motion, by the same laws as those of contours.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
-from heavylift.contours.patches import PATCH_ANGLE
 from heavylift.solver.contacts import ContactLaw, RigidLaw
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ class Collision:
     friction: float = 0.0
     events: bool = True
     method: Literal["swept", "position-difference"] = "swept"
-    patch_angle: float = PATCH_ANGLE
+    patch_angle: float = math.radians(18.0)
     patch_size: float = 0.0
     most_contacts: int = 512
     recorded: int = 8

@@ -82,6 +82,7 @@ from heavylift.solver.contact.mesh_sides import (
     ABOUT_NOTHING,
     ALIGNED,
     aligned,
+    deepest_of,
     evaluate,
     gap_at_start,
     holds,
@@ -102,6 +103,9 @@ AHEAD = 4.0
 
 NEAR_ENOUGH = 1e-7
 """Of the size of the smaller surface: what is nearer counts as near, however slow it is."""
+
+DEEPER = 4.0
+"""Depths of the contacts that are there, to which the face is looked for that one slides on to."""
 
 FAR_AWAY = 1e3
 """Sizes and reaches from which a contact goes."""
@@ -188,12 +192,15 @@ def _search_pair(
     early = early or meshes.pairs[pair, DEFORMS] > 0
     reach = (AT_START if first else NEAR_ENOUGH) * size + (AHEAD * moved if early else 0.0)
     meshes.pair_values[pair, PAIR_REACH] = reach
+    further = 0.0
+    if meshes.pairs[pair, PAIR_LAW] == RIGID:
+        further = DEEPER * deepest_of(meshes, contacts, pair)
     count = find_contacts(
         meshes.surfaces,
         meshes.lists,
         pair,
         meshes.motions[pair],
-        reach,
+        reach + further,
         meshes.pairs[pair, METHOD],
         meshes.found,
         meshes.found_values,

@@ -38,7 +38,16 @@ from heavylift.solver.contact.mesh_kind import (
 from heavylift.solver.contact.mesh_patches import UNKNOWN
 from heavylift.solver.contact.mesh_table import look_up
 
-__all__ = ["ABOUT_NOTHING", "ALIGNED", "aligned", "evaluate", "gap_at_start", "holds", "settle_sides"]
+__all__ = [
+    "ABOUT_NOTHING",
+    "ALIGNED",
+    "aligned",
+    "deepest_of",
+    "evaluate",
+    "gap_at_start",
+    "holds",
+    "settle_sides",
+]
 
 ALIGNED = 0.9
 """Cosine between normals of contacts that lie on the same side of the same thing."""
@@ -93,7 +102,7 @@ def aligned(meshes: Meshes, contacts: ContactRows, pair: int, c: int) -> float:
 
 
 @kernel(internal=True)
-def _deepest(meshes: Meshes, contacts: ContactRows, pair: int) -> float:
+def deepest_of(meshes: Meshes, contacts: ContactRows, pair: int) -> float:
     """How deep contacts of a pair that push or rest have been inside at the start of the step [m]."""
     deepest = 0.0
     for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
@@ -127,7 +136,7 @@ def settle_sides(meshes: Meshes, contacts: ContactRows, pair: int, count: int, f
 
     Which side it comes from is told by what touches already, and it may be as deep inside as that.
     """
-    nothing = ABOUT_NOTHING * meshes.pair_values[pair, SIZE] + 2.0 * _deepest(meshes, contacts, pair)
+    nothing = ABOUT_NOTHING * meshes.pair_values[pair, SIZE] + 2.0 * deepest_of(meshes, contacts, pair)
     deforms, inside = meshes.pairs[pair, DEFORMS] > 0, nothing
     if deforms:  # where only the rounding is inside, the side is known
         inside = meshes.pair_values[pair, RADII]

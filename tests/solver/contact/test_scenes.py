@@ -24,6 +24,8 @@ from heavylift.solver.contacts import (
 from heavylift.solver.scene import Driven, Gravity, Profile, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
+pytestmark = pytest.mark.slow  # the scene is compiled
+
 STEP = 0.01
 PULSE_STEPS = 20
 REGULAR = 1e-6
