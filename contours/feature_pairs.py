@@ -60,9 +60,9 @@ ROUNDING = 1e-6
 """Part of the smaller surface by which positions that touch may differ: a simulation leaves bodies at rest a little
 inside each other, and impacts are found to a tolerance."""
 
-GROWTH = 0.01
-"""Of that: by which faces are larger for vertices. One that rests on a floor, a little too low, must not slip through
-under a wall that stands on it."""
+GROWTH = 10.0
+"""Of that, and no more than the reach: by which faces are larger for vertices. One that rests on a floor, a little too
+low, must not slip through under a wall that stands on it."""
 
 Vector = tuple[float, float, float]
 Box = tuple[float, float, float, float, float, float]
@@ -244,7 +244,7 @@ def vertices_on_face(
                 b[0], b[1], b[2], b[0], b[1], b[2], c[0], c[1], c[2], c[0], c[1], c[2], VERTEX_MOVES,
             )  # fmt: skip
         else:
-            p, q, r = grown(a, b, c, GROWTH * rounding if judged else 0.0)
+            p, q, r = grown(a, b, c, min(GROWTH * rounding, far) if judged else 0.0)
             hit, time = swept_vertex_face(
                 x0[0], x0[1], x0[2], x1[0], x1[1], x1[2],
                 p[0], p[1], p[2], q[0], q[1], q[2], r[0], r[1], r[2],
@@ -306,8 +306,8 @@ def face_on_vertices(
                 b0[0], b0[1], b0[2], b1[0], b1[1], b1[2], c0[0], c0[1], c0[2], c1[0], c1[1], c1[2], FACE_SWEEPS,
             )  # fmt: skip
         else:
-            a0, b0, c0 = grown(a0, b0, c0, GROWTH * rounding if judged else 0.0)
-            a1, b1, c1 = grown(a1, b1, c1, GROWTH * rounding if judged else 0.0)
+            a0, b0, c0 = grown(a0, b0, c0, min(GROWTH * rounding, far) if judged else 0.0)
+            a1, b1, c1 = grown(a1, b1, c1, min(GROWTH * rounding, far) if judged else 0.0)
             hit, time = swept_face_vertex(
                 x[0], x[1], x[2], a0[0], a0[1], a0[2], a1[0], a1[1], a1[2],
                 b0[0], b0[1], b0[2], b1[0], b1[1], b1[2], c0[0], c0[1], c0[2], c1[0], c1[1], c1[2],

@@ -101,7 +101,7 @@ DEEP = 1e-5
 
 SOFTLY = 0.2
 
-PASSING = 1e-7
+PASSING = 1e-5
 """Of the size: what is beside its face by less meets it."""
 
 SLIP_DAMPING = 0.2
