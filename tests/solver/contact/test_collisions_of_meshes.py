@@ -116,6 +116,7 @@ def test_own_surface_is_asked_for(surface, facets, key):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1800)
 @pytest.mark.parametrize("law", [LinearLaw(4e5, 4e3), RigidLaw(0.0)])
 def test_plate_that_falls_flat_comes_to_rest(law):
     """Force = weight, all energy accounted for; the floor is a held body."""
@@ -136,6 +137,7 @@ def test_plate_that_falls_flat_comes_to_rest(law):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1800)
 def test_ball_at_rest_bends_a_clamped_plate_as_its_weight_does():
     """The same plate with a force in its middle, which knows nothing of contacts."""
     damped = {"viscous_damping": 15.0, "stiffness_damping": 2e-3}
@@ -166,6 +168,7 @@ def test_ball_at_rest_bends_a_clamped_plate_as_its_weight_does():
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1800)
 def test_momentum_of_a_beam_and_a_box_stays():
     """A free beam hits the edge of a free box across, with friction: impulses are equal and opposite."""
     speed = np.array([0.4, 0.0, -2.0])
