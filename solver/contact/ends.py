@@ -302,9 +302,8 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
             state[TOUCH_DAMPING] = -1.0
     elif kind != BILATERAL and kind != CURVE:  # noqa: PLR1714  a set costs time here
         stays = state[CLOSED] > 0.0 and total > 0.0 and state[END_GAP] <= OFF * values[SIZE]
-        if (
-            contacts.table[c, SHAPE] == TRIANGLES
-        ):  # of more than needed some bear nothing, and rest all the same
+        # of more contacts than needed some bear nothing, and rest all the same
+        if contacts.table[c, SHAPE] == TRIANGLES:
             stays = stays or (state[CLOSED] > 0.0 and state[END_GAP] <= gap_tolerance(contacts, c, a))
         stays = stays or (state[NEW] > 0.0 and a <= REST * abs(state[RATE]))
         state[CLOSED] = 1.0 if stays else 0.0

@@ -14,7 +14,6 @@ __all__ = [
     "bound_surfaces",
     "drop_contacts",
     "find_first_contacts",
-    "forget_pair_sums",
     "keep_found",
     "place_surfaces",
     "pose_surfaces",
@@ -72,11 +71,6 @@ def drop_contacts(meshes: Any, contacts: Any) -> None:
 @optional
 def place_surfaces(meshes: Any, contacts: Any) -> None:
     """When a step stands: poses of the surfaces at its end, where the next one begins."""
-
-
-@optional
-def forget_pair_sums(meshes: Any, contacts: Any) -> None:
-    """Before a step: impulses of the step are counted anew."""
 
 
 @optional
