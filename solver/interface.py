@@ -81,6 +81,7 @@ __all__ = [
     "predict",
     "put_velocity",
     "record",
+    "record_forces",
     "record_joints",
     "refactor_rows",
     "relinearise",
@@ -319,6 +320,11 @@ def thesis_advance(kinds: Any, time: float, step: float, work: Workspace) -> Non
 @generic
 def record(kinds: Any, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
     """Bodies: write the carried state, reactions and sensors into their columns of a record."""
+
+
+@optional
+def record_forces(kinds: Any, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
+    """Forces with channels: write what they are at the carried state into their columns of a record; energies too."""
 
 
 @generic

@@ -26,6 +26,7 @@ from heavylift.solver.interface import (
     add_totals,
     fill_markers,
     record,
+    record_forces,
     start,
 )
 
@@ -78,6 +79,7 @@ def write_record(
     for i in range(KINETIC, SUM_COUNT):
         sums[i] = 0.0
     add_totals(bodies, work)
+    record_forces(forces, time, work, row)
     record_rows(systems, joints, work, time, row)
     end = row.shape[0] - TOTAL_COLUMNS
     for i in range(6):

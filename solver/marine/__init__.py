@@ -1,0 +1,1 @@
+"""What water and air do to bodies."""
