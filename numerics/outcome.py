@@ -27,6 +27,7 @@ class Outcome(IntEnum):
     STEP_TOO_SMALL = 10
     STRAINS_LOST = 11
     TOO_MANY_CONTACTS = 12
+    LINE_OVERSTRETCHED = 13
 
     @property
     def text(self) -> str:
@@ -47,6 +48,7 @@ _TEXTS = {
     Outcome.NOT_CLOSED: "stopped: a joint came apart",
     Outcome.STRAINS_LOST: "stopped: carried strains have left those of the shape",
     Outcome.TOO_MANY_CONTACTS: "stopped: more contacts at once than there is room for",
+    Outcome.LINE_OVERSTRETCHED: "stopped: a mooring line is stretched beyond its limit",
     Outcome.STEP_TOO_SMALL: "stopped: no step is small enough for the tolerance",
 }
 

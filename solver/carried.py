@@ -65,6 +65,8 @@ def share_state(
                     views[field] = whole[start : start + old.size].reshape(old.shape)
                     views[field][...] = old
                     start += -(-old.size // LINE) * LINE
-            changed.append(kind._replace(**views))
+            replaced = kind._replace(**views)
+            # parts of a kind that have a state of their own keep it in that of the kind
+            changed.append(replaced.sharing_state() if hasattr(replaced, "sharing_state") else replaced)
         made.append(tuple(changed))
     return tuple(made), whole

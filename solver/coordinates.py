@@ -50,7 +50,12 @@ def attachments(
         holder = PRESCRIBED if not isinstance(body.motion, Free) else DIAGONAL
         if isinstance(body, (FlexibleBody, MeshBody)):
             holder = FACTORED
-        found[body.name] = Attachment(number, dofs[body.name], velocity_count(body, bases), holder)
+        width = velocity_count(body, bases)
+        found[body.name] = Attachment(number, dofs[body.name], width, holder)
+        group = getattr(body, "group", ())
+        if group:  # hulls that water couples are one body to joints, the first of them
+            first = next(i for i, other in enumerate(bodies) if other.name == group[0])
+            found[body.name] = Attachment(first, dofs[group[0]], 6 * len(group), FACTORED)
     return found.__getitem__
 
 
@@ -59,7 +64,7 @@ def inverse_masses(bodies: Sequence[AnyBody], bases: Mapping[str, int] = NO_BASE
     blocks: list[NDArray[np.float64]] = []
     for body in bodies:
         block = np.zeros(velocity_count(body, bases))
-        if isinstance(body, RigidBody) and isinstance(body.motion, Free):
+        if isinstance(body, RigidBody) and isinstance(body.motion, Free) and not hasattr(body, "group"):
             block[:3] = 1.0 / body.mass
             block[3:] = 1.0 / np.linalg.eigvalsh(body.inertia)
         blocks.append(block)

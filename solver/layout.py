@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from heavylift.solver.channels import XYZ, Channel, add_channels
-from heavylift.solver.coordinates import first_dofs, mode_count, velocity_count
+from heavylift.solver.coordinates import attachments, first_dofs, mode_count, velocity_count
 from heavylift.solver.corners import scene_corners
 from heavylift.solver.interface import (
     CONTROL_COUNT,
@@ -44,8 +44,8 @@ class Layout:
         Meaning of the columns of a record.
     column_count
         Length of a record.
-    body_names, block_names
-        Names by number of the body and of the block of rows, for messages.
+    body_names, block_names, line_names
+        Names by number of the body, of the block of rows and of the mooring line, for messages.
     """
 
     bodies: tuple[Any, ...]
@@ -57,9 +57,10 @@ class Layout:
     column_count: int
     body_names: tuple[str, ...]
     block_names: tuple[str, ...]
+    line_names: tuple[str, ...] = ()
 
 
-def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
+def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> Layout:
     """Turn a scene into kinds. A kind without members is not imported, not compiled and not run.
 
     Parameters
@@ -68,6 +69,8 @@ def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
         What the user said.
     integrator
         Name of the integrator: only the default one takes springs as rows of its step.
+    step
+        Length of all steps [s], 0 if they vary.
 
     Raises
     ------
@@ -75,6 +78,10 @@ def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
         If names repeat, a force or sensor names a body that is not there, or a value does not fit.
     """
     check_scene(scene)
+    if scene.sea is not None:
+        from heavylift.solver.layout_sea import float_bodies
+
+        scene = float_bodies(scene)
     ordered = [body for group, _ in _groups(scene) for body in group]
     gravity = [force for force in scene.forces if isinstance(force, Gravity)]
     points = [force for force in scene.forces if isinstance(force, PointForce)]
@@ -106,6 +113,15 @@ def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
         if isinstance(group[0], MeshBody):
             place = [dofs[name] for name in names]  # bodies without bases have no velocities
             pack_group = partial(pack, moving=[made.moving.get(name, 0) for name in names])
+        elif made.sea is not None and _floats(group[0]):
+            ends = made.sea.line_ends
+            pack_group = partial(
+                pack,
+                sea=scene.sea,
+                tangents=made.sea.tangents,
+                line_ends=ends,
+                step=0.0 if scene.touches else step,
+            )
         bodies.append(pack_group(group, number, place, start, book.of(names), _of_sensors(sensors, group)))
         number += len(group)
         start += sum(_width(body) for body in group)
@@ -119,9 +135,11 @@ def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
 
         forces.append(pack_point_forces(points, made.first_markers))
     forces += made.forces
-    widths = [velocity_count(body, made.bases) for body in ordered]
+    if made.sea is not None:
+        forces += made.sea.forces
+    widths = [end.width for end in map(attachments(ordered, dofs, made.bases), dofs)]
     work = Workspace(
-        velocity=np.zeros(sum(widths)),
+        velocity=np.zeros(sum(velocity_count(body, made.bases) for body in ordered)),
         markers=np.zeros((book.count, MARKER_WIDTH)),
         jacobian=np.zeros((book.count, 3, max(6, *widths))),
         sums=np.zeros(SUM_COUNT),
@@ -148,6 +166,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2") -> Layout:
         column_count=column,
         body_names=tuple(body.name for body in ordered),
         block_names=made.block_names,
+        line_names=() if made.sea is None else made.sea.line_names,
     )
 
 
@@ -165,7 +184,8 @@ def _groups(scene: Scene) -> list[tuple[list[Any], Callable[..., Any]]]:
     flexible = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
     floating = [body for body in flexible if not isinstance(body.motion, Fixed)]
     fixed = [body for body in flexible if isinstance(body.motion, Fixed)]
-    rigid = [body for body in scene.bodies if isinstance(body, RigidBody)]
+    rigid = [body for body in scene.bodies if isinstance(body, RigidBody) and not _floats(body)]
+    hulls = [body for body in scene.bodies if _floats(body)]
     groups: list[tuple[list[Any], Callable[..., Any]]] = []
     if floating:
         from heavylift.solver.bodies.floating_frame_kind import pack
@@ -179,6 +199,10 @@ def _groups(scene: Scene) -> list[tuple[list[Any], Callable[..., Any]]]:
         from heavylift.solver.bodies.rigid_kind import pack_rigid_bodies
 
         groups.append((rigid, pack_rigid_bodies))
+    if hulls:
+        from heavylift.solver.marine.hulls_kind import pack_hulls
+
+        groups.append((hulls, pack_hulls))
     for of_type in (FrameBody, ShellBody):
         meshes = [body for body in scene.bodies if isinstance(body, of_type)]
         if meshes:
@@ -196,6 +220,10 @@ def _width(body: AnyBody) -> int:
         from heavylift.solver.bodies.ancf.packing import record_width
 
         return record_width(body)
+    if _floats(body):
+        from heavylift.solver.marine.hull_channels import record_width as hull_width
+
+        return hull_width()
     return 13 + 2 * mode_count(body) + (0 if isinstance(body.motion, Free) else 6)
 
 
@@ -217,9 +245,18 @@ def _body_channels(body: AnyBody) -> list[tuple[str, str, tuple[str, ...]]]:
             ("modal_position", "m kg^0.5", modes),
             ("modal_velocity", "m kg^0.5/s", modes),
         ]
+    if _floats(body):
+        from heavylift.solver.marine.hull_channels import HULL_CHANNELS
+
+        entries += HULL_CHANNELS
     if not isinstance(body.motion, Free):
         entries += [("reaction_force", "N", XYZ), ("reaction_moment", "N m", XYZ)]
     return entries
+
+
+def _floats(body: AnyBody) -> bool:
+    """Whether a body is a hull."""
+    return hasattr(body, "hull")
 
 
 def _of_sensors(sensors: dict[str, list[tuple[int, Any]]], bodies: list[Any]) -> list[BodyMarkers]:

@@ -18,6 +18,7 @@ from heavylift.solver.scene import AnyBody, Gravity, PointForce, Scene
 
 if TYPE_CHECKING:
     from heavylift.solver.joints.laws import PackedLaws
+    from heavylift.solver.layout_sea import PackedSea
 
 __all__ = ["PackedConnections", "pack_connections"]
 
@@ -44,6 +45,8 @@ class PackedConnections:
         Whom each block of rows belongs to.
     channels, column
         Their channels, and the first free record column.
+    sea
+        Forces of wind, current and lines.
     """
 
     book: MarkerBook
@@ -56,6 +59,7 @@ class PackedConnections:
     block_names: tuple[str, ...] = ()
     channels: list[Channel] = field(default_factory=list)
     moving: Mapping[str, int] = field(default_factory=dict)
+    sea: PackedSea | None = None
 
 
 def pack_connections(
@@ -114,6 +118,10 @@ def _pack(
             if force.frame == "body":
                 for axis in np.eye(3):
                     book.direction(force.body, axis, FORCES, at=force.point)
+    if scene.sea is not None:
+        from heavylift.solver.layout_sea import pack_sea
+
+        packed.sea, packed.column = pack_sea(scene, book, packed.channels, packed.column)
     attachment = attachments(ordered, first_dofs(ordered, bases), bases)
     make_system: Any = None
     if scene.joints:

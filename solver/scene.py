@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from heavylift.solver.connections import Joint, JointMotor, JointSpring, Rope, Spring, SpringRope
     from heavylift.solver.contacts import Contact, Contour
     from heavylift.solver.meshes import MeshBody
+    from heavylift.solver.seas import Sea
 
 __all__ = [
     "AnyBody",
@@ -237,6 +238,7 @@ class Scene:
     contacts: tuple[Contact, ...] = ()
     surfaces: tuple[CollisionSurface, ...] = ()
     collisions: tuple[Collision, ...] = ()
+    sea: Sea | None = None
 
     @property
     def touches(self) -> bool:

@@ -142,7 +142,7 @@ class Simulation:
         self.integrator = integrator
         self.record_every = int(record_every)
         self.tolerance = float(tolerance or 0.0)
-        self._layout = pack_scene(scene, integrator)
+        self._layout = pack_scene(scene, integrator, 0.0 if self.tolerance else self.step)
         self._stiff = integrator == "dele2" and bool(stiff_part(scene, step * record_every))
         if start not in {"check", "project", *AT_REST}:
             raise InputError(
@@ -424,7 +424,7 @@ class Simulation:
         """Arrays that the step writes, by kind and field."""
         layout = self._layout
         yield "control", layout.work.control
-        for kind in (*layout.bodies, *layout.joints, *layout.systems):
+        for kind in (*layout.bodies, *layout.joints, *layout.systems, *layout.forces):
             for field, array in zip(kind._fields, kind, strict=True):
                 if isinstance(array, np.ndarray) and field in CARRIED:
                     yield f"{type(kind).__name__}.{field}", array

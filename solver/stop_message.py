@@ -38,6 +38,7 @@ def stop_message(layout: Layout, when: str) -> str:
         Outcome.STRAINS_LOST: ("a smaller step, or elasticity 'auto' or 'energy-momentum'", "body"),
         Outcome.NOT_CONVERGED: ("a smaller step, or softer stops and ropes", "joint"),
         Outcome.TOO_MANY_CONTACTS: ("a larger 'most_contacts' or 'patch_size'", "collision"),
+        Outcome.LINE_OVERSTRETCHED: ("a longer or stronger line, or a larger 'strain_limit'", "line"),
     }[outcome]
     of_mesh = status[STATUS_BLOCK] < 0
     if of_mesh and part == "joint":  # the iteration of a mesh
@@ -46,8 +47,8 @@ def stop_message(layout: Layout, when: str) -> str:
         contact = int(status[STATUS_BLOCK]) - _first_contact(layout)
         if contact >= 0:
             part, remedy = "contact", _contact_remedy(layout, contact)
-    names = layout.body_names if part == "body" else layout.block_names
-    number = int(status[STATUS_BODY if part == "body" else STATUS_BLOCK])
+    names = {"body": layout.body_names, "line": layout.line_names}.get(part, layout.block_names)
+    number = int(status[STATUS_BODY if part in {"body", "line"} else STATUS_BLOCK])
     element = f", element {-1 - int(status[STATUS_BLOCK])}" if of_mesh else ""
     return f"{outcome.text} at {when}, {part} {names[number]!r}{element}; try {remedy}"
 

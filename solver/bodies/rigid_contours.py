@@ -46,7 +46,8 @@ def owner_of(kind: RigidBodies, contacts: ContactRows, contour: int) -> int:
     """Row of the body that a contour is on, -1 if that is not of this kind."""
     if contacts.contours[contour, OWNER] != OF_RIGID:
         return -1
-    return (contacts.contours[contour, FIRST_VELOCITY] - kind.table[0, DOF]) // 6
+    body = (contacts.contours[contour, FIRST_VELOCITY] - kind.table[0, DOF]) // 6
+    return body if 0 <= body < kind.table.shape[0] else -1  # of another kind: rigid bodies that float
 
 
 @implement(pose_contours, RigidBodies)

@@ -189,7 +189,7 @@ def pack_contacts(
         What `check_contact` refuses.
     """
     for module in _contour_modules(ordered):
-        importlib.import_module(f"heavylift.solver.bodies.{module}")
+        importlib.import_module(f"heavylift.solver.{module}")
     packed = pack_contours(scene, ordered, dofs)
     if not scene.collisions:
         collided = no_collisions()
@@ -324,12 +324,14 @@ def _contour_modules(ordered: Sequence[AnyBody]) -> list[str]:
     """Modules with what bodies do for contacts; those of kinds that are there."""
     modules = []
     if any(isinstance(body, RigidBody) for body in ordered):
-        modules.append("rigid_contours")
+        modules.append("bodies.rigid_contours")
+    if any(hasattr(body, "hull") for body in ordered):
+        modules.append("marine.hull_contours")
     if any(isinstance(body, FlexibleBody) for body in ordered):
-        modules.append("floating_frame_contours")
+        modules.append("bodies.floating_frame_contours")
     if any(isinstance(body, MeshBody) for body in ordered):
-        modules.append("ancf.contours")
-        modules.append("ancf.facets")
+        modules.append("bodies.ancf.contours")
+        modules.append("bodies.ancf.facets")
     return modules
 
 

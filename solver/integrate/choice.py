@@ -48,7 +48,7 @@ def check_integrator(scene: Scene, name: str) -> None:
     if name == "accurate":
         reason = _not_smooth(scene)
     elif name == "thesis":
-        reason = _rope_or_law(scene)
+        reason = _rope_or_law(scene) or _floating(scene)
         driven = [joint.name for joint in scene.joints if getattr(joint, "drive", None) is not None]
         if not reason and driven:
             reason = f"joint {driven[0]!r} is driven"
@@ -84,11 +84,21 @@ def _not_smooth(scene: Scene) -> str:
     flexible = [body.name for body in scene.bodies if isinstance(body, FlexibleBody)]
     if flexible:
         return f"body {flexible[0]!r} is flexible"
-    reason = _rope_or_law(scene)
+    reason = _rope_or_law(scene) or _floating(scene)
     if reason:
         return reason
     compliant = [joint.name for joint in scene.joints if joint.compliance > 0.0]
     return f"joint {compliant[0]!r} is compliant" if compliant else ""
+
+
+def _floating(scene: Scene) -> str:
+    """The first hull or line, as words; empty if none."""
+    if scene.sea is None:
+        return ""
+    if scene.sea.hulls:
+        return f"{scene.sea.hulls[0].body!r} floats"
+    lines = (*scene.sea.lines, *scene.sea.fenders)
+    return f"line {lines[0].name!r} is soft and stiff by turns" if lines else ""
 
 
 def stiff_part(scene: Scene, interval: float) -> str:

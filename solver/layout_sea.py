@@ -1,0 +1,176 @@
+"""What water and air bring to a packed scene: hulls among the bodies, loads and lines among the forces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.rotation import rotation_matrix
+from heavylift.solver.channels import Channel, add_channels
+from heavylift.solver.connections import GROUND
+from heavylift.solver.joints.packing import MarkerBook
+from heavylift.solver.scene import AnyBody, Gravity, Scene
+from heavylift.solver.seas import FloatingBody, Sea, floating_bodies
+
+__all__ = ["PackedSea", "float_bodies", "pack_sea"]
+
+GRAVITIES_DIFFER = 2e-3
+"""Relative, between the weight of bodies and that of water: 9.81 and 9.80665 are the same."""
+
+
+@dataclass
+class PackedSea:
+    """Forces of the sea, before their record columns are known.
+
+    Attributes
+    ----------
+    forces
+        Kinds.
+    tangents
+        Stiffness that lines and fenders leave for the step of hulls, shape (n, 9).
+    line_ends
+        Body, marker and row of `tangents` of each of their ends on a hull.
+    line_names
+        For messages.
+    """
+
+    forces: list[Any] = field(default_factory=list)
+    tangents: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 9)))
+    line_ends: list[tuple[str, int, int]] = field(default_factory=list)
+    line_names: tuple[str, ...] = ()
+
+
+def float_bodies(scene: Scene) -> Scene:
+    """The scene with hulls in place of the rigid bodies that float, interacting ones one after another.
+
+    Raises
+    ------
+    InputError
+        If hulls, databases or tanks do not fit the bodies, or the weight of the water is not that of the bodies.
+    """
+    sea = scene.sea
+    if sea is None:
+        return scene
+    hulls = floating_bodies(scene.bodies, sea)
+    for tank in sea.tanks:
+        if tank.body not in hulls:
+            raise InputError(
+                f"there is no hull {tank.body!r}",
+                source=tank.name,
+                key="body",
+                expected=f"one of {', '.join(hulls)}" if hulls else "a hull in the scene",
+            )
+    if hulls:
+        _check_gravity(scene, sea)
+    if any(len(body.group) > 1 for body in hulls.values()) and scene.touches:
+        group = next(body.group for body in hulls.values() if len(body.group) > 1)
+        touched = {surface.body for surface in (*scene.surfaces, *scene.contours)} & set(group)
+        if touched:
+            raise InputError(
+                f"{sorted(touched)[0]!r} interacts with other hulls, and touches something",
+                source="scene",
+                key="collisions",
+                expected="contacts on hulls with a database of their own only",
+            )
+    others = tuple(body for body in scene.bodies if body.name not in hulls)
+    return replace(scene, bodies=(*others, *hulls.values()))
+
+
+def _check_gravity(scene: Scene, sea: Sea) -> None:
+    """Bodies and water have one weight, which points down."""
+    total = np.sum([force.acceleration for force in scene.forces if isinstance(force, Gravity)], axis=0)
+    wanted = np.array([0.0, 0.0, -sea.water.gravity])
+    if np.size(total) != 3 or np.abs(total - wanted).max() > GRAVITIES_DIFFER * sea.water.gravity:
+        given = np.asarray(total).tolist() if np.size(total) == 3 else "none"
+        raise InputError(
+            f"gravity of the scene is {given}, that of the water {sea.water.gravity:g} m/s2",
+            source="sea",
+            key="water",
+            expected="the same, downwards",
+        )
+
+
+def pack_sea(scene: Scene, book: MarkerBook, channels: list[Channel], column: int) -> tuple[PackedSea, int]:
+    """Kinds of forces with their markers and channels; returns the next free column."""
+    packed = PackedSea()
+    sea = scene.sea
+    if sea is None:
+        return packed, column
+    if sea.fields or sea.loads:
+        column = _pack_fluids(sea, packed, book, channels, column)
+    afloat = {body.name for body in scene.bodies if isinstance(body, FloatingBody)}
+    packed.tangents = np.zeros((len(sea.lines) + len(sea.fenders), 9))
+    if sea.lines:
+        from heavylift.solver.marine.mooring_lines import LINE_CHANNELS, line_markers, pack_mooring_lines
+
+        markers = line_markers(book, sea.lines)
+        columns = []
+        for line in sea.lines:
+            columns.append(column)
+            column = add_channels(line.name, list(LINE_CHANNELS), channels, column)
+        places = [
+            (_place(scene.bodies, line.body_a, line.point_a), _place(scene.bodies, line.body_b, line.point_b))
+            for line in sea.lines
+        ]
+        kind = pack_mooring_lines(sea.lines, markers, columns, places)
+        packed.forces.append(kind._replace(tangents=packed.tangents[: len(sea.lines)]))
+        packed.line_names = tuple(line.name for line in sea.lines)
+        for row, (line, (a, b)) in enumerate(zip(sea.lines, markers, strict=True)):
+            packed.line_ends += [
+                (body, marker, row) for body, marker in ((line.body_a, a), (line.body_b, b)) if body in afloat
+            ]
+    if sea.fenders:
+        from heavylift.solver.marine.fenders import FENDER_CHANNELS, fender_markers, pack_fenders
+
+        of_fenders = fender_markers(book, sea.fenders)
+        columns = []
+        for fender in sea.fenders:
+            columns.append(column)
+            column = add_channels(fender.name, list(FENDER_CHANNELS), channels, column)
+        fenders = pack_fenders(sea.fenders, of_fenders, columns)
+        packed.forces.append(fenders._replace(tangents=packed.tangents[len(sea.lines) :]))
+        for row, (fender, (a, _, b)) in enumerate(zip(sea.fenders, of_fenders, strict=True)):
+            packed.line_ends += [
+                (body, marker, len(sea.lines) + row)
+                for body, marker in ((fender.body_a, a), (fender.body_b, b))
+                if body in afloat
+            ]
+    return packed, column
+
+
+def _pack_fluids(sea: Sea, packed: PackedSea, book: MarkerBook, channels: list[Channel], column: int) -> int:
+    from heavylift.solver.marine.wind_loads import fluid_channels, fluid_markers
+    from heavylift.solver.marine.wind_packing import pack_fluid_loads
+
+    columns = []
+    for owner, name, unit, components in fluid_channels(sea.fields, sea.loads):
+        columns.append(column)
+        column = add_channels(owner, [(name, unit, components)], channels, column)
+    packed.forces.append(
+        pack_fluid_loads(
+            sea.fields,
+            sea.loads,
+            fluid_markers(book, sea.loads),
+            columns,
+            level=sea.water.level,
+            ramp=sea.ramp,
+            water_density=sea.water.density,
+        )
+    )
+    return column
+
+
+def _place(bodies: Sequence[AnyBody], name: str, point: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Point of a body, or of the ground, in the world at the start [m]."""
+    if name == GROUND:
+        return np.asarray(point, dtype=np.float64)
+    for body in bodies:
+        if body.name == name:
+            return np.asarray(body.position + rotation_matrix(body.orientation) @ np.asarray(point))
+    known = ", ".join([GROUND, *(body.name for body in bodies)])
+    raise InputError(f"there is no body {name!r}", source="lines", key="between", expected=f"one of {known}")

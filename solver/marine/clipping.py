@@ -1,0 +1,247 @@
+"""Water plane cut through a hull of triangles: submerged volume, its centre, the water plane and its moments.
+
+The surface is clipped at the still water plane, triangle by triangle, so that volume and moments are exact for the
+polyhedron. Buoyancy is then the gradient of a potential: no energy is made or lost over a closed path.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from heavylift.numerics.jit import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = [
+    "CLIP_WIDTH",
+    "CROSSING",
+    "PLANE_AREA",
+    "PLANE_X",
+    "PLANE_XX",
+    "PLANE_XY",
+    "PLANE_Y",
+    "PLANE_YY",
+    "VOLUME",
+    "VOLUME_X",
+    "VOLUME_Y",
+    "VOLUME_Z",
+    "WETTED_AREA",
+    "buoyancy_stiffness",
+    "clip_surface",
+    "clip_surface_now",
+]
+
+VOLUME = 0
+"""Submerged volume [m^3]."""
+
+VOLUME_X = 1
+VOLUME_Y = 2
+VOLUME_Z = 3
+"""First moments of the submerged volume [m^4]; z from the water plane, hence negative."""
+
+PLANE_AREA = 4
+"""Area of the water plane [m^2]."""
+
+PLANE_X = 5
+PLANE_Y = 6
+"""Integrals of x and of y over the water plane [m^3]."""
+
+PLANE_XX = 7
+PLANE_YY = 8
+PLANE_XY = 9
+"""Integrals of x^2, y^2 and x y over the water plane [m^4]."""
+
+WETTED_AREA = 10
+"""Area of the surface below the water plane [m^2]."""
+
+CROSSING = 11
+"""Number of triangles that the water plane cuts."""
+
+CLIP_WIDTH = 12
+"""Numbers that `clip_surface` writes."""
+
+Triangle = tuple[float, float, float, float, float]
+
+
+@kernel(inline=True, internal=True)
+def triangle_sums(
+    ax: float, ay: float, az: float, bx: float, by: float, bz: float, cx: float, cy: float, cz: float
+) -> Triangle:
+    """6 volumes of the tetrahedron from the origin, 24 first moments of it, 2 areas of the triangle."""
+    ux, uy, uz = bx - ax, by - ay, bz - az
+    vx, vy, vz = cx - ax, cy - ay, cz - az
+    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+    volume = ax * nx + ay * ny + az * nz
+    return (
+        volume,
+        volume * (ax + bx + cx),
+        volume * (ay + by + cy),
+        volume * (az + bz + cz),
+        math.sqrt(nx * nx + ny * ny + nz * nz),
+    )
+
+
+@kernel(internal=True)
+def clip_surface(
+    points: NDArray[np.float64],
+    triangles: NDArray[np.int64],
+    rotation: NDArray[np.float64],
+    height: float,
+    placed: NDArray[np.float64],
+    out: NDArray[np.float64],
+) -> None:
+    """Clip a surface at the water plane and integrate what is below.
+
+    Parameters
+    ----------
+    points
+        Vertices [m] in the axes of the body, shape (nv, 3).
+    triangles
+        Vertex numbers, anticlockwise seen from outside, shape (nt, 3). The part below the water must be closed;
+        openings above it do no harm.
+    rotation
+        Body to world axes, row by row, shape (9,).
+    height
+        Of the origin of the body above the water plane [m].
+    placed
+        Scratch for the vertices in world directions, shape (nv, 3).
+    out
+        `VOLUME` ... `CROSSING`, shape (`CLIP_WIDTH`,): in axes parallel to those of the world, about the point of
+        the water plane that is vertically above or below the origin of the body.
+
+    Notes
+    -----
+    With the origin in the water plane the tetrahedra from the origin to the water plane have no volume, so the plane
+    needs no triangles. Its boundary are the cuts, whence area and moments follow by Green's theorem. A vertex on the
+    plane counts as above it, which is the limit of a hull that is raised a little; neighbours then always agree on
+    their common edge. Submerged volume and first moments: Mirtich, "Fast and accurate computation of polyhedral mass
+    properties", Journal of Graphics Tools 1 (1996), here by tetrahedra.
+    """
+    r0, r1, r2 = rotation[0], rotation[1], rotation[2]
+    r3, r4, r5 = rotation[3], rotation[4], rotation[5]
+    r6, r7, r8 = rotation[6], rotation[7], rotation[8]
+    for i in range(points.shape[0]):
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        placed[i, 0] = r0 * x + r1 * y + r2 * z
+        placed[i, 1] = r3 * x + r4 * y + r5 * z
+        placed[i, 2] = r6 * x + r7 * y + r8 * z + height
+    volume = moment_x = moment_y = moment_z = wetted = 0.0
+    area = plane_x = plane_y = plane_xx = plane_yy = plane_xy = 0.0
+    crossing = 0
+    for k in range(triangles.shape[0]):
+        i, j, m = triangles[k, 0], triangles[k, 1], triangles[k, 2]
+        az, bz, cz = placed[i, 2], placed[j, 2], placed[m, 2]
+        wet_a, wet_b, wet_c = not az >= 0.0, not bz >= 0.0, not cz >= 0.0  # so is what is not a number
+        if not (wet_a or wet_b or wet_c):
+            continue
+        whole = wet_a and wet_b and wet_c
+        two = False
+        if not whole:  # the vertex that is alone on its side of the plane becomes the first
+            two = (wet_a and wet_b) or (wet_b and wet_c) or (wet_c and wet_a)
+            if wet_b != two:
+                i, j, m = j, m, i
+                az, bz, cz = bz, cz, az
+            elif wet_c != two:
+                i, j, m = m, i, j
+                az, bz, cz = cz, az, bz
+        ax, ay = placed[i, 0], placed[i, 1]
+        bx, by = placed[j, 0], placed[j, 1]
+        cx, cy = placed[m, 0], placed[m, 1]
+        if not whole:
+            crossing += 1
+            s, t = az / (az - bz), az / (az - cz)
+            px, py = ax + s * (bx - ax), ay + s * (by - ay)
+            qx, qy = ax + t * (cx - ax), ay + t * (cy - ay)
+            if two:  # p b c here, p c q below
+                v, vx, vy, vz, w = triangle_sums(px, py, 0.0, bx, by, bz, cx, cy, cz)
+                volume, wetted = volume + v, wetted + w
+                moment_x, moment_y, moment_z = moment_x + vx, moment_y + vy, moment_z + vz
+                cut = px * qy - qx * py
+                ax, ay, az = px, py, 0.0
+                bx, by, bz = cx, cy, cz
+            else:
+                cut = qx * py - px * qy
+                bx, by, bz = px, py, 0.0
+            cx, cy, cz = qx, qy, 0.0
+            area += cut
+            plane_x += cut * (px + qx)
+            plane_y += cut * (py + qy)
+            plane_xx += cut * (px * px + px * qx + qx * qx)
+            plane_yy += cut * (py * py + py * qy + qy * qy)
+            plane_xy += cut * (2.0 * (px * py + qx * qy) + px * qy + qx * py)
+        v, vx, vy, vz, w = triangle_sums(ax, ay, az, bx, by, bz, cx, cy, cz)
+        volume, wetted = volume + v, wetted + w
+        moment_x, moment_y, moment_z = moment_x + vx, moment_y + vy, moment_z + vz
+    out[VOLUME] = volume / 6.0
+    out[VOLUME_X] = moment_x / 24.0
+    out[VOLUME_Y] = moment_y / 24.0
+    out[VOLUME_Z] = moment_z / 24.0
+    out[PLANE_AREA] = area / 2.0
+    out[PLANE_X] = plane_x / 6.0
+    out[PLANE_Y] = plane_y / 6.0
+    out[PLANE_XX] = plane_xx / 12.0
+    out[PLANE_YY] = plane_yy / 12.0
+    out[PLANE_XY] = plane_xy / 24.0
+    out[WETTED_AREA] = wetted / 2.0
+    out[CROSSING] = crossing
+
+
+@kernel
+def clip_surface_now(
+    points: NDArray[np.float64],
+    triangles: NDArray[np.int64],
+    rotation: NDArray[np.float64],
+    height: float,
+    placed: NDArray[np.float64],
+    out: NDArray[np.float64],
+) -> None:
+    """Call `clip_surface` from Python."""
+    clip_surface(points, triangles, rotation, height, placed, out)
+
+
+def buoyancy_stiffness(
+    out: NDArray[np.float64], height: float, density: float, gravity: float
+) -> NDArray[np.float64]:
+    """Tangent stiffness of buoyancy about the origin of the body, in axes parallel to those of the world.
+
+    Parameters
+    ----------
+    out
+        Of `clip_surface`, shape (12,).
+    height
+        Of the origin of the body above the water plane [m].
+    density, gravity
+        Of the water [kg/m^3] and [m/s^2].
+
+    Returns
+    -------
+    ndarray
+        Shape (6, 6): minus the derivatives of force [N] and moment [N m] with respect to a shift [m] of the body and
+        a small rotation [rad] of it about its origin, both in world directions.
+
+    Notes
+    -----
+    The force is ``rho g (0, 0, V)``, its moment about the origin of the body ``rho g (Vy, -Vx, 0)``. A point of the
+    water plane rises by ``dz + y rx - x ry`` and takes as much volume out of the water, and the volume that stays in
+    moves by ``r x (x, y, z - h)``. With ``B = Vz - h V``, the first moment of volume about the origin of the body, and
+    S and I the moments of the water plane, the rows of heave, roll and pitch are
+
+        heave   rho g [ 0, 0,   A,      Sy,     -Sx,    0]
+        roll    rho g [ 0, 0,  Sy, Iyy + B,    -Ixy,  -Vx]
+        pitch   rho g [ 0, 0, -Sx,    -Ixy, Ixx + B,  -Vy]
+
+    and the others are zero. The column of yaw turns the moment along with the body; it is what makes the matrix
+    unsymmetric, and vanishes together with the weight in equilibrium. Weight has its own stiffness, about the centre of
+    gravity: compare Faltinsen, *Sea Loads on Ships and Offshore Structures* (1990), equation (3.36).
+    """
+    v, vx, vy, vz, a, sx, sy, ixx, iyy, ixy = out[: PLANE_XY + 1]
+    b = vz - height * v
+    k = np.zeros((6, 6))
+    k[2, 2:5] = a, sy, -sx
+    k[3, 2:] = sy, iyy + b, -ixy, -vx
+    k[4, 2:] = -sx, -ixy, ixx + b, -vy
+    return density * gravity * k

@@ -1,0 +1,65 @@
+"""Hulls before time starts: poses, velocities and forces at rest as vectors of the whole scene; nothing is compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.rotation import rotation_matrix
+from heavylift.solver.bodies.rigid import DOF, MASS, ORIENTATION
+from heavylift.solver.bodies.rigid_configuration import (
+    move_rigid_bodies,
+    put_rigid_velocity,
+    survey_rigid_bodies,
+)
+from heavylift.solver.bodies.rigid_stage import stage_at_state
+from heavylift.solver.interface import (
+    FIELD,
+    FORCES,
+    POINT_FORCE,
+    Workspace,
+    collect_load,
+    move,
+    put_velocity,
+    survey,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.marine.hull_restoring import restore
+from heavylift.solver.marine.hull_stage import fill_tanks
+from heavylift.solver.marine.hulls import LIFT, OFFSET, TANK_MASS, TANK_POINT, Hulls
+
+__all__: list[str] = []
+
+implement(survey, Hulls)(survey_rigid_bodies)
+implement(move, Hulls)(move_rigid_bodies)
+implement(put_velocity, Hulls)(put_rigid_velocity)
+
+
+@kernel
+def restore_at_rest(kind: Hulls) -> None:
+    """Buoyancy and ballast at the carried state and at the start of time."""
+    stage_at_state(kind)
+    fill_tanks(kind, 0.0)
+    for hull in range(kind.table.shape[0]):
+        restore(kind, hull)
+
+
+@implement(collect_load, Hulls)
+def collect_hull_load(kind: Hulls, work: Workspace, load: NDArray[np.float64]) -> None:
+    """``J^T f`` of the markers that forces act on, buoyancy, weight of body and ballast."""
+    restore_at_rest(kind)
+    dofs = kind.table[:, DOF, None] + np.arange(6)
+    for number, body, _, _, level in kind.markers:
+        if level == FORCES:
+            at = kind.hulls[body, OFFSET]
+            J = work.jacobian[number][:, at : at + 6]
+            load[dofs[body]] += J.T @ work.markers[number, POINT_FORCE : POINT_FORCE + 3]
+    load[dofs] += kind.stage[:, LIFT : LIFT + 6]
+    gravity = work.sums[FIELD : FIELD + 3]
+    load[dofs[:, :3]] += kind.frame[:, MASS, None] * gravity
+    for tank, (body, _, _) in enumerate(kind.tank_table):
+        weight = kind.tanks[tank, TANK_MASS] * gravity
+        R = rotation_matrix(kind.frame[body, ORIENTATION : ORIENTATION + 4])
+        load[dofs[body, :3]] += weight
+        load[dofs[body, 3:]] += np.cross(kind.tanks[tank, TANK_POINT : TANK_POINT + 3], R.T @ weight)

@@ -1,0 +1,85 @@
+"""Joints on hulls: ``X = A^-1 G^T`` with the matrix of their group, velocities at the end of the step."""
+
+from __future__ import annotations
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import cholesky_factor
+from heavylift.solver.bodies.rigid import DOF as BODY_DOF
+from heavylift.solver.bodies.rigid_step import (
+    check_rigid_bodies,
+    end_velocity_rigid_bodies,
+    estimate_rigid_error,
+    set_velocity_rigid_bodies,
+    write_rigid_velocities,
+)
+from heavylift.solver.interface import (
+    apply_inverse,
+    check,
+    end_velocity,
+    estimate_error,
+    set_velocity,
+    write_velocity,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.marine.hull_step import assemble_mass, put_end
+from heavylift.solver.marine.hulls import COUNT, END_TRANSFORM, GROUP_DOF, HEADING, MATRIX, Hulls
+from heavylift.solver.rows import DOF, PANEL, Rows
+
+__all__: list[str] = []
+
+# what the water changes is in the matrices: these are as of any rigid body
+implement(check, Hulls)(check_rigid_bodies)
+implement(end_velocity, Hulls)(end_velocity_rigid_bodies)
+implement(write_velocity, Hulls)(write_rigid_velocities)
+implement(set_velocity, Hulls)(set_velocity_rigid_bodies)
+implement(estimate_error, Hulls)(estimate_rigid_error)
+
+
+@implement(apply_inverse, Hulls)
+@kernel(internal=True)
+def apply_inverse_of_hulls(kind: Hulls, at_midpoint: bool, system: Rows) -> None:
+    """Of the attachments on these bodies; at the end of the step by the mass alone, which is factored here."""
+    last = kind.table[kind.table.shape[0] - 1, BODY_DOF]
+    if not at_midpoint:
+        for hull in range(kind.table.shape[0]):
+            put_end(kind, hull, kind.stage[hull, HEADING])
+        for group in range(kind.groups.shape[0]):
+            n = 6 * kind.groups[group, COUNT]
+            base = kind.groups[group, MATRIX] + n * n
+            assemble_mass(kind, group, base, END_TRANSFORM, True, 0.0)
+            cholesky_factor(kind.matrices[base : base + n * n], n)
+    for i in range(system.attachments.shape[0]):
+        dof = system.attachments[i, DOF]
+        if dof < kind.table[0, BODY_DOF] or dof > last:
+            continue
+        for group in range(kind.groups.shape[0]):
+            if kind.groups[group, GROUP_DOF] == dof:
+                n = 6 * kind.groups[group, COUNT]
+                base = kind.groups[group, MATRIX] + (0 if at_midpoint else n * n)
+                _solve_panel(kind, base, n, system, system.attachments[i, PANEL])
+
+
+@kernel(internal=True)
+def _solve_panel(kind: Hulls, base: int, n: int, system: Rows, panel: int) -> None:
+    """``L L^T X = G^T``, all rows of a joint at once."""
+    lanes = len(system.shape[1])
+    G, factor = system.panels, kind.matrices
+    out = G.shape[0] // 2 + panel
+    for i in range(n):
+        for r in range(lanes):
+            G[out + i * lanes + r] = G[panel + i * lanes + r]
+        for k in range(i):
+            a = factor[base + i * n + k]
+            for r in range(lanes):
+                G[out + i * lanes + r] -= a * G[out + k * lanes + r]
+        inverse = factor[base + i * n + i]
+        for r in range(lanes):
+            G[out + i * lanes + r] *= inverse
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            a = factor[base + k * n + i]
+            for r in range(lanes):
+                G[out + i * lanes + r] -= a * G[out + k * lanes + r]
+        inverse = factor[base + i * n + i]
+        for r in range(lanes):
+            G[out + i * lanes + r] *= inverse

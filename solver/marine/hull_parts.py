@@ -1,0 +1,306 @@
+"""What a database brings to hulls: memory of radiated waves and forces of incoming ones, as parts of their kind.
+
+A scene without waves, or without memory, has empty tuples here, and compiles and runs nothing of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.kinds import implement, optional
+from heavylift.solver.marine.excitation import (
+    SeriesExcitation,
+    SummedExcitation,
+    interpolate_series,
+    sum_excitation,
+)
+from heavylift.solver.marine.hulls import FINISH, HEADING, KNOWN, PLACE, START, STATE_WIDTH, WAVE, Hulls
+from heavylift.solver.marine.memory import (
+    DirectMemory,
+    ExponentialMemory,
+    advance_memory_direct,
+    advance_memory_exponential,
+    memory_force_direct,
+    memory_force_exponential,
+    memory_force_now_direct,
+    memory_force_now_exponential,
+    prepare_memory_exponential,
+)
+
+if TYPE_CHECKING:
+    from heavylift.solver.seas import FloatingBody, Radiation, Sea
+
+__all__ = [
+    "DirectPart",
+    "ExponentialPart",
+    "SeriesPart",
+    "SummedPart",
+    "add_waves",
+    "begin_memory",
+    "keep_memory",
+    "memory_now",
+    "pack_parts",
+    "share_part_states",
+]
+
+
+class ExponentialPart(NamedTuple):
+    """Recursive memory of the hulls of a database: first coordinate, shape (1,), and its arrays."""
+
+    first: NDArray[np.int64]
+    memory: ExponentialMemory
+
+
+class DirectPart(NamedTuple):
+    """Memory of the hulls of a database by convolution: first coordinate, shape (1,), and its arrays."""
+
+    first: NDArray[np.int64]
+    memory: DirectMemory
+
+
+class SummedPart(NamedTuple):
+    """Forces of waves on moving hulls: first hull, shape (1,); places, shape (N, 3); their arrays."""
+
+    first: NDArray[np.int64]
+    place: NDArray[np.float64]
+    excitation: SummedExcitation
+
+
+class SeriesPart(NamedTuple):
+    """Tabulated forces of waves: first hull, shape (1,), and its arrays."""
+
+    first: NDArray[np.int64]
+    excitation: SeriesExcitation
+
+
+@optional
+def begin_memory(
+    parts: Any, step: float, implicit: NDArray[np.float64], vectors: NDArray[np.float64]
+) -> None:
+    """Memory: its force at the middle of the step, without the part of the velocity there, and that part."""
+
+
+@optional
+def keep_memory(parts: Any, vectors: NDArray[np.float64]) -> None:
+    """Memory: to the end of the step."""
+
+
+@optional
+def memory_now(parts: Any, vectors: NDArray[np.float64]) -> None:
+    """Memory: its force at the carried state and the velocities in `FINISH`."""
+
+
+@optional
+def add_waves(parts: Any, time: float, stage: NDArray[np.float64], vectors: NDArray[np.float64]) -> None:
+    """Waves: their forces at a time, at the places and headings of the stage."""
+
+
+@implement(begin_memory, ExponentialPart)
+@kernel(internal=True)
+def begin_exponential(
+    part: ExponentialPart, step: float, implicit: NDArray[np.float64], vectors: NDArray[np.float64]
+) -> None:
+    """Coefficients are made anew when the step changes."""
+    prepare_memory_exponential(part.memory, step)
+    _put_implicit(part.first[0], part.memory.implicit, implicit)
+    first = part.first[0]
+    last = first + part.memory.damping.shape[0]
+    memory_force_exponential(part.memory, vectors[START, first:last], vectors[KNOWN, first:last])
+
+
+@implement(begin_memory, DirectPart)
+@kernel(internal=True)
+def begin_direct(
+    part: DirectPart, step: float, implicit: NDArray[np.float64], vectors: NDArray[np.float64]
+) -> None:
+    """Weights hold for one length of step."""
+    _put_implicit(part.first[0], part.memory.implicit, implicit)
+    first = part.first[0]
+    last = first + part.memory.damping.shape[0]
+    memory_force_direct(part.memory, vectors[START, first:last], vectors[KNOWN, first:last])
+
+
+@kernel(internal=True)
+def _put_implicit(first: int, block: NDArray[np.float64], implicit: NDArray[np.float64]) -> None:
+    """The block of one database."""
+    for i in range(block.shape[0]):
+        for j in range(block.shape[0]):
+            implicit[first + i, first + j] = block[i, j]
+
+
+@implement(keep_memory, ExponentialPart)
+@kernel(internal=True)
+def keep_exponential(part: ExponentialPart, vectors: NDArray[np.float64]) -> None:
+    """Velocities are linear between start and end."""
+    first = part.first[0]
+    last = first + part.memory.damping.shape[0]
+    advance_memory_exponential(part.memory, vectors[START, first:last], vectors[FINISH, first:last])
+
+
+@implement(keep_memory, DirectPart)
+@kernel(internal=True)
+def keep_direct(part: DirectPart, vectors: NDArray[np.float64]) -> None:
+    """Velocities are linear between start and end."""
+    first = part.first[0]
+    last = first + part.memory.damping.shape[0]
+    advance_memory_direct(part.memory, vectors[START, first:last], vectors[FINISH, first:last])
+
+
+@implement(memory_now, ExponentialPart)
+@kernel(internal=True)
+def exponential_now(part: ExponentialPart, vectors: NDArray[np.float64]) -> None:
+    """At the carried state."""
+    first = part.first[0]
+    last = first + part.memory.damping.shape[0]
+    memory_force_now_exponential(part.memory, vectors[FINISH, first:last], vectors[KNOWN, first:last])
+
+
+@implement(memory_now, DirectPart)
+@kernel(internal=True)
+def direct_now(part: DirectPart, vectors: NDArray[np.float64]) -> None:
+    """At the carried state."""
+    first = part.first[0]
+    last = first + part.memory.damping.shape[0]
+    memory_force_now_direct(part.memory, vectors[FINISH, first:last], vectors[KNOWN, first:last])
+
+
+@implement(add_waves, SummedPart)
+@kernel(internal=True)
+def add_summed_waves(
+    part: SummedPart, time: float, stage: NDArray[np.float64], vectors: NDArray[np.float64]
+) -> None:
+    """Every component at the low-passed places."""
+    first, count = part.first[0], part.place.shape[0]
+    for hull in range(count):
+        part.place[hull, 0] = stage[first + hull, PLACE]
+        part.place[hull, 1] = stage[first + hull, PLACE + 1]
+        part.place[hull, 2] = stage[first + hull, HEADING]
+    sum_excitation(part.excitation, time, part.place, vectors[WAVE, 6 * first : 6 * (first + count)])
+
+
+@implement(add_waves, SeriesPart)
+@kernel(internal=True)
+def add_series_waves(
+    part: SeriesPart, time: float, stage: NDArray[np.float64], vectors: NDArray[np.float64]
+) -> None:
+    """Interpolated."""
+    first = 6 * part.first[0]
+    count = part.excitation.values.shape[1]
+    interpolate_series(part.excitation, time, vectors[WAVE, first : first + count])
+
+
+def pack_parts(
+    bodies: Sequence[FloatingBody], sea: Sea, step: float
+) -> tuple[NDArray[np.float64], tuple[Any, ...], tuple[Any, ...], NDArray[np.float64]]:
+    """Added mass of all hulls, memory and excitation of each database, and the states of the memories, flat.
+
+    Raises
+    ------
+    InputError
+        If a database belongs to other water, or does not cover the waves.
+    """
+    names = [body.name for body in bodies]
+    added_mass = np.zeros((6 * len(names), 6 * len(names)))
+    memories: list[Any] = []
+    excitations: list[Any] = []
+    for radiation in sea.radiation:
+        first = names.index(radiation.bodies[0])
+        _check_water(radiation, sea)
+        at = slice(6 * first, 6 * (first + len(radiation.bodies)))
+        A = radiation.database.added_mass_infinite
+        added_mass[at, at] = 0.5 * (A + A.T)
+        if radiation.memory != "none":
+            memories.append(_memory(radiation, 6 * first, step))
+        if sea.waves is not None:
+            excitations.append(_excitation(radiation, bodies, first, sea))
+    states = [np.ravel(part.memory.state) for part in memories]
+    return added_mass, tuple(memories), tuple(excitations), np.concatenate([np.zeros(0), *states])
+
+
+def _memory(radiation: Radiation, first: int, step: float) -> ExponentialPart | DirectPart:
+    from heavylift.preprocess.retardation import memory_length, retardation_kernel
+
+    database = radiation.database
+    kernel_of_time = retardation_kernel(database.omega, database.damping, source=database.source)
+    length = radiation.memory_length or memory_length(kernel_of_time)
+    place = np.array([first], dtype=np.int64)
+    if radiation.memory == "direct":
+        from heavylift.solver.marine.memory import pack_direct_memory
+
+        if not step > 0.0:
+            raise InputError(
+                "direct convolution without a fixed step",
+                source=database.source,
+                key="memory",
+                expected="a fixed step, and nothing that takes steps back; or 'exponentials'",
+            )
+        return DirectPart(place, pack_direct_memory(kernel_of_time, step, length))
+    from heavylift.preprocess.exponentials import fit_exponentials
+    from heavylift.solver.marine.memory import pack_exponential_memory
+
+    fit = fit_exponentials(kernel_of_time, error=radiation.fit_error, length=length)
+    return ExponentialPart(place, pack_exponential_memory(fit.poles, fit.residues, fit.damping))
+
+
+def _excitation(
+    radiation: Radiation, bodies: Sequence[FloatingBody], first: int, sea: Sea
+) -> SummedPart | SeriesPart:
+    from heavylift.numerics.rotation import rotation_matrix
+    from heavylift.solver.marine.excitation_packing import pack_series, pack_summed
+
+    assert sea.waves is not None
+    hulls = bodies[first : first + len(radiation.bodies)]
+    places = np.zeros((len(hulls), 3))
+    for row, body in enumerate(hulls):
+        R = rotation_matrix(body.orientation)
+        places[row, :2] = (body.position + R @ body.hull.reference)[:2]
+        places[row, 2] = np.arctan2(R[1, 0], R[0, 0])
+    number = np.array([first], dtype=np.int64)
+    if sea.excitation == "series":
+        series = pack_series(
+            sea.waves,
+            radiation.database,
+            places=places,
+            duration=sea.duration,
+            ramp=sea.ramp,
+            with_drift=radiation.drift,
+        )
+        return SeriesPart(number, series)
+    summed = pack_summed(
+        sea.waves, radiation.database, yaws=places[:, 2], ramp=sea.ramp, with_drift=radiation.drift
+    )
+    return SummedPart(number, np.zeros((len(hulls), 3)), summed)
+
+
+def _check_water(radiation: Radiation, sea: Sea) -> None:
+    """A database was computed for a water, which must be that of the scene."""
+    database, water = radiation.database, sea.water
+    same = np.isclose(database.density, water.density, rtol=0.01) and np.isclose(
+        database.gravity, water.gravity, rtol=5e-3
+    )
+    depths = 1.0 / np.array([database.depth, water.depth])
+    if not (same and abs(depths[0] - depths[1]) <= 0.05 * max(depths)):
+        raise InputError(
+            f"density {database.density:g} kg/m3, gravity {database.gravity:g} m/s2, depth {database.depth:g} m",
+            source=database.source,
+            key="density, gravity, depth",
+            expected=f"those of the sea: {water.density:g}, {water.gravity:g}, {water.depth:g}",
+        )
+
+
+def share_part_states(kind: Hulls) -> Hulls:
+    """States of the memories as views of the state of their kind, where a checkpoint finds them."""
+    at = STATE_WIDTH * len(kind.table)
+    parts = []
+    for part in kind.radiation:
+        old = part.memory.state
+        view = kind.state[at : at + old.size].reshape(old.shape)
+        parts.append(part._replace(memory=part.memory._replace(state=view)))
+        at += old.size
+    return kind._replace(radiation=tuple(parts))

@@ -1,0 +1,270 @@
+"""Hulls in the middle of a step: pose, hydrodynamic velocities at its start, markers, gathered forces."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.rotation import write_rotation_matrix
+from heavylift.numerics.small import cross, rotate
+from heavylift.solver.bodies.rigid import (
+    ARC,
+    FORCE,
+    MID_POSITION,
+    MID_ROTATION,
+    POSITION,
+    SPIN,
+    SPIN_RATE,
+    VELOCITY,
+)
+from heavylift.solver.bodies.rigid_stage import (
+    fill_rigid_markers,
+    orientation_of,
+    stage_rotation,
+    start_rigid_bodies,
+)
+from heavylift.solver.bodies.rigid_step import predict_rigid_bodies
+from heavylift.solver.interface import POINT_FORCE, RECORD, ROWS, Workspace, fill_markers, predict, start
+from heavylift.solver.kinds import implement
+from heavylift.solver.marine.hull_parts import add_waves
+from heavylift.solver.marine.hulls import (
+    AXIS_X,
+    CUT_OFF,
+    FIRST_TANK,
+    FORESEEN,
+    HEADING,
+    LAST_TANK,
+    LOW_PASS,
+    OFFSET,
+    PLACE,
+    PREDICTED,
+    REFERENCE,
+    ROTATION,
+    START,
+    STATE_WIDTH,
+    TANK_MASS,
+    TANK_POINT,
+    TANK_VELOCITY,
+    TRANSFORM,
+    WAVE,
+    Hulls,
+)
+
+__all__ = ["advance_filter", "filtered", "gather_hull_forces", "hull_yaw", "put_transform", "to_hydrodynamic"]
+
+
+@kernel(internal=True)
+def put_transform(kind: Hulls, hull: int, at: int, heading: float, R: NDArray[np.float64]) -> None:
+    """``u = T U`` at an orientation: velocities of the reference point in heading axes, from those of the body.
+
+    With ``P = Rz(-heading) R`` and the reference point r, ``T = ((Rz(-heading), -P r~), (0, P))``; written row by row
+    into columns `at` and following of the stage.
+    """
+    stage = kind.stage[hull]
+    c, s = math.cos(heading), math.sin(heading)
+    r1 = kind.hull[hull, REFERENCE]
+    r2 = kind.hull[hull, REFERENCE + 1]
+    r3 = kind.hull[hull, REFERENCE + 2]
+    for i in range(3):
+        if i == 0:
+            a, b, e = c, s, 0.0
+        elif i == 1:
+            a, b, e = -s, c, 0.0
+        else:
+            a, b, e = 0.0, 0.0, 1.0
+        p1 = a * R[0] + b * R[3] + e * R[6]
+        p2 = a * R[1] + b * R[4] + e * R[7]
+        p3 = a * R[2] + b * R[5] + e * R[8]
+        row, spin = at + 6 * i, at + 6 * (i + 3)
+        stage[row], stage[row + 1], stage[row + 2] = a, b, e
+        stage[row + 3] = p3 * r2 - p2 * r3
+        stage[row + 4] = p1 * r3 - p3 * r1
+        stage[row + 5] = p2 * r1 - p1 * r2
+        stage[spin] = stage[spin + 1] = stage[spin + 2] = 0.0
+        stage[spin + 3], stage[spin + 4], stage[spin + 5] = p1, p2, p3
+
+
+@kernel(internal=True)
+def to_hydrodynamic(kind: Hulls, hull: int, at: int, row: int, U: NDArray[np.float64]) -> None:
+    """``u = T U`` into a row of the vectors."""
+    stage = kind.stage[hull]
+    for i in range(6):
+        total = 0.0
+        for k in range(6):
+            total += stage[at + 6 * i + k] * U[k]
+        kind.vectors[row, 6 * hull + i] = total
+
+
+@kernel(inline=True, internal=True)
+def hull_yaw(kind: Hulls, hull: int, R: NDArray[np.float64], near: float) -> float:
+    """Heading of the x axis of a hull, the turn that is nearest to a given one [rad]."""
+    x = (
+        R[0] * kind.hull[hull, AXIS_X]
+        + R[1] * kind.hull[hull, AXIS_X + 1]
+        + R[2] * kind.hull[hull, AXIS_X + 2]
+    )
+    y = (
+        R[3] * kind.hull[hull, AXIS_X]
+        + R[4] * kind.hull[hull, AXIS_X + 1]
+        + R[5] * kind.hull[hull, AXIS_X + 2]
+    )
+    yaw = math.atan2(y, x)
+    return yaw + 2.0 * math.pi * math.floor((near - yaw) / (2.0 * math.pi) + 0.5)
+
+
+@kernel(inline=True, internal=True)
+def filtered(value: float, rate: float, target: float, frequency: float, time: float) -> tuple[float, float]:
+    """Critically damped filter ``y'' + 2 c y' + c^2 y = c^2 target`` after a time with a target that stays."""
+    e = value - target
+    slope = rate + frequency * e
+    decay = math.exp(-frequency * time)
+    return target + (e + slope * time) * decay, (rate - frequency * slope * time) * decay
+
+
+@kernel(internal=True)
+def advance_filter(kind: Hulls, hull: int, yaw: float, time: float, keep: bool) -> None:
+    """Place and heading that the waves see, a time after the start of the step; into the stage, or kept."""
+    at = STATE_WIDTH * hull + LOW_PASS
+    R = kind.frame[hull, MID_ROTATION : MID_ROTATION + 9]
+    x, y, _ = rotate(
+        R, kind.hull[hull, REFERENCE], kind.hull[hull, REFERENCE + 1], kind.hull[hull, REFERENCE + 2]
+    )
+    cut = kind.hull[hull, CUT_OFF]
+    x0, x1 = filtered(kind.state[at], kind.state[at + 1], kind.frame[hull, MID_POSITION] + x, cut, time)
+    y0, y1 = filtered(
+        kind.state[at + 2], kind.state[at + 3], kind.frame[hull, MID_POSITION + 1] + y, cut, time
+    )
+    p0, p1 = filtered(kind.state[at + 4], kind.state[at + 5], yaw, cut, time)
+    if keep:
+        kind.state[at], kind.state[at + 1], kind.state[at + 2] = x0, x1, y0
+        kind.state[at + 3], kind.state[at + 4], kind.state[at + 5] = y1, p0, p1
+    else:
+        kind.stage[hull, PLACE], kind.stage[hull, PLACE + 1], kind.stage[hull, HEADING] = x0, y0, p0
+
+
+@implement(start, Hulls)
+@kernel(internal=True)
+def start_hulls(kind: Hulls, time: float, work: Workspace) -> None:
+    """Momenta; markers of the second and later hulls of a group see their own six of its velocities."""
+    start_rigid_bodies(kind, time, work)
+    for marker in range(kind.markers.shape[0]):
+        number, body, direction = kind.markers[marker, 0], kind.markers[marker, 1], kind.markers[marker, 3]
+        offset = kind.hulls[body, OFFSET]
+        if offset > 0:
+            for k in range(3):
+                work.jacobian[number, k, k] = 0.0
+                work.jacobian[number, k, offset + k] = 1.0 - direction
+
+
+@implement(predict, Hulls)
+@kernel(internal=True)
+def predict_hulls(kind: Hulls, time: float, step: float) -> None:
+    """As rigid bodies; and hydrodynamic velocities at the start, in the heading axes of the middle; waves there."""
+    predict_rigid_bodies(kind, time, step)
+    fill_tanks(kind, time + 0.5 * step)
+    for hull in range(kind.table.shape[0]):
+        frame, stage = kind.frame[hull], kind.stage[hull]
+        state = STATE_WIDTH * hull + LOW_PASS
+        R = stage_rotation(kind, hull)
+        yaw = hull_yaw(kind, hull, R, kind.state[state + 4])
+        advance_filter(kind, hull, yaw, 0.5 * step, False)
+        heading = stage[HEADING]
+        before = kind.stage[hull, ROTATION : ROTATION + 9]
+        write_rotation_matrix(orientation_of(kind, hull), before)
+        put_transform(kind, hull, TRANSFORM, heading, before)
+        to_hydrodynamic(kind, hull, TRANSFORM, START, kind.frame[hull, VELOCITY : VELOCITY + 6])
+        for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
+            put_tank_velocity(kind, hull, tank, before)
+        put_transform(kind, hull, TRANSFORM, heading, R)
+        a = frame[ARC] * step * step
+        for k in range(3):
+            stage[PREDICTED + k] = frame[MID_POSITION + k] - frame[POSITION + k]
+            stage[PREDICTED + 3 + k] = 0.5 * step * frame[SPIN + k] + a * frame[SPIN_RATE + k]
+            stage[FORESEEN + k], stage[FORESEEN + 3 + k] = stage[PREDICTED + k], stage[PREDICTED + 3 + k]
+    find_waves(kind, time + 0.5 * step)
+
+
+@kernel(internal=True)
+def find_waves(kind: Hulls, time: float) -> None:
+    """Forces of the waves at a time, at the places and headings of the stage."""
+    for i in range(kind.vectors.shape[1]):
+        kind.vectors[WAVE, i] = 0.0
+    add_waves(kind.excitation, time, kind.stage, kind.vectors)
+
+
+@kernel(internal=True)
+def put_tank_velocity(kind: Hulls, hull: int, tank: int, R: NDArray[np.float64]) -> None:
+    """Of the water in a tank at the carried state."""
+    frame = kind.frame[hull]
+    c = cross(
+        frame[SPIN], frame[SPIN + 1], frame[SPIN + 2],
+        kind.tanks[tank, TANK_POINT], kind.tanks[tank, TANK_POINT + 1], kind.tanks[tank, TANK_POINT + 2],
+    )  # fmt: skip
+    rate = rotate(R, c[0], c[1], c[2])
+    for k in range(3):
+        kind.tanks[tank, TANK_VELOCITY + k] = frame[VELOCITY + k] + rate[k]
+
+
+@kernel(internal=True)
+def tank_mass(kind: Hulls, tank: int, time: float) -> float:
+    """Of the schedule, linear between its rows and held at the ends [kg]."""
+    first, count = kind.tank_table[tank, 1], kind.tank_table[tank, 2]
+    low, high = first, first + count - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if kind.tank_times[middle, 0] <= time:
+            low = middle
+        else:
+            high = middle
+    span = kind.tank_times[high, 0] - kind.tank_times[low, 0]
+    part = min(max((time - kind.tank_times[low, 0]) / span, 0.0), 1.0) if span > 0.0 else 0.0
+    return kind.tank_times[low, 1] + part * (kind.tank_times[high, 1] - kind.tank_times[low, 1])
+
+
+@kernel(internal=True)
+def fill_tanks(kind: Hulls, time: float) -> None:
+    """Masses at a time."""
+    for tank in range(kind.tank_table.shape[0]):
+        kind.tanks[tank, TANK_MASS] = tank_mass(kind, tank, time)
+
+
+@implement(fill_markers, Hulls)
+@kernel(internal=True)
+def fill_hull_markers(kind: Hulls, at_midpoint: bool, level: int, work: Workspace) -> None:
+    """As rigid bodies; windows of the second and later hulls of a group are shifted."""
+    fill_rigid_markers(kind, at_midpoint, level, work)
+    for marker in range(kind.markers.shape[0]):
+        if kind.markers[marker, 4] > level:
+            break
+        offset = kind.hulls[kind.markers[marker, 1], OFFSET]
+        if offset > 0:
+            jacobian = work.jacobian[kind.markers[marker, 0]]
+            for k in range(3):
+                for j in range(3, 6):
+                    jacobian[k, offset + j] = jacobian[k, j]
+                    jacobian[k, j] = 0.0
+
+
+@kernel(internal=True)
+def gather_hull_forces(kind: Hulls, work: Workspace) -> None:
+    """Resultants (world axes) and moments about the centres of mass (body axes) of all marker forces."""
+    for hull in range(kind.table.shape[0]):
+        for j in range(6):
+            kind.frame[hull, FORCE + j] = 0.0
+    for marker in range(kind.markers.shape[0] - 1, -1, -1):
+        if kind.markers[marker, 4] == RECORD:
+            continue
+        if kind.markers[marker, 4] == ROWS:
+            break
+        number, hull = kind.markers[marker, 0], kind.markers[marker, 1]
+        offset = kind.hulls[hull, OFFSET]
+        jacobian = work.jacobian[number]
+        for j in range(6):
+            kind.frame[hull, FORCE + j] += (
+                jacobian[0, offset + j] * work.markers[number, POINT_FORCE]
+                + jacobian[1, offset + j] * work.markers[number, POINT_FORCE + 1]
+                + jacobian[2, offset + j] * work.markers[number, POINT_FORCE + 2]
+            )

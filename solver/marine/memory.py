@@ -1,0 +1,444 @@
+"""Memory of radiated waves in the time domain: recursive exponentials, and direct convolution as the reference.
+
+The force of the waves that a group of hulls has made so far is
+
+    F(t) = - int_0^t K(t - s) u(s) ds - D u(t)
+
+(Cummins, The impulse response function and ship motions, Schiffstechnik 9 (1962); *Integrated simulation ... ships
+and offshore structures* (2018), section 2.9). Within a step the velocity u is taken as linear (first-order hold),
+and every integral is then exact. An integrator that evaluates its forces at the middle of a step gets
+
+    F_middle = known - implicit u_middle,      u linear from u_start to u_middle in the first half of the step,
+
+so the part that belongs to the present velocity can go to the left side of the equations: no step is too long for
+it. The work that the hulls lose to the memory in a step of length h is -h u_middle . F_middle.
+
+Both forms start from rest: no waves before the start. A velocity may jump between steps (an impact): each step
+brings its own velocities at its start and its end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.small import aligned
+
+__all__ = [
+    "DirectMemory",
+    "ExponentialMemory",
+    "advance_memory_direct",
+    "advance_memory_exponential",
+    "memory_force_direct",
+    "memory_force_exponential",
+    "memory_force_now_direct",
+    "memory_force_now_exponential",
+    "pack_direct_memory",
+    "pack_exponential_memory",
+    "prepare_memory_exponential",
+]
+
+DECAY, START, END, HALVES = 0, 1, 2, 3
+"""Rows of the coefficients: of the whole step, of its two velocities, and the first of the half step's channels."""
+
+SAMPLES = 32
+"""Pieces of a step in which the weights of the direct convolution are integrated; a multiple of four."""
+
+SERIES_BELOW = 0.5
+"""Of the modulus of pole times step; above it the closed forms lose no digits."""
+
+
+class ExponentialMemory(NamedTuple):
+    """Memory of one group of n coordinates, K(t) = Re sum_p R_p exp(s_p t), one pole of each conjugate pair.
+
+    Complex numbers are stored as all P real parts followed by all P imaginary parts.
+
+    Attributes
+    ----------
+    poles
+        s_p [1/s], shape (2 P,).
+    channels
+        Force coordinate and velocity coordinate of the entries of K that are not zero, shape (c, 2).
+    residues
+        Of these entries, shape (c, 2 P), imaginary parts with the opposite sign: a dot product with a row of the
+        state is a force.
+    damping
+        D, of velocities at the same time, shape (n, n).
+    state
+        z_jp = int exp(s_p (t - s)) u_j(s) ds, shape (n, 2 P). All that outlives a step.
+    coefficients
+        Of the recursion for the step length in `step`, shape (3 + c, 2 P).
+    step
+        Length for which the coefficients hold [s], shape (1,); negative: none yet.
+    implicit
+        Coefficient of the velocity at the middle of the step, D included, shape (n, n).
+    explicit
+        Coefficient of the velocity at the start of the step, shape (n, n).
+    """
+
+    poles: NDArray[np.float64]
+    channels: NDArray[np.int64]
+    residues: NDArray[np.float64]
+    damping: NDArray[np.float64]
+    state: NDArray[np.float64]
+    coefficients: NDArray[np.float64]
+    step: NDArray[np.float64]
+    implicit: NDArray[np.float64]
+    explicit: NDArray[np.float64]
+
+
+class DirectMemory(NamedTuple):
+    """Memory of one group of n coordinates by convolution over the velocities of the last T steps.
+
+    Attributes
+    ----------
+    channels
+        Force coordinate and velocity coordinate of the entries of K that are not zero, shape (c, 2).
+    middle, now
+        Weights of the velocities at start and end of the past steps, the newest step first, for the force at the
+        middle of the next step and for that at the present, shape (c, 2 T).
+    damping
+        D, shape (n, n).
+    state
+        Place of the newest step in the ring, then for each coordinate the velocities at start and end of each step
+        in the ring, shape (1 + 2 n T,).
+    step
+        Length of every step [s], shape (1,).
+    implicit, explicit
+        As in `ExponentialMemory`.
+    """
+
+    channels: NDArray[np.int64]
+    middle: NDArray[np.float64]
+    now: NDArray[np.float64]
+    damping: NDArray[np.float64]
+    state: NDArray[np.float64]
+    step: NDArray[np.float64]
+    implicit: NDArray[np.float64]
+    explicit: NDArray[np.float64]
+
+
+def pack_exponential_memory(
+    poles: ArrayLike, residues: ArrayLike, damping: ArrayLike | None = None
+) -> ExponentialMemory:
+    """Arrays of a sum of exponentials, at rest.
+
+    Parameters
+    ----------
+    poles
+        s_p [1/s], complex, shape (P,), one of each conjugate pair, real parts negative.
+    residues
+        Complex, shape (P, n, n). Entries that are zero for all poles cost nothing.
+    damping
+        Real, shape (n, n); default none.
+
+    Raises
+    ------
+    InputError
+        If shapes do not fit, a number is not finite, or a pole does not decay.
+    """
+    s = np.atleast_1d(np.asarray(poles, dtype=np.complex128))
+    R = np.asarray(residues, dtype=np.complex128)
+    if R.ndim != 3 or R.shape[0] != len(s) or R.shape[1] != R.shape[2]:
+        raise InputError(
+            f"shape {R.shape}",
+            source="memory",
+            key="residues",
+            expected=f"({len(s)}, n, n) for {len(s)} poles",
+        )
+    n = R.shape[1]
+    D = np.zeros((n, n)) if damping is None else np.array(damping, dtype=np.float64)
+    if D.shape != (n, n):
+        raise InputError(f"shape {D.shape}", source="memory", key="damping", expected=f"({n}, {n})")
+    if not (np.isfinite(s).all() and np.isfinite(R).all() and np.isfinite(D).all()):
+        raise InputError("a value is not finite", source="memory", key="poles, residues, damping")
+    if not (s.real < 0.0).all():
+        worst = s[np.argmax(s.real)]
+        raise InputError(
+            f"{worst:.4g} 1/s does not decay", source="memory", key="poles", expected="negative real parts"
+        )
+    channels = np.argwhere((R != 0.0).any(axis=0)).astype(np.int64).reshape(-1, 2)
+    of_channels = R[:, channels[:, 0], channels[:, 1]].T
+    return ExponentialMemory(
+        poles=_copied(np.concatenate([s.real, s.imag])),
+        channels=channels,
+        residues=_copied(np.hstack([of_channels.real, -of_channels.imag])),
+        damping=_copied(D),
+        state=_copied(np.zeros((n, 2 * len(s)))),
+        coefficients=_copied(np.zeros((HALVES + len(channels), 2 * len(s)))),
+        step=np.array([-1.0]),
+        implicit=_copied(D),
+        explicit=_copied(np.zeros((n, n))),
+    )
+
+
+def pack_direct_memory(
+    response: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    step: float,
+    duration: float,
+    damping: ArrayLike | None = None,
+) -> DirectMemory:
+    """Arrays of a direct convolution, at rest.
+
+    Parameters
+    ----------
+    response
+        K(t): times [s], shape (m,), to kernels, shape (m, n, n).
+    step
+        Length of every step [s].
+    duration
+        How far back the memory reaches [s]; rounded up to whole steps.
+    damping
+        Real, shape (n, n); default none.
+
+    Raises
+    ------
+    InputError
+        If the step or the duration is not positive, or the kernel is not finite.
+
+    Notes
+    -----
+    The weights of a step are int K(t) f(t) dt with f linear from one velocity to the other, by Simpson's rule in
+    `SAMPLES` pieces: of fourth order in a length that is far below any period of the kernel.
+    """
+    if not (np.isfinite(step) and np.isfinite(duration) and 0.0 < step <= duration):
+        raise InputError(
+            f"step {step} s, duration {duration} s",
+            source="memory",
+            key="step",
+            expected="0 < step <= duration",
+        )
+    taps = int(np.ceil(duration / step - 1e-9))
+    per_half = SAMPLES // 2
+    times = step / SAMPLES * np.arange(taps * SAMPLES + per_half + 1)
+    K = np.asarray(response(times), dtype=np.float64)
+    n = K.shape[-1]
+    if K.shape != (len(times), n, n) or not np.isfinite(K).all():
+        raise InputError(f"shape {K.shape}", source="memory", key="kernel", expected="finite, (times, n, n)")
+    D = np.zeros((n, n)) if damping is None else np.array(damping, dtype=np.float64)
+    first, part = _simpson(per_half, 0.5 * step)
+    half = K[: per_half + 1]
+    near = np.tensordot(first * (1.0 - part), half, 1)
+    explicit = np.tensordot(first * part, half, 1)
+    channels = np.argwhere((K != 0.0).any(axis=0)).astype(np.int64).reshape(-1, 2)
+    series = np.ascontiguousarray(K[:, channels[:, 0], channels[:, 1]].T)
+    whole, part = _simpson(SAMPLES, step)
+    weights = []
+    for offset in (per_half, 0):
+        pieces = np.stack(
+            [series[:, offset + k : offset + k + taps * SAMPLES : SAMPLES] for k in range(SAMPLES + 1)],
+            axis=2,
+        )
+        both = np.empty((len(channels), 2 * taps))
+        both[:, 0::2] = pieces @ (whole * part)  # the start of a step is the end of the interval of age
+        both[:, 1::2] = pieces @ (whole * (1.0 - part))
+        weights.append(_copied(both))
+    return DirectMemory(
+        channels=channels,
+        middle=weights[0],
+        now=weights[1],
+        damping=_copied(D),
+        state=_copied(np.zeros(1 + 2 * n * taps)),
+        step=np.array([float(step)]),
+        implicit=_copied(near + D),
+        explicit=_copied(explicit),
+    )
+
+
+def _simpson(pieces: int, length: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Weights of Simpson's rule over an interval, and how far along it their points are."""
+    weights = np.ones(pieces + 1)
+    weights[1:-1:2], weights[2:-1:2] = 4.0, 2.0
+    return weights * (length / pieces / 3.0), np.linspace(0.0, 1.0, pieces + 1)
+
+
+def _copied(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A copy that begins at a cache line."""
+    out = aligned(values.shape)
+    out[...] = values
+    return out
+
+
+@kernel(internal=True)
+def hold_integrals(real: float, imaginary: float, h: float) -> tuple[complex, complex, complex]:
+    """Exact first-order hold over a length h: exp(s h) and the factors of the two velocities.
+
+    z(h) = exp(s h) z(0) + int_0^h exp(s (h - t)) (u_0 + (u_1 - u_0) t / h) dt = e z(0) + a u_0 + b u_1.
+
+    Returns
+    -------
+    tuple of complex
+        e, a and b [s].
+    """
+    x = complex(real * h, imaginary * h)
+    e = np.exp(x)
+    if x.real * x.real + x.imag * x.imag < SERIES_BELOW * SERIES_BELOW:
+        # (e - 1 - x) / x^2 and (e - 1) / x as series: short steps must not cost digits
+        second = complex(0.0, 0.0)
+        first = complex(0.0, 0.0)
+        for k in range(16, 0, -1):
+            second = (second * x + 1.0) / (k + 1.0)
+            first = (first * x + 1.0) / k
+    else:
+        first = (e - 1.0) / x
+        second = (first - 1.0) / x
+    return e, h * (first - second), h * second
+
+
+@kernel(internal=True)
+def prepare_memory_exponential(memory: ExponentialMemory, h: float) -> None:
+    """Coefficients of a step of length h [s], unless they are there already."""
+    if memory.step[0] == h:
+        return
+    count = memory.poles.shape[0] // 2
+    n = memory.damping.shape[0]
+    for i in range(n):
+        for j in range(n):
+            memory.implicit[i, j] = memory.damping[i, j]
+            memory.explicit[i, j] = 0.0
+    for p in range(count):
+        real, imaginary = memory.poles[p], memory.poles[count + p]
+        e, a, b = hold_integrals(real, imaginary, h)
+        memory.coefficients[DECAY, p], memory.coefficients[DECAY, count + p] = e.real, e.imag
+        memory.coefficients[START, p], memory.coefficients[START, count + p] = a.real, a.imag
+        memory.coefficients[END, p], memory.coefficients[END, count + p] = b.real, b.imag
+        e, a, b = hold_integrals(real, imaginary, 0.5 * h)
+        for c in range(memory.channels.shape[0]):
+            i, j = memory.channels[c, 0], memory.channels[c, 1]
+            R = complex(memory.residues[c, p], -memory.residues[c, count + p])
+            turned = R * e
+            memory.coefficients[HALVES + c, p] = turned.real
+            memory.coefficients[HALVES + c, count + p] = -turned.imag
+            memory.explicit[i, j] += (R * a).real
+            memory.implicit[i, j] += (R * b).real
+    memory.step[0] = h
+
+
+@kernel(internal=True, reassociate=True)
+def memory_force_exponential(
+    memory: ExponentialMemory, u_start: NDArray[np.float64], out: NDArray[np.float64]
+) -> None:
+    """Known part of the force at the middle of the prepared step: F = out - implicit u_middle.
+
+    Parameters
+    ----------
+    memory
+        At the start of the step.
+    u_start
+        Velocities there, shape (n,).
+    out
+        Written, shape (n,).
+    """
+    width = memory.poles.shape[0]
+    for i in range(memory.damping.shape[0]):
+        out[i] = 0.0
+    for c in range(memory.channels.shape[0]):
+        i, j = memory.channels[c, 0], memory.channels[c, 1]
+        total = memory.explicit[i, j] * u_start[j]
+        for k in range(width):
+            total += memory.coefficients[HALVES + c, k] * memory.state[j, k]
+        out[i] -= total
+
+
+@kernel(internal=True)
+def advance_memory_exponential(
+    memory: ExponentialMemory, u_start: NDArray[np.float64], u_end: NDArray[np.float64]
+) -> None:
+    """Take the state to the end of the prepared step, velocities linear from start to end, each of shape (n,)."""
+    count = memory.poles.shape[0] // 2
+    for j in range(memory.damping.shape[0]):
+        u0, u1 = u_start[j], u_end[j]
+        for p in range(count):
+            q = count + p
+            e, f = memory.coefficients[DECAY, p], memory.coefficients[DECAY, q]
+            x, y = memory.state[j, p], memory.state[j, q]
+            added = memory.coefficients[START, p] * u0 + memory.coefficients[END, p] * u1
+            turned = memory.coefficients[START, q] * u0 + memory.coefficients[END, q] * u1
+            memory.state[j, p] = e * x - f * y + added
+            memory.state[j, q] = e * y + f * x + turned
+
+
+@kernel(internal=True)
+def memory_force_now_exponential(
+    memory: ExponentialMemory, u: NDArray[np.float64], out: NDArray[np.float64]
+) -> None:
+    """Force at the carried state with the velocities there, both of shape (n,)."""
+    instant_damping(memory.damping, u, out)
+    for c in range(memory.channels.shape[0]):
+        i, j = memory.channels[c, 0], memory.channels[c, 1]
+        total = 0.0
+        for k in range(memory.poles.shape[0]):
+            total += memory.residues[c, k] * memory.state[j, k]
+        out[i] -= total
+
+
+@kernel(internal=True)
+def instant_damping(damping: NDArray[np.float64], u: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+    """Write -D u to out."""
+    for i in range(damping.shape[0]):
+        total = 0.0
+        for j in range(damping.shape[0]):
+            total += damping[i, j] * u[j]
+        out[i] = -total
+
+
+@kernel(internal=True, reassociate=True)
+def ring_sum(
+    weights: NDArray[np.float64], c: int, state: NDArray[np.float64], first: int, newest: int, length: int
+) -> float:
+    """Sum of the weights of channel c times one row of the ring, which is read from its newest step round to it."""
+    ahead = length - newest
+    row = weights[c]
+    ring = state[first : first + length]
+    recent = ring[newest:]
+    old = row[ahead:]
+    total = 0.0
+    for k in range(ahead):
+        total += row[k] * recent[k]
+    for k in range(newest):
+        total += old[k] * ring[k]
+    return total
+
+
+@kernel(internal=True)
+def memory_force_direct(memory: DirectMemory, u_start: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+    """As `memory_force_exponential`, for the fixed step of the memory."""
+    length = memory.middle.shape[1]
+    newest = 2 * int(memory.state[0])
+    for i in range(memory.damping.shape[0]):
+        out[i] = 0.0
+    for c in range(memory.channels.shape[0]):
+        i, j = memory.channels[c, 0], memory.channels[c, 1]
+        past = ring_sum(memory.middle, c, memory.state, 1 + j * length, newest, length)
+        out[i] -= memory.explicit[i, j] * u_start[j] + past
+
+
+@kernel(internal=True)
+def advance_memory_direct(
+    memory: DirectMemory, u_start: NDArray[np.float64], u_end: NDArray[np.float64]
+) -> None:
+    """Put the velocities of a step, each of shape (n,), in the place of those of the oldest one."""
+    length = memory.middle.shape[1]
+    taps = length // 2
+    newest = (int(memory.state[0]) + taps - 1) % taps
+    for j in range(memory.damping.shape[0]):
+        place = 1 + j * length + 2 * newest
+        memory.state[place] = u_start[j]
+        memory.state[place + 1] = u_end[j]
+    memory.state[0] = newest
+
+
+@kernel(internal=True)
+def memory_force_now_direct(memory: DirectMemory, u: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+    """Force at the carried state with the velocities there, both of shape (n,)."""
+    length = memory.now.shape[1]
+    newest = 2 * int(memory.state[0])
+    instant_damping(memory.damping, u, out)
+    for c in range(memory.channels.shape[0]):
+        i, j = memory.channels[c, 0], memory.channels[c, 1]
+        out[i] -= ring_sum(memory.now, c, memory.state, 1 + j * length, newest, length)

@@ -1,0 +1,318 @@
+"""Makes the kind of wind and current loads from what a user says, and checks it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.marine.wind import (
+    AREA_X,
+    AREA_Z,
+    BOX,
+    COEFFICIENTS,
+    CURVE_WIDTH,
+    DENSITY,
+    EXTENT,
+    FIELD_COLUMNS,
+    FIELD_VALUES,
+    FLOW_WIDTH,
+    GUST,
+    GUST_EXPONENT,
+    LEVEL,
+    LOAD_COLUMNS,
+    LOAD_VALUES,
+    LOG,
+    POWER,
+    RAMP,
+    RECORD_STEP,
+    REFERENCE,
+    SAME_ALL_ROUND,
+    SHAPE,
+    SIDE,
+    SPEED,
+    TABLE,
+    VERTICAL,
+    FluidLoads,
+)
+from heavylift.solver.marine.wind_coefficients import SMALL_ANGLE, coefficient_curves
+from heavylift.solver.marine.wind_loads import (
+    CoefficientLoad,
+    CurrentField,
+    FluctuationRecord,
+    FluidField,
+    FluidLoad,
+    WindField,
+    fluid_channels,
+)
+from heavylift.solver.marine.wind_spectrum import (
+    HOUR,
+    LARGEST_CURRENT,
+    REFERENCE_HEIGHT,
+    check_speed,
+    gust_coefficient,
+    hourly_mean,
+    profile_slope,
+)
+
+__all__ = ["pack_fluid_loads"]
+
+FULL_TURN = 2.0 * math.pi
+INTENSITY_EXPONENT = -0.22
+"""Of the turbulence intensity over the height, ISO 19901-1."""
+
+Array = NDArray[np.float64]
+
+
+def pack_fluid_loads(
+    fields: Sequence[FluidField],
+    loads: Sequence[FluidLoad],
+    markers: Sequence[tuple[int, int]],
+    columns: Sequence[int],
+    *,
+    level: float = 0.0,
+    ramp: float = 0.0,
+    water_density: float = 1025.0,
+) -> FluidLoads:
+    """Make the kind.
+
+    Parameters
+    ----------
+    fields
+        Winds and currents, names of their own.
+    loads
+        What they push on.
+    markers
+        Of each load, from `heavylift.solver.marine.wind_loads.fluid_markers`.
+    columns
+        First record column of each channel of `heavylift.solver.marine.wind_loads.fluid_channels`.
+    level
+        Height of the still water [m].
+    ramp
+        Time [s] in which speeds grow from zero, as ``(1 - cos(pi t / ramp)) / 2``.
+    water_density
+        [kg/m3].
+
+    Raises
+    ------
+    InputError
+        If a number makes no sense, a table does not fit, or a load names a field that does not exist.
+    """
+    names = [one.name for one in fields]
+    if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise InputError(f"two fields named {twice!r}", source="wind and current", key="name", expected="one")
+    column_of = {
+        (owner, name): column
+        for (owner, name, _, _), column in zip(fluid_channels(fields, loads), columns, strict=True)
+    }
+    profiles, turns, records, curves = _Rows(2), _Rows(2), _Rows(1), _Rows(CURVE_WIDTH)
+    _check_water(level, ramp, water_density)
+    field_rows = np.zeros((len(fields), FIELD_COLUMNS), dtype=np.int64)
+    field_values = np.zeros((len(fields), FIELD_VALUES))
+    for i, one in enumerate(fields):
+        turn = turns.add(_direction(one))
+        sort, values, profile, record = _wind(one) if isinstance(one, WindField) else _current(one)
+        column = column_of[one.name, "speed"]
+        field_rows[i] = (sort, *profiles.add(profile), *turn, *records.add(record), column)
+        field_values[i] = values
+        field_values[i, LEVEL], field_values[i, RAMP] = level, ramp
+        if isinstance(one, CurrentField):
+            field_values[i, DENSITY] = water_density
+    load_rows = np.zeros((len(loads), LOAD_COLUMNS), dtype=np.int64)
+    load_values = np.zeros((len(loads), LOAD_VALUES))
+    for i, (load, (point, heading)) in enumerate(zip(loads, markers, strict=True)):
+        _check_load(load, names)
+        curve = (0, 0)
+        if isinstance(load, CoefficientLoad):
+            sort = COEFFICIENTS
+            curve = curves.add(coefficient_curves(load))
+            moment = column_of[load.name, "yaw_moment"]
+        else:
+            sort, moment = SAME_ALL_ROUND if heading < 0 else BOX, -1
+            areas = np.zeros(3)
+            areas[: np.size(load.area)] = load.area
+            load_values[i, AREA_X : AREA_Z + 1] = load.coefficient * areas
+            load_values[i, EXTENT], load_values[i, VERTICAL] = load.extent, float(load.vertical)
+        force = column_of[load.name, "force"]
+        load_rows[i] = (names.index(load.fluid), sort, point, heading, *curve, force, moment)
+    return FluidLoads(
+        field_rows,
+        field_values,
+        profiles.table(),
+        turns.table(),
+        records.table().ravel(),
+        np.zeros((len(fields), FLOW_WIDTH)),
+        load_rows,
+        load_values,
+        curves.table(),
+    )
+
+
+class _Rows:
+    """Tables one below the other."""
+
+    def __init__(self, width: int) -> None:
+        self._blocks = [np.zeros((0, width))]
+
+    def add(self, block: Array) -> tuple[int, int]:
+        """First row and number of rows of a new one."""
+        first = sum(map(len, self._blocks))
+        self._blocks.append(block)
+        return first, len(block)
+
+    def table(self) -> Array:
+        """All of them."""
+        return np.ascontiguousarray(np.vstack(self._blocks))
+
+
+def _wind(wind: WindField) -> tuple[int, Array, Array, Array]:
+    """Sort of profile, row of values, rows of the profile and of the fluctuation."""
+    check_speed(wind.speed, source=wind.name, key="speed")
+    _positive(wind.averaging_time, wind.name, "averaging_time", "s", HOUR)
+    speed = hourly_mean(wind.speed, wind.averaging_time) if wind.averaging_time < HOUR else wind.speed
+    sorts = {"log": LOG, "power": POWER, "uniform": TABLE}
+    if wind.profile not in sorts:
+        raise InputError(
+            f"profile {wind.profile!r}", source=wind.name, key="profile", expected="log, power or uniform"
+        )
+    if not 0.0 <= wind.exponent <= 1.0:
+        raise InputError(f"exponent {wind.exponent:g}", source=wind.name, key="exponent", expected="0 to 1")
+    sort = sorts[wind.profile]
+    shape = profile_slope(speed) if sort == LOG else wind.exponent
+    gust = 0.0
+    if wind.gust is not None:
+        _positive(wind.gust, wind.name, "gust", "s", HOUR)
+        if wind.fluctuation is not None:
+            raise InputError(
+                "a gust and a fluctuation",
+                source=wind.name,
+                key="gust",
+                expected="one of them: gusts are part of it",
+            )
+        gust = gust_coefficient(wind.gust, speed)
+    record, step = np.zeros((0, 1)), 1.0
+    if wind.fluctuation is not None:
+        record, step = _record(wind.fluctuation, wind.name), wind.fluctuation.step
+    _positive(wind.density, wind.name, "density", "kg/m3")
+    exponent = 0.0 if sort == TABLE else INTENSITY_EXPONENT
+    values = np.zeros(FIELD_VALUES)
+    values[[DENSITY, SIDE, SPEED, SHAPE]] = wind.density, 1.0, speed, shape
+    values[[GUST, GUST_EXPONENT, RECORD_STEP, REFERENCE]] = gust, exponent, step, REFERENCE_HEIGHT
+    profile = np.array([[0.0, speed]]) if sort == TABLE else np.zeros((0, 2))
+    return sort, values, profile, record
+
+
+def _current(current: CurrentField) -> tuple[int, Array, Array, Array]:
+    """As `_wind`."""
+    rows = np.asarray(current.speed, dtype=np.float64)
+    if rows.ndim == 0:
+        rows = np.array([[0.0, float(rows)]])
+    _check_rows(
+        rows, current.name, "speed", "rows of height above the still water and speed, from below to above"
+    )
+    if np.any(rows[:, 0] > 0.0):
+        raise InputError(
+            f"height {rows[:, 0].max():g} m above the still water",
+            source=current.name,
+            key="speed",
+            expected="heights of the current not above 0: depths are negative",
+        )
+    for speed in rows[:, 1]:
+        check_speed(speed, source=current.name, key="speed", largest=LARGEST_CURRENT)
+    values = np.zeros(FIELD_VALUES)
+    values[SIDE], values[RECORD_STEP] = -1.0, 1.0
+    return TABLE, values, rows, np.zeros((0, 1))
+
+
+def _check_water(level: float, ramp: float, density: float) -> None:
+    _positive(density, "water", "density", "kg/m3")
+    if not math.isfinite(level):
+        raise InputError(f"level {level:g} m", source="water", key="level", expected="a height")
+    if not 0.0 <= ramp < math.inf:
+        raise InputError(f"ramp {ramp:g} s", source="sea", key="ramp", expected="a time, or 0 for none")
+
+
+def _positive(value: float, source: str, key: str, unit: str, largest: float = math.inf) -> None:
+    if not (0.0 < value <= largest and math.isfinite(value)):
+        limit = "" if math.isinf(largest) else f" up to {largest:g} {unit}"
+        raise InputError(f"{value:g} {unit}", source=source, key=key, expected=f"a positive number{limit}")
+
+
+def _check_rows(rows: Array, source: str, key: str, expected: str) -> None:
+    """Pairs of finite numbers, the first of them increasing."""
+    fits = rows.ndim == 2 and rows.shape[1:] == (2,) and len(rows) > 0 and bool(np.all(np.isfinite(rows)))
+    if not (fits and np.all(np.diff(rows[:, 0]) > 0.0)):
+        raise InputError(f"table of shape {rows.shape}", source=source, key=key, expected=expected)
+
+
+def _direction(one: FluidField) -> Array:
+    """Rows of time and angle."""
+    rows = np.asarray(one.direction, dtype=np.float64)
+    if rows.ndim:
+        _check_rows(rows, one.name, "direction", "rows of time and angle in rad, times increasing")
+        return rows
+    angle = float(rows)
+    if not abs(angle) <= FULL_TURN + SMALL_ANGLE:
+        hint = f" ({angle:g} deg are {math.radians(angle):.4g} rad)" if math.isfinite(angle) else ""
+        raise InputError(
+            f"direction {angle:g} rad", source=one.name, key="direction", expected=f"-2 pi to 2 pi{hint}"
+        )
+    return np.array([[0.0, angle]])
+
+
+def _record(record: FluctuationRecord, source: str) -> Array:
+    values = np.asarray(record.values, dtype=np.float64)
+    if values.ndim != 1 or len(values) < 2 or not np.all(np.isfinite(values)):
+        raise InputError(
+            f"record of shape {values.shape}",
+            source=source,
+            key="fluctuation",
+            expected="two or more finite speeds",
+        )
+    _positive(record.step, source, "fluctuation", "s")
+    return values[:, None]
+
+
+def _check_load(load: FluidLoad, fields: Sequence[str]) -> None:
+    if load.fluid not in fields:
+        raise InputError(
+            f"there is no field {load.fluid!r}",
+            source=load.name,
+            key="fluid",
+            expected=f"one of {', '.join(fields)}" if fields else "a wind or a current in the scene",
+        )
+    _finite(load.point, 3, load.name, "point")
+    if isinstance(load, CoefficientLoad):
+        for key in ("area_x", "area_y", "length"):
+            _positive(getattr(load, key), load.name, key, "m" if key == "length" else "m2")
+        return
+    if np.size(load.area) not in {1, 3} or not np.all(
+        (np.asarray(load.area) >= 0.0) & np.isfinite(load.area)
+    ):
+        raise InputError(
+            f"area {load.area}",
+            source=load.name,
+            key="area",
+            expected="one area, or three along x, y and z, in m2",
+        )
+    if not 0.0 <= load.coefficient < math.inf:
+        raise InputError(
+            f"coefficient {load.coefficient:g}",
+            source=load.name,
+            key="coefficient",
+            expected="a number from 0",
+        )
+    if not 0.0 <= load.extent < math.inf:
+        raise InputError(
+            f"extent {load.extent:g} m", source=load.name, key="extent", expected="a height, or 0"
+        )
+
+
+def _finite(values: ArrayLike, count: int, source: str, key: str) -> None:
+    given = np.asarray(values, dtype=np.float64)
+    if given.shape != (count,) or not np.all(np.isfinite(given)):
+        raise InputError(f"{given.tolist()}", source=source, key=key, expected=f"{count} finite numbers")
