@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "solver" / "marine"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "solver"))
 
 from hull_shapes import box_grid, icosphere
 
@@ -56,7 +56,9 @@ def clipping(name, points, triangles, height):
     placed, out = np.zeros_like(points), np.zeros(CLIP_WIDTH)
     repeats = max(3, 200_000 // len(triangles))
     t = median(lambda: clip_often(points, triangles, rotation, height, placed, out, repeats)) / repeats
-    print(f"{name:8s}{len(triangles):11d}{int(out[CROSSING]):10d}{1e6 * t:10.2f}{1e9 * t / len(triangles):14.2f}")
+    print(
+        f"{name:8s}{len(triangles):11d}{int(out[CROSSING]):10d}{1e6 * t:10.2f}{1e9 * t / len(triangles):14.2f}"
+    )
 
 
 def on_top(grid):

@@ -44,7 +44,11 @@ def assemble_surfaces(
     from heavylift.preprocess.surfaces import placed
 
     found = []
+    colliding = {name for _, pair in case.collided.values() for name in pair}
+    floating = {hull.surface for hull in case.hulls.values()} - colliding
     for index, section in enumerate(case.surfaces):
+        if section.name in floating:
+            continue  # water alone touches it
         surface = None
         if section.body not in case.meshes:
             surface = stored_surface(case, index, folder).surface

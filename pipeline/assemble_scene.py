@@ -21,6 +21,7 @@ from heavylift.pipeline.assemble_connections import (
 from heavylift.pipeline.assemble_contacts import assemble_contacts, assemble_contours
 from heavylift.pipeline.assemble_edges import joints_of_edge
 from heavylift.pipeline.assemble_meshes import assemble_frame, assemble_shell, check_on_mesh, check_pulleys
+from heavylift.pipeline.assemble_sea import assemble_sea
 from heavylift.pipeline.case_bodies import FlexibleBodySection
 from heavylift.pipeline.case_joints import EdgeJointSection
 from heavylift.pipeline.model_io import read_header, read_model, read_reduced
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
     from heavylift.solver.contacts import Contact
     from heavylift.solver.scene import AnyBody
 
-__all__ = ["assemble_scene", "modal_coordinates"]
+__all__ = ["assemble_rigid", "assemble_scene", "modal_coordinates"]
 
 
 def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
@@ -56,7 +57,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
     origins: dict[str, NDArray[np.float64]] = {}
     for name, body in case.bodies.items():
         if body.type == "rigid":
-            rigid, origins[name] = _rigid(name, body)
+            rigid, origins[name] = assemble_rigid(name, body)
             bodies.append(rigid)
             continue
         if not isinstance(body, FlexibleBodySection):
@@ -123,6 +124,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         contacts=contacts,
         surfaces=assemble_surfaces(case, sides, folder),
         collisions=assemble_collisions(case),
+        sea=assemble_sea(case, sides, folder),
     )
 
 
@@ -208,7 +210,8 @@ def modal_coordinates(
     return values
 
 
-def _rigid(name: str, body: RigidBodySection) -> tuple[s.RigidBody, NDArray[np.float64]]:
+def assemble_rigid(name: str, body: RigidBodySection) -> tuple[s.RigidBody, NDArray[np.float64]]:
+    """Rigid body of a case, and the origin of its frame in the coordinates of its geometry [m]."""
     centre = np.array(body.centre_of_mass)
     origin = centre if body.frame.origin == "centre_of_mass" else np.zeros(3)
     rigid = s.RigidBody(

@@ -17,15 +17,19 @@ from heavylift.pipeline.case_contacts import Contact
 from heavylift.pipeline.case_contours import Contour
 from heavylift.pipeline.case_errors import group_errors, input_errors
 from heavylift.pipeline.case_forces import Force, PointForceSection
+from heavylift.pipeline.case_hulls import DatabaseName, DatabaseSection, HullName, HullSection, TankSection
 from heavylift.pipeline.case_joints import Joint
+from heavylift.pipeline.case_lines import FenderSection, MooringLineSection
 from heavylift.pipeline.case_meshes import Body, FrameBodySection, MeshBodySection, ShellBodySection
 from heavylift.pipeline.case_overrides import apply_overrides
 from heavylift.pipeline.case_reference import ReferenceSection, read_reference
 from heavylift.pipeline.case_repeat import Expansion, Parameters, RepeatSection, expand
 from heavylift.pipeline.case_ropes import Rope
+from heavylift.pipeline.case_sea import SeaSection, check_sea
 from heavylift.pipeline.case_sections import GravitySection, ReportSection, SensorSection
 from heavylift.pipeline.case_simulate import SimulateSection, multiple
 from heavylift.pipeline.case_surfaces import SurfaceSection
+from heavylift.pipeline.case_wind import FluidLoad
 from heavylift.pipeline.channel_kinds import Declared, declared
 from heavylift.pipeline.collision_pairs import collision_pairs
 from heavylift.pipeline.fields import GROUND, CaseContext, Section, UniqueName, reject
@@ -68,6 +72,20 @@ class Case(Section):
     """Triangles of bodies that may touch those of others: CAD files and simple shapes."""
     collisions: tuple[Collision, ...] = ()
     """Which surfaces may touch, and by what law."""
+    sea: SeaSection | None = None
+    """Water, waves, wind and current."""
+    hulls: dict[HullName, HullSection] = Field(default_factory=dict)
+    """What floats, by the names of rigid bodies."""
+    databases: dict[DatabaseName, DatabaseSection] = Field(default_factory=dict)
+    """Added mass, damping and excitation of hulls, by names of their own."""
+    tanks: tuple[TankSection, ...] = ()
+    """Ballast water in hulls."""
+    fluid_loads: tuple[FluidLoad, ...] = ()
+    """What wind and current push on."""
+    lines: tuple[MooringLineSection, ...] = ()
+    """Mooring lines that hang by their weight."""
+    fenders: tuple[FenderSection, ...] = ()
+    """One-sided springs between bodies."""
     sensors: tuple[SensorSection, ...] = ()
     """Material points whose motion is recorded."""
     reference: tuple[ReferenceSection, ...] = ()
@@ -127,6 +145,9 @@ class Case(Section):
         causes += [
             f"rope {rope.name!r}" for rope in self.ropes if GROUND in {stop.body for stop in rope.path}
         ]
+        causes += [f"hull {name!r}" for name in self.hulls]
+        causes += [f"load {load.name!r}" for load in self.fluid_loads]
+        causes += [f"{row.name!r}" for row in (*self.lines, *self.fenders) if GROUND in row.between]
         if self.gravity is not None and any(self.gravity.acceleration):
             causes.append("gravity")
         if causes:
@@ -135,6 +156,12 @@ class Case(Section):
                 "only free frames and no outer force, or 'drift.energy'",
                 key=key,
             )
+
+    @model_validator(mode="after")
+    def _fits_the_sea(self) -> "Case":
+        """What floats, blows and holds fits together."""
+        check_sea(self)
+        return self
 
     @model_validator(mode="after")
     def _references_fit(self, info: ValidationInfo) -> "Case":

@@ -6,6 +6,7 @@ import contextlib
 from typing import TYPE_CHECKING
 
 from heavylift.numerics.outcome import InputError, InputErrors
+from heavylift.pipeline.channel_kinds import NAMED_LISTS
 from heavylift.pipeline.case_simulate import SimulateSection
 
 if TYPE_CHECKING:
@@ -20,9 +21,14 @@ def places(case: Case) -> dict[str, str]:
     """Dotted keys in the case file of what has a name: bodies, contours, joints, surfaces, collisions and so on."""
     found = {name: case.place(f"bodies.{name}") for name in case.bodies}
     found |= {name: case.place(f"contours.{name}") for name in case.contours}
-    for section in ("joints", "ropes", "forces", "sensors", "contacts", "surfaces", "collisions"):
+    for section in NAMED_LISTS:
         for index, entry in enumerate(getattr(case, section)):
             found[entry.name] = case.place(f"{section}.{index}")
+    found |= {name: case.place(f"databases.{name}") for name in case.databases if name not in found}
+    for kind in ("wind", "current"):
+        rows = () if case.sea is None else getattr(case.sea, kind)
+        for index, row in enumerate(rows):
+            found[row.name] = f"sea.{kind}" if len(rows) == 1 else f"sea.{kind}.{index}"
     for name, (index, _) in case.collided.items():
         found[name] = case.place(f"collisions.{index}")
     return found

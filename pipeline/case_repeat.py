@@ -18,6 +18,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.arithmetic import Numbers, filled, value_of
+from heavylift.pipeline.channel_kinds import NAMED_LISTS as LISTS
 from heavylift.pipeline.fields import GROUND, LengthVector, Section, reject
 from heavylift.pipeline.units import KINDS, parse_quantity
 
@@ -26,8 +27,8 @@ __all__ = ["Expansion", "Origin", "Parameters", "RepeatSection", "expand"]
 INDEX = "i"
 LIMIT = 100_000
 """Largest number of copies of one block."""
-LISTS = ("joints", "ropes", "forces", "sensors", "contacts", "surfaces", "collisions")
-TABLES = ("bodies", "contours")
+TABLES = ("bodies", "contours", "hulls", "databases")
+_SINGULAR = {"bodies": "body", "contours": "contour", "hulls": "hull", "databases": "database"}
 PROSE = ("title", "sources", "source")
 """Keys whose texts may have braces that mean nothing."""
 
@@ -75,6 +76,18 @@ class RepeatSection(Section):
     """Surfaces, as in the case."""
     collisions: tuple[dict[str, Any], ...] = ()
     """Collisions, as in the case."""
+    hulls: dict[str, dict[str, Any]] = Field(default_factory=dict)
+    """Hulls by name, as in the case."""
+    databases: dict[str, dict[str, Any]] = Field(default_factory=dict)
+    """Databases by name, as in the case."""
+    tanks: tuple[dict[str, Any], ...] = ()
+    """Tanks, as in the case."""
+    fluid_loads: tuple[dict[str, Any], ...] = ()
+    """Loads of wind and current, as in the case."""
+    lines: tuple[dict[str, Any], ...] = ()
+    """Mooring lines, as in the case."""
+    fenders: tuple[dict[str, Any], ...] = ()
+    """Fenders, as in the case."""
 
 
 @dataclass(frozen=True)
@@ -276,7 +289,7 @@ class _Writer:
                 before = self.origins.get(f"{section}.{name}")
                 other = f"{before.key} ({INDEX} = {before.index})" if before else f"{section}.{name}"
                 problem = f"{name!r} ({INDEX} = {names[INDEX]}) is already made by {other}"
-                one = {"bodies": "one body a name", "contours": "one contour a name"}[section]
+                one = f"one {_SINGULAR[section]} a name"
                 expected = one if "{" in template else f"a name with {{{INDEX}}}"
                 self.complain(InputError(problem, expected=expected), place)
                 continue

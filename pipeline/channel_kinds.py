@@ -18,6 +18,7 @@ __all__ = [
     "EDGE_JOINTS",
     "JOINT_TRAVELS",
     "MESH_TYPES",
+    "NAMED_LISTS",
     "RESERVED_NAMES",
     "SCENE_CHANNELS",
     "Declared",
@@ -36,6 +37,21 @@ SCENE_CHANNELS = {f"energy.{name}": "moment or energy" for name in ENERGIES} | {
 """Channels of the whole scene: name to kind."""
 RESERVED_NAMES = frozenset({"energy", "momentum", "time", "monitor", "ground"})
 """Names that nothing in a case may take: first parts of channels of the scene, and the world."""
+
+NAMED_LISTS = (
+    "joints",
+    "ropes",
+    "forces",
+    "sensors",
+    "contacts",
+    "surfaces",
+    "collisions",
+    "tanks",
+    "fluid_loads",
+    "lines",
+    "fenders",
+)
+"""Lists of a case file whose tables have names."""
 
 _POINT = {"position": "length", "velocity": "velocity"}
 _FRAME = _POINT | {"orientation": "number", "angular_velocity": "angular velocity"}
@@ -88,6 +104,26 @@ COLLISION_CONTACT = {
     "patch": "number",
 }
 """Last parts of the channels of each recorded contact of a collision, ``NAME.contact_1.point``: name to kind."""
+_HULL = {
+    "displaced_volume": "volume",
+    "buoyancy_centre": "length",
+    "ballast": "mass",
+    "wave_elevation": "length",
+    "wave_force": "force",
+    "wave_moment": "moment or energy",
+    "radiation_force": "force",
+    "radiation_moment": "moment or energy",
+}
+"""Channels of a rigid body that floats, besides its own."""
+_LINE = {
+    "tension": "force",
+    "anchor_tension": "force",
+    "horizontal_tension": "force",
+    "seabed_length": "length",
+}
+_FENDER = {"force": "force", "compression": "length"}
+_FLUID = {"speed": "velocity", "direction": "angle"}
+_FLUID_LOAD = {"force": "force", "yaw_moment": "moment or energy"}
 _MESH = _POINT | {"strain_drift": "number"}
 _FRAME_MESH = _MESH | {
     "tangent": "number",
@@ -137,12 +173,20 @@ ALL_CHANNELS = (
     | _LOAD
     | _CONTACT
     | _COLLISION
+    | _HULL
+    | _LINE
+    | _FENDER
+    | _FLUID
+    | _FLUID_LOAD
     | _SHELL_MESH
     | _FRAME_MESH
 )
-"""Every last part of a channel that a body, sensor, joint, rope, force, contact or collision may have: name to kind."""
+"""Every last part of a channel that anything in a case may have: name to kind."""
 
-_VECTORS = frozenset({*_POINT, "angular_velocity", *_REACTION, "linear", "angular", "point", "normal"})
+_VECTORS = frozenset(
+    {*_POINT, "angular_velocity", *_REACTION, "linear", "angular", "point", "normal", "buoyancy_centre"}
+    | {f"{cause}_{what}" for cause in ("wave", "radiation") for what in ("force", "moment")}
+)
 _BY_OWNER = frozenset({*_MODAL, "segment_tension", "force", *_FRAME_MESH, *_SHELL_MESH})
 """Channels whose components the scene decides: a force is a vector of a contact, and one number of a spring."""
 
@@ -155,6 +199,8 @@ def channel_components(kind: str) -> tuple[str, ...] | None:
         return ("q0", "q1", "q2", "q3")
     if kind == "coordinate":
         return ("u", "v")
+    if kind == "yaw_moment":
+        return ("z",)
     return None if kind in _BY_OWNER else (kind,)
 
 
@@ -170,7 +216,7 @@ class Declared:
     Attributes
     ----------
     names
-        Bodies, sensors, forces, joints, ropes, contours, contacts, surfaces and collisions, with how often each occurs.
+        Everything with a name but databases, checks and references, with how often each occurs.
     bodies
         Names of the bodies.
     body_types
@@ -189,6 +235,8 @@ class Declared:
         Names of the shells alone.
     joints
         Types of the joints by name.
+    hulls, fluids, lines
+        Names of the bodies that float, of winds and currents, and of mooring lines.
     channels
         By owner: last parts of its channels, and their kinds.
     references
@@ -207,6 +255,9 @@ class Declared:
     meshes: frozenset[str] = frozenset()
     shells: frozenset[str] = frozenset()
     joints: Mapping[str, str] = field(default_factory=dict)
+    hulls: frozenset[str] = frozenset()
+    fluids: frozenset[str] = frozenset()
+    lines: frozenset[str] = frozenset()
     channels: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     references: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
     reference_names: Counter[str] = field(default_factory=Counter)
@@ -238,11 +289,20 @@ def declared(document: Mapping[str, Any]) -> Declared:
     collided = declared_collisions(rows, surfaces, yielding)
     channels |= {name: {} for name in (*surfaces, *(name for name, _ in rows))}
     channels |= {pair: _COLLISION for _, pair, _ in collided}
-    lists = ("sensors", "forces", "joints", "ropes", "contacts", "surfaces", "collisions")
+    afloat = document.get("hulls", {})
+    hulls = frozenset(name for name in afloat if name in bodies) if isinstance(afloat, dict) else frozenset()
+    channels |= {name: {**channels[name], **_HULL} for name in hulls}
+    fluids = _fluids(document)
+    channels |= dict.fromkeys(fluids, _FLUID)
+    channels |= {name: _fluid_load_channels(row) for name, row in _named(document, "fluid_loads")}
+    channels |= {name: _LINE for name, _ in _named(document, "lines")}
+    channels |= {name: _FENDER for name, _ in _named(document, "fenders")}
+    channels |= {name: {} for name, _ in _named(document, "tanks")}
     numbered = [pair for name, pair, _ in collided if pair != name]
     return Declared(
         names=Counter(
-            [*bodies, *contours, *numbered, *(name for key in lists for name, _ in _named(document, key))]
+            [*bodies, *contours, *numbered, *fluids]
+            + [name for key in NAMED_LISTS for name, _ in _named(document, key)]
         ),
         bodies=frozenset(bodies),
         body_types=types,
@@ -256,6 +316,9 @@ def declared(document: Mapping[str, Any]) -> Declared:
         meshes=frozenset(name for name, kind in types.items() if kind in MESH_TYPES),
         shells=frozenset(name for name, kind in types.items() if kind == "shell"),
         joints=joints,
+        hulls=hulls,
+        fluids=frozenset(fluids),
+        lines=frozenset(name for name, _ in _named(document, "lines")),
         channels=channels,
         references={
             name: (str(row.get("channel")), row.get("scale") is not None)
@@ -280,6 +343,22 @@ def _body_channels(body: Mapping[str, Any]) -> Mapping[str, str]:
     frame = body.get("frame")
     free = isinstance(frame, dict) and frame.get("motion") == "free"
     return _FRAME | (_MODAL if body.get("type") == "flexible" else {}) | ({} if free else _REACTION)
+
+
+def _fluids(document: Mapping[str, Any]) -> list[str]:
+    """Names of winds and currents, as often as they occur; a table alone may have none of its own."""
+    sea = document.get("sea")
+    found = []
+    for kind in ("wind", "current"):
+        rows = sea.get(kind, []) if isinstance(sea, dict) else []
+        for row in [rows] if isinstance(rows, dict) else rows if isinstance(rows, list) else []:
+            name = row.get("name", kind) if isinstance(row, dict) else None
+            found += [name] if isinstance(name, str) else []
+    return found
+
+
+def _fluid_load_channels(row: Mapping[str, Any]) -> Mapping[str, str]:
+    return _FLUID_LOAD if row.get("type") == "coefficients" else {"force": "force"}
 
 
 def _joint_channels(kind: str) -> Mapping[str, str]:

@@ -8,15 +8,28 @@ Only what is needed to read the command line is imported here; each command impo
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from cyclopts import App, Parameter
+from cyclopts import App
 
-from heavylift.numerics.outcome import InputError, InputErrors, Outcome
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.pipeline.command_line import (
+    Animate,
+    CaseArgument,
+    CasesArgument,
+    Force,
+    Json,
+    Out,
+    Quiet,
+    Set,
+    complain,
+    guarded,
+    print_json,
+    print_lines,
+)
+from heavylift.pipeline.command_sea import SEA_COMMANDS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from heavylift.pipeline.log import Log
 
 __all__ = ["app", "main"]
@@ -34,35 +47,6 @@ app = App(
     version=_version,
     version_flags=["--version"],
 )
-
-CaseArgument = Annotated[Path, Parameter(help="Case folder, or its case.toml.", show_default=False)]
-CasesArgument = Annotated[tuple[Path, ...], Parameter(help="Case folders.", show_default=False)]
-Out = Annotated[
-    Path | None,
-    Parameter(name="--out", help="Folder for the outputs instead of CASE/out.", show_default=False),
-]
-Set = Annotated[
-    tuple[str, ...],
-    Parameter(
-        name="--set",
-        help='Change one key of the case, e.g. simulate.step="0.1 us"; simulate.step= removes it; may be repeated.',
-        show_default=False,
-        negative="",
-    ),
-]
-Animate = Annotated[
-    bool,
-    Parameter(
-        name="--animate",
-        help="Make the moving picture of frames and shells, even if the case has no [report.animation].",
-        negative="",
-    ),
-]
-Force = Annotated[bool, Parameter(name="--force", help="Run even if the inputs are unchanged.", negative="")]
-Quiet = Annotated[bool, Parameter(name="--quiet", help="Print errors only.", negative="")]
-Json = Annotated[
-    bool, Parameter(name="--json", help="Print one JSON document on standard output.", negative="")
-]
 
 
 def main() -> None:
@@ -175,12 +159,12 @@ def verify(
             folder = out / path.resolve().name if out is not None and len(cases) > 1 else out
             verdicts.append(verify_case(path, out=folder, overrides=set_, force=force, log=log))
             if not json:
-                _print_lines(check_table(verdicts[-1]))
+                print_lines(check_table(verdicts[-1]))
         if json:
-            _print_json(verify_document(verdicts))
+            print_json(verify_document(verdicts))
         return exit_code(verdicts)
 
-    return _guarded(command, quiet=quiet, json=json)
+    return guarded(command, quiet=quiet, json=json)
 
 
 @app.command
@@ -200,12 +184,16 @@ def converge(
 
         study, plot = converge_case(case, out=out, overrides=set_, force=force, log=log)
         if json:
-            _print_json(study.document())
+            print_json(study.document())
         else:
-            _print_lines([*study_table(study), f"plot: {plot}"])
+            print_lines([*study_table(study), f"plot: {plot}"])
         return 0
 
-    return _guarded(command, quiet=quiet, json=json)
+    return guarded(command, quiet=quiet, json=json)
+
+
+for _command in SEA_COMMANDS:
+    app.command(_command)
 
 
 @app.command
@@ -213,7 +201,7 @@ def schema() -> int:
     """Print the JSON Schema of case.toml, for editors."""
     from heavylift.pipeline.schema import case_schema
 
-    _print_json(case_schema())
+    print_json(case_schema())
     return 0
 
 
@@ -224,9 +212,9 @@ def doctor(*, json: Json = False) -> int:
 
     found = diagnosis()
     if json:
-        _print_json(found)
+        print_json(found)
     else:
-        _print_lines(diagnosis_lines(found))
+        print_lines(diagnosis_lines(found))
     return 0 if found["ready"] else 1
 
 
@@ -255,16 +243,16 @@ def _stages(
             )
         result = run_case(case, out=out, stages=stages, force=own if force else (), log=log)
         if result.outcome is not Outcome.COMPLETED:
-            _complain(result.message)
+            complain(result.message)
         if json:
             last = result.stages[-1]
             if own == ("simulate",) and last.stage == "simulate" and last.details:
-                _print_json({"case": case.name, **last.details})
+                print_json({"case": case.name, **last.details})
             else:
-                _print_json(_summary(case.name, result))
+                print_json(_summary(case.name, result))
         return int(result.outcome)
 
-    return _guarded(command, quiet=quiet, json=json)
+    return guarded(command, quiet=quiet, json=json)
 
 
 def _summary(name: str, result: Any) -> dict[str, Any]:
@@ -286,58 +274,3 @@ def _summary(name: str, result: Any) -> dict[str, Any]:
             for stage in result.stages
         ],
     }
-
-
-def _guarded(command: "Callable[[Log], int]", *, quiet: bool, json: bool) -> int:
-    """Run a command; whatever a user can cause ends as one message and an exit code."""
-    from heavylift.pipeline.log import Log
-    from heavylift.pipeline.storage import StopError
-
-    try:
-        return command(Log(quiet=quiet, stream=sys.stderr if json else None))
-    except InputError as error:
-        message, outcome = str(error), Outcome.BAD_INPUT
-        parts = error.errors if isinstance(error, InputErrors) else [error]
-        details = [
-            {"source": part.source, "key": part.key, "problem": part.problem, "expected": part.expected}
-            for part in parts
-        ]
-    except StopError as error:
-        message, outcome, details = str(error), error.outcome, []
-    except KeyboardInterrupt:
-        message, outcome, details = "interrupted; what was written is kept", Outcome.INTERRUPTED, []
-    except BrokenPipeError:
-        return 0
-    except OSError as error:
-        if error.filename is None:
-            raise
-        message, outcome, details = f"{error.filename}: {error.strerror}", Outcome.BAD_INPUT, []
-    _complain(message)
-    if json:
-        _print_json({"error": message, "outcome": outcome.name.lower(), "details": details})
-    return int(outcome)
-
-
-def _complain(message: str) -> None:
-    print(message, file=sys.stderr, flush=True)  # noqa: T201
-
-
-def _print_lines(lines: list[str]) -> None:
-    print("\n".join(lines), flush=True)  # noqa: T201
-
-
-def _print_json(document: Any) -> None:
-    import json
-
-    print(json.dumps(_finite(document), indent=2, default=str), flush=True)  # noqa: T201
-
-
-def _finite(value: Any) -> Any:
-    """The document with numbers that JSON does not know (nan, infinity) as null."""
-    if isinstance(value, dict):
-        return {key: _finite(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(entry) for entry in value]
-    if isinstance(value, float) and value - value != 0.0:
-        return None
-    return value

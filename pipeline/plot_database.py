@@ -55,27 +55,29 @@ def damping_plot(database: HydrodynamicDatabase, body: str) -> bytes:
 
 
 def excitation_plot(
-    database: HydrodynamicDatabase, body: str, headings: Sequence[float] | NDArray[np.float64] = _SHOWN_HEADINGS
+    database: HydrodynamicDatabase,
+    body: str,
+    headings: Sequence[float] | NDArray[np.float64] = _SHOWN_HEADINGS,
 ) -> bytes:
     """Modulus of the excitation over frequency, at the headings of the database nearest to some [rad]."""
     first = 6 * database.body_index(body)
     places = sorted({int(np.argmin(np.abs(database.headings - heading))) for heading in headings})
+    round_off = _round_off(database, first)
     figure, panels = _six_panels(f"{body}: excitation per metre of amplitude")
     for i, axes in enumerate(panels):
         modulus = np.abs(database.excitation[:, :, first + i])
+        if modulus.max() < round_off[i]:
+            modulus = np.zeros_like(modulus)
         scale, prefix = _scale(modulus)
         for number, place in enumerate(places):
             axes.plot(
                 database.omega,
                 modulus[:, place] / scale,
                 color=_COLOURS[number % len(_COLOURS)],
-                lw=1.3,
+                lw=2.4 - 0.35 * number,  # curves that are the same by symmetry stay visible
                 label=f"{np.rad2deg(database.headings[place]):.0f}°",
             )
         _finish(axes, i, f"X{i + 1} [{prefix}{_FORCE_UNITS[i // 3]}]", database.omega[-1])
-        if not modulus.max() > _least_excitation(database, first)[i]:
-            axes.set_ylim(0.0, 1.0)
-            axes.lines[0].axes.set_yticks([0.0])
     panels[0].figure.legend(
         *panels[0].get_legend_handles_labels(),
         loc="outside lower center",
@@ -124,7 +126,7 @@ def _matrix_plot(
     return few_colours(figure_png(figure))
 
 
-def _least_excitation(database: HydrodynamicDatabase, first: int) -> NDArray[np.float64]:
+def _round_off(database: HydrodynamicDatabase, first: int) -> NDArray[np.float64]:
     """(6,) below which a force is zero by symmetry and only round-off is left."""
     forces = np.abs(database.excitation[:, :, first : first + 6]).max(axis=(0, 1))
     return 1e-6 * np.repeat([forces[:3].max(), forces[3:].max()], 3)

@@ -15,11 +15,13 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_bodies import FlexibleBodySection
+    from heavylift.pipeline.case_hulls import DatabaseSection
     from heavylift.pipeline.case_meshes import MeshBodySection
     from heavylift.pipeline.case_surfaces import SurfaceSection
     from heavylift.pipeline.storage import OutputFolder
 
 __all__ = [
+    "database_digest",
     "mesh_digest",
     "modes_digest",
     "report_digest",
@@ -48,6 +50,9 @@ STAGE_SOURCES = {
         "pipeline/assemble_collisions.py",
         "pipeline/assemble_contacts.py",
         "pipeline/assemble_connections.py",
+        "pipeline/assemble_hulls.py",
+        "pipeline/assemble_lines.py",
+        "pipeline/assemble_sea.py",
         "pipeline/assemble_mesh_shapes.py",
         "pipeline/assemble_meshes.py",
         "pipeline/assemble_scene.py",
@@ -57,6 +62,13 @@ STAGE_SOURCES = {
     ),
     "report": ("pipeline",),
     "surfaces": ("numerics", "preprocess", "pipeline/assemble_surfaces.py"),
+    "hydrodynamics": (
+        "numerics",
+        "preprocess",
+        "pipeline/assemble_hulls.py",
+        "pipeline/assemble_panels.py",
+        "pipeline/stage_hydrodynamics.py",
+    ),
     "contour nodes": ("contours/face_grid.py", "contours/node_matrix.py", "pipeline/assemble_contacts.py"),
 }
 """Sources, below the package, whose change makes the outputs of a stage stale; of modes also those that pick the nodes
@@ -68,6 +80,7 @@ STAGE_PACKAGES = {
     "simulate": ("numpy", "numba"),
     "report": ("numpy", "matplotlib", "pyvista"),
     "surfaces": ("numpy", "scipy", "trimesh", "gmsh", "meshio"),
+    "hydrodynamics": ("numpy", "scipy", "h5py", "capytaine"),
 }
 """Packages whose versions are recorded with the outputs of a stage."""
 
@@ -174,6 +187,12 @@ def simulate_digest(case: Case) -> str:
             "contours",
             "contacts",
             "collisions",
+            "sea",
+            "hulls",
+            "tanks",
+            "fluid_loads",
+            "lines",
+            "fenders",
             "simulate",
         },
     )
@@ -184,7 +203,46 @@ def simulate_digest(case: Case) -> str:
             surface.name: [surface.body, surface.facets, surface_digest(case, surface)]
             for surface in case.surfaces
         }
+    if case.databases:
+        memory = {"memory", "memory_length", "fit_error", "drift"}
+        scene["databases"] = {
+            name: [section.model_dump(mode="json", include=memory), database_digest(case, section)]
+            for name, section in case.databases.items()
+        }
+    scene["sea files"] = _sea_files(case)
     return _digest("simulate", {"bodies": bodies, "contour files": files, **scene})
+
+
+def _sea_files(case: Case) -> dict[str, str]:
+    """Digests of the files of waves and of loads of wind and current."""
+    rows: list[Any] = [*(case.sea.waves if case.sea is not None else ()), *case.fluid_loads]
+    names = {name for row in rows if (name := getattr(row, "file", None))}
+    return {name: digest_file(case.folder / name) for name in sorted(names)}
+
+
+def database_digest(case: Case, section: DatabaseSection) -> str:
+    """Digest of all that a hydrodynamic database depends on."""
+    inputs: dict[str, Any] = section.model_dump(mode="json", exclude={"memory", "drift", "compute"})
+    sea = case.sea.model_dump(mode="json", include={"density", "gravity", "level", "depth"}) if case.sea else {}
+    inputs["water"] = [sea, case.gravity and case.gravity.model_dump(mode="json")]
+    if section.file is not None:
+        path = case.folder / section.file
+        beside = sorted(path.parent.glob(f"{path.stem}.*")) if section.file_format == "wamit" else [path]
+        inputs["content"] = {item.name: digest_file(item) for item in beside if item.is_file()}
+        return _digest("hydrodynamics", inputs)
+    assert section.compute is not None
+    surfaces = {surface.name: surface for surface in case.surfaces}
+    inputs["compute"] = section.compute.model_dump(mode="json", exclude={"processes"})
+    inputs["hulls in full"] = {
+        name: {
+            "body": case.bodies[name].model_dump(mode="json", exclude={"inertia"}),
+            "hull": case.hulls[name].model_dump(mode="json", include={"reference", "open_deck"}),
+            "surface": surface_digest(case, surfaces[case.hulls[name].surface or ""]),
+            "tanks": [tank.model_dump(mode="json") for tank in case.tanks if tank.hull == name],
+        }
+        for name in section.hulls
+    }
+    return _digest("hydrodynamics", inputs)
 
 
 def surface_digest(case: Case, surface: SurfaceSection) -> str:
@@ -204,6 +262,7 @@ def report_digest(case: Case, folder: OutputFolder) -> str:
     bodies = {name: body for name, body in case.bodies.items() if body.type == "flexible"}
     current = [modes_digest(case, body) for body in bodies.values()]
     current += [surface_digest(case, surface) for surface in case.surfaces]
+    current += [database_digest(case, section) for section in case.databases.values()]
     if case.simulate is not None:
         current.append(simulate_digest(case))
     found: dict[str, Any] = {
@@ -223,6 +282,9 @@ def report_digest(case: Case, folder: OutputFolder) -> str:
     }
     if case.surfaces:
         found["surfaces"] = [_identity(folder.surface(surface.name)) for surface in case.surfaces]
+    if case.databases:
+        names = (f"{name}.nc" for name in case.databases)
+        found["hydrodynamics"] = [_identity(folder.stage("mesh") / name) for name in names]
     references = {entry.file: digest_file(case.folder / entry.file) for entry in case.reference}
     return _digest(
         "report",

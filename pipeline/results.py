@@ -234,7 +234,7 @@ def _read_merged(file: Path) -> Results:
     return Results(file, time, channels, _Hdf5Columns(file), metadata, file)
 
 
-_JSON_ATTRIBUTES = {"sources", "versions", "channel_order", "overrides"}
+_JSON_ATTRIBUTES = {"sources", "versions", "channel_order", "overrides", "sea"}
 
 
 def _plain(value: Any) -> Any:

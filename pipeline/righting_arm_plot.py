@@ -38,13 +38,14 @@ def righting_arm_plot(title: str, curve: RightingArmCurve, position: FloatingPos
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.6, 1.0))
     degrees = np.degrees(curve.angles)
     upper.axhline(0.0, color=_GREY, lw=0.8)
-    upper.plot(degrees, curve.arms, color=_BLUE, lw=1.8, label="righting arm GZ")
+    # the largest one may lie where the hull floods, behind the last of the angles
+    x, y = np.append(curve.angles, curve.largest_angle), np.append(curve.arms, curve.largest_arm)
+    order = np.argsort(x)[np.isfinite(y[np.argsort(x)])]
+    x, y = x[order], y[order]
+    upper.plot(np.degrees(x), y, color=_BLUE, lw=1.8, label="righting arm GZ")
     if math.isfinite(curve.range):
-        known = np.isfinite(curve.arms)
-        shaded = np.linspace(curve.equilibrium, curve.equilibrium + curve.range, 400)
-        shaded = shaded[shaded <= curve.angles[known][-1]]
-        arms = np.interp(shaded, curve.angles[known], curve.arms[known])
-        upper.fill_between(np.degrees(shaded), 0.0, arms, color=_BLUE, alpha=0.10, lw=0)
+        shaded = np.linspace(curve.equilibrium, min(curve.equilibrium + curve.range, x[-1]), 400)
+        upper.fill_between(np.degrees(shaded), 0.0, np.interp(shaded, x, y), color=_BLUE, alpha=0.10, lw=0)
     low, high = float(np.nanmin(curve.arms)), float(np.nanmax(curve.arms))
     reach = max(high - low, 1e-12)
     limits = (min(low, 0.0) - 0.12 * reach, max(high, 0.0) + 0.16 * reach)
@@ -60,10 +61,11 @@ def righting_arm_plot(title: str, curve: RightingArmCurve, position: FloatingPos
         )
     floods = math.degrees(curve.flooding)
     end = min(degrees[-1], 1.6 * floods) if floods > degrees[0] else degrees[-1]
-    _mark(upper, curve.equilibrium, 0.0, "equilibrium", _GREEN, below=True)
+    _mark(upper, curve.equilibrium, 0.0, "equilibrium", _GREEN, offset=(6, -15))
     largest = f"largest {curve.largest_arm:.4g} m"
-    _mark(upper, curve.largest_angle, curve.largest_arm, largest, _ORANGE)
-    _mark(upper, curve.vanishing, 0.0, "vanishes", _RED)
+    late = math.degrees(curve.largest_angle) > degrees[0] + 0.8 * (end - degrees[0])
+    _mark(upper, curve.largest_angle, curve.largest_arm, largest, _ORANGE, offset=(-8 if late else 2, 9))
+    _mark(upper, curve.vanishing, 0.0, "vanishes", _RED, offset=(7, 7))
     if math.isfinite(curve.flooding):
         for axes in (upper, lower):
             axes.axvspan(floods, end, color="#dfe5ea", lw=0, zorder=0)
@@ -95,7 +97,7 @@ def righting_arm_plot(title: str, curve: RightingArmCurve, position: FloatingPos
     return few_colours(figure_png(figure))
 
 
-def _mark(axes: Any, angle: float, arm: float, words: str, colour: str, *, below: bool = False) -> None:
+def _mark(axes: Any, angle: float, arm: float, words: str, colour: str, *, offset: tuple[int, int]) -> None:
     """Write what is at an angle [rad], if there is one."""
     if not math.isfinite(angle):
         return
@@ -104,9 +106,9 @@ def _mark(axes: Any, angle: float, arm: float, words: str, colour: str, *, below
     axes.annotate(
         f"{words}, {x:.1f}°",
         (x, arm),
-        xytext=(6, -15) if below else (0, 9),
+        xytext=offset,
         textcoords="offset points",
-        ha="left" if below else "center",
+        ha="right" if offset[0] < 0 else "left",
         fontsize=9,
         color=colour,
         zorder=5,

@@ -6,7 +6,7 @@ import contextlib
 import os
 import shutil
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -279,7 +279,7 @@ def _with_overrides(source: object, overrides: Sequence[str]) -> str:
 
 
 def mesh_stage(work: Work) -> StageReport:
-    """Geometry to finite-element models, one a flexible body, and to surfaces for collision."""
+    """Geometry to finite-element models, one a flexible body, to surfaces, and to hydrodynamic databases."""
 
     def make(name: str, body: FlexibleBodySection, header: dict[str, Any]) -> dict[str, Any]:
         from heavylift.pipeline.assemble import assemble_model, model_properties, write_vtu
@@ -296,14 +296,21 @@ def mesh_stage(work: Work) -> StageReport:
         some = ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
         work.log.say(f"mesh: {some}: frames and shells, whose elements are simulated themselves, skipped")
     report = _body_stage(work, "mesh", work.folder.model, mesh_digest, make)
-    if not work.case.surfaces:
-        return report
-    from heavylift.pipeline.stage_surfaces import make_surfaces
+    if work.case.surfaces:
+        from heavylift.pipeline.stage_surfaces import make_surfaces
 
-    skipped, cpu_s, items = make_surfaces(work)
-    return StageReport(
-        "mesh",
-        Outcome.COMPLETED,
+        report = _joined(report, *make_surfaces(work))
+    if work.case.databases:
+        from heavylift.pipeline.stage_hydrodynamics import make_databases
+
+        report = _joined(report, *make_databases(work))
+    return report
+
+
+def _joined(report: StageReport, skipped: bool, cpu_s: float, items: dict[str, Any]) -> StageReport:
+    """A report with that of another part of the stage."""
+    return replace(
+        report,
         skipped=report.skipped and skipped,
         cpu_s=report.cpu_s + cpu_s,
         details={**report.details, **items},

@@ -211,7 +211,7 @@ def gumbel_fit(extremes: ArrayLike, *, method: str = "likelihood", minima: bool 
     Moments: ``scale = sqrt(6) s / pi``, ``mode = mean - 0.5772 scale``, with s^2 the unbiased variance. Likelihood:
     the scale solves ``scale = mean - sum x exp(-x / scale) / sum exp(-x / scale)``. Standard errors are the
     asymptotic ones: of the likelihood ``var(mode) = 1.10867 scale^2 / n``, ``var(scale) = 0.60793 scale^2 / n``,
-    ``cov = 0.25702 scale^2 / n``; of moments 1.16780, 1.1 and 0.12287 (from the third and fourth moments of the
+    ``cov = 0.25702 scale^2 / n``; of moments 1.16780, 1.1 and 0.09583 (from the third and fourth moments of the
     distribution).
     """
     x = np.asarray(extremes, dtype=np.float64).ravel()
@@ -269,7 +269,7 @@ def rayleigh_extreme(
     Maxima are Rayleigh distributed and independent: ``F = (1 - exp(-x^2 / (2 sigma^2)))^N``.
     """
     if not (standard_deviation >= 0.0 and mean_period > 0.0 and duration > mean_period):
-        raise InputError(f"standard deviation {standard_deviation:g}, period {mean_period:g} s, duration {duration:g} s",
+        raise InputError(f"deviation {standard_deviation:g}, period {mean_period:g} s, duration {duration:g} s",
                          key="duration", expected="more than one cycle, numbers > 0")  # fmt: skip
     count = duration / mean_period
     if probability is None:

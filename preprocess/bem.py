@@ -11,7 +11,7 @@ diffraction-radiation solutions", IJOPE 8 (1998).
 
 from __future__ import annotations
 
-import hashlib
+import logging
 import os
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -20,62 +20,29 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hull_panels import HullPanels, hydrostatics
+from heavylift.preprocess.bem_inputs import database_digest, input_warnings
+from heavylift.preprocess.hull_panels import hydrostatics
 from heavylift.preprocess.hydrodynamics import (
     COORDINATES,
     HydrodynamicDatabase,
     check_database,
     check_phase,
-    wave_numbers,
 )
+from heavylift.preprocess.hydrodynamics_netcdf import read_digest, read_netcdf, write_netcdf
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
-__all__ = ["BemInputs", "capytaine_version", "compute_database", "database_digest", "input_warnings"]
+    from heavylift.preprocess.bem_inputs import BemInputs
+    from heavylift.preprocess.hull_panels import HullPanels
 
-PANELS_PER_WAVELENGTH = 6.0
-FEWEST_PANELS_PER_WAVELENGTH = 2.0
-WIDEST_SPACING = np.deg2rad(10.0)
-DIGEST_VERSION = 1
+__all__ = ["cached_database", "capytaine_version", "compute_database"]
 
 
-@dataclass(frozen=True, eq=False)
-class BemInputs:
-    """What a database depends on.
-
-    Attributes
-    ----------
-    hulls
-        Panels of each hull, all in the axes of the database (z = 0 the still water).
-    omega
-        (nw,) frequencies [rad/s], increasing, > 0.
-    headings
-        (nh,) directions of propagation [rad], increasing.
-    reference_points
-        (N, 3) [m].
-    density, gravity, depth
-        [kg/m^3], [m/s^2], [m] (``inf``: deep water).
-    symmetric
-        Hulls are symmetric about y = 0: headings of 0..pi are enough.
-    lid
-        Cover the water inside the hulls, which removes irregular frequencies.
-    only_at_headings
-        True: the database will be used at these headings alone, so their spacing does not matter.
-    """
-
-    hulls: tuple[HullPanels, ...]
-    omega: NDArray[np.float64]
-    headings: NDArray[np.float64]
-    reference_points: NDArray[np.float64]
-    density: float = 1025.0
-    gravity: float = 9.81
-    depth: float = float("inf")
-    symmetric: bool = False
-    lid: bool = True
-    only_at_headings: bool = False
+SAME_PLACE = 1e-7  # of the size of a hull
 
 
 class _Task(NamedTuple):
@@ -107,83 +74,6 @@ def capytaine_version() -> str:
         It is not installed.
     """
     return str(_capytaine().__version__)
-
-
-def database_digest(inputs: BemInputs) -> str:
-    """A key that changes when anything changes that the database depends on (SHA-256, 64 hex digits)."""
-    digest = hashlib.sha256(f"bem {DIGEST_VERSION}".encode())
-    for hull in inputs.hulls:
-        digest.update(hull.name.encode())
-        digest.update(np.ascontiguousarray(hull.points, dtype=np.float64).tobytes())
-        digest.update(np.ascontiguousarray(hull.panels, dtype=np.int64).tobytes())
-    for values in (inputs.omega, inputs.headings, inputs.reference_points):
-        array = np.ascontiguousarray(values, dtype=np.float64)
-        digest.update(f"{array.shape}".encode())
-        digest.update(array.tobytes())
-    rest = (inputs.density, inputs.gravity, inputs.depth, inputs.symmetric, inputs.lid)
-    digest.update(repr(rest).encode())
-    return digest.hexdigest()
-
-
-def input_warnings(inputs: BemInputs) -> tuple[str, ...]:
-    """Refuse inputs that cannot give a database; sentences for what makes it less exact.
-
-    Raises
-    ------
-    InputError
-        No hull, frequencies out of order, headings more than 10 deg apart, panels longer than half of
-        the shortest wave, a hull that reaches the bottom of the sea.
-    """
-    omega = np.asarray(inputs.omega, dtype=np.float64)
-    headings = np.asarray(inputs.headings, dtype=np.float64)
-    if not inputs.hulls:
-        raise InputError("no hulls", source="hydrodynamics", expected="panels of at least one")
-    if omega.size == 0 or not np.all(np.isfinite(omega)) or omega[0] <= 0.0 or np.any(np.diff(omega) <= 0.0):
-        raise InputError(
-            "frequencies are not increasing from above 0",
-            source="hydrodynamics",
-            key="omega",
-            expected="[rad/s]; the limit of infinite frequency is computed by itself",
-        )
-    if (
-        headings.size == 0
-        or np.any(np.diff(headings) <= 0.0)
-        or np.max(np.abs(headings)) > 2.0 * np.pi + 1e-9
-    ):
-        raise InputError(
-            "headings are not increasing within one turn",
-            source="hydrodynamics",
-            key="headings",
-            expected="directions of propagation [rad]",
-        )
-    spacing = float(np.max(np.diff(headings), initial=0.0))
-    if spacing > WIDEST_SPACING * (1.0 + 1e-9) and not inputs.only_at_headings:
-        raise InputError(
-            f"headings are {np.rad2deg(spacing):.3g} deg apart",
-            source="hydrodynamics",
-            key="headings",
-            expected="at most 10 deg: cubic interpolation over 15 deg errs by 1 % where the hull is one "
-            "wavelength long and by 25 % at two",
-        )
-    if np.shape(inputs.reference_points) != (len(inputs.hulls), 3):
-        raise InputError(
-            f"shape {np.shape(inputs.reference_points)}",
-            source="hydrodynamics",
-            key="reference_points",
-            expected=f"({len(inputs.hulls)}, 3)",
-        )
-    for hull in inputs.hulls:
-        if hull.points[:, 2].max() > 1e-6:
-            raise InputError(
-                "panels reach above the water", source=hull.name, expected="z <= 0: clip the hull"
-            )
-        if hull.points[:, 2].min() <= -inputs.depth:
-            raise InputError(
-                f"the draft is {-hull.points[:, 2].min():g} m",
-                source=hull.name,
-                expected=f"less than the depth of the water, {inputs.depth:g} m",
-            )
-    return _resolution_warnings(inputs, omega)
 
 
 def compute_database(
@@ -260,6 +150,34 @@ def compute_database(
     return database
 
 
+def cached_database(
+    path: Path,
+    inputs: BemInputs,
+    *,
+    processes: int = 0,
+    progress: Callable[[float, str], None] = lambda _done, _note: None,
+    warn: Callable[[str], None] = lambda _text: None,
+) -> tuple[HydrodynamicDatabase, bool]:
+    """The database of ``inputs``: read from ``path`` if it was computed from the same, else computed and written.
+
+    Returns
+    -------
+    database, was_read
+        Capytaine is not needed, nor imported, to read.
+
+    Raises
+    ------
+    InputError
+        From `compute_database` or `read_netcdf`.
+    """
+    digest = database_digest(inputs)
+    if path.is_file() and read_digest(path) == digest:
+        return read_netcdf(path), True
+    database = compute_database(inputs, processes=processes, progress=progress, warn=warn)
+    write_netcdf(path, database, digest=digest)
+    return database, False
+
+
 def _capytaine() -> Any:
     """The package, or the error that says how to get it."""
     try:
@@ -270,42 +188,22 @@ def _capytaine() -> Any:
             source="hydrodynamics",
             expected="pip install 'heavylift[hydro]', or a database in a file",
         ) from None
-    capytaine.set_logging("ERROR")
+    logging.getLogger("capytaine").setLevel(logging.ERROR)
     return capytaine
-
-
-def _resolution_warnings(inputs: BemInputs, omega: NDArray[np.float64]) -> tuple[str, ...]:
-    """Panels against the shortest wave, frequencies against the waves a box would shut in."""
-    warnings: list[str] = []
-    shortest = 2.0 * np.pi / float(wave_numbers(omega[-1:], inputs.gravity, inputs.depth)[0])
-    for hull in inputs.hulls:
-        size = hull.characteristic_size
-        if size * FEWEST_PANELS_PER_WAVELENGTH > shortest:
-            raise InputError(
-                f"panels of {size:.3g} m, waves of {shortest:.3g} m at {omega[-1]:.3g} rad/s",
-                source=hull.name,
-                key="panel size",
-                expected=f"at most a sixth of the shortest wave, {shortest / PANELS_PER_WAVELENGTH:.3g} m",
-            )
-        if size * PANELS_PER_WAVELENGTH > shortest:
-            resolved = np.sqrt(
-                inputs.gravity
-                * (k := 2.0 * np.pi / (PANELS_PER_WAVELENGTH * size))
-                * (np.tanh(k * inputs.depth) if np.isfinite(inputs.depth) else 1.0)
-            )
-            warnings.append(
-                f"{hull.name}: panels of {size:.3g} m are a sixth of a wave up to {resolved:.3g} rad/s; "
-                f"above it, to {omega[-1]:.3g} rad/s, the coefficients are less exact"
-            )
-    return tuple(warnings)
 
 
 def _body(capytaine: Any, inputs: BemInputs) -> tuple[Any, tuple[str, ...]]:
     """The hulls as Capytaine has them, and the names of their 6 N coordinates in order."""
     bodies = []
     names: list[str] = []
+    # of hulls that are mirrored panel by panel the method needs one side: less than half of the time
+    halves = [_half(hull) if inputs.symmetric else np.zeros(0, dtype=np.int64) for hull in inputs.hulls]
+    sides = all(half.size > 0 for half in halves)
     for number, (hull, reference) in enumerate(zip(inputs.hulls, inputs.reference_points, strict=True)):
-        mesh = capytaine.Mesh(vertices=hull.points, faces=hull.panels, name=f"hull{number}")
+        kept = halves[number] if sides else np.arange(len(hull.panels))
+        mesh = capytaine.Mesh(vertices=hull.points, faces=hull.panels[kept], name=f"hull{number}")
+        if len(kept) < len(hull.panels):
+            mesh = capytaine.ReflectionSymmetricMesh(mesh, plane="xOz", name=f"hull{number}")
         lid = mesh.generate_lid(z=0.0) if inputs.lid else None
         body = capytaine.FloatingBody(
             mesh=mesh,
@@ -317,6 +215,24 @@ def _body(capytaine: Any, inputs: BemInputs) -> tuple[Any, tuple[str, ...]]:
         prefix = f"hull{number}__" if len(inputs.hulls) > 1 else ""
         names += [prefix + coordinate.capitalize() for coordinate in COORDINATES]
     return (bodies[0] if len(bodies) == 1 else capytaine.Multibody(bodies)), tuple(names)
+
+
+def _half(hull: HullPanels) -> NDArray[np.int64]:
+    """Numbers of the panels with y > 0 if those with y < 0 are their mirror images; none otherwise."""
+    from scipy.spatial import KDTree
+
+    corners = hull.points[hull.panels]
+    size = float(np.ptp(hull.points, axis=0).max())
+    left = np.flatnonzero(corners[:, :, 1].min(axis=1) > -SAME_PLACE * size)
+    right = np.flatnonzero(corners[:, :, 1].max(axis=1) < SAME_PLACE * size)
+    if len(left) + len(right) != len(corners) or len(left) != len(right):
+        return np.zeros(0, dtype=np.int64)
+    area = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    panels = np.hstack([corners.mean(axis=1), area / size])  # area divided by a length: compared as lengths
+    mirror = np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
+    distance, partner = KDTree(panels[right] * mirror).query(panels[left])
+    mirrored = np.all(distance < SAME_PLACE * size) and len(np.unique(partner)) == len(left)
+    return left if mirrored else np.zeros(0, dtype=np.int64)
 
 
 def _results(body: Any, sea: _Sea, frequencies: list[float], processes: int) -> Iterator[_Task]:
@@ -346,25 +262,35 @@ def _solver() -> Any:
     return capytaine.BEMSolver()
 
 
+def _solved(problem: Any) -> Any:
+    """Solution of one problem; a failure is an error here, not NaN in a table."""
+    from capytaine.green_functions.abstract_green_function import GreenFunctionEvaluationError
+
+    try:
+        return _solver().solve(problem, keep_details=False, _check_wavelength=False)
+    except GreenFunctionEvaluationError as error:
+        raise InputError(
+            f"{error}", source="Capytaine", expected="a depth, frequencies and panels it can compute"
+        ) from None
+
+
 def _solve(body: Any, sea: _Sea, number: int, omega: float) -> _Task:
     """All problems of one frequency; any that fails raises (batch solvers would leave NaN)."""
-    import capytaine
+    capytaine = _capytaine()
     from capytaine.bem.airy_waves import froude_krylov_force
 
-    capytaine.set_logging("ERROR")
-    solver = _solver()
     common = {"body": body, "omega": omega, "water_depth": sea.depth, "rho": sea.density, "g": sea.gravity}
     n = len(sea.coordinates)
     task = _Task(number, np.zeros((n, n)), np.zeros((n, n)), np.zeros((len(sea.headings), n), np.complex128))
     for j, radiating in enumerate(sea.coordinates):
         problem = capytaine.RadiationProblem(radiating_dof=radiating, **common)
-        result = solver.solve(problem, keep_details=False, _check_wavelength=False)
+        result = _solved(problem)
         task.added_mass[:, j] = [result.added_mass[i] for i in sea.coordinates]
         task.damping[:, j] = [result.radiation_damping[i] for i in sea.coordinates]
     if np.isfinite(omega):
         for h, heading in enumerate(sea.headings):
             wave = capytaine.DiffractionProblem(wave_direction=heading, **common)
-            result = solver.solve(wave, keep_details=False, _check_wavelength=False)
+            result = _solved(wave)
             incident = froude_krylov_force(wave)
             task.excitation[h] = [result.forces[i] + incident[i] for i in sea.coordinates]
     for values in task[1:]:

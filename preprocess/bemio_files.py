@@ -2,8 +2,10 @@
 
 Layout as h5py sees it, for body b of N: ``/body<b>/hydro_coeffs/`` with ``added_mass/all`` (6, 6N, nw),
 ``added_mass/inf_freq`` (6, 6N), ``radiation_damping/all`` (6, 6N, nw), ``excitation/re`` and ``/im`` (6, nh, nw),
-``linear_restoring_stiffness`` (6, 6), and ``/body<b>/properties/`` with name, cg, cb, disp_vol. Numbers are
-divided by rho (mass), rho omega (damping), rho g (forces, stiffness), unless ``simulation_parameters/scaled`` is 1.
+``linear_restoring_stiffness`` (6, 6), perhaps ``mean_drift/<way>/val`` (6, nh, nw), and ``/body<b>/properties/`` with
+name, cg, cb, disp_vol. Numbers are divided by rho (mass), rho omega (damping), rho g (forces, stiffness), unless
+``simulation_parameters/scaled`` is 1.
+
 Headings are in degrees, time runs as exp(+i omega t) (WAMIT's), rows are forces.
 
 Moments are about the centre of gravity, where WEC-Sim wants the origin of each body: there the restoring has no
@@ -74,7 +76,7 @@ def read_bemio(
         mass, damping = np.zeros((nw, n, n)), np.zeros((nw, n, n))
         infinite = np.zeros((n, n))
         excitation = np.zeros((nw, nh, n), dtype=np.complex128)
-        names, centres, buoyancy, volumes, stiffness = [], [], [], [], []
+        names, centres, buoyancy, volumes, stiffness, drifts = [], [], [], [], [], []
         for b, group in enumerate(groups):
             rows = slice(6 * b, 6 * b + 6)
             body, coefficients = file[group], f"{group}/hydro_coeffs"
@@ -87,6 +89,7 @@ def read_bemio(
             imaginary = _shaped(file, f"{coefficients}/excitation/im", (6, nh, nw))
             # conjugate: exp(+i omega t) to exp(-i omega t)
             excitation[:, :, rows] = np.transpose(real - 1j * imaginary, (2, 1, 0))
+            drifts.append(_mean_drift(file, coefficients, (6, nh, nw)))
             stiffness.append(_shaped(file, f"{coefficients}/linear_restoring_stiffness", (6, 6)))
             centres.append(np.ravel(_array(file, f"{group}/properties/cg")))
             buoyancy.append(np.ravel(_array(file, f"{group}/properties/cb")))
@@ -97,10 +100,13 @@ def read_bemio(
         damping = damping * density * omega[:, None, None]
         excitation = excitation * density * gravity
         stiffness = [matrix * density * gravity for matrix in stiffness]
+        drifts = [None if values is None else values * density * gravity for values in drifts]
     up, turned = np.argsort(omega), np.argsort(headings)
     references = np.array(centres)
     if reference_points is not None:
         references = np.asarray(reference_points, dtype=np.float64).reshape(count, 3)
+    given = [values for values in drifts if values is not None]
+    drift = np.concatenate(given, axis=2)[up][:, turned] if len(given) == count else None
     same = np.allclose(references, np.array(centres), atol=1e-6)
     database = HydrodynamicDatabase(
         bodies=tuple(names),
@@ -116,6 +122,7 @@ def read_bemio(
         depth=depth,
         source=str(path),
         symmetric=symmetric,
+        drift=drift,
         volumes=np.array(volumes),
         centres_of_buoyancy=np.array(buoyancy),
         hydrostatic_stiffness=np.array(stiffness) if same else None,
@@ -151,6 +158,15 @@ def _shaped(file: Any, name: str, shape: tuple[int, ...]) -> NDArray[np.float64]
             expected=f"{shape}: six rigid motions of each body, all bodies in one computation",
         )
     return values
+
+
+def _mean_drift(file: Any, coefficients: str, shape: tuple[int, ...]) -> NDArray[np.float64] | None:
+    """(nw, nh, 6) mean drift, of the first way in which it was computed: control surface, pressure, momentum."""
+    for way in ("control_surface", "pressure_integration", "momentum_conservation"):
+        name = f"{coefficients}/mean_drift/{way}/val"
+        if name in file:
+            return np.transpose(_shaped(file, name, shape), (2, 1, 0))
+    return None
 
 
 def _depth(file: Any) -> float:

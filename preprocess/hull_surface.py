@@ -86,8 +86,8 @@ def check_hull(
 
     Notes
     -----
-    Every edge must be run through in one direction as often as in the other (Mantyla, *An Introduction to Solid
-    Modeling*, 1988, section 6). Edges that meet others in a T, as in many CAD files, are cut there first.
+    Every edge must be run through in one direction as often as in the other. Edges that meet others in a T, as in
+    many CAD files, are cut there first.
     """
     source = surface.name or "hull"
     if surface.radius > 0.0 or not surface.faces.all():

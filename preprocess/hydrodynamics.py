@@ -199,7 +199,7 @@ def check_database(database: HydrodynamicDatabase) -> None:
     InputError
         The first of: shapes that do not fit, values that are not finite, frequencies or headings out of
         order, units that cannot be SI, reference points off the plane of symmetry, matrices that are not
-        symmetric (5 % of the largest), damping that drives (an eigenvalue below -2 % of the largest).
+        symmetric (5 % of the largest), a symmetry of the hulls that the matrices have not, damping that drives (an eigenvalue below -2 % of the largest).
     """
     _check_shapes(database)
     _check_finite(database)
@@ -213,6 +213,8 @@ def check_database(database: HydrodynamicDatabase) -> None:
     _check_symmetry(database, added_mass, "added_mass")
     _check_symmetry(database, infinite[None], "added_mass_infinite")
     _check_symmetry(database, damping, "damping")
+    if database.symmetric:
+        _check_mirror(database, np.concatenate([added_mass, infinite[None]]))
     lowest = np.linalg.eigvalsh(0.5 * (infinite + infinite.T))
     if lowest[0] < -NEGATIVE_DAMPING * lowest[-1]:
         raise InputError(
@@ -402,6 +404,21 @@ def _check_symmetry(database: HydrodynamicDatabase, scaled: NDArray[np.float64],
             source=database.source,
             key=key,
             expected=f"a symmetric matrix within {UNSYMMETRIC:.0%} (finer panels, or a lid)",
+        )
+
+
+def _check_mirror(database: HydrodynamicDatabase, scaled: NDArray[np.float64]) -> None:
+    """Hulls symmetric about y = 0: surge, heave and pitch have no part in sway, roll and yaw."""
+    signs = np.tile(MIRROR_SIGNS, database.body_count)
+    crossing = np.abs(scaled) * (signs[:, None] != signs[None, :])
+    largest = float(np.max(np.abs(scaled)))
+    if crossing.max() > UNSYMMETRIC * largest:
+        _, i, j = (int(v) for v in np.unravel_index(int(np.argmax(crossing)), crossing.shape))
+        raise InputError(
+            f"{COORDINATES[i % 6]} and {COORDINATES[j % 6]} are coupled by {crossing.max() / largest:.1%} of the largest",
+            source=database.source,
+            key="symmetric",
+            expected="hulls symmetric about y = 0, or headings of the whole circle and no declared symmetry",
         )
 
 

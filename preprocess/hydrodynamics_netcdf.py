@@ -119,7 +119,9 @@ def write_netcdf(path: Path | str, database: HydrodynamicDatabase, *, digest: st
         file.attrs["symmetric"] = np.int32(database.symmetric)
         for name, values in axes.items():
             is_text = isinstance(values, list)
-            scale = file.create_dataset(name, data=values, dtype=h5py.string_dtype() if is_text else np.float64)
+            scale = file.create_dataset(
+                name, data=values, dtype=h5py.string_dtype() if is_text else np.float64
+            )
             scale.make_scale(name)
             if name in UNITS:
                 scale.attrs["units"] = np.bytes_(UNITS[name].encode())

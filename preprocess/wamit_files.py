@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase, check_phase
+from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase, check_database, check_phase
 from heavylift.preprocess.wamit_coefficients import (
     INFINITE_FREQUENCY,
     ZERO_FREQUENCY,
@@ -48,14 +48,16 @@ def read_wamit(
     first_column: str = "period",
     symmetric: bool = False,
 ) -> HydrodynamicDatabase:
-    """Read the numeric files ``path.1``, ``path.3`` and, if it is there, ``path.hst``.
+    """Read the numeric files ``path.1``, ``path.3`` and, if they are there, ``path.hst`` and ``path.9`` or ``path.8``.
 
-    These files do not say what made them non-dimensional: it has to be given.
+    These files do not say what made them non-dimensional: it has to be given. The mean drift is that of the run:
+    of hulls that moved (or did not) as they did there. ``.9`` is from pressure, ``.8`` from momentum (surge, sway and
+    yaw of all bodies together: read for one body alone).
 
     Parameters
     ----------
     path
-        The files without their ending (an ending .1, .3 or .hst is dropped).
+        The files without their ending (an ending .1, .3, .8, .9 or .hst is dropped).
     length
         `ULEN` [m].
     density, gravity, depth
@@ -81,7 +83,7 @@ def read_wamit(
         files, volumes needed and not given, or what `check_database` and `check_phase` refuse.
     """
     base = Path(path)
-    if base.suffix in {".1", ".3", ".hst"}:
+    if base.suffix in {".1", ".3", ".8", ".9", ".hst"}:
         base = base.with_suffix("")
     if first_column not in {"period", "omega"}:
         raise InputError(repr(first_column), source=base, key="first_column", expected="'period' or 'omega'")
@@ -126,7 +128,13 @@ def read_wamit(
                 for b in range(count)
             ]
         )
-    database = replace(database, volumes=volume, centres_of_buoyancy=centres, hydrostatic_stiffness=stiffness)
+    database = replace(
+        database,
+        drift=_drift(base, database, length, first_column),
+        volumes=volume,
+        centres_of_buoyancy=centres,
+        hydrostatic_stiffness=stiffness,
+    )
     check_database(database)
     check_phase(database)
     return database
@@ -179,6 +187,45 @@ def _read_excitation(path: Path, rows: WamitRows, first_column: str) -> None:
     for values in _table(path, (7,)):
         key = (_frequency(values[0], first_column), values[1])
         rows.excitation.setdefault(key, {})[abs(int(values[2])) - 1] = complex(values[5], values[6])
+
+
+def _drift(
+    base: Path, database: HydrodynamicDatabase, length: float, first_column: str
+) -> NDArray[np.float64] | None:
+    """(nw, nh, 6N) mean drift per square of the amplitude: F / (rho g L), M / (rho g L^2); None without a file."""
+    path = base.with_name(base.name + ".9")
+    if not path.is_file():
+        path = base.with_name(base.name + ".8")
+        if not path.is_file() or database.body_count > 1:
+            return None
+    n = 6 * database.body_count
+    scale = database.density * database.gravity * length ** (1.0 + (np.arange(n) % 6 >= 3))
+    drift = np.zeros((len(database.omega), len(database.headings), n))
+    found = np.zeros(drift.shape[:2], dtype=bool)
+    # period, two headings [deg], i, modulus, phase, real and imaginary part; of two headings that differ we have no use
+    for values in _table(path, (8,)):
+        if values[1] != values[2]:
+            continue
+        omega, i = _frequency(values[0], first_column), abs(int(values[3])) - 1
+        w = int(np.argmin(np.abs(database.omega - omega)))
+        h = int(np.argmin(np.abs(database.headings - np.deg2rad(values[1]))))
+        near = abs(database.omega[w] - omega) < 1e-4 * omega
+        if not near or abs(np.rad2deg(database.headings[h]) - values[1]) > 1e-3 or i >= n:
+            raise InputError(
+                f"a row of {values[0]:g}, {values[1]:g} deg, mode {i + 1}",
+                source=path,
+                expected="frequencies, headings and modes of the exciting forces",
+            )
+        drift[w, h, i] = values[6] * scale[i]
+        found[w, h] = True
+    if not found.all():
+        w, h = (int(v) for v in np.argwhere(~found)[0])
+        raise InputError(
+            f"no mean drift at {database.omega[w]:.4g} rad/s, {np.rad2deg(database.headings[h]):g} deg",
+            source=path,
+            expected="every period with every heading",
+        )
+    return drift
 
 
 def _read_restoring(path: Path, count: int) -> NDArray[np.float64]:

@@ -72,7 +72,7 @@ def float_bodies(scene: Scene) -> Scene:
         touched = {surface.body for surface in (*scene.surfaces, *scene.contours)} & set(group)
         if touched:
             raise InputError(
-                f"{sorted(touched)[0]!r} interacts with other hulls, and touches something",
+                f"{min(touched)!r} interacts with other hulls, and touches something",
                 source="scene",
                 key="collisions",
                 expected="contacts on hulls with a database of their own only",

@@ -126,7 +126,7 @@ class Radiation:
     database: HydrodynamicDatabase
     memory: Literal["exponentials", "direct", "none"] = "exponentials"
     memory_length: float | None = None
-    fit_error: float = 5e-3
+    fit_error: float = 1e-3
     drift: bool = False
 
 

@@ -1,4 +1,9 @@
-"""Computes two_barges.nc: two barges of 60 x 20 m, 3 m draft, end to end with a gap of 8 m (needs `heavylift[hydro]`)."""
+"""Computes two_barges.nc: two barges of 60 x 20 m, 3 m draft, end to end with a gap of 4 m (needs `heavylift[hydro]`).
+
+The water in the gap resonates at 1.37 rad/s, a wave across the gap between its open sides; the next resonance, with
+half a wave along the gap too, is near sqrt(g k) = 2.80 rad/s, k = pi sqrt(1/4^2 + 1/20^2), beyond the table. A
+gap of 8 m would have it at 2.05 rad/s, with a peak too narrow for steps of 0.05 rad/s.
+"""
 
 from __future__ import annotations
 
@@ -7,19 +12,22 @@ from pathlib import Path
 
 import numpy as np
 
-from heavylift.preprocess.bem import BemInputs, compute_database, database_digest
+from heavylift.preprocess.bem import compute_database
+from heavylift.preprocess.bem_inputs import BemInputs, database_digest
 from heavylift.preprocess.hull_panels import box_panels
 from heavylift.preprocess.hydrodynamics_netcdf import write_netcdf
 
-CENTRES = (-34.0, 34.0)  # of the hulls along x [m]: half a length and half the gap from the origin
+CENTRES = (-32.0, 32.0)  # of the hulls along x [m]: half a length and half the gap from the origin
 
 
 def database_inputs() -> BemInputs:
-    """2 x 320 panels of 2.5 m and lids; 40 frequencies; 19 headings, the other side by symmetry."""
+    """2 x 320 panels of 2.5 m and lids; 50 frequencies; 19 headings, the other side by symmetry."""
     hull = box_panels(60.0, 20.0, 3.0, 2.5)
     return BemInputs(
-        hulls=tuple(hull.translated(x, 0.0, name=name) for x, name in zip(CENTRES, ("aft", "fore"), strict=True)),
-        omega=0.05 * np.arange(1, 41),
+        hulls=tuple(
+            hull.translated(x, 0.0, name=name) for x, name in zip(CENTRES, ("aft", "fore"), strict=True)
+        ),
+        omega=0.05 * np.arange(1, 51),
         headings=np.deg2rad(np.arange(0.0, 181.0, 10.0)),
         reference_points=np.array([[x, 0.0, 0.0] for x in CENTRES]),
         symmetric=True,

@@ -21,12 +21,14 @@ from heavylift.solver.contact.kind import (
     FEATURE,
     FEATURES,
     FORCE_LAW,
+    GAP,
     LAW,
     LOSS,
     OF_CONTOURS,
     OTHER_FEATURE,
     PAIR,
     PATCH,
+    PRESENT,
     SHARE,
     SIDE,
     SIZE,
@@ -217,7 +219,8 @@ def _weight(gap: float, reach: float) -> float:
 def share_stiffness(meshes: Meshes, contacts: ContactRows, pair: int, patches: int, reach: float) -> None:
     """Contacts that touch share the stiffness of their patch equally; one that comes near takes its share by and by.
 
-    So forces do not jump when it touches. What the others have stored more or less by that is booked as lost.
+    So forces do not jump when it touches. What the others have stored more or less by that is booked as lost, and so is
+    what is stored by one that did not take part in the step.
     """
     for k in range(patches):
         meshes.sums[k] = 0.0
@@ -237,5 +240,6 @@ def share_stiffness(meshes: Meshes, contacts: ContactRows, pair: int, patches: i
         values[STIFFNESS] = state[SHARE] * stiffness
         values[DAMPING] = state[SHARE] * meshes.pair_values[pair, DAMPING]
         law, exponent, depth = contacts.table[c, FORCE_LAW], values[EXPONENT], -state[END_GAP]
-        state[LOSS] += stored_energy(law, before, exponent, depth)
+        paid = depth if state[PRESENT] > 0.0 else -state[GAP]
+        state[LOSS] += stored_energy(law, before, exponent, paid)
         state[LOSS] -= stored_energy(law, values[STIFFNESS], exponent, depth)

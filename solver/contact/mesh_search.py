@@ -13,7 +13,6 @@ from typing import Any
 from heavylift.contours.feature_pairs import find_contacts
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
-from heavylift.numerics.small import cross
 from heavylift.solver.contact.counts import contact_count, number_of
 from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.facet_interface import form_facets
@@ -21,17 +20,12 @@ from heavylift.solver.contact.kind import (
     BESIDE,
     COMPLIANT,
     END_GAP,
-    EXPONENT,
     FEATURE,
     FEATURES,
     FIRST_BLOCK,
-    FORCE_LAW,
     GAP,
     HIT,
-    LAW,
     LEFT,
-    LOSS,
-    MIDDLE_FORCE,
     NORMAL,
     OF_CONTOURS,
     OTHER_FEATURE,
@@ -43,16 +37,14 @@ from heavylift.solver.contact.kind import (
     SIDE,
     SIZE,
     SLEEP,
-    SLIP,
     START_BESIDE,
     START_GAP,
     START_RATE,
     STEP_SHIFT,
-    STIFFNESS,
     TANGENT,
     ContactRows,
 )
-from heavylift.solver.contact.laws import stored_energy
+from heavylift.solver.contact.mesh_handover import book_jump, goes_on, turn_memory
 from heavylift.solver.contact.mesh_interface import find_first_contacts, search_surfaces
 from heavylift.solver.contact.mesh_kind import (
     BESIDE_AT,
@@ -80,10 +72,7 @@ from heavylift.solver.contact.mesh_patches import (
 )
 from heavylift.solver.contact.mesh_sides import (
     ABOUT_NOTHING,
-    ALIGNED,
-    aligned,
     deepest_of,
-    evaluate,
     gap_at_start,
     holds,
     settle_sides,
@@ -91,10 +80,8 @@ from heavylift.solver.contact.mesh_sides import (
 from heavylift.solver.contact.mesh_slots import add_contact, surface_count
 from heavylift.solver.contact.mesh_table import enter, fill_table, look_up
 from heavylift.solver.contact.mesh_touch import relative_pose, touch_mesh_contact
-from heavylift.solver.contact.stage import impulse_row
 from heavylift.solver.interface import STATUS_BLOCK, STATUS_OUTCOME, Workspace
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import HALF_IMPULSE
 
 __all__: list[str] = []
 
@@ -225,12 +212,13 @@ def _search_pair(
                 and state[SIDE] != meshes.found_values[i, FOUND_SIDE]
                 and not holds(contacts, c)
             ):
-                state[SIDE] = meshes.found_values[i, FOUND_SIDE]
+                gap, state[SIDE] = state[END_GAP], meshes.found_values[i, FOUND_SIDE]
                 for k in range(3):
                     state[NORMAL + k] = 0.0  # the side is new
                 touch_mesh_contact(meshes, contacts, bodies, c, work)
+                book_jump(contacts, c, gap)
             continue
-        if meshes.keeps[i] < 0 or (lost > 0 and _hand_over(meshes, contacts, bodies, pair, i, work)):
+        if meshes.keeps[i] < 0 or (lost > 0 and _hand_over(meshes, contacts, bodies, pair, i, moved, work)):
             continue
         if not _add(meshes, contacts, bodies, pair, i, moved, step, work):
             _stop(contacts, pair, work)
@@ -263,52 +251,20 @@ def _follow_contacts(
 
 @kernel(internal=True)
 def _hand_over(
-    meshes: Meshes, contacts: ContactRows, bodies: Any, pair: int, i: int, work: Workspace
+    meshes: Meshes, contacts: ContactRows, bodies: Any, pair: int, i: int, moved: float, work: Workspace
 ) -> bool:
-    """A closed contact that has left its face or edge goes on with what was found beside it, its memory kept."""
-    found, size = meshes.found[i], meshes.pair_values[pair, SIZE]
-    kind, feature, other = found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]
-    side = meshes.found_values[i, FOUND_SIDE]
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
-        state = contacts.state[c]
-        if state[PAIR] != pair or not holds(contacts, c) or not state[BESIDE] > BORDER * size:
-            continue
-        if state[FEATURES] != kind or not (state[FEATURE] == feature or state[OTHER_FEATURE] == other):
-            continue
-        evaluate(meshes, pair, i, meshes.relative[pair], side)
-        cosine = aligned(meshes, contacts, pair, c)
-        if abs(cosine) < ALIGNED:
-            continue
-        state[FEATURE], state[OTHER_FEATURE] = feature, other
-        state[SIDE] = side if cosine > 0.0 else -side
-        state[PATCH] = float(meshes.keeps[i])
-        t1, t2, t3 = state[TANGENT], state[TANGENT + 1], state[TANGENT + 2]
-        touch_mesh_contact(meshes, contacts, bodies, c, work)
-        _turn_memory(contacts, c, t1, t2, t3)
-        return True
-    return False
-
-
-@kernel(internal=True)
-def _turn_memory(contacts: ContactRows, c: int, t1: float, t2: float, t3: float) -> None:
-    """What a contact remembers along its tangents, in those of its new features; `t` is the first one before."""
+    """A contact that holds and has left its face or edge goes on with what was found there, its memory kept."""
+    c, side = goes_on(meshes, contacts, pair, i, moved)
+    if c < 0:
+        return False
     state = contacts.state[c]
-    n1, n2, n3 = state[NORMAL], state[NORMAL + 1], state[NORMAL + 2]
-    # components of the tangent before: the second ones are turned by the same angle
-    cosine = t1 * state[TANGENT] + t2 * state[TANGENT + 1] + t3 * state[TANGENT + 2]
-    s1, s2, s3 = cross(n1, n2, n3, state[TANGENT], state[TANGENT + 1], state[TANGENT + 2])
-    sine = t1 * s1 + t2 * s2 + t3 * s3
-    size = math.hypot(cosine, sine)
-    if not size > 0.0:
-        return
-    cosine, sine = cosine / size, sine / size
-    a, b = state[SLIP], state[SLIP + 1]
-    state[SLIP], state[SLIP + 1] = cosine * a - sine * b, sine * a + cosine * b
-    a, b = state[MIDDLE_FORCE + 1], state[MIDDLE_FORCE + 2]
-    state[MIDDLE_FORCE + 1], state[MIDDLE_FORCE + 2] = cosine * a - sine * b, sine * a + cosine * b
-    half = impulse_row(contacts, c, HALF_IMPULSE)
-    a, b = contacts.rows[half + 1], contacts.rows[half + 2]
-    contacts.rows[half + 1], contacts.rows[half + 2] = cosine * a - sine * b, sine * a + cosine * b
+    state[FEATURE], state[OTHER_FEATURE] = meshes.found[i, FOUND_FIRST], meshes.found[i, FOUND_SECOND]
+    state[SIDE], state[PATCH] = side, float(meshes.keeps[i])
+    gap, t1, t2, t3 = state[END_GAP], state[TANGENT], state[TANGENT + 1], state[TANGENT + 2]
+    touch_mesh_contact(meshes, contacts, bodies, c, work)
+    turn_memory(contacts, c, t1, t2, t3)
+    book_jump(contacts, c, gap)
+    return True
 
 
 @kernel(internal=True)
@@ -375,15 +331,12 @@ def _finish_contacts(meshes: Meshes, contacts: ContactRows) -> None:
         gone_round = state[GAP] > nothing and state[END_GAP] < -nothing and not holds(contacts, c)
         gone_round = gone_round and meshes.pairs[int(state[PAIR]), DEFORMS] == 0
         if (beside or gone_round) and state[HIT] == 0.0:
+            gap = state[END_GAP]
             if not holds(contacts, c):  # goes; if it comes back, it is found with the side it comes from
                 state[PATCH] = -1.0
                 state[END_GAP] = FAR_AWAY * (size + meshes.pair_values[int(state[PAIR]), PAIR_REACH])
             elif state[LEFT] > 0.0:  # nothing beyond the border took it over for a whole step
-                if contacts.table[c, LAW] == COMPLIANT:  # and what it has stored is lost
-                    values = contacts.values[c]
-                    state[LOSS] += stored_energy(
-                        contacts.table[c, FORCE_LAW], values[STIFFNESS], values[EXPONENT], -state[END_GAP]
-                    )
                 state[END_GAP] = max(state[END_GAP], size)
+            book_jump(contacts, c, gap)  # what it has stored is lost
         state[LEFT] = 1.0 if beside else 0.0
         state[SLEEP] = state[END_GAP]

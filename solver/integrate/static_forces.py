@@ -45,7 +45,7 @@ DIFFERENCE = 1e-5
 
 LAW_ITERATIONS = 50
 
-ON_ONE_BODY = frozenset({"UniformGravity", "PointForces"})
+ON_ONE_BODY = frozenset({"UniformGravity", "PointForces", "FluidLoads"})
 """Kinds of forces that do not act between bodies. With others each body is displaced by itself."""
 
 

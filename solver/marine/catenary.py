@@ -149,6 +149,8 @@ def solve_line(
     x = max(x, SMALLEST_SPAN * length)
     H = V = 0.0
     warm = state[row, BRANCH] == SUSPENDED or state[row, BRANCH] == RESTING
+    if warm and x == state[row, SPAN] and z == state[row, RISE]:
+        return  # so that looking twice changes nothing
     if warm:
         dx, dz = x - state[row, SPAN], z - state[row, RISE]
         last = state[row, HORIZONTAL]

@@ -231,7 +231,9 @@ def length_for_tension(
         return solve_catenary(line, x, z, seabed=seabed, friction=friction).tension - tension
 
     chord = math.hypot(x, z)
-    shortest = chord / (1.0 + 1.001 * tension / axial_stiffness) * (1.0 - 1e-9)
+    shortest = chord * (1.0 + 1e-12)
+    if math.isfinite(axial_stiffness):
+        shortest = chord / (1.0 + 1.001 * tension / axial_stiffness) * (1.0 - 1e-9)
     longest = x + abs(z) * (1.0 + weight * abs(z) / axial_stiffness)
     if not seabed:
         best = minimize_scalar(excess, bounds=(shortest, 3.0 * longest), method="bounded")

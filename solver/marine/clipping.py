@@ -119,7 +119,7 @@ def clip_surface(
     needs no triangles. Its boundary are the cuts, whence area and moments follow by Green's theorem. A vertex on the
     plane counts as above it, which is the limit of a hull that is raised a little; neighbours then always agree on
     their common edge. Submerged volume and first moments: Mirtich, "Fast and accurate computation of polyhedral mass
-    properties", Journal of Graphics Tools 1 (1996), here by tetrahedra.
+    properties", Journal of Graphics Tools 1(2) (1996), here by tetrahedra.
     """
     r0, r1, r2 = rotation[0], rotation[1], rotation[2]
     r3, r4, r5 = rotation[3], rotation[4], rotation[5]
@@ -236,7 +236,7 @@ def buoyancy_stiffness(
 
     and the others are zero. The column of yaw turns the moment along with the body; it is what makes the matrix
     unsymmetric, and vanishes together with the weight in equilibrium. Weight has its own stiffness, about the centre of
-    gravity: compare Faltinsen, *Sea Loads on Ships and Offshore Structures* (1990), equation (3.36).
+    gravity.
     """
     v, vx, vy, vz, a, sx, sy, ixx, iyy, ixy = out[: PLANE_XY + 1]
     b = vz - height * v

@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.marine.wave_transfer import HEADING_HOLD
 
 __all__ = [
     "SeriesExcitation",
@@ -30,8 +29,8 @@ __all__ = [
     "sum_excitation",
 ]
 
-_OMEGA, _KX, _KY, _PHASE, _DIRECTION, _AMPLITUDE = range(6)
-_START, _INVERSE_SPACING, _CELLS, _PERIODIC, _SPAN, _RAMP_START, _RAMP = range(7)
+_OMEGA, _KX, _KY, _PHASE, _AMPLITUDE = range(5)
+_FIRST, _INVERSE_SPACING, _CELLS, _PERIODIC = range(4)
 
 
 class SummedExcitation(NamedTuple):
@@ -40,16 +39,17 @@ class SummedExcitation(NamedTuple):
     Attributes
     ----------
     components
-        omega [rad/s], kx, ky [1/m], eps [rad], direction [rad], amplitude [m]: shape (6, m).
+        omega [rad/s], kx, ky [1/m], eps [rad], amplitude [m]: shape (5, m).
     table
-        Amplitude times excitation: real and imaginary part of six coordinates, then their slopes over heading per
-        spacing; row (hull (cells + 1) + node) m + component, shape (N (cells + 1) m, 24): waves of one direction
-        read one piece of it.
+        Amplitude times excitation at yaw angles of the hull: real and imaginary part of six coordinates, then their
+        slopes over the yaw per spacing. Row (hull (cells + 1) + node) 24 + quantity, shape (N (cells + 1) 24, m): the
+        two nodes about a yaw are read from end to end, whatever the directions of the waves.
     drift
-        Amplitude times mean drift per amplitude squared, and slopes, in the same rows, shape (.., 12); no row without.
-    settings
-        First heading [rad], 1 / spacing, cells, 1 if the headings go round, span [rad], start of the ramp [s],
-        length of the ramp [s]: shape (7,).
+        Amplitude times mean drift per amplitude squared, and slopes, twelve rows a node; no row without drift.
+    yaws
+        First yaw [rad], 1 / spacing [1/rad], cells, 1 if the yaw goes round: shape (N, 4).
+    ramp
+        Start and length of the ramp [s], shape (2,).
     waves
         Work space: cosine and sine of the components at one hull, shape (2, m).
     """
@@ -57,7 +57,8 @@ class SummedExcitation(NamedTuple):
     components: NDArray[np.float64]
     table: NDArray[np.float64]
     drift: NDArray[np.float64]
-    settings: NDArray[np.float64]
+    yaws: NDArray[np.float64]
+    ramp: NDArray[np.float64]
     waves: NDArray[np.float64]
 
 
@@ -115,66 +116,66 @@ def _waves_at(excitation: SummedExcitation, time: float, x: float, y: float) -> 
 
 
 @kernel(inline=True, internal=True)
-def _heading_cell(settings: NDArray[np.float64], heading: float) -> tuple[int, float]:
-    """Piece in which a heading lies and the place in it (0 to 1); NaN if the table does not cover it."""
-    turn = 6.283185307179586
-    shift = 0.0 if settings[_PERIODIC] > 0.0 else 0.5 * (turn - settings[_SPAN])
-    offset = heading - settings[_START] + shift
-    offset -= turn * np.floor(offset * 0.15915494309189535) + shift
-    place = offset * settings[_INVERSE_SPACING]
-    cells = settings[_CELLS]
-    outside = settings[_PERIODIC] == 0.0 and (
-        offset < -HEADING_HOLD or offset > settings[_SPAN] + HEADING_HOLD
-    )
-    place = min(max(place, 0.0), cells)
-    cell = min(np.floor(place), cells - 1.0)
-    return int(cell), math.nan if outside else place - cell
+def _yaw_cell(yaws: NDArray[np.float64], hull: int, yaw: float) -> tuple[int, float]:
+    """Piece of the table in which a yaw lies and the place in it, 0 to 1; NaN where the table has none."""
+    offset = yaw - yaws[hull, _FIRST]
+    if yaws[hull, _PERIODIC] > 0.0:
+        turn = 6.283185307179586
+        offset -= turn * np.floor(offset / turn)
+    place = offset * yaws[hull, _INVERSE_SPACING]
+    last = yaws[hull, _CELLS]
+    if not (place > -1e-9 and place < last + 1e-9):  # also if the yaw is no number
+        return 0, math.nan
+    cell = min(max(np.floor(place), 0.0), last - 1.0)
+    return int(cell), place - cell
 
 
-@kernel(internal=True)
-def _sum_hull(
-    excitation: SummedExcitation, hull: int, yaw: float
-) -> tuple[float, float, float, float, float, float]:
-    """First-order force of one hull from the cosines and sines of the components."""
-    components, table, waves, settings = (
-        excitation.components, excitation.table, excitation.waves, excitation.settings,
-    )  # fmt: skip
-    count = components.shape[1]
-    nodes = int(settings[_CELLS]) + 1
-    f0 = f1 = f2 = f3 = f4 = f5 = 0.0
-    for m in range(count):
-        cell, s = _heading_cell(settings, components[_DIRECTION, m] - yaw)
-        row = (hull * nodes + cell) * count + m
-        # cubic Hermite: values and slopes at both ends of the piece
-        a = 1.0 - s
-        v0, v1 = (1.0 + 2.0 * s) * a * a, s * s * (3.0 - 2.0 * s)
-        d0, d1 = s * a * a, -s * s * a
-        c, i = waves[0, m], -waves[1, m]
-        vc, vi, dc, di = v0 * c, v0 * i, d0 * c, d0 * i
-        wc, wi, ec, ei = v1 * c, v1 * i, d1 * c, d1 * i
-        p, q = table[row], table[row + count]
-        # fmt: off
-        f0 += (vc * p[0] + vi * p[6] + dc * p[12] + di * p[18]
-               + wc * q[0] + wi * q[6] + ec * q[12] + ei * q[18])
-        f1 += (vc * p[1] + vi * p[7] + dc * p[13] + di * p[19]
-               + wc * q[1] + wi * q[7] + ec * q[13] + ei * q[19])
-        f2 += (vc * p[2] + vi * p[8] + dc * p[14] + di * p[20]
-               + wc * q[2] + wi * q[8] + ec * q[14] + ei * q[20])
-        f3 += (vc * p[3] + vi * p[9] + dc * p[15] + di * p[21]
-               + wc * q[3] + wi * q[9] + ec * q[15] + ei * q[21])
-        f4 += (vc * p[4] + vi * p[10] + dc * p[16] + di * p[22]
-               + wc * q[4] + wi * q[10] + ec * q[16] + ei * q[22])
-        f5 += (vc * p[5] + vi * p[11] + dc * p[17] + di * p[23]
-               + wc * q[5] + wi * q[11] + ec * q[17] + ei * q[23])
-        # fmt: on
-    return f0, f1, f2, f3, f4, f5
+@kernel(internal=True, reassociate=True)
+def _sum_coordinate(
+    table: NDArray[np.float64],
+    waves: NDArray[np.float64],
+    row: int,
+    after: int,
+    weights: tuple[float, float, float, float],
+) -> float:
+    """First-order force on one coordinate: cubic Hermite over the yaw, then the sum over the components.
+
+    `row` and `after` are those of the real part at both nodes; the imaginary part is six rows on, slopes twelve.
+    """
+    v0, d0, v1, d1 = weights
+    total = 0.0
+    for m in range(waves.shape[1]):
+        re = v0 * table[row, m] + d0 * table[row + 12, m] + v1 * table[after, m] + d1 * table[after + 12, m]
+        im = (
+            v0 * table[row + 6, m]
+            + d0 * table[row + 18, m]
+            + v1 * table[after + 6, m]
+            + d1 * table[after + 18, m]
+        )
+        total += re * waves[0, m] - im * waves[1, m]
+    return total
 
 
-@kernel(internal=True)
-def _add_drift(
-    excitation: SummedExcitation, hull: int, yaw: float, factor: float, out: NDArray[np.float64]
-) -> None:
-    """Add the slowly varying drift of one hull.
+@kernel(internal=True, reassociate=True)
+def _sum_envelope(components: NDArray[np.float64], waves: NDArray[np.float64]) -> tuple[float, float]:
+    """Sum of amplitude times cosine, and times sine."""
+    c = s = 0.0
+    for m in range(waves.shape[1]):
+        c += components[_AMPLITUDE, m] * waves[0, m]
+        s += components[_AMPLITUDE, m] * waves[1, m]
+    return c, s
+
+
+@kernel(internal=True, reassociate=True)
+def _sum_drift(
+    drift: NDArray[np.float64],
+    waves: NDArray[np.float64],
+    row: int,
+    after: int,
+    weights: tuple[float, float, float, float],
+    envelope: tuple[float, float],
+) -> float:
+    """Slowly varying drift of one coordinate.
 
     Notes
     -----
@@ -183,29 +184,13 @@ def _add_drift(
     ``F = Re[conj(sum_m a_m e_m) sum_n a_n D_n e_n]``. It has difference frequencies alone, and the mean is
     sum a^2 D whatever the signs of D.
     """
-    components, table, waves, settings = (
-        excitation.components, excitation.drift, excitation.waves, excitation.settings,
-    )  # fmt: skip
-    count = components.shape[1]
-    nodes = int(settings[_CELLS]) + 1
-    sum_c = sum_s = 0.0
-    for m in range(count):
-        sum_c += components[_AMPLITUDE, m] * waves[0, m]
-        sum_s += components[_AMPLITUDE, m] * waves[1, m]
-    for m in range(count):
-        cell, s = _heading_cell(settings, components[_DIRECTION, m] - yaw)
-        row = (hull * nodes + cell) * count + m
-        a = 1.0 - s
-        both = factor * (sum_c * waves[0, m] + sum_s * waves[1, m])
-        v0, v1 = both * (1.0 + 2.0 * s) * a * a, both * s * s * (3.0 - 2.0 * s)
-        d0, d1 = both * s * a * a, -both * s * s * a
-        for j in range(6):
-            out[6 * hull + j] += (
-                v0 * table[row, j]
-                + d0 * table[row, 6 + j]
-                + v1 * table[row + count, j]
-                + d1 * table[row + count, 6 + j]
-            )
+    v0, d0, v1, d1 = weights
+    c, s = envelope
+    total = 0.0
+    for m in range(waves.shape[1]):
+        D = v0 * drift[row, m] + d0 * drift[row + 6, m] + v1 * drift[after, m] + d1 * drift[after + 6, m]
+        total += D * (c * waves[0, m] + s * waves[1, m])
+    return total
 
 
 @kernel(internal=True)
@@ -226,22 +211,27 @@ def sum_excitation(
         Overwritten: forces [N] and moments [N m] about the reference points in the heading frames, shape (6 N,).
         NaN if a hull has turned to where the database has no headings, or if a place is not finite.
     """
-    ramp = ramp_factor(time, excitation.settings[_RAMP_START], excitation.settings[_RAMP])
+    ramp = ramp_factor(time, excitation.ramp[0], excitation.ramp[1])
     for hull in range(place.shape[0]):
-        if not math.isfinite(place[hull, 0] + place[hull, 1] + place[hull, 2]):
-            for j in range(6):  # a heading that is no number would be no row of the table
-                out[6 * hull + j] = math.nan
-            continue
+        cell, s = _yaw_cell(excitation.yaws, hull, place[hull, 2])
         _waves_at(excitation, time, place[hull, 0], place[hull, 1])
-        f0, f1, f2, f3, f4, f5 = _sum_hull(excitation, hull, place[hull, 2])
-        out[6 * hull] = ramp * f0
-        out[6 * hull + 1] = ramp * f1
-        out[6 * hull + 2] = ramp * f2
-        out[6 * hull + 3] = ramp * f3
-        out[6 * hull + 4] = ramp * f4
-        out[6 * hull + 5] = ramp * f5
+        a = 1.0 - s
+        weights = (1.0 + 2.0 * s) * a * a, s * a * a, s * s * (3.0 - 2.0 * s), -s * s * a
+        node = hull * (int(excitation.yaws[hull, _CELLS]) + 1) + cell
+        for j in range(6):
+            row = 24 * node + j
+            out[6 * hull + j] = ramp * _sum_coordinate(
+                excitation.table, excitation.waves, row, row + 24, weights
+            )
         if excitation.drift.shape[0] > 0:
-            _add_drift(excitation, hull, place[hull, 2], ramp * ramp, out)
+            envelope = _sum_envelope(excitation.components, excitation.waves)
+            for j in range(6):
+                row = 12 * node + j
+                out[6 * hull + j] += (
+                    ramp
+                    * ramp
+                    * _sum_drift(excitation.drift, excitation.waves, row, row + 12, weights, envelope)
+                )
 
 
 @kernel(inline=True, internal=True)

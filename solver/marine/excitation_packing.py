@@ -13,16 +13,21 @@ from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
 from heavylift.solver.marine.excitation import SeriesExcitation, SummedExcitation, catmull_rom, fill_series
 from heavylift.solver.marine.wave_trains import WaveTrains
 from heavylift.solver.marine.wave_transfer import (
+    HEADING_HOLD,
     HeadingTable,
     components_inside,
     drift_table,
     excitation_table,
+    heading_offset,
 )
 
 __all__ = ["SERIES_ERROR", "catmull_rom_error", "pack_series", "pack_summed", "series_step"]
 
 SERIES_ERROR = 2e-4
 """Error of the interpolated series, as part of the standard deviation of each coordinate."""
+
+NARROWEST = 1e-3
+"""Range of a table over the yaw [rad] at least."""
 
 
 def pack_summed(
@@ -33,6 +38,7 @@ def pack_summed(
     ramp: float = 0.0,
     ramp_start: float = 0.0,
     with_drift: bool = False,
+    turning: bool = True,
 ) -> SummedExcitation:
     """Prepare the excitation of hulls that move or yaw.
 
@@ -51,6 +57,8 @@ def pack_summed(
         [s]; before it the forces are zero if there is a ramp.
     with_drift
         Add the slowly varying drift of the database.
+    turning
+        Tabulate over all yaw angles that the database covers; otherwise at the start alone.
 
     Raises
     ------
@@ -59,7 +67,9 @@ def pack_summed(
 
     Notes
     -----
-    Components outside the range of the database carry at most 1 % of the variance and are left out.
+    Components outside the range of the database carry at most 1 % of the variance and are left out. The table is over
+    the yaw of the hull with half the spacing of the headings, not over headings: then all components, whatever their
+    directions, lie in the same piece of it.
     """
     start = np.atleast_1d(np.asarray(yaws, dtype=np.float64))
     if len(start) != database.body_count:
@@ -69,39 +79,42 @@ def pack_summed(
         raise InputError(f"ramp of {ramp:g} s", key="ramp", expected=">= 0 s")
     inside = components_inside(database, trains, start)
     omega = np.clip(trains.omega[inside], database.omega[0], database.omega[-1])
+    direction, amplitude = trains.direction[inside], trains.amplitude[inside]
     table = excitation_table(database, omega)
-    rows = _packed_rows(table, trains.amplitude[inside], database.body_count)
-    packed = np.concatenate([rows[0].real, rows[0].imag, rows[1].real, rows[1].imag], axis=1)
-    drift = np.zeros((0, 12))
+    yaw_rows = np.array([_yaw_row(table, direction, yaw, turning) for yaw in start])
+    yaw_rows[:, 2] = np.max(yaw_rows[:, 2])  # one number of cells for all hulls
+    yaw_rows[:, 1] /= yaw_rows[:, 2]
+    values, slopes = _over_yaws(table, direction, amplitude, yaw_rows)
+    packed = np.concatenate([values.real, values.imag, slopes.real, slopes.imag], axis=2)
+    drift = np.zeros((0, len(omega)))
     if with_drift:
         over_heading = drift_table(database, omega)
         if over_heading is None:
-            raise InputError("has no mean drift", source=database.source, key="drift",
-                             expected="a database with drift coefficients, or a scene without drift")  # fmt: skip
-        drift = np.concatenate(
-            [one.real for one in _packed_rows(over_heading, trains.amplitude[inside], database.body_count)],
-            axis=1,
-        )
+            raise InputError(
+                "has no mean drift",
+                source=database.source,
+                key="drift",
+                expected="a database with drift coefficients, or a scene without drift",
+            )
+        values, slopes = _over_yaws(over_heading, direction, amplitude, yaw_rows)
+        drift = np.concatenate([values.real, slopes.real], axis=2).reshape(-1, len(omega))
     components = np.stack(
         [
             trains.omega[inside],
-            trains.wavenumber[inside] * np.cos(trains.direction[inside]),
-            trains.wavenumber[inside] * np.sin(trains.direction[inside]),
+            trains.wavenumber[inside] * np.cos(direction),
+            trains.wavenumber[inside] * np.sin(direction),
             trains.phase[inside],
-            trains.direction[inside],
-            trains.amplitude[inside],
+            amplitude,
         ]
     )
-    settings = np.array(
-        [table.start, 1.0 / table.spacing, table.cells, table.periodic, table.span, ramp_start, ramp],
-        dtype=np.float64,
-    )
+    yaw_rows[:, 1] = 1.0 / yaw_rows[:, 1]
     return SummedExcitation(
-        _aligned_copy(components),
-        _aligned_copy(packed),
-        _aligned_copy(drift),
-        settings,
-        aligned((2, len(omega))),
+        components=_aligned_copy(components),
+        table=_aligned_copy(packed.reshape(-1, len(omega))),
+        drift=_aligned_copy(drift),
+        yaws=yaw_rows,
+        ramp=np.array([ramp_start, ramp], dtype=np.float64),
+        waves=aligned((2, len(omega))),
     )
 
 
@@ -141,7 +154,7 @@ def pack_series(
     if not (duration > 0.0 and math.isfinite(duration)) or (step is not None and not step > 0.0):
         raise InputError(f"duration {duration:g} s, step {step} s", key="duration", expected="> 0 s")
     summed = pack_summed(
-        trains, database, yaws=place[:, 2], ramp=ramp, ramp_start=start, with_drift=with_drift
+        trains, database, yaws=place[:, 2], ramp=ramp, ramp_start=start, with_drift=with_drift, turning=False
     )
     interval = series_step(trains, database, place[:, 2]) if step is None else step
     first = start - 2.0 * interval
@@ -195,17 +208,36 @@ def catmull_rom_error(angle: NDArray[np.float64]) -> NDArray[np.float64]:
     )
 
 
-def _packed_rows(
-    table: HeadingTable, amplitude: NDArray[np.float64], hulls: int
+def _yaw_row(table: HeadingTable, direction: NDArray[np.float64], yaw: float, turning: bool) -> list[float]:
+    """First yaw [rad], range [rad], cells, and 1 if it goes round, of the table of one hull."""
+    if not turning:
+        return [yaw, NARROWEST, 1.0, 0.0]
+    if table.periodic:
+        return [0.0, 2.0 * math.pi, 2.0 * table.cells, 1.0]
+    # as far as the headings of all components stay within those of the database
+    offset = heading_offset(table, direction - yaw)
+    right = float(np.min(table.span + HEADING_HOLD - offset))
+    left = float(np.min(offset + HEADING_HOLD))
+    finest = 0.5 * min(table.spacing, HEADING_HOLD)
+    width = max(right + left, NARROWEST)
+    return [yaw - right, width, float(math.ceil(width / finest)), 0.0]
+
+
+def _over_yaws(
+    table: HeadingTable,
+    direction: NDArray[np.float64],
+    amplitude: NDArray[np.float64],
+    yaw_rows: NDArray[np.float64],
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Values and slopes times amplitude, rows ordered by hull, heading and component, six columns each."""
-
-    def rows(nodes: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        m, count, _ = nodes.shape
-        scaled = (nodes * amplitude[:, None, None]).reshape(m, count, hulls, 6)
-        return np.asarray(scaled.transpose(2, 1, 0, 3).reshape(hulls * m * count, 6))
-
-    return rows(table.values), rows(table.slopes)
+    """Amplitude times values, and slopes per spacing, at the yaw angles: shape (N, cells + 1, 6, m)."""
+    shape = (len(yaw_rows), int(yaw_rows[0, 2]) + 1, 6, len(direction))
+    values, slopes = np.empty(shape, dtype=np.complex128), np.empty(shape, dtype=np.complex128)
+    for hull, (first, spacing, _, _) in enumerate(yaw_rows):
+        for node in range(shape[1]):
+            v, r = table.with_rates(direction - (first + spacing * node), slice(6 * hull, 6 * hull + 6))
+            values[hull, node] = (v * amplitude[:, None]).T
+            slopes[hull, node] = (-spacing * r * amplitude[:, None]).T  # headings fall as the yaw grows
+    return values, slopes
 
 
 def _aligned_copy(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -36,6 +36,7 @@ _STEPS = 200
 _LARGEST_TURN = 0.15  # rad in a step
 _LARGEST_HEAVE = 0.1  # of the size, in a step
 _SMALL = 1e-11  # step of the size and in rad, at which it is over
+_ROUNDING = 1e-15  # of the weight times the size: smaller moments are none
 _TRUSTED = 1e-6  # below it, differences of the potential are rounding
 _NUDGE = 0.02  # of an unstable position
 _TINY = 1e-9  # relative stiffness below which a position is not stable
@@ -141,9 +142,10 @@ class FloatingHull:
 
     Notes
     -----
-    Liquid that runs to the lower side acts as if the centre of gravity were higher by the free surface over the mass
-    (IMO, *International Code on Intact Stability* 2008, part B, 3.1): its moment at the angle of heel phi is
-    ``g i sin(phi)``, and likewise about the transverse axis.
+    Liquid that runs to the lower side acts as if the centre of gravity were higher by the free surface over the mass:
+    its moment at the angle of heel phi is ``g i sin(phi)``, and likewise about the transverse axis. That metacentric
+    heights and righting arms are to be corrected for it: IMO, *International Code on Intact Stability* 2008, part B,
+    3.1.1.
     """
 
     def __init__(
@@ -312,6 +314,7 @@ def settle(floating: FloatingHull, start: Pose, *, heeled: bool = False) -> Pose
     """
     free = np.array([0, 2] if heeled else [0, 1, 2])
     scale = np.array([floating.size, 1.0, 1.0])[free]
+    rounding = _ROUNDING * floating.mass * floating.gravity * floating.size
     pose = start
     energy, force = floating.evaluate(pose)
     for _ in range(_STEPS):
@@ -324,7 +327,7 @@ def settle(floating: FloatingHull, start: Pose, *, heeled: bool = False) -> Pose
         bent = np.maximum(np.abs(values), 1e-8 * largest)
         along = vectors.T @ (force[free] * scale)
         step = vectors @ (along / bent)
-        if np.abs(step).max() < _SMALL:
+        if np.abs(step).max() < _SMALL or np.abs(force[free] * scale).max() < rounding:
             if values[0] > -_TINY * largest:
                 return pose
             away = vectors[:, 0]

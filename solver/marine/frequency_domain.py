@@ -350,7 +350,8 @@ def response_statistics(
     Parameters
     ----------
     operators
-        Response operators.
+        Response operators, with frequencies close enough for the resonances: `motion_operators` takes any, because
+        the coefficients of the database are smooth between its own.
     spectrum
         Of the elevation.
     heading

@@ -14,7 +14,6 @@ from heavylift.solver.bodies.rigid import (
     ARC,
     FORCE,
     MID_POSITION,
-    MID_ROTATION,
     POSITION,
     SPIN,
     SPIN_RATE,
@@ -36,7 +35,9 @@ from heavylift.solver.marine.hulls import (
     FIRST_TANK,
     FORESEEN,
     HEADING,
+    LAG,
     LAST_TANK,
+    LEAD,
     LOW_PASS,
     OFFSET,
     PLACE,
@@ -47,7 +48,9 @@ from heavylift.solver.marine.hulls import (
     STATE_WIDTH,
     TANK_MASS,
     TANK_POINT,
+    TANK_START,
     TANK_VELOCITY,
+    TARGET,
     TRANSFORM,
     WAVE,
     Hulls,
@@ -125,19 +128,13 @@ def filtered(value: float, rate: float, target: float, frequency: float, time: f
 
 
 @kernel(internal=True)
-def advance_filter(kind: Hulls, hull: int, yaw: float, time: float, keep: bool) -> None:
+def advance_filter(kind: Hulls, hull: int, time: float, keep: bool) -> None:
     """Place and heading that the waves see, a time after the start of the step; into the stage, or kept."""
     at = STATE_WIDTH * hull + LOW_PASS
-    R = kind.frame[hull, MID_ROTATION : MID_ROTATION + 9]
-    x, y, _ = rotate(
-        R, kind.hull[hull, REFERENCE], kind.hull[hull, REFERENCE + 1], kind.hull[hull, REFERENCE + 2]
-    )
-    cut = kind.hull[hull, CUT_OFF]
-    x0, x1 = filtered(kind.state[at], kind.state[at + 1], kind.frame[hull, MID_POSITION] + x, cut, time)
-    y0, y1 = filtered(
-        kind.state[at + 2], kind.state[at + 3], kind.frame[hull, MID_POSITION + 1] + y, cut, time
-    )
-    p0, p1 = filtered(kind.state[at + 4], kind.state[at + 5], yaw, cut, time)
+    stage, cut = kind.stage[hull], kind.hull[hull, CUT_OFF]
+    x0, x1 = filtered(kind.state[at], kind.state[at + 1], stage[TARGET], cut, time)
+    y0, y1 = filtered(kind.state[at + 2], kind.state[at + 3], stage[TARGET + 1], cut, time)
+    p0, p1 = filtered(kind.state[at + 4], kind.state[at + 5], stage[TARGET + 2], cut, time)
     if keep:
         kind.state[at], kind.state[at + 1], kind.state[at + 2] = x0, x1, y0
         kind.state[at + 3], kind.state[at + 4], kind.state[at + 5] = y1, p0, p1
@@ -169,15 +166,27 @@ def predict_hulls(kind: Hulls, time: float, step: float) -> None:
         frame, stage = kind.frame[hull], kind.stage[hull]
         state = STATE_WIDTH * hull + LOW_PASS
         R = stage_rotation(kind, hull)
-        yaw = hull_yaw(kind, hull, R, kind.state[state + 4])
-        advance_filter(kind, hull, yaw, 0.5 * step, False)
+        x, y, _ = rotate(
+            R, kind.hull[hull, REFERENCE], kind.hull[hull, REFERENCE + 1], kind.hull[hull, REFERENCE + 2]
+        )
+        stage[TARGET], stage[TARGET + 1] = frame[MID_POSITION] + x, frame[MID_POSITION + 1] + y
+        stage[TARGET + 2] = hull_yaw(kind, hull, R, kind.state[state + 4])
+        advance_filter(kind, hull, 0.5 * step, False)
         heading = stage[HEADING]
         before = kind.stage[hull, ROTATION : ROTATION + 9]
         write_rotation_matrix(orientation_of(kind, hull), before)
         put_transform(kind, hull, TRANSFORM, heading, before)
         to_hydrodynamic(kind, hull, TRANSFORM, START, kind.frame[hull, VELOCITY : VELOCITY + 6])
+        for k in range(6):
+            lag = kind.state[STATE_WIDTH * hull + LAG + k]
+            kind.vectors[LEAD, 6 * hull + k] = kind.vectors[START, 6 * hull + k] + 0.5 * step * step * lag
         for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
             put_tank_velocity(kind, hull, tank, before)
+            for k in range(3):
+                lag = kind.state[STATE_WIDTH * kind.table.shape[0] + 3 * tank + k]
+                kind.tanks[tank, TANK_START + k] = (
+                    kind.tanks[tank, TANK_VELOCITY + k] + 0.5 * step * step * lag
+                )
         put_transform(kind, hull, TRANSFORM, heading, R)
         a = frame[ARC] * step * step
         for k in range(3):
@@ -197,7 +206,7 @@ def find_waves(kind: Hulls, time: float) -> None:
 
 @kernel(internal=True)
 def put_tank_velocity(kind: Hulls, hull: int, tank: int, R: NDArray[np.float64]) -> None:
-    """Of the water in a tank at the carried state."""
+    """Velocity of the water in a tank at the carried velocities."""
     frame = kind.frame[hull]
     c = cross(
         frame[SPIN], frame[SPIN + 1], frame[SPIN + 2],

@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
-from heavylift.numerics.small import cholesky_factor, cholesky_solve, rotate, rotate_back
+from heavylift.numerics.small import cholesky_factor, cholesky_solve, cross, rotate, rotate_back
 from heavylift.solver.bodies.rigid import (
     ANGULAR_MOMENTUM,
     DOF,
     FORCE,
+    INVERSE_PRINCIPAL,
     MASS,
     MID_POSITION,
     MID_ROTATION,
@@ -40,7 +41,6 @@ from heavylift.solver.marine.hull_restoring import restore
 from heavylift.solver.marine.hull_stage import (
     advance_filter,
     gather_hull_forces,
-    hull_yaw,
     put_transform,
     tank_mass,
     to_hydrodynamic,
@@ -56,11 +56,12 @@ from heavylift.solver.marine.hulls import (
     GROUP_DOF,
     HEADING,
     KNOWN,
+    LAG,
     LAST_TANK,
+    LEAD,
     LIFT,
     LOAD,
     LOST,
-    LOW_PASS,
     MATRIX,
     MIDDLE,
     OFFSET,
@@ -75,6 +76,7 @@ from heavylift.solver.marine.hulls import (
     SUPPLIED,
     TANK_MASS,
     TANK_POINT,
+    TANK_START,
     TANK_VELOCITY,
     TRANSFORM,
     WAVE,
@@ -350,14 +352,14 @@ def _load_hull(kind: Hulls, hull: int, step: float, work: Workspace) -> None:
     for i in range(6):
         force = 0.5 * h * (vectors[WAVE, out + i] + vectors[KNOWN, out + i])
         for j in range(kind.added_mass.shape[1]):
-            force += kind.added_mass[out + i, j] * vectors[START, j]
+            force += kind.added_mass[out + i, j] * vectors[LEAD, j]
         for k in range(6):
             vectors[LOAD, out + k] += kind.stage[hull, TRANSFORM + 6 * i + k] * force
     for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
         m = kind.tanks[tank, TANK_MASS]
-        f1 = m * (kind.tanks[tank, TANK_VELOCITY] + 0.5 * h * work.sums[FIELD])
-        f2 = m * (kind.tanks[tank, TANK_VELOCITY + 1] + 0.5 * h * work.sums[FIELD + 1])
-        f3 = m * (kind.tanks[tank, TANK_VELOCITY + 2] + 0.5 * h * work.sums[FIELD + 2])
+        f1 = m * (kind.tanks[tank, TANK_START] + 0.5 * h * work.sums[FIELD])
+        f2 = m * (kind.tanks[tank, TANK_START + 1] + 0.5 * h * work.sums[FIELD + 1])
+        f3 = m * (kind.tanks[tank, TANK_START + 2] + 0.5 * h * work.sums[FIELD + 2])
         b1, b2, b3 = rotate_back(R, f1, f2, f3)
         r1, r2, r3 = (
             kind.tanks[tank, TANK_POINT],
@@ -396,7 +398,65 @@ def advance_hulls(kind: Hulls, time: float, step: float, work: Workspace) -> Non
     for end in range(kind.line_ends.shape[0]):
         _correct_line(kind, work, end, h)
     _fill_work(kind, time, h)
+    for hull in range(kind.table.shape[0]):
+        for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
+            _lag_of_tank(kind, hull, tank, work.velocity, kind.table[hull, DOF], 2.0, step)
     advance_rigid_bodies(kind, time, step, work)
+    for hull in range(kind.table.shape[0]):
+        _measure_lag(kind, hull, step)
+
+
+@kernel(internal=True)
+def _measure_lag(kind: Hulls, hull: int, step: float) -> None:
+    """Carry ``(2 u_middle - u_start - u_end) / h^2``, before impulses of joints change the end.
+
+    Notes
+    -----
+    The step gives the water the momentum ``A (2 u_middle - 2 u_start)``. As T turns with the hull, the sum of these is
+    not that of ``A (u_end - u_start)`` but for terms of the order h^2 a step, which are smooth: half of the last is
+    added to u_start in the next. Without it the step is of first order.
+    """
+    frame = kind.frame[hull]
+    put_end(kind, hull, kind.stage[hull, HEADING])
+    R = kind.stage[hull, ROTATION : ROTATION + 9]
+    L = rotate_back(R, frame[ANGULAR_MOMENTUM], frame[ANGULAR_MOMENTUM + 1], frame[ANGULAR_MOMENTUM + 2])
+    end = kind.vectors[SCRATCH, 6 * hull : 6 * hull + 6]
+    for k in range(3):
+        end[k] = frame[VELOCITY + k]
+        end[3 + k] = L[k] * frame[INVERSE_PRINCIPAL + k]
+    to_hydrodynamic(kind, hull, END_TRANSFORM, FINISH, end)
+    for i in range(6):
+        at = 6 * hull + i
+        kind.state[STATE_WIDTH * hull + LAG + i] = (
+            2.0 * kind.vectors[MIDDLE, at] - kind.vectors[START, at] - kind.vectors[FINISH, at]
+        ) / (step * step)
+    for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
+        _lag_of_tank(kind, hull, tank, end, 0, -1.0, step)
+
+
+@kernel(internal=True)
+def _lag_of_tank(
+    kind: Hulls, hull: int, tank: int, velocity: NDArray[np.float64], dof: int, weight: float, step: float
+) -> None:
+    """The same of the water in a tank: set by the middle, less the start, and completed by the end."""
+    middle = weight > 0.0
+    R = stage_rotation(kind, hull) if middle else kind.stage[hull, ROTATION : ROTATION + 9]
+    c = cross(
+        velocity[dof + 3],
+        velocity[dof + 4],
+        velocity[dof + 5],
+        kind.tanks[tank, TANK_POINT],
+        kind.tanks[tank, TANK_POINT + 1],
+        kind.tanks[tank, TANK_POINT + 2],
+    )
+    rate = rotate(R, c[0], c[1], c[2])
+    at = STATE_WIDTH * kind.table.shape[0] + 3 * tank
+    for k in range(3):
+        value = weight * (velocity[dof + k] + rate[k])
+        if middle:
+            kind.state[at + k] = (value - kind.tanks[tank, TANK_VELOCITY + k]) / (step * step)
+        else:
+            kind.state[at + k] += value / (step * step)
 
 
 @kernel(internal=True)
@@ -448,11 +508,8 @@ def finish_hulls(kind: Hulls, step: float, work: Workspace) -> None:
     """Spins; memory, filters and ballast to the end of the step."""
     finish_rigid_bodies(kind, step, work)
     for hull in range(kind.table.shape[0]):
-        state = STATE_WIDTH * hull + LOW_PASS
-        yaw = hull_yaw(kind, hull, stage_rotation(kind, hull), kind.state[state + 4])
-        heading = kind.stage[hull, HEADING]
-        advance_filter(kind, hull, yaw, step, True)
-        put_end(kind, hull, heading)
+        advance_filter(kind, hull, step, True)
+        put_end(kind, hull, kind.stage[hull, HEADING])
         to_hydrodynamic(kind, hull, END_TRANSFORM, FINISH, kind.frame[hull, VELOCITY : VELOCITY + 6])
     keep_memory(kind.radiation, kind.vectors)
 

@@ -46,24 +46,27 @@ HULL_WIDTH = 32
 
 # columns of `stage`, scratch of a step: T of the middle and of the end, heading and place that the waves see, clip,
 # displacement to the pose of the stage in coordinates of the body, buoyancy in them, its stiffness (z, x, y), rotation
-# at the start or end, predicted displacement, at which lines were evaluated
-TRANSFORM, END_TRANSFORM, HEADING, PLACE, CLIP, PREDICTED, LIFT, STIFFNESS, ROTATION, FORESEEN = (
+# at the start or end, predicted displacement, at which lines were evaluated; place and heading of the middle
+TRANSFORM, END_TRANSFORM, HEADING, PLACE, CLIP, PREDICTED, LIFT, STIFFNESS, ROTATION, FORESEEN, TARGET = (
     0, 36, 72, 73, 75, 75 + CLIP_WIDTH, 81 + CLIP_WIDTH, 87 + CLIP_WIDTH, 93 + CLIP_WIDTH, 102 + CLIP_WIDTH,
+    108 + CLIP_WIDTH,
 )  # fmt: skip
 STAGE_WIDTH = 128
 
 # rows of `vectors`: velocities in hydrodynamic coordinates at start, middle and end of the step; memory force without
-# the part of the middle velocity; force of the waves; of memory and damping; right-hand side of the step, its change
-START, MIDDLE, FINISH, KNOWN, WAVE, RADIATED, LOAD, CHANGE, SCRATCH = range(9)
-VECTORS = 9
+# the part of the middle velocity; force of the waves; of memory and damping; right-hand side of the step, its change,
+# scratch; velocities at the start as the mass of the water needs them
+START, MIDDLE, FINISH, KNOWN, WAVE, RADIATED, LOAD, CHANGE, SCRATCH, LEAD = range(10)
+VECTORS = 10
 
-# columns of `state` for each hull: low-passed x, y, heading and rates; energy dissipated; work of waves and ballast
-LOW_PASS, LOST, SUPPLIED = 0, 6, 7
-STATE_WIDTH = 8
+# columns of `state` for each hull: low-passed x, y, heading and rates; energy dissipated; work of waves and ballast;
+# by how much twice the velocities of the middle exceed the sum of those of both ends, over the square of the step
+LOW_PASS, LOST, SUPPLIED, LAG = 0, 6, 7, 8
+STATE_WIDTH = 14
 
-# columns of `tanks`: point in principal axes, mass, velocity at the start, free surfaces
-TANK_POINT, TANK_MASS, TANK_VELOCITY, TANK_SURFACE = 0, 3, 4, 7
-TANK_WIDTH = 9
+# columns of `tanks`: point in principal axes, mass, velocity, free surfaces, velocity at the start that its mass needs
+TANK_POINT, TANK_MASS, TANK_VELOCITY, TANK_SURFACE, TANK_START = 0, 3, 4, 7, 9
+TANK_WIDTH = 12
 
 
 class Hulls(NamedTuple):
@@ -84,7 +87,7 @@ class Hulls(NamedTuple):
     added_mass, damping, implicit
         At infinite frequency; constant; of the memory at the velocity of the middle: shapes (6 nb, 6 nb).
     vectors
-        Forces and velocities in hydrodynamic coordinates, shape (9, 6 nb).
+        Forces and velocities in hydrodynamic coordinates, shape (10, 6 nb).
     matrices
         Of each group: factor of the step, factor of its end or matrix of the corrected middle, matrix of the step;
         flat.
@@ -93,7 +96,7 @@ class Hulls(NamedTuple):
     tangents, line_ends
         Stiffness matrices of lines and fenders, shared with them, shape (n, 9); hull, marker and line of each end.
     state
-        Carried, flat: `STATE_WIDTH` numbers a hull, then the states of the parts.
+        Carried, flat: `STATE_WIDTH` numbers a hull, the lag of the velocity of each tank (3), the states of the parts.
     radiation, excitation
         Parts that a database brings; empty tuples without one.
     gauge
@@ -231,7 +234,7 @@ def pack_hulls(
         line_ends=np.array(
             [(names.index(name), marker, line) for name, marker, line in line_ends], dtype=np.int64
         ).reshape(-1, 3),
-        state=np.concatenate([np.zeros(STATE_WIDTH * count), part_state]),
+        state=np.concatenate([np.zeros(STATE_WIDTH * count + 3 * len(tanks)), part_state]),
         radiation=radiation,
         excitation=excitation,
         gauge=_gauge(sea),

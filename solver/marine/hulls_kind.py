@@ -1,11 +1,10 @@
 """Everything of the kind of hulls: importing this module registers all its kernels."""
 
-from heavylift.solver.marine import hull_configuration, hull_joints, hull_record, hull_stage, hull_step
+from heavylift.solver.marine import hull_joints, hull_record, hull_stage, hull_step
 from heavylift.solver.marine.hulls import Hulls, pack_hulls
 
 __all__ = [
     "Hulls",
-    "hull_configuration",
     "hull_joints",
     "hull_record",
     "hull_stage",

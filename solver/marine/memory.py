@@ -10,8 +10,10 @@ and every integral is then exact. An integrator that evaluates its forces at the
 
     F_middle = known - implicit u_middle,      u linear from u_start to u_middle in the first half of the step,
 
-so the part that belongs to the present velocity can go to the left side of the equations: no step is too long for
-it. The work that the hulls lose to the memory in a step of length h is -h u_middle . F_middle.
+so the part that belongs to the present velocity can go to the left side of the equations. The work that the hulls
+lose to the memory in a step of length h is -h u_middle . F_middle; over an oscillation of frequency w it has the sign
+of sinc^2(w h / 2) B(w) - sinc^2(w h / 2 - pi) B(2 pi / h - w) + ..., so a passive memory stays so in steps up to about
+half of the shortest period at which waves are made, far beyond what accuracy allows.
 
 Both forms start from rest: no waves before the start. A velocity may jump between steps (an impact): each step
 brings its own velocities at its start and its end.
@@ -46,8 +48,8 @@ __all__ = [
 DECAY, START, END, HALVES = 0, 1, 2, 3
 """Rows of the coefficients: of the whole step, of its two velocities, and the first of the half step's channels."""
 
-SAMPLES = 32
-"""Pieces of a step in which the weights of the direct convolution are integrated; a multiple of four."""
+PIECE = 0.0125
+"""Longest pieces [s] in which the weights of the direct convolution are integrated; four or more in a step."""
 
 SERIES_BELOW = 0.5
 """Of the modulus of pole times step; above it the closed forms lose no digits."""
@@ -203,8 +205,8 @@ def pack_direct_memory(
 
     Notes
     -----
-    The weights of a step are int K(t) f(t) dt with f linear from one velocity to the other, by Simpson's rule in
-    `SAMPLES` pieces: of fourth order in a length that is far below any period of the kernel.
+    The weights of a step are int K(t) f(t) dt with f linear from one velocity to the other, by Simpson's rule: of
+    fourth order in a length that is far below any period of the kernel.
     """
     if not (np.isfinite(step) and np.isfinite(duration) and 0.0 < step <= duration):
         raise InputError(
@@ -214,8 +216,9 @@ def pack_direct_memory(
             expected="0 < step <= duration",
         )
     taps = int(np.ceil(duration / step - 1e-9))
-    per_half = SAMPLES // 2
-    times = step / SAMPLES * np.arange(taps * SAMPLES + per_half + 1)
+    samples = 4 * int(np.ceil(0.25 * step / PIECE - 1e-9))
+    per_half = samples // 2
+    times = step / samples * np.arange(taps * samples + per_half + 1, dtype=np.float64)
     K = np.asarray(response(times), dtype=np.float64)
     n = K.shape[-1]
     if K.shape != (len(times), n, n) or not np.isfinite(K).all():
@@ -227,11 +230,11 @@ def pack_direct_memory(
     explicit = np.tensordot(first * part, half, 1)
     channels = np.argwhere((K != 0.0).any(axis=0)).astype(np.int64).reshape(-1, 2)
     series = np.ascontiguousarray(K[:, channels[:, 0], channels[:, 1]].T)
-    whole, part = _simpson(SAMPLES, step)
+    whole, part = _simpson(samples, step)
     weights = []
     for offset in (per_half, 0):
         pieces = np.stack(
-            [series[:, offset + k : offset + k + taps * SAMPLES : SAMPLES] for k in range(SAMPLES + 1)],
+            [series[:, offset + k : offset + k + taps * samples : samples] for k in range(samples + 1)],
             axis=2,
         )
         both = np.empty((len(channels), 2 * taps))

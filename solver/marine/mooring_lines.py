@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.outcome import InputError
+from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.connections import GROUND
 from heavylift.solver.interface import (
     ELASTIC,
@@ -42,6 +42,7 @@ from heavylift.solver.marine.catenary_line import pack_sections
 from heavylift.solver.marine.moorings import MooringLine, check_sections
 
 __all__ = [
+    "EXTRA",
     "LINE_CHANNELS",
     "LINE_OVERSTRETCHED",
     "MooringLines",
@@ -57,11 +58,12 @@ LINE_CHANNELS = (
 )
 """Channels of a line: at the fairlead, at the anchor, horizontal at the fairlead, unstretched length on the seabed."""
 
-LINE_OVERSTRETCHED = 13
+LINE_OVERSTRETCHED = int(Outcome.LINE_OVERSTRETCHED)
 """Outcome of a step in which a line is stretched beyond its limit, or has no equilibrium."""
 
 MARKER_A, MARKER_B, COLUMN = range(3)
-START_ENERGY, STARTED = STATE_WIDTH, STATE_WIDTH + 1
+START_ENERGY, STARTED, EXTRA = STATE_WIDTH, STATE_WIDTH + 1, STATE_WIDTH + 2
+"""Places of the state behind those of `solve_line`; a force that is held on the fairlead beside the catenary's [N]."""
 ANCHOR_TOLERANCE = 0.01
 """Of the length: how far from the seabed an anchor may be given."""
 LEAST_SPAN = 1e-7
@@ -80,7 +82,8 @@ class MooringLines(NamedTuple):
     limits
         Distance of the ends [m] that overstretches the line, shape (n,).
     state
-        Last solution, energy at the start [J], 1 once that is known; shape (n, 11).
+        Last solution, energy at the start [J], 1 once that is known, and a force [N] that acts on the fairlead beside
+        that of the catenary, world axes: zero, unless a model of dynamic lines writes it; shape (n, 14).
     tangents
         Stiffness of the force on the fairlead against its displacement relative to the anchor [N/m], world axes,
         row by row, symmetric and positive semidefinite, at the last evaluation; shape (n, 9).
@@ -152,7 +155,7 @@ def pack_mooring_lines(
         np.array(numbers).reshape(-1, 4),
         np.vstack([np.zeros((0, 4)), *sections]),
         np.array(limits),
-        np.zeros((count, STATE_WIDTH + 2)),
+        np.zeros((count, STATE_WIDTH + 5)),
         np.zeros((count, 9)),
         np.zeros((count, 4)),
     )
@@ -243,6 +246,8 @@ def add_mooring_lines(kind: MooringLines, time: float, work: Workspace) -> None:
         work.markers[b, POINT_FORCE] -= H * ex
         work.markers[b, POINT_FORCE + 1] -= H * ey
         work.markers[b, POINT_FORCE + 2] -= V
+        for k in range(3):
+            work.markers[b, POINT_FORCE + k] += kind.state[i, EXTRA + k]
         if (
             kind.table[i, 2] == kind.table[i, 1]
         ):  # the lower end of a line on the seabed is an anchor in the ground
@@ -269,14 +274,23 @@ def add_mooring_lines(kind: MooringLines, time: float, work: Workspace) -> None:
 def record_mooring_lines(kind: MooringLines, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
     """Tensions, length on the seabed; the energy of the lines moves from the work of outer forces to its own.
 
-    Forces were added at the same state just before. What friction of the seabed takes stays in that work.
+    Forces were added at the same state just before. What the held force does, and what friction of the seabed takes,
+    stays in that work.
     """
     for i in range(kind.ends.shape[0]):
-        a, column = kind.ends[i, MARKER_A], kind.ends[i, COLUMN]
+        a, b, column = kind.ends[i, MARKER_A], kind.ends[i, MARKER_B], kind.ends[i, COLUMN]
         H, V = kind.state[i, HORIZONTAL], kind.state[i, VERTICAL]
         read_ends(kind.sections, kind.table, kind.line, i, kind.state, kind.scratch)
         low_h, low_v = kind.scratch[i, 0], kind.scratch[i, 1]
-        row[column] = math.sqrt(H * H + V * V)
+        x = work.markers[b, POINT] - work.markers[a, POINT]
+        y = work.markers[b, POINT + 1] - work.markers[a, POINT + 1]
+        share = H / max(math.sqrt(x * x + y * y), LEAST_SPAN * kind.line[i, TOTAL_LENGTH])
+        x, y, z = (
+            share * x - kind.state[i, EXTRA],
+            share * y - kind.state[i, EXTRA + 1],
+            V - kind.state[i, EXTRA + 2],
+        )
+        row[column] = math.sqrt(x * x + y * y + z * z)
         row[column + 1] = math.sqrt(low_h * low_h + low_v * low_v)
         row[column + 2] = H
         row[column + 3] = kind.scratch[i, 2]

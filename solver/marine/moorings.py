@@ -51,7 +51,8 @@ class MooringLine:
     clumps
         Weight [N] of what hangs at each joint of two sections, from the anchor; negative for a buoy. None if empty.
     seabed
-        Height of a flat seabed [m] in the world, on which the anchor lies; None for a line without one.
+        Height of a flat seabed [m] in the world, on which the anchor lies; None for a line without one. It holds the
+        line from the anchor up to the first buoy or floating section; a bight beyond that would hang through it.
     friction
         Coefficient of the seabed along the line.
     strain_limit

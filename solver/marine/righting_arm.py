@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.marine.floating import FloatingHull, Tank, settle
+from heavylift.solver.marine.floating import FloatingHull, Pose, Tank, settle
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -69,11 +69,13 @@ class _Heeled:
     def __init__(self, floating: FloatingHull, side: int) -> None:
         self.floating = floating
         self.side = side
-        self.pose = floating.upright()
+        self.base = floating.upright()
+        """From where trim and height are sought; of several trims that last it decides which is found."""
+        self.pose = self.base
 
     def arm(self, angle: float) -> float:
-        """GZ [m] at a heel [rad]; begins from the trim of the angle before."""
-        self.pose = settle(self.floating, self.pose._replace(list=self.side * angle), heeled=True)
+        """GZ [m] at a heel [rad]."""
+        self.pose = settle(self.floating, self.base._replace(list=self.side * angle), heeled=True)
         _, force = self.floating.evaluate(self.pose)
         return -self.side * float(force[1]) / (self.floating.mass * self.floating.gravity)
 
@@ -138,8 +140,8 @@ def righting_arm_curve(
     rows = np.full((4, len(heel)), np.nan)
     outwards = int(np.abs(heel).argmin())
     flooding = _fill(heeled, heel, rows, range(outwards, len(heel)))
-    if outwards:
-        heeled.pose = heeled.floating.upright()
+    if math.isfinite(rows[0, outwards]):
+        _start_from(heeled, heel, rows, outwards)
         _fill(heeled, heel, rows, range(outwards - 1, -1, -1))
     return _curve(heeled, heel, rows, flooding)
 
@@ -148,23 +150,35 @@ def _fill(
     heeled: _Heeled, angles: NDArray[np.float64], rows: NDArray[np.float64], order: Sequence[int]
 ) -> float:
     """Fill arm, trim, height and energy in the given order until the hull floods; return the angle of that."""
-    before = None
     for n in order:
         angle = float(angles[n])
         arm = heeled.arm(angle)
         if heeled.floating.rim_height(heeled.pose) < 0.0:
-            return angle if before is None else _root(heeled, heeled.freeboard, before, angle)
+            if heeled.freeboard(heeled.side * heeled.base.list) < 0.0:
+                return angle
+            return _root(heeled.freeboard, heeled.side * heeled.base.list, angle)
         rows[:, n] = arm, heeled.pose.trim, heeled.pose.height, heeled.energy()
-        before = angle
+        heeled.base = heeled.pose
     return math.nan
 
 
-def _root(heeled: _Heeled, function: Callable[[float], float], start: float, end: float) -> float:
+def _start_from(heeled: _Heeled, angles: NDArray[np.float64], rows: NDArray[np.float64], n: int) -> None:
+    """Seek further positions from that of a row."""
+    heeled.base = Pose(float(rows[2, n]), heeled.side * float(angles[n]), float(rows[1, n]))
+
+
+def _root(function: Callable[[float], float], start: float, end: float) -> float:
     """Angle [rad] at which a function changes its sign between two angles."""
     from scipy.optimize import brentq
 
-    heeled.arm(start)  # its trim is that of a neighbour
     return float(brentq(function, start, end, xtol=_ROOT))
+
+
+def _zero_of_arm(heeled: _Heeled, angles: NDArray[np.float64], rows: NDArray[np.float64], n: int) -> float:
+    """Angle [rad] at which the arm changes its sign between a row and the next."""
+    # from the row nearer to upright, from which the other one was found
+    _start_from(heeled, angles, rows, n if abs(angles[n]) <= abs(angles[n + 1]) else n + 1)
+    return _root(heeled.arm, float(angles[n]), float(angles[n + 1]))
 
 
 def _curve(
@@ -185,17 +199,24 @@ def _curve(
     rising = np.flatnonzero(~positive[:-1] & positive[1:])
     if rising.size:
         n = rising[0]
-        a, b = (float(angles[known[k]]) for k in (n, n + 1))
-        stable = a if level[n] == 0.0 else _root(heeled, heeled.arm, a, b)
+        stable = float(angles[known[n]])
+        if level[n] != 0.0:
+            stable = _zero_of_arm(heeled, angles, rows, int(known[n]))
     first = int(rising[0]) + 1 if rising.size else 0
     falling = np.flatnonzero(positive[first:-1] & ~positive[first + 1 :]) + first
     last = len(level) - 1
     if falling.size:
         n = falling[0]
-        a, b = (float(angles[known[k]]) for k in (n, n + 1))
-        vanishing = b if level[n + 1] == 0.0 else _root(heeled, heeled.arm, a, b)
+        vanishing = float(angles[known[n + 1]])
+        if level[n + 1] != 0.0:
+            vanishing = _zero_of_arm(heeled, angles, rows, int(known[n]))
         last = int(n)
-    best, largest = _largest(heeled, angles[known], level, first, last)
+    top = first + int(level[first : last + 1].argmax())
+    _start_from(heeled, angles, rows, int(known[top]))
+    ends = np.append(angles[known], flooding) if math.isfinite(flooding) else angles[known]
+    best, largest = _largest(heeled, ends, top, float(level[top]))
+    first = int(rising[0]) if rising.size else 0
+    _start_from(heeled, angles, rows, int(known[first]))
     heeled.arm(stable if math.isfinite(stable) else float(angles[known[0]]))
     return RightingArmCurve(
         angles=angles,
@@ -212,16 +233,12 @@ def _curve(
     )
 
 
-def _largest(
-    heeled: _Heeled, angles: NDArray[np.float64], arms: NDArray[np.float64], first: int, last: int
-) -> tuple[float, float]:
-    """Angle [rad] and value [m] of the largest arm among some rows, refined between the neighbours of the highest."""
+def _largest(heeled: _Heeled, angles: NDArray[np.float64], top: int, arm: float) -> tuple[float, float]:
+    """Angle [rad] and value [m] of the largest arm between the neighbours of an angle that has a large one."""
     from scipy.optimize import minimize_scalar
 
-    top = first + int(arms[first : last + 1].argmax())
     low, high = (float(angles[min(max(k, 0), len(angles) - 1)]) for k in (top - 1, top + 1))
-    heeled.arm(low)
     found = minimize_scalar(lambda angle: -heeled.arm(angle), bounds=(low, high), method="bounded")
-    if -float(found.fun) > arms[top]:
+    if -float(found.fun) > arm:
         return float(found.x), -float(found.fun)
-    return float(angles[top]), float(arms[top])
+    return float(angles[top]), arm

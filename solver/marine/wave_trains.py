@@ -238,8 +238,8 @@ def irregular_waves(
         omega = edges[:-1] + width * generator.random(components)
     else:
         first = max(1, round(low / width + 0.5))
-        omega = width * np.arange(first, first + components)
-        edges = width * (np.arange(first, first + components + 1) - 0.5)
+        omega = width * np.arange(first, first + components, dtype=np.float64)
+        edges = width * (np.arange(first, first + components + 1, dtype=np.float64) - 0.5)
     energy = spectrum.energy(edges[:-1], edges[1:])
     energy *= whole / float(np.sum(energy))
     phase = 2.0 * math.pi * generator.random(components)

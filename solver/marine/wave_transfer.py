@@ -74,8 +74,7 @@ class HeadingTable:
         InputError
             If the headings do not go round and one lies more than 5 degrees outside.
         """
-        m = self.values.shape[0]
-        beta = np.broadcast_to(np.asarray(heading, dtype=np.float64), (m,))
+        beta = np.broadcast_to(np.asarray(heading, dtype=np.float64), (len(self.values),))
         offset = heading_offset(self, beta)
         if not self.periodic and np.any((offset < -HEADING_HOLD) | (offset > self.span + HEADING_HOLD)):
             raise InputError(
@@ -83,16 +82,40 @@ class HeadingTable:
                 key="headings",
                 expected=heading_words(self),
             )
+        return self.with_rates(beta)[0]
+
+    def with_rates(
+        self, heading: NDArray[np.float64], columns: slice = slice(None)
+    ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+        """Values and their rates over the heading [1/rad] at one heading for each row, held beyond the ends.
+
+        Parameters
+        ----------
+        heading
+            [rad], shape (m,).
+        columns
+            Of the n values.
+        """
+        offset = heading_offset(self, heading)
         place = np.clip(offset / self.spacing, 0.0, self.cells)
         cell = np.minimum(place.astype(np.int64), self.cells - 1)
         s = (place - cell)[:, None]
-        rows = np.arange(m)
-        return np.asarray(
-            (1.0 + 2.0 * s) * (1.0 - s) ** 2 * self.values[rows, cell]
-            + s * (1.0 - s) ** 2 * self.slopes[rows, cell]
-            + s**2 * (3.0 - 2.0 * s) * self.values[rows, cell + 1]
-            + s**2 * (s - 1.0) * self.slopes[rows, cell + 1]
+        rows = np.arange(len(heading))
+        before, after = self.values[rows, cell, columns], self.values[rows, cell + 1, columns]
+        slope, slope_after = self.slopes[rows, cell, columns], self.slopes[rows, cell + 1, columns]
+        values = (
+            (1.0 + 2.0 * s) * (1.0 - s) ** 2 * before
+            + s * (1.0 - s) ** 2 * slope
+            + s**2 * (3.0 - 2.0 * s) * after
+            + s**2 * (s - 1.0) * slope_after
         )
+        rates = (
+            6.0 * s * (1.0 - s) * (after - before)
+            + (1.0 - s) * (1.0 - 3.0 * s) * slope
+            + s * (3.0 * s - 2.0) * slope_after
+        ) / self.spacing
+        held = (offset < 0.0) | (offset > self.span + 1e-12)
+        return values, np.where(held[:, None], 0.0, rates)
 
 
 def excitation_table(database: HydrodynamicDatabase, omega: ArrayLike) -> HeadingTable:
@@ -189,7 +212,7 @@ def components_inside(
             source=database.source,
             key="omega",
             expected=f"waves of {2.0 * np.pi / high:.3g} to {2.0 * np.pi / low:.3g} s ({low:.3g} to {high:.3g} rad/s), "
-            f"or a database that covers them; at most {ENERGY_OUTSIDE:.0%} of the energy may be left out",
+            f"a database that covers them, or a frequency_range of the sea; {ENERGY_OUTSIDE:.0%} may be left out",
         )
     other = dispersion(trains.omega, database.depth, database.gravity)
     worst = float(np.max(np.where(inside, np.abs(other / trains.wavenumber - 1.0), 0.0)))
@@ -239,7 +262,12 @@ def heading_words(table: HeadingTable) -> str:
 def _table(
     full: HydrodynamicDatabase, quantity: NDArray[np.complex128] | None, omega: NDArray[np.float64]
 ) -> HeadingTable:
-    """Splines over frequency, then over headings; without a quantity only the grid of headings."""
+    """Splines over frequency, then over headings; without a quantity only the grid of headings.
+
+    Short waves push on the end of a hull that they meet, so that relative to the middle the phase turns by
+    ``omega L / g`` times the spacing of the frequencies from one to the next. Splines need that below one radian where
+    the waves have energy: for 100 m at 0.05 rad/s up to 2 rad/s.
+    """
     from scipy.interpolate import CubicSpline
 
     order, headings, periodic = _ordered(full.headings)

@@ -65,7 +65,9 @@ def test_table_of_righting_arms(report):
     assert table["GZ_m"][dry] == pytest.approx(wall_sided[dry], abs=1e-9)
     # area up to 30 degrees, by another quadrature of the finely spaced arms
     up_to = heel <= math.radians(30.0) + 1e-12
-    assert report.figures["area_30"] == pytest.approx(np.trapezoid(table["GZ_m"][up_to], heel[up_to]), rel=1e-3)
+    assert report.figures["area_30"] == pytest.approx(
+        np.trapezoid(table["GZ_m"][up_to], heel[up_to]), rel=1e-3
+    )
 
 
 def test_plot_and_lines(report):

@@ -99,6 +99,13 @@ def test_hanging_lines(row: tuple[float, ...]) -> None:
     assert (soft.horizontal, soft.vertical) == pytest.approx((H_elastic, V_elastic), rel=1e-7)
 
 
+def test_length_of_an_inextensible_line() -> None:
+    """The hanging lines the other way round: from their tension to their length."""
+    for span, height, length, q, H, V, _, _ in HANGING:
+        found = length_for_tension(math.hypot(H, V), q, math.inf, span, height, seabed=False)
+        assert found == pytest.approx(length, rel=1e-7)
+
+
 def walk(
     sections: tuple[LineSection, ...], clumps: tuple[float, ...], line: Catenary, resting: bool
 ) -> tuple[float, float]:

@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from hull_shapes import icosphere, outward_hull
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
@@ -45,15 +46,6 @@ def clip(points, triangles, rotation=EYE, height=0.0):
     flat = np.ascontiguousarray(rotation).ravel()
     clip_surface_now(points, triangles, flat, float(height), np.empty_like(points), out)
     return out
-
-
-def outward_hull(points):
-    """Triangles of a convex hull, anticlockwise seen from outside."""
-    triangles = ConvexHull(points).simplices.astype(np.int64)
-    a, b, c = (points[triangles[:, k]] for k in range(3))
-    inwards = np.einsum("ni,ni->n", np.cross(b - a, c - a), a - points.mean(axis=0)) < 0.0
-    triangles[inwards] = triangles[inwards][:, ::-1]
-    return np.ascontiguousarray(triangles)
 
 
 def lopsided(seed):
@@ -190,27 +182,6 @@ def test_open_deck_does_no_harm_while_dry():
     assert clip(box.points, np.delete(box.triangles, [2, 3], axis=0), rotation, 0.1) == pytest.approx(
         whole, rel=1e-15
     )
-
-
-def icosphere(level):
-    """Sphere of radius 1, its triangles cut in four as often as told."""
-    g = 0.5 * (1.0 + 5.0**0.5)
-    points = np.array([(a, b * g, 0.0) for a in (-1, 1) for b in (-1, 1)])
-    points = np.vstack([points, points[:, [2, 0, 1]], points[:, [1, 2, 0]]])
-    points /= np.linalg.norm(points[0])
-    triangles = outward_hull(points)
-    for _ in range(level):
-        sides = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-        ends, number = np.unique(sides, axis=0, return_inverse=True)
-        middle = points[ends].sum(axis=1)
-        m = number.reshape(-1, 3) + len(points)
-        points = np.vstack([points, middle / np.linalg.norm(middle, axis=1)[:, None]])
-        a, b, c = triangles.T
-        ab, bc, ca = m.T
-        triangles = np.concatenate(
-            [np.column_stack(t) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]
-        )
-    return points, np.ascontiguousarray(triangles)
 
 
 def test_sphere_converges_to_the_cap():

@@ -4,8 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from hull_shapes import outward_hull
 from scipy.integrate import quad
 from scipy.optimize import brentq
+from scipy.spatial import ConvexHull
 
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.hull_surface import check_hull
@@ -116,7 +118,9 @@ def test_tanks_are_masses_with_a_free_surface(barge):
         (mass * np.array([0.0, 0.0, 1.0]) + 2e5 * np.array([10.0, 3.0, -1.0])) / MASS
     )
     loss = np.array(tank.free_surface) / MASS
-    assert [with_surface.GM_T_loss, with_surface.GM_L_loss] == pytest.approx(list(loss), rel=1e-5)  # cosines of list and trim
+    assert [with_surface.GM_T_loss, with_surface.GM_L_loss] == pytest.approx(
+        list(loss), rel=1e-5
+    )  # cosines of list and trim
     # symmetric free surface: as if the centre of gravity were higher
     same = Tank(0.0, (0.0, 0.0, 0.0), (MASS * 0.5, MASS * 0.5))
     raised = equilibrium(barge, MASS, (0.0, 0.6, 1.5), density=RHO, gravity=G)
@@ -230,6 +234,7 @@ def test_open_deck(barge, open_barge):
     edge = math.atan(2.0 * (D - T) / B)
     assert curve.flooding == pytest.approx(edge, abs=1e-9)
     assert curve.range == pytest.approx(edge, abs=1e-9)
+    assert curve.largest_angle == pytest.approx(edge, abs=1e-4)
     assert curve.arms[:3] == pytest.approx(whole.arms[:3], abs=1e-12)
     assert np.isnan(curve.arms[3:]).all()
     position = equilibrium(open_barge, MASS, (0.0, 0.0, 1.0), density=RHO, gravity=G)
@@ -265,3 +270,32 @@ def test_settles_from_far_away(barge):
     near = equilibrium(barge, MASS, (0.8, 0.5, 0.0), density=RHO, gravity=G).pose
     for start in (Pose(-1.5, 0.6, 0.0), Pose(-8.0, -0.4, 0.3), Pose(3.5, 0.1, -0.2), Pose(-1.5, 1.2, 0.5)):
         assert settle(floating, start) == pytest.approx(near, abs=1e-9)
+
+
+def test_random_hulls_float_or_capsize():
+    """Without symmetry: forces in balance and a positive stiffness, or a stop with the reason."""
+    rng = np.random.default_rng(3)
+    afloat = capsized = 0
+    for _ in range(60):
+        points = rng.normal(size=(int(rng.integers(5, 25)), 3)) * [30.0, 8.0, 4.0]
+        points = points[np.unique(ConvexHull(points).simplices)]
+        hull = check_hull(TriangleSurface(points, outward_hull(points), name="cloud"))
+        centre = points.mean(axis=0) + rng.uniform(-0.2, 0.2, 3) * np.ptp(points, axis=0)
+        mass = RHO * hull.volume * rng.uniform(0.1, 0.95)
+        floating = FloatingHull(hull, mass, centre, RHO, G)
+        try:
+            position = equilibrium(hull, mass, centre, density=RHO, gravity=G)
+        except InputError as error:
+            if "capsizes" not in str(error):
+                raise
+            capsized += 1
+            continue
+        afloat += 1
+        _, force = floating.evaluate(position.pose)
+        assert np.abs(force / [1.0, floating.size, floating.size]).max() < 1e-9 * mass * G
+        stiffness = floating.stiffness(position.pose)
+        assert np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T))[0] > 0.0
+        apart = position.pose.rotation @ (position.centre_of_buoyancy - position.centre_of_gravity)
+        assert apart[:2] == pytest.approx([0.0, 0.0], abs=1e-8 * floating.size)
+    assert afloat > 20
+    assert capsized > 5

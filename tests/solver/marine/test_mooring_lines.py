@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.outcome import InputError
+from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.channels import add_channels
 from heavylift.solver.connections import GROUND
 from heavylift.solver.interface import (
@@ -35,7 +36,10 @@ from heavylift.solver.marine.mooring_lines import (
     line_markers,
     pack_mooring_lines,
 )
-from heavylift.solver.marine.moorings import LineSection, MooringLine
+from heavylift.solver.marine.moorings import Fender, LineSection, MooringLine
+from heavylift.solver.scene import Gravity, RigidBody, Scene
+from heavylift.solver.seas import Sea, Water
+from heavylift.solver.simulation import Simulation
 
 CHAIN = (LineSection(150.0, 1500.0, 5e8), LineSection(60.0, 300.0, 3e8))
 HAWSER = (LineSection(90.0, 40.0, 4e6),)
@@ -209,6 +213,9 @@ def test_result_depends_on_places_and_state_only() -> None:
     for place in way[30:]:
         forces.append(first.at(ANCHOR, place)[1])
         assert np.array_equal(second.at(ANCHOR, place)[1], forces[-1])
+    before = first.kind.state.copy()
+    assert np.array_equal(first.at(ANCHOR, way[-1])[1], forces[-1])  # looking twice changes nothing
+    assert np.array_equal(first.kind.state, before)
     cold = [Bench(on_seabed(friction=0.5), ANCHOR, way[0]).at(ANCHOR, place)[1] for place in way]
     assert np.abs(np.array(forces) - cold).max() < 1e-9 * np.abs(cold).max()
 
@@ -259,3 +266,99 @@ def test_lines_that_cannot_be_are_refused(line: MooringLine, fairlead: np.ndarra
     anchor = ANCHOR if line.name == "bow" else BOLLARD
     with pytest.raises(InputError, match=words):
         Bench(line, anchor, fairlead)
+
+
+MASS, G = 2000.0, 9.81
+FENDER_HEIGHT, FENDER_STIFFNESS = -22.0, 5e5
+HELD = np.array([-30.0, 0.0, 0.0]), np.array([25.0, 15.0, 3.0])
+HOLDING = (
+    (LineSection(36.0, 60.0, 4e6),),
+    (LineSection(20.0, 150.0, 8e6), LineSection(14.0, 40.0, 3e6)),
+)
+
+
+def hung_ball(strain_limit: float = 0.1) -> Scene:
+    """A ball of 2 t between two hanging lines, above a fender."""
+    lines = tuple(
+        MooringLine(
+            name=f"line {i}",
+            body_a=GROUND,
+            point_a=HELD[i],
+            body_b="ball",
+            point_b=np.zeros(3),
+            sections=HOLDING[i],
+            strain_limit=strain_limit,
+        )
+        for i in range(2)
+    )
+    fender = Fender(
+        name="fender",
+        body_a=GROUND,
+        point_a=np.array([0.0, 0.0, FENDER_HEIGHT]),
+        body_b="ball",
+        point_b=np.zeros(3),
+        direction=np.array([0.0, 0.0, 1.0]),
+        stiffness=FENDER_STIFFNESS,
+    )
+    return Scene(
+        (RigidBody("ball", MASS, 200.0 * np.eye(3), position=np.array([0.0, 2.0, -18.0])),),
+        (Gravity(np.array([0.0, 0.0, -G])),),
+        sea=Sea(water=Water(gravity=G), lines=lines, fenders=(fender,)),
+    )
+
+
+def columns(simulation: Simulation, name: str) -> slice:
+    channel = next(channel for channel in simulation.channels if channel.name == name)
+    return slice(channel.column, channel.column + len(channel.components))
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_a_ball_between_two_lines() -> None:
+    """Against DOP853 on textbook forces of the same lines: second order, and the energy is that of the lines."""
+
+    def rates(_: float, y: np.ndarray) -> np.ndarray:
+        force = np.array([0.0, 0.0, -MASS * G + FENDER_STIFFNESS * max(0.0, FENDER_HEIGHT - y[2])])
+        for anchor, sections in zip(HELD, HOLDING, strict=True):
+            r = y[:3] - anchor
+            span = math.hypot(r[0], r[1])
+            line = solve_catenary(sections, span, r[2], seabed=False)
+            force -= [line.horizontal * r[0] / span, line.horizontal * r[1] / span, line.vertical]
+        return np.concatenate([y[3:], force / MASS])
+
+    times = 0.05 * np.arange(1, 61)
+    start = [0.0, 2.0, -18.0, 0.0, 0.0, 0.0]
+    reference = solve_ivp(rates, (0, 3.0), start, method="DOP853", t_eval=times, rtol=1e-9, atol=1e-9).y[:3].T
+    errors, lost = [], []
+    for step in (5e-3, 2.5e-3):
+        simulation = Simulation(hung_ball(), step, record_every=round(0.05 / step))
+        first = simulation.record()
+        _, records = simulation.advance(round(3.0 / step))
+        assert simulation.outcome is Outcome.COMPLETED
+        errors.append(np.abs(records[:, columns(simulation, "ball.position")] - reference).max())
+        lost.append(np.abs(records[:, columns(simulation, "energy.external_work")]).max())
+        assert np.ptp(np.vstack([first, records])[:, columns(simulation, "energy.balance")]) < 1e-6
+    assert errors[0] < 2e-3
+    assert 2.5 < errors[0] / errors[1] < 6.0
+    kinetic = records[:, columns(simulation, "energy.kinetic")].max()
+    assert lost[1] < 2e-4 * kinetic  # all work is stored in the lines, up to the error of the step
+    assert 2.5 < lost[0] / lost[1] < 6.0
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_a_moored_scene_continues_bit_for_bit() -> None:
+    first = Simulation(hung_ball(), 0.01)
+    first.advance(100)
+    second = Simulation(hung_ball(), 0.01)
+    second.restore(first.state())
+    assert np.array_equal(first.advance(100)[1], second.advance(100)[1])
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_a_scene_stops_where_a_line_is_overstretched() -> None:
+    simulation = Simulation(hung_ball(strain_limit=0.0345), 0.01)
+    simulation.advance(1000)
+    assert simulation.outcome is Outcome.LINE_OVERSTRETCHED
+    assert "'line " in simulation.message

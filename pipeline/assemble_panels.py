@@ -1,0 +1,138 @@
+"""From the hulls of a case to the panels and headings that a hydrodynamic database is computed from."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.assemble_hulls import frame_origin, hull_surface, upright_position
+from heavylift.pipeline.assemble_scene import assemble_rigid
+from heavylift.pipeline.assemble_sea import water_of
+from heavylift.preprocess.bem import BemInputs
+from heavylift.preprocess.hull_panels import HullPanels, box_panels, surface_panels
+from heavylift.preprocess.surface_refinement import refined_triangles
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from heavylift.pipeline.case import Case
+    from heavylift.pipeline.case_hulls import ComputeSection, DatabaseSection
+    from heavylift.pipeline.case_surfaces import SurfaceSection
+    from heavylift.pipeline.storage import OutputFolder
+
+__all__ = ["bem_inputs"]
+
+PARALLEL = math.radians(0.5)
+"""Between headings of hulls that share a database [rad]."""
+SAME_PLACE = 1e-6
+"""Of the extent: how far the mirror image of a corner may be from another corner."""
+
+
+def bem_inputs(case: Case, section: DatabaseSection, folder: OutputFolder) -> BemInputs:
+    """What a database is computed from.
+
+    The axes of the database are those of the first hull at the start, its origin above or below that of its frame.
+    Every hull lies upright as deep as it floats by itself, with its tanks, where it is at the start.
+
+    Raises
+    ------
+    InputError
+        If a hull does not float upright, several do not head the same way, or hulls that are said to be symmetric are
+        not.
+    """
+    assert section.compute is not None
+    compute, water = section.compute, water_of(case)
+    places = {name: _place(case, name) for name in section.hulls}
+    origin, heading = places[section.hulls[0]]
+    turn = np.array([[math.cos(heading), math.sin(heading)], [-math.sin(heading), math.cos(heading)]])
+    hulls, references = [], []
+    for index, name in enumerate(section.hulls):
+        place, own = places[name]
+        off = math.remainder(own - heading, 2.0 * math.pi)
+        if abs(off) > PARALLEL:
+            raise InputError(
+                f"{name!r} heads {math.degrees(off):.4g} degrees off {section.hulls[0]!r}",
+                key=f"hulls.{index}",
+                expected="hulls of one database that head the same way at the start",
+            )
+        x, y = (float(value) for value in turn @ (place - origin))
+        height = upright_position(case, name, folder).pose.height
+        hulls.append(_panels(case, name, compute, folder, height).translated(x, y, name=name))
+        reference = np.array(case.hulls[name].reference) - frame_origin(case, name)
+        references.append(reference + np.array([x, y, height]))
+    if compute.symmetric:
+        for hull in hulls:
+            _check_symmetry(hull)
+    headings = compute.headings or _headings(compute)
+    steps = compute.frequencies
+    return BemInputs(
+        hulls=tuple(hulls),
+        omega=np.linspace(steps.first, steps.last, steps.count),
+        headings=np.array(headings),
+        reference_points=np.array(references),
+        density=water.density,
+        gravity=water.gravity,
+        depth=water.depth,
+        symmetric=compute.symmetric,
+        lid=compute.lid,
+        only_at_headings=bool(compute.headings),
+    )
+
+
+def _place(case: Case, name: str) -> tuple[NDArray[np.float64], float]:
+    """Horizontal place of the frame of a hull at the start [m], shape (2,), and its heading [rad]."""
+    from heavylift.numerics.rotation import rotation_matrix
+
+    body = case.bodies[name]
+    assert body.type == "rigid"
+    rigid, _ = assemble_rigid(name, body)
+    R = rotation_matrix(rigid.orientation)
+    return rigid.position[:2], math.atan2(R[1, 0], R[0, 0])
+
+
+def _panels(
+    case: Case, name: str, compute: ComputeSection, folder: OutputFolder, height: float
+) -> HullPanels:
+    """Wetted panels of a hull whose frame is at a height above the water [m]."""
+    surface = next(entry for entry in case.surfaces if entry.name == case.hulls[name].surface)
+    origin = frame_origin(case, name)
+    if _is_plain_box(surface):
+        assert surface.shape is not None and surface.shape.type == "box"
+        length, breadth, depth = surface.shape.size
+        x, y, z = (float(value) for value in np.array(surface.at) - origin)
+        draft = 0.5 * depth - z - height
+        return box_panels(length, breadth, draft, compute.panel_size, name=name).translated(x, y)
+    wetted = surface_panels(hull_surface(case, name, folder), level=-height, name=name)
+    points, triangles = refined_triangles(wetted.points, wetted.triangles, compute.panel_size, name=name)
+    return replace(wetted, points=points, panels=np.column_stack([triangles, triangles[:, 2]]))
+
+
+def _is_plain_box(surface: SurfaceSection) -> bool:
+    """Whether a surface is a box along the axes of its body, which has panels of four corners."""
+    whole = not surface.exclude and surface.radius == 0.0 and surface.turned is None
+    return surface.shape is not None and surface.shape.type == "box" and whole
+
+
+def _headings(compute: ComputeSection) -> NDArray[np.float64]:
+    """Equal steps over half a turn, or over a whole one."""
+    whole = math.pi if compute.symmetric else 2.0 * math.pi
+    count = math.ceil(whole / compute.heading_step - 1e-9)
+    return np.linspace(0.0, whole, count + 1)[: None if compute.symmetric else -1]
+
+
+def _check_symmetry(hull: HullPanels) -> None:
+    """Every corner has its mirror image."""
+    scale = SAME_PLACE * float(np.ptp(hull.points, axis=0).max())
+    corners = {tuple(row) for row in np.round(hull.points / scale).astype(np.int64).tolist()}
+    for x, y, z in corners:
+        near = ((x + i, -y + j, z + k) for i in (0, -1, 1) for j in (0, -1, 1) for k in (0, -1, 1))
+        if not any(corner in corners for corner in near):
+            raise InputError(
+                f"{hull.name!r} has a corner at y = {y * scale:.4g} m without its mirror image",
+                key="compute.symmetric",
+                expected="hulls that are symmetric about y = 0 of the first one, or 'symmetric = false'",
+            )

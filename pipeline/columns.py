@@ -1,0 +1,84 @@
+"""Small tables of numbers in the case folder: comma-separated columns under a header that says what they are."""
+
+from __future__ import annotations
+
+import csv
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+from heavylift.numerics.outcome import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+__all__ = ["Columns", "read_columns"]
+
+
+class Columns(NamedTuple):
+    """Content of a file.
+
+    Attributes
+    ----------
+    header
+        Names of the columns, one of those that were allowed.
+    values
+        One tuple a column.
+    """
+
+    header: tuple[str, ...]
+    values: tuple[tuple[float, ...], ...]
+
+
+def read_columns(file: Path, headers: Sequence[tuple[str, ...]], *, fewest: int = 2) -> Columns:
+    """Read a table whose first column increases; lines that begin with ``#`` are comments.
+
+    Parameters
+    ----------
+    file
+        Comma-separated, with a header.
+    headers
+        Those that are allowed.
+    fewest
+        Rows.
+
+    Raises
+    ------
+    InputError
+        If the header is another one, a row is not one finite number a column, the first column does not increase, or
+        there are too few rows.
+    """
+    try:
+        text = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(str(error), source=file, expected="a readable text file") from None
+    lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
+    lines = [(n, line) for n, line in lines if not line.lstrip().startswith("#")]
+    header = tuple(name.strip() for name in lines[0][1].split(",")) if lines else ()
+    if header not in headers:
+        raise InputError(
+            f"header {','.join(header)!r}",
+            source=file,
+            expected=" or ".join(repr(",".join(known)) for known in headers),
+        )
+    rows: list[list[float]] = []
+    for number, line in lines[1:]:
+        try:
+            row = [float(entry) for entry in next(csv.reader([line]))]
+        except ValueError:
+            row = []
+        if len(row) != len(header) or not all(map(math.isfinite, row)):
+            raise InputError(
+                f"{line!r}", source=file, key=f"line {number}", expected=f"{len(header)} finite numbers"
+            )
+        if rows and row[0] <= rows[-1][0]:
+            raise InputError(
+                f"{row[0]:g} after {rows[-1][0]:g}",
+                source=file,
+                key=f"line {number}",
+                expected=f"{header[0]} that increases",
+            )
+        rows.append(row)
+    if len(rows) < fewest:
+        raise InputError(f"{len(rows)} rows", source=file, expected=f"at least {fewest}")
+    return Columns(header, tuple(zip(*rows, strict=True)))

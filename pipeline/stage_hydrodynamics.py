@@ -1,0 +1,242 @@
+"""The part of the mesh stage that reads or computes the hydrodynamic databases of a case."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.pipeline.assemble_connections import located
+from heavylift.pipeline.provenance import database_digest, source_digest, versions
+from heavylift.pipeline.storage import read_json, replacing, write_json
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from heavylift.pipeline.case import Case
+    from heavylift.pipeline.case_hulls import DatabaseSection
+    from heavylift.pipeline.stages import Work
+    from heavylift.pipeline.storage import OutputFolder
+    from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+
+__all__ = ["database_file", "database_manifest", "make_databases", "read_database_source", "stored_database"]
+
+MANIFEST = "hydrodynamics.json"
+
+
+def database_file(folder: OutputFolder, name: str) -> Path:
+    """Where the mesh stage stores a database."""
+    return folder.stage("mesh") / f"{name}.nc"
+
+
+def database_manifest(folder: OutputFolder) -> dict[str, Any]:
+    """What the mesh stage says of the databases, by name; empty if it has not run."""
+    return dict((read_json(folder.stage("mesh") / MANIFEST) or {}).get("items", {}))
+
+
+def make_databases(work: Work) -> tuple[bool, float, dict[str, Any]]:
+    """Read or compute every database that is not current, and store it as netCDF.
+
+    Returns
+    -------
+    tuple
+        Whether all were there, CPU time that making them took, now or before [s], and by name what is in the manifest.
+    """
+    case, folder, log = work.case, work.folder, work.log
+    manifest_file = folder.stage("mesh") / MANIFEST
+    if not case.databases and not manifest_file.is_file():
+        return True, 0.0, {}
+    items = {name: item for name, item in database_manifest(folder).items() if name in case.databases}
+    skipped = True
+    for name, section in case.databases.items():
+        file, digest = database_file(folder, name), database_digest(case, section)
+        item = items.get(name, {})
+        if "mesh" not in work.force and item.get("digest") == digest:
+            if file.is_file() and file.stat().st_size == item["size"]:
+                log.say(f"mesh: {name}: unchanged, skipped")
+                continue
+            if file.is_file():
+                log.say(f"mesh: {name}: {file} is damaged, made anew")
+        skipped = False
+        begin = time.process_time()
+        with located(case, f"databases.{name}"):
+            database = _made(work, name, section)
+            _write(file, database, digest)
+            properties = _properties(database, section)
+        items[name] = {
+            "digest": digest,
+            "file": file.name,
+            "size": file.stat().st_size,
+            "cpu_s": time.process_time() - begin,
+            "properties": properties,
+        }
+        log.say(f"mesh: {name}: {_words(properties)}; {items[name]['cpu_s']:.2f} s CPU")
+        write_json(
+            manifest_file,
+            {
+                "stage": "hydrodynamics",
+                "outcome": Outcome.COMPLETED.name.lower(),
+                "case": case.name,
+                "overrides": case.overrides,
+                "sources_digest": source_digest("hydrodynamics"),
+                "versions": versions("hydrodynamics"),
+                "items": items,
+            },
+        )
+    return skipped, sum(item["cpu_s"] for item in items.values()), items
+
+
+def stored_database(case: Case, name: str, folder: OutputFolder) -> HydrodynamicDatabase:
+    """Database of a case as its output folder has it; one of a file is read anew if it is absent or of other inputs.
+
+    Raises
+    ------
+    InputError
+        If one that has to be computed is not there, or a file cannot be read.
+    """
+    from heavylift.preprocess.hydrodynamics_netcdf import read_digest, read_netcdf
+
+    section, file = case.databases[name], database_file(folder, name)
+    if file.is_file() and read_digest(file) == database_digest(case, section):
+        about = database_manifest(folder).get(name, {}).get("properties", {})
+        return replace(read_netcdf(file), source=str(about.get("source", name)))
+    if section.file is not None:
+        return _named(read_database_source(case, section), section)
+    raise InputError(
+        "has not been computed for these inputs",
+        key="compute",
+        expected="a database in the output folder; make it with `heavylift mesh CASE`",
+    )
+
+
+def read_database_source(case: Case, section: DatabaseSection) -> HydrodynamicDatabase:
+    """Database from the file that a case names.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or is no database that can be true.
+    """
+    assert section.file is not None and case.sea is not None
+    path = case.folder / section.file
+    points = None if section.reference_points is None else np.array(section.reference_points)
+    if section.file_format == "netcdf":
+        from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
+
+        return read_netcdf(path, time_convention=section.time_convention or "", reference_points=points)
+    if section.file_format == "bemio":
+        from heavylift.preprocess.bemio_files import read_bemio
+
+        return read_bemio(path, reference_points=points, symmetric=bool(section.symmetric))
+    from heavylift.pipeline.assemble_sea import water_of
+
+    water = water_of(case)
+    if section.file_format == "wamit-out":
+        from heavylift.preprocess.wamit_listing import read_wamit_out
+
+        return read_wamit_out(
+            path,
+            density=water.density,
+            bodies=section.hulls,
+            symmetric=bool(section.symmetric),
+            forces=section.forces or "diffraction",
+        )
+    from heavylift.preprocess.wamit_files import read_wamit
+
+    return read_wamit(
+        path,
+        length=section.length_scale or 1.0,
+        density=water.density,
+        gravity=water.gravity,
+        depth=water.depth,
+        reference_points=np.zeros((len(section.hulls), 3)) if points is None else points,
+        bodies=section.hulls,
+        first_column=section.first_column or "period",
+        symmetric=bool(section.symmetric),
+    )
+
+
+def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDatabase:
+    """Database from its file, or computed."""
+    if section.compute is None:
+        return _named(read_database_source(work.case, section), section)
+    from heavylift.pipeline.assemble_panels import bem_inputs
+    from heavylift.preprocess.bem import capytaine_version, compute_database
+
+    capytaine_version()  # before anything else: without it nothing can be done
+    inputs = bem_inputs(work.case, section, work.folder)
+    count = sum(len(hull.panels) for hull in inputs.hulls)
+    work.log.say(
+        f"mesh: {name}: {count} panels, {len(inputs.omega)} frequencies, {len(inputs.headings)} headings"
+    )
+
+    def warn(text: str) -> None:
+        work.log.say(f"mesh: {name}: WARNING: {text}")
+
+    with work.log.progress(f"mesh {name}", len(inputs.omega) + 1) as progress:
+        return compute_database(inputs, processes=section.compute.processes, progress=progress, warn=warn)
+
+
+def _named(database: HydrodynamicDatabase, section: DatabaseSection) -> HydrodynamicDatabase:
+    """A database that is called by its file in the case folder, wherever that is."""
+    return replace(database, source=str(section.file))
+
+
+def _write(file: Path, database: HydrodynamicDatabase, digest: str) -> None:
+    from heavylift.preprocess.hydrodynamics_netcdf import write_netcdf
+
+    with replacing(file) as temporary:
+        write_netcdf(temporary, database, digest=digest)
+
+
+def _properties(database: HydrodynamicDatabase, section: DatabaseSection) -> dict[str, Any]:
+    """What manifest and report say of a database, as plain values."""
+    found: dict[str, Any] = {
+        "source": database.source,
+        "bodies": list(database.bodies),
+        "hulls": list(section.hulls),
+        "frequencies": len(database.omega),
+        "frequency_range": [float(database.omega[0]), float(database.omega[-1])],
+        "headings": len(database.headings),
+        "heading_range": [float(database.headings[0]), float(database.headings[-1])],
+        "symmetric": bool(database.symmetric),
+        "density": database.density,
+        "gravity": database.gravity,
+        "depth": database.depth if np.isfinite(database.depth) else None,
+        "reference_points": database.reference_points.tolist(),
+        "volumes": None if database.volumes is None else [float(v) for v in database.volumes],
+        "drift": database.drift is not None,
+    }
+    if section.memory == "exponentials":
+        found["memory"] = _fit(database, section)
+    return found
+
+
+def _fit(database: HydrodynamicDatabase, section: DatabaseSection) -> dict[str, Any]:
+    """How well exponentials fit the memory, as the simulation will find it."""
+    from heavylift.preprocess.exponentials import fit_exponentials
+    from heavylift.preprocess.retardation import memory_length, retardation_kernel
+    from heavylift.solver.marine.hull_parts import FIT_STEP, SHORTEST_FIT
+
+    kernel = retardation_kernel(database.omega, database.damping, source=database.source)
+    length = section.memory_length or memory_length(kernel)
+    times = np.arange(0.0, max(length, SHORTEST_FIT), FIT_STEP)
+    fit = fit_exponentials(kernel(times), FIT_STEP, tolerance=section.fit_error, source=database.source)
+    return {"length": float(length), "poles": len(fit.poles), "error": float(fit.error)}
+
+
+def _words(properties: dict[str, Any]) -> str:
+    """A database in a line."""
+    low, high = properties["frequency_range"]
+    words = [
+        f"{properties['frequencies']} frequencies from {low:.4g} to {high:.4g} rad/s",
+        f"{properties['headings']} headings",
+        properties["source"],
+    ]
+    memory = properties.get("memory")
+    if memory:
+        words.append(f"memory of {memory['length']:.3g} s by {memory['poles']} poles to {memory['error']:.1e}")
+    return ", ".join(words)

@@ -1,0 +1,68 @@
+"""Pictures of mooring lines: polylines where lines hang, and panels that show them."""
+
+from __future__ import annotations
+
+import io
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from heavylift.pipeline.picture_lines import draw_line, profile_picture
+from heavylift.solver.connections import GROUND
+from heavylift.solver.marine.catenary_line import solve_catenary
+from heavylift.solver.marine.moorings import LineSection, MooringLine
+
+ANCHOR = np.array([-120.0, 60.0, -50.0])
+CHAIN_AND_WIRE = (LineSection(150.0, 900.0, 4e8), LineSection(80.0, 250.0, 3e8))
+
+
+def mooring(name: str, **more: Any) -> MooringLine:
+    given: dict[str, Any] = {"sections": CHAIN_AND_WIRE, "seabed": -50.0, "clumps": (5e3,)}
+    return MooringLine(
+        name=name, body_a=GROUND, point_a=ANCHOR, body_b="barge", point_b=np.zeros(3), **(given | more)
+    )
+
+
+def test_polyline_is_the_line() -> None:
+    fairlead = np.array([60.0, -20.0, 1.0])
+    drawn = draw_line(mooring("bow"), ANCHOR, fairlead, points=200)
+    assert drawn.points[0] == pytest.approx(ANCHOR)
+    assert drawn.points[-1] == pytest.approx(fairlead, abs=1e-7)
+    r = fairlead - ANCHOR
+    across = np.array([-r[1], r[0], 0.0]) / math.hypot(r[0], r[1])
+    assert np.abs((drawn.points - ANCHOR) @ across).max() < 1e-9
+    length = np.linalg.norm(np.diff(drawn.points, axis=0), axis=1).sum()
+    assert length == pytest.approx(230.0, rel=1e-3)  # stretch
+    assert drawn.points[:, 2].min() == pytest.approx(-50.0)
+    line = solve_catenary(CHAIN_AND_WIRE, math.hypot(r[0], r[1]), r[2], clumps=(5e3,))
+    assert drawn.profile.tension[-1] == pytest.approx(line.tension)
+    assert drawn.profile.s[drawn.joints] == pytest.approx([150.0])
+
+
+def test_a_slack_line_ends_where_it_is_held() -> None:
+    fairlead = ANCHOR + np.array([30.0, 0.0, 45.0])
+    drawn = draw_line(mooring("slack"), ANCHOR, fairlead)
+    assert drawn.points[-1] == pytest.approx(fairlead, abs=1e-6)
+    assert drawn.catenary.horizontal == 0.0
+    assert np.all(np.isfinite(drawn.points))
+
+
+def test_picture_has_a_panel_for_each_line() -> None:
+    hawser = mooring("hawser", sections=(LineSection(70.0, 60.0, 5e6),), seabed=None, clumps=())
+    lines = [
+        draw_line(mooring("bow"), ANCHOR, np.array([60.0, -20.0, 1.0])),
+        draw_line(mooring("slack $1"), ANCHOR, ANCHOR + np.array([30.0, 0.0, 45.0])),
+        draw_line(hawser, np.array([0.0, 0.0, 4.0]), np.array([66.0, 10.0, 7.0])),
+    ]
+    one, three = (
+        Image.open(io.BytesIO(profile_picture(some, level=0.0, title="Lines of $a$ barge")))
+        for some in (lines[:1], lines)
+    )
+    assert three.width == one.width
+    assert three.height > 2 * one.height
+    pixels = np.array(three.convert("RGB")).reshape(-1, 3).astype(int)
+    sand = np.abs(pixels - [0xD9, 0xC9, 0xA3]).max(axis=1) < 8
+    assert 0.005 < sand.mean() < 0.2
