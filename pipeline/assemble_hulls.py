@@ -63,7 +63,9 @@ def assemble_hulls(case: Case, sides: Mapping[str, Side], folder: OutputFolder) 
                     damping=np.zeros((6, 6)) if section.damping is None else np.array(section.damping),
                     quadratic_damping=np.array(section.quadratic_damping, dtype=float),
                     low_pass=section.low_pass,
-                    open_deck=None if section.open_deck is None else section.open_deck - float(side.origin[2]),
+                    open_deck=None
+                    if section.open_deck is None
+                    else section.open_deck - float(side.origin[2]),
                 )
             )
     return tuple(found)

@@ -45,8 +45,7 @@ def _line(case: Case, section: MooringLineSection, sides: Mapping[str, Side]) ->
     points = a.local(section.points[0]), b.local(section.points[1])
     seabed = section.seabed
     if section.on_seabed:
-        assert case.sea is not None and case.sea.depth is not None
-        seabed = case.sea.level - case.sea.depth
+        seabed = bottom_of(case)
     pieces = tuple(
         LineSection(
             math.nan if piece.length is None else piece.length,
@@ -81,7 +80,9 @@ def _with_tension(line: MooringLine, tension: float, x: float, z: float) -> Moor
 
     if z < 0.0:
         raise InputError(
-            f"the fairlead is {-z:g} m below the anchor", key="points", expected="the anchor, then the fairlead"
+            f"the fairlead is {-z:g} m below the anchor",
+            key="points",
+            expected="the anchor, then the fairlead",
         )
     row = next(i for i, piece in enumerate(line.sections) if math.isnan(piece.length))
     piece = line.sections[row]
@@ -123,6 +124,12 @@ def _with_tension(line: MooringLine, tension: float, x: float, z: float) -> Moor
         key="fairlead_tension",
         expected="a larger tension, or lengths of all sections",
     )
+
+
+def bottom_of(case: Case) -> float:
+    """Height of the bottom of the sea in the world [m]."""
+    assert case.sea is not None
+    return case.sea.level - case.sea.water_depth
 
 
 def assemble_fenders(case: Case, sides: Mapping[str, Side]) -> tuple[Fender, ...]:

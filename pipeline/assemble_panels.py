@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,9 +11,10 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble_hulls import frame_origin, hull_surface, upright_position
 from heavylift.pipeline.assemble_scene import assemble_rigid
 from heavylift.pipeline.assemble_sea import water_of
-from heavylift.preprocess.bem import BemInputs
-from heavylift.preprocess.hull_panels import HullPanels, box_panels, surface_panels
+from heavylift.preprocess.bem_inputs import BemInputs
+from heavylift.preprocess.hull_panels import HullPanels, box_panels, hydrostatics, surface_panels
 from heavylift.preprocess.surface_refinement import refined_triangles
+from heavylift.preprocess.surfaces import TriangleSurface
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -100,21 +100,64 @@ def _panels(
     """Wetted panels of a hull whose frame is at a height above the water [m]."""
     surface = next(entry for entry in case.surfaces if entry.name == case.hulls[name].surface)
     origin = frame_origin(case, name)
-    if _is_plain_box(surface):
-        assert surface.shape is not None and surface.shape.type == "box"
-        length, breadth, depth = surface.shape.size
+    size = _plain_box(surface)
+    if size is not None:
+        length, breadth, depth = size
         x, y, z = (float(value) for value in np.array(surface.at) - origin)
         draft = 0.5 * depth - z - height
         return box_panels(length, breadth, draft, compute.panel_size, name=name).translated(x, y)
     wetted = surface_panels(hull_surface(case, name, folder), level=-height, name=name)
+    if compute.symmetric:
+        return _mirrored(wetted, compute.panel_size)
     points, triangles = refined_triangles(wetted.points, wetted.triangles, compute.panel_size, name=name)
-    return replace(wetted, points=points, panels=np.column_stack([triangles, triangles[:, 2]]))
+    return _panels_of(points, triangles, name)
 
 
-def _is_plain_box(surface: SurfaceSection) -> bool:
-    """Whether a surface is a box along the axes of its body, which has panels of four corners."""
+def _mirrored(wetted: HullPanels, size: float) -> HullPanels:
+    """Refined panels of a hull that is symmetric about its plane y = 0: those of one half, and their mirror image."""
+    # the half of negative y: with y as the height, what is below the water
+    turned = TriangleSurface(
+        np.ascontiguousarray(wetted.points[:, [2, 0, 1]]), wetted.triangles, name=wetted.name
+    )
+    half = surface_panels(turned, name=wetted.name)
+    points, triangles = refined_triangles(half.points[:, [1, 2, 0]], half.triangles, size, name=wetted.name)
+    sides = [
+        hydrostatics(panels, 1.0, 1.0, np.zeros(3)) for panels in (wetted, _panels_of(points, triangles, ""))
+    ]
+    extent = float(np.ptp(wetted.points, axis=0).max())
+    if (
+        abs(2.0 * sides[1].volume - sides[0].volume) > SAME_PLACE * sides[0].volume
+        or abs(float(sides[0].centre_of_buoyancy[1])) > SAME_PLACE * extent
+    ):
+        raise _not_symmetric(wetted.name, "unequal halves")
+    middle = np.abs(points[:, 1]) <= SAME_PLACE * extent
+    points[middle, 1] = 0.0
+    image = np.arange(len(points))
+    image[~middle] = len(points) + np.arange(np.count_nonzero(~middle))
+    others = points[~middle] * np.array([1.0, -1.0, 1.0])
+    both = np.concatenate(
+        [triangles, image[triangles[:, [1, 0, 2]]]]
+    )  # the last corner, which repeats, stays
+    return _panels_of(np.concatenate([points, others]), both, wetted.name)
+
+
+def _panels_of(points: NDArray[np.float64], triangles: NDArray[np.int64], name: str) -> HullPanels:
+    return HullPanels(points, np.column_stack([triangles, triangles[:, 2]]), name)
+
+
+def _not_symmetric(name: str, what: str) -> InputError:
+    return InputError(
+        f"{name!r} has {what}",
+        key="compute.symmetric",
+        expected="hulls that are symmetric about y = 0 of the first one, or 'symmetric = false'",
+    )
+
+
+def _plain_box(surface: SurfaceSection) -> tuple[float, float, float] | None:
+    """Size of a surface that is a box along the axes of its body, which has panels of four corners; else None."""
+    shape = surface.shape
     whole = not surface.exclude and surface.radius == 0.0 and surface.turned is None
-    return surface.shape is not None and surface.shape.type == "box" and whole
+    return shape.size if whole and shape is not None and shape.type == "box" else None
 
 
 def _headings(compute: ComputeSection) -> NDArray[np.float64]:
@@ -131,8 +174,4 @@ def _check_symmetry(hull: HullPanels) -> None:
     for x, y, z in corners:
         near = ((x + i, -y + j, z + k) for i in (0, -1, 1) for j in (0, -1, 1) for k in (0, -1, 1))
         if not any(corner in corners for corner in near):
-            raise InputError(
-                f"{hull.name!r} has a corner at y = {y * scale:.4g} m without its mirror image",
-                key="compute.symmetric",
-                expected="hulls that are symmetric about y = 0 of the first one, or 'symmetric = false'",
-            )
+            raise _not_symmetric(hull.name, f"a corner at y = {y * scale:.4g} m without its mirror image")

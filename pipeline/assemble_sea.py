@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.assemble_connections import Side
     from heavylift.pipeline.case import Case
-    from heavylift.pipeline.case_waves import IrregularWaves, Waves
+    from heavylift.pipeline.case_waves import JonswapWaves, PiersonMoskowitzWaves, SpectrumWaves, Waves
     from heavylift.pipeline.case_wind import CoefficientLoadSection, WindSection
     from heavylift.pipeline.storage import OutputFolder
     from heavylift.solver.marine.spectra import WaveSpectrum
@@ -138,7 +138,7 @@ def _train(case: Case, section: Waves, water: seas.Water) -> WaveTrains:
     )
 
 
-def _spectrum(case: Case, section: IrregularWaves | Any) -> WaveSpectrum:
+def _spectrum(case: Case, section: JonswapWaves | PiersonMoskowitzWaves | SpectrumWaves) -> WaveSpectrum:
     from heavylift.solver.marine.spectra import jonswap, pierson_moskowitz, tabulated_spectrum
 
     if section.type == "jonswap":
@@ -296,9 +296,8 @@ def sea_provenance(sea: seas.Sea | None) -> dict[str, Any]:
             "peak_period": waves.peak_period,
             "repeat_period": waves.repeat_period if math.isfinite(waves.repeat_period) else None,
         }
-    seeds = {
-        one.name: one.fluctuation.seed for one in sea.fields if getattr(one, "fluctuation", None) is not None
-    }
+    records = {one.name: getattr(one, "fluctuation", None) for one in sea.fields}
+    seeds = {name: record.seed for name, record in records.items() if record is not None}
     if seeds:
         found["wind_seeds"] = seeds
     if sea.radiation:

@@ -147,7 +147,8 @@ class Case(Section):
         ]
         causes += [f"hull {name!r}" for name in self.hulls]
         causes += [f"load {load.name!r}" for load in self.fluid_loads]
-        causes += [f"{row.name!r}" for row in (*self.lines, *self.fenders) if GROUND in row.between]
+        causes += [f"line {line.name!r}" for line in self.lines if GROUND in line.between]
+        causes += [f"fender {fender.name!r}" for fender in self.fenders if GROUND in fender.between]
         if self.gravity is not None and any(self.gravity.acceleration):
             causes.append("gravity")
         if causes:
@@ -233,6 +234,8 @@ class Case(Section):
             count = body.modes.vector_count
             if quantity.component and count is not None and int(quantity.component) > count:
                 return f"vector {quantity.component} of {count}"
+        if quantity.family == "hydrostatics" and self.hulls[quantity.owner].surface is None:
+            return f"a hull with a surface, and {quantity.owner!r} has none"
         return ""
 
     @staticmethod

@@ -34,7 +34,14 @@ __all__ = [
     "TankSection",
 ]
 
-DATABASE_FORMATS = {".nc": "netcdf", ".h5": "bemio", ".out": "wamit-out", ".1": "wamit", ".3": "wamit", ".hst": "wamit"}
+DATABASE_FORMATS = {
+    ".nc": "netcdf",
+    ".h5": "bemio",
+    ".out": "wamit-out",
+    ".1": "wamit",
+    ".3": "wamit",
+    ".hst": "wamit",
+}
 """Formats of databases by the ending of a file."""
 
 _READER_KEYS = {
@@ -63,7 +70,9 @@ def _floats(name: str, info: ValidationInfo) -> str:
     if kind != "rigid":
         reject(f"{name!r} is a {kind} body", "the name of a rigid body")
     if name not in context.names.yielding:
-        reject(f"the frame of {name!r} is not free", "frame motion 'free'; a fixed joint to the ground holds it")
+        reject(
+            f"the frame of {name!r} is not free", "frame motion 'free'; a fixed joint to the ground holds it"
+        )
     return name
 
 
@@ -186,7 +195,9 @@ class ComputeSection(Section):
     """Longest side of a panel [m]; at most a sixth of the shortest wave."""
     frequencies: FrequenciesSection
     """[rad/s]; the limit of infinite frequency is computed besides."""
-    heading_step: Annotated[float, Quantity("angle", minimum=0.0, maximum=0.1745329252, closed=True)] = 0.1745329251994
+    heading_step: Annotated[float, Quantity("angle", minimum=0.0, maximum=0.1745329252, closed=True)] = (
+        0.1745329251994
+    )
     """Between headings [rad], at most 10 degrees."""
     headings: tuple[Heading, ...] = ()
     """In place of `heading_step`, the only directions [rad] that waves will have, in the axes of the first hull."""

@@ -63,7 +63,9 @@ class MooringLineSection(Section):
     @model_validator(mode="after")
     def _is_a_line(self) -> Self:
         if self.between[0] == self.between[1] != GROUND:
-            reject(f"both ends are on {self.between[0]!r}", "two bodies, or a body and the ground", key="between")
+            reject(
+                f"both ends are on {self.between[0]!r}", "two bodies, or a body and the ground", key="between"
+            )
         open_ends = [i for i, section in enumerate(self.sections) if section.length is None]
         if self.fairlead_tension is None and open_ends:
             reject("is missing", "a length [m], or 'fairlead_tension'", key=f"sections.{open_ends[0]}.length")
@@ -110,7 +112,9 @@ class FenderSection(Section):
     @model_validator(mode="after")
     def _has_a_law(self) -> Self:
         if self.between[0] == self.between[1]:
-            reject(f"both sides are {self.between[0]!r}", "two bodies, or a body and the ground", key="between")
+            reject(
+                f"both sides are {self.between[0]!r}", "two bodies, or a body and the ground", key="between"
+            )
         if (self.stiffness is None) == (not self.compressions):
             problem = "neither 'stiffness' nor 'compressions'" if self.stiffness is None else "both"
             reject(problem, "'stiffness', or a table of 'compressions' and 'forces'")

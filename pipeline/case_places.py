@@ -6,8 +6,8 @@ import contextlib
 from typing import TYPE_CHECKING
 
 from heavylift.numerics.outcome import InputError, InputErrors
-from heavylift.pipeline.channel_kinds import NAMED_LISTS
 from heavylift.pipeline.case_simulate import SimulateSection
+from heavylift.pipeline.channel_kinds import NAMED_LISTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -5,7 +5,7 @@
 import math
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import field_validator, model_validator
 
 from heavylift.pipeline.case_waves import Waves, check_wave, one_or_many
 from heavylift.pipeline.case_wind import CurrentSection, WindSection
@@ -88,18 +88,26 @@ def check_sea(case: "Case") -> None:
     if case.sea is None:
         if given is not None:
             reject(f"[{given}] without [sea]", "a [sea] table, which may be empty", key=given)
-        line = next((i for i, line in enumerate(case.lines) if line.on_seabed), None)
-        if line is not None:
-            reject("'on_seabed' without [sea]", "a depth in [sea], or 'seabed'", key=f"lines.{line}.on_seabed")
+        first = next((i for i, line in enumerate(case.lines) if line.on_seabed), None)
+        if first is not None:
+            reject(
+                "'on_seabed' without [sea]", "a depth in [sea], or 'seabed'", key=f"lines.{first}.on_seabed"
+            )
         return
     for index, line in enumerate(case.lines):
         if line.on_seabed and case.sea.depth is None:
-            reject("'on_seabed' in deep water", "'depth' in [sea], or 'seabed'", key=f"lines.{index}.on_seabed")
+            reject(
+                "'on_seabed' in deep water", "'depth' in [sea], or 'seabed'", key=f"lines.{index}.on_seabed"
+            )
     if case.hulls:
         _check_weight(case)
         _check_hulls(case)
     _check_databases(case)
-    if case.sea.excitation == "series" and case.sea.waves and (case.simulate is None or not case.simulate.duration):
+    if (
+        case.sea.excitation == "series"
+        and case.sea.waves
+        and (case.simulate is None or not case.simulate.duration)
+    ):
         reject("'series' without a duration to tabulate", "'summed', or a duration", key="sea.excitation")
 
 
@@ -112,7 +120,9 @@ def _check_weight(case: "Case") -> None:
         reject(f"{problem} in a case with hulls", "gravity along -z", key="gravity")
     own = case.sea.gravity
     if own is not None and abs(own + z) > SAME_GRAVITY * own:
-        reject(f"{own:g} m/s^2, bodies have {-z:g} m/s^2", "the same, or no 'gravity' here", key="sea.gravity")
+        reject(
+            f"{own:g} m/s^2, bodies have {-z:g} m/s^2", "the same, or no 'gravity' here", key="sea.gravity"
+        )
 
 
 def _check_hulls(case: "Case") -> None:

@@ -141,7 +141,8 @@ class SpectrumWaves(IrregularWaves):
 
     type: Literal["spectrum"]
     file: Annotated[str, InFolder()]
-    """Comma-separated with the header ``omega,density`` [rad/s], [m^2 s/rad] or ``frequency,density`` [Hz], [m^2/Hz]."""
+    """Comma-separated with the header ``omega,density`` [rad/s], [m^2 s/rad], or ``frequency,density`` [Hz],
+    [m^2/Hz]."""
 
     @field_validator("file")
     @classmethod

@@ -61,7 +61,9 @@ def _is_no_slip(value: float, largest: float) -> float:
 
 
 _WindSpeed = Annotated[
-    float, Quantity("velocity", minimum=0.0, closed=True), AfterValidator(lambda v: _is_no_slip(v, LARGEST_WIND))
+    float,
+    Quantity("velocity", minimum=0.0, closed=True),
+    AfterValidator(lambda v: _is_no_slip(v, LARGEST_WIND)),
 ]
 _CurrentSpeed = Annotated[
     float,
@@ -93,7 +95,9 @@ class VeeringSection(Section):
 class CurrentProfileSection(Section):
     """A current over the depth, linear between, held beyond."""
 
-    depths: Annotated[tuple[Annotated[float, Quantity("length", minimum=0.0, closed=True)], ...], Field(min_length=2)]
+    depths: Annotated[
+        tuple[Annotated[float, Quantity("length", minimum=0.0, closed=True)], ...], Field(min_length=2)
+    ]
     """Below the still water [m], increasing."""
     speeds: Annotated[tuple[_CurrentSpeed, ...], Field(min_length=2)]
     """[m/s]."""
@@ -156,9 +160,15 @@ class WindSection(Section):
             if value is not None and value > 3600.0:
                 reject(f"{value:g} s", "a time up to an hour [s]", key=key)
         if self.gust is not None and self.spectrum is not None:
-            reject("both 'gust' and 'spectrum'", "a constant gust, or a fluctuation about the mean", key="gust")
+            reject(
+                "both 'gust' and 'spectrum'", "a constant gust, or a fluctuation about the mean", key="gust"
+            )
         if self.exponent is not None and self.profile != "power":
-            reject(f"'exponent' with profile {self.profile!r}", "profile 'power', or no 'exponent'", key="exponent")
+            reject(
+                f"'exponent' with profile {self.profile!r}",
+                "profile 'power', or no 'exponent'",
+                key="exponent",
+            )
         return self
 
 

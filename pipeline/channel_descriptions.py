@@ -22,8 +22,8 @@ CHANNEL_DESCRIPTIONS = {
     "length": "length of a rope along its path; distance of the ends of a spring",
     "rest_length": "unstretched length of a rope",
     "drift": "length of a rope along its path less the stretched length that its tension belongs to",
-    "force": "tension of a spring, negative if it pushes; of a fender along its normal; of a load of wind or current the "
-    "sum of its pieces, world axes; of a contact the force on what touches, of a collision on "
+    "force": "tension of a spring, negative if it pushes; of a fender along its normal; of a load of wind or "
+    "current the sum of its pieces, world axes; of a contact the force on what touches, of a collision on "
     "its second surface, world axes; of one recorded contact of a collision that along its normal",
     "gap": "distance of what touches from a contour, smallest one of two surfaces; negative inside",
     "normal_force": "force of a contact along the normal of the contour, on what touches; of a collision the sum of "

@@ -241,6 +241,8 @@ class Declared:
         By owner: last parts of its channels, and their kinds.
     references
         Reference histories by name: the channel, and whether the deviation is scaled.
+    checks
+        Quantities of the checks by id.
     reference_names, check_ids
         How often each occurs.
     """
@@ -260,6 +262,7 @@ class Declared:
     lines: frozenset[str] = frozenset()
     channels: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     references: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
+    checks: Mapping[str, str] = field(default_factory=dict)
     reference_names: Counter[str] = field(default_factory=Counter)
     check_ids: Counter[str] = field(default_factory=Counter)
 
@@ -324,6 +327,7 @@ def declared(document: Mapping[str, Any]) -> Declared:
             name: (str(row.get("channel")), row.get("scale") is not None)
             for name, row in _named(document, "reference")
         },
+        checks={name: str(row.get("quantity", "")) for name, row in _named(document, "check", "id")},
         reference_names=Counter(name for name, _ in _named(document, "reference")),
         check_ids=Counter(name for name, _ in _named(document, "check", "id")),
     )

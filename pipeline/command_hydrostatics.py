@@ -87,7 +87,7 @@ def hydrostatics_command(
             tanks = [
                 Liquid(
                     mass=float(np.interp(0.0, tank.times, tank.masses)),
-                    point=tuple((np.asarray(tank.point) + origin).tolist()),  # type: ignore[arg-type]
+                    point=tuple((np.asarray(tank.point) + origin).tolist()),
                     free_surface=tank.free_surface,
                     name=tank.name,
                 )

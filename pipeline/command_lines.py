@@ -199,7 +199,8 @@ def _dynamics(
     folder: Path,
 ) -> DynamicLine:
     """One line along a part of the run."""
-    from heavylift.pipeline.moordyn_lines import LineDynamics, run_moordyn
+    from heavylift.pipeline.moordyn_input import LineDynamics
+    from heavylift.pipeline.moordyn_lines import run_moordyn
 
     water = found.sea.water
     ends = line_ends(found.scene, line, results)

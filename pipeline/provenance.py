@@ -222,8 +222,11 @@ def _sea_files(case: Case) -> dict[str, str]:
 
 def database_digest(case: Case, section: DatabaseSection) -> str:
     """Digest of all that a hydrodynamic database depends on."""
-    inputs: dict[str, Any] = section.model_dump(mode="json", exclude={"memory", "drift", "compute"})
-    sea = case.sea.model_dump(mode="json", include={"density", "gravity", "level", "depth"}) if case.sea else {}
+    memory = {"memory", "memory_length", "fit_error", "drift"}
+    inputs: dict[str, Any] = section.model_dump(mode="json", exclude={*memory, "compute"})
+    sea = (
+        case.sea.model_dump(mode="json", include={"density", "gravity", "level", "depth"}) if case.sea else {}
+    )
     inputs["water"] = [sea, case.gravity and case.gravity.model_dump(mode="json")]
     if section.file is not None:
         path = case.folder / section.file

@@ -89,6 +89,7 @@ class Quantities:
     def __init__(self, case: Case, out: Path) -> None:
         self._case = case
         self._folder = OutputFolder(out)
+        self._positions: dict[str, Any] = {}
 
     @cached_property
     def results(self) -> Results:
@@ -112,6 +113,9 @@ class Quantities:
             "channel": self._channel,
             "frequency": self._frequency,
             "deviation": self._deviation,
+            "lines": self._lines,
+            "hydrostatics": self._hydrostatics,
+            "errors": self._errors,
         }
         return np.asarray(readers[name.family](name), dtype=np.float64)
 
@@ -211,6 +215,40 @@ class Quantities:
         reference = next(entry for entry in self._case.reference if entry.name == name.item)
         _, distances = deviation_history(self._case, reference, self.results)
         return float(np.sqrt(np.mean(distances**2)) if name.statistic == "rms" else distances.max())
+
+    def _lines(self, name: QuantityName) -> float:
+        lengths = self.results.metadata.get("sea", {}).get("line_lengths", {})
+        if name.owner not in lengths:
+            raise self._missing(name, "results of a simulation with this line")
+        return float(sum(lengths[name.owner]))
+
+    def _hydrostatics(self, name: QuantityName) -> float:
+        if name.owner not in self._positions:
+            from heavylift.pipeline.assemble_hulls import resting_position
+
+            if self._case.hulls[name.owner].surface is None:
+                raise self._missing(name, "a hull with a surface")
+            self._positions[name.owner] = resting_position(self._case, name.owner, self._folder)
+        position = self._positions[name.owner]
+        values = {
+            "displacement": position.mass,
+            "trim": position.pose.trim,
+            "list": position.pose.list,
+            "origin_z": position.level + position.pose.height,
+        }
+        return float(values[name.item] if name.item in values else getattr(position, name.item))
+
+    def _errors(self, name: QuantityName) -> float:
+        checks = [
+            check
+            for check in self._case.check
+            if check.id.startswith(f"{name.item}_") and not check.quantity.startswith("errors")
+        ]
+        return max(abs(self.number(check.quantity) - self._reference(check)) for check in checks)
+
+    def _reference(self, check: CheckSection) -> float:
+        given = check.reference
+        return given if isinstance(given, float) else self.number(given.quantity)
 
     def _vector(self, name: QuantityName, count: int) -> int:
         if int(name.component) > count:

@@ -17,6 +17,10 @@
 ``deviation.NAME``                             largest distance of a channel from the reference history
                                                NAME, divided by its scale if it has one;
                                                ``deviation.NAME.rms``: root mean square over its times
+``lines.NAME.length``                          unstretched length of a mooring line
+``hydrostatics.HULL.FIGURE``                   of a hull with a surface where it floats by itself: ``volume``,
+                                               ``draft``, ``KB``, ``GM_T``, ``GM_L``, ``waterplane_area``, ...
+``errors.PREFIX``                              largest error of the checks whose ids begin with ``PREFIX_``
 =============================================  ==========================================================
 
 Components of the channels of frames and shells begin with the number of a node or element:
@@ -56,6 +60,27 @@ MESH_QUANTITIES = {
     "volume": "volume",
 }
 DRIFTS = ("energy", "momentum", "angular_momentum")
+HYDROSTATICS = {
+    "displacement": "mass",
+    "volume": "volume",
+    "draft": "length",
+    "draft_aft": "length",
+    "draft_forward": "length",
+    "trim": "angle",
+    "list": "angle",
+    "origin_z": "length",
+    "KB": "length",
+    "LCB": "length",
+    "KG": "length",
+    "LCF": "length",
+    "BM_T": "length",
+    "BM_L": "length",
+    "GM_T": "length",
+    "GM_L": "length",
+    "waterplane_area": "area",
+    "wetted_area": "area",
+}
+"""Figures of a floating hull, and their kinds."""
 STATISTICS = ("end", "min", "max", "mean", "rms", "rate")
 _RATES = {
     "length": "velocity",
@@ -74,7 +99,8 @@ class QuantityName(NamedTuple):
 
     text: str
     family: str
-    """``mesh``, ``modes``, ``ringdown``, ``drift``, ``channel``, ``frequency`` or ``deviation``."""
+    """``mesh``, ``modes``, ``ringdown``, ``drift``, ``channel``, ``frequency``, ``deviation``, ``lines``,
+    ``hydrostatics`` or ``errors``."""
     owner: str
     """Body, sensor, joint, rope or force; empty for quantities of the whole scene."""
     item: str
@@ -89,6 +115,8 @@ class QuantityName(NamedTuple):
     @property
     def stage(self) -> str:
         """The last stage that must have run."""
+        if self.family in {"hydrostatics", "errors"}:  # what checks need they say themselves
+            return "mesh"
         return self.family if self.family in {"mesh", "modes"} else "simulate"
 
 
@@ -115,9 +143,13 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
         return _frequency(text, parts, names)
     if parts[0] == "deviation":
         return _deviation(text, parts, names)
+    if parts[0] in {"lines", "hydrostatics"}:
+        return _of_the_sea(text, parts, names)
+    if parts[0] == "errors":
+        return _errors(text, names)
     readers = {"mesh": _mesh, "modes": _modes, "ringdown": _ringdown, "drift": _drift}
     if parts[0] not in readers:
-        known = [*readers, "channel", "frequency", "deviation"]
+        known = [*readers, "channel", "frequency", "deviation", "lines", "hydrostatics", "errors"]
         raise InputError(_unknown(text, parts[0], known), expected=f"one of {', '.join(known)} as first word")
     return readers[parts[0]](text, parts)
 
@@ -251,6 +283,41 @@ def _deviation(text: str, parts: list[str], names: Declared | None) -> QuantityN
             with contextlib.suppress(InputError):  # what is wrong with the channel is told of the reference
                 kind = channel_kind(channel, text, names)
     return QuantityName(text, "deviation", "", name, "", statistic, kind)
+
+
+def _of_the_sea(text: str, parts: list[str], names: Declared | None) -> QuantityName:
+    """Lengths of lines, and figures of floating hulls."""
+    family = parts[0]
+    owners = None if names is None else names.lines if family == "lines" else names.hulls
+    items = {"length": "length"} if family == "lines" else HYDROSTATICS
+    if len(parts) != 3 or parts[2] not in items or (owners is not None and parts[1] not in owners):
+        word = parts[2] if len(parts) > 2 else ""
+        whose = "" if owners is None else f" of: {', '.join(sorted(owners)) or 'none'}"
+        raise InputError(_unknown(text, word, items), expected=f"{family}.NAME.{'|'.join(items)}{whose}")
+    return QuantityName(text, family, parts[1], parts[2], "", "", KINDS[items[parts[2]]])
+
+
+def _errors(text: str, names: Declared | None) -> QuantityName:
+    """The largest error of some checks, which must be of one kind."""
+    prefix, kind = text.partition(".")[2], KINDS["number"]
+    if names is not None:
+        found = [
+            quantity
+            for name, quantity in names.checks.items()
+            if name.startswith(f"{prefix}_") and not quantity.startswith("errors")
+        ]
+        kinds = set()
+        for quantity in found:
+            with contextlib.suppress(InputError):  # what is wrong with a quantity is told of its check
+                kinds.add(parse_quantity_name(quantity, names).kind)
+        if not prefix or not found or len(kinds) > 1:
+            several = f": checks of {', '.join(sorted(k.name for k in kinds))}" if len(kinds) > 1 else ""
+            raise InputError(
+                f"quantity {text!r} is unknown{several}",
+                expected="errors.PREFIX with checks PREFIX_..., all of one kind",
+            )
+        kind = kinds.pop() if kinds else kind
+    return QuantityName(text, "errors", "", prefix, "", "", kind)
 
 
 def _is_index(text: str) -> bool:

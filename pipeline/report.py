@@ -33,6 +33,7 @@ from heavylift.pipeline.report_run import (
     run_section,
 )
 from heavylift.pipeline.report_scene import scene_sections
+from heavylift.pipeline.report_sea import sea_sections
 from heavylift.pipeline.report_surfaces import surface_sections
 from heavylift.pipeline.storage import OutputFolder, replacing
 
@@ -139,6 +140,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
             input_section(case),
             *run_section(case, stages, results),
             *surface_sections(case, stages),
+            *sea_sections(case, stages, results),
             *sections,
             *edge_sections(case, results),
             *touches,

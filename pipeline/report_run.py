@@ -228,14 +228,15 @@ def _with_unit(value: float, unit: str) -> str:
 
 
 def _chosen_channels(case: Case, results: Results) -> tuple[str, ...]:
-    """Modal coordinates, sensors, ropes, what joints do, the motion of bodies that move, reactions of held ones.
+    """Modal coordinates, sensors, waves, ropes, lines, what joints do, motion of bodies that move, reactions of others.
 
     With joints, bodies are shown by their sensors, if there are any, and by how well the joints are closed.
     """
     owners = [f"{sensor.name}.position" for sensor in case.sensors]
     modal = [f"{name}.modal_position" for name in case.bodies]
     owners = [*owners, *modal] if case.joints or case.ropes else [*modal, *owners]
-    owners += [f"{rope.name}.tension" for rope in case.ropes]
+    owners += [f"{name}.wave_elevation" for name in list(case.hulls)[:1]]
+    owners += [f"{row.name}.tension" for row in (*case.ropes, *case.lines)]
     owners += [
         f"{joint.name}.{kind}"
         for joint in case.joints

@@ -56,7 +56,13 @@ def make_databases(work: Work) -> tuple[bool, float, dict[str, Any]]:
         item = items.get(name, {})
         if "mesh" not in work.force and item.get("digest") == digest:
             if file.is_file() and file.stat().st_size == item["size"]:
-                log.say(f"mesh: {name}: unchanged, skipped")
+                if item.get("memory_of") == _memory_of(section):
+                    log.say(f"mesh: {name}: unchanged, skipped")
+                    continue
+                about = _properties(stored_database(case, name, folder), section)
+                items[name] = {**item, "memory_of": _memory_of(section), "properties": about}
+                log.say(f"mesh: {name}: unchanged, with another memory: {_words(about)}")
+                _write_manifest(manifest_file, case, items)
                 continue
             if file.is_file():
                 log.say(f"mesh: {name}: {file} is damaged, made anew")
@@ -71,22 +77,32 @@ def make_databases(work: Work) -> tuple[bool, float, dict[str, Any]]:
             "file": file.name,
             "size": file.stat().st_size,
             "cpu_s": time.process_time() - begin,
+            "memory_of": _memory_of(section),
             "properties": properties,
         }
         log.say(f"mesh: {name}: {_words(properties)}; {items[name]['cpu_s']:.2f} s CPU")
-        write_json(
-            manifest_file,
-            {
-                "stage": "hydrodynamics",
-                "outcome": Outcome.COMPLETED.name.lower(),
-                "case": case.name,
-                "overrides": case.overrides,
-                "sources_digest": source_digest("hydrodynamics"),
-                "versions": versions("hydrodynamics"),
-                "items": items,
-            },
-        )
+        _write_manifest(manifest_file, case, items)
     return skipped, sum(item["cpu_s"] for item in items.values()), items
+
+
+def _memory_of(section: DatabaseSection) -> list[Any]:
+    """What the fit of the memory depends on besides the database."""
+    return [section.memory, section.memory_length, section.fit_error]
+
+
+def _write_manifest(file: Path, case: Case, items: dict[str, Any]) -> None:
+    write_json(
+        file,
+        {
+            "stage": "hydrodynamics",
+            "outcome": Outcome.COMPLETED.name.lower(),
+            "case": case.name,
+            "overrides": case.overrides,
+            "sources_digest": source_digest("hydrodynamics"),
+            "versions": versions("hydrodynamics"),
+            "items": items,
+        },
+    )
 
 
 def stored_database(case: Case, name: str, folder: OutputFolder) -> HydrodynamicDatabase:
@@ -120,7 +136,7 @@ def read_database_source(case: Case, section: DatabaseSection) -> HydrodynamicDa
     InputError
         If the file cannot be read, or is no database that can be true.
     """
-    assert section.file is not None and case.sea is not None
+    assert section.file is not None
     path = case.folder / section.file
     points = None if section.reference_points is None else np.array(section.reference_points)
     if section.file_format == "netcdf":
@@ -238,5 +254,7 @@ def _words(properties: dict[str, Any]) -> str:
     ]
     memory = properties.get("memory")
     if memory:
-        words.append(f"memory of {memory['length']:.3g} s by {memory['poles']} poles to {memory['error']:.1e}")
+        words.append(
+            f"memory of {memory['length']:.3g} s by {memory['poles']} poles to {memory['error']:.1e}"
+        )
     return ", ".join(words)

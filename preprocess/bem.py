@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.bem_inputs import database_digest, input_warnings
+from heavylift.preprocess.bem_inputs import BemInputs, input_warnings
 from heavylift.preprocess.hull_panels import hydrostatics
 from heavylift.preprocess.hydrodynamics import (
     COORDINATES,
@@ -28,18 +28,15 @@ from heavylift.preprocess.hydrodynamics import (
     check_database,
     check_phase,
 )
-from heavylift.preprocess.hydrodynamics_netcdf import read_digest, read_netcdf, write_netcdf
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from pathlib import Path
 
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.bem_inputs import BemInputs
     from heavylift.preprocess.hull_panels import HullPanels
 
-__all__ = ["cached_database", "capytaine_version", "compute_database"]
+__all__ = ["BemInputs", "capytaine_version", "compute_database"]
 
 
 SAME_PLACE = 1e-7  # of the size of a hull
@@ -148,34 +145,6 @@ def compute_database(
     check_database(database)
     check_phase(database)
     return database
-
-
-def cached_database(
-    path: Path,
-    inputs: BemInputs,
-    *,
-    processes: int = 0,
-    progress: Callable[[float, str], None] = lambda _done, _note: None,
-    warn: Callable[[str], None] = lambda _text: None,
-) -> tuple[HydrodynamicDatabase, bool]:
-    """The database of ``inputs``: read from ``path`` if it was computed from the same, else computed and written.
-
-    Returns
-    -------
-    database, was_read
-        Capytaine is not needed, nor imported, to read.
-
-    Raises
-    ------
-    InputError
-        From `compute_database` or `read_netcdf`.
-    """
-    digest = database_digest(inputs)
-    if path.is_file() and read_digest(path) == digest:
-        return read_netcdf(path), True
-    database = compute_database(inputs, processes=processes, progress=progress, warn=warn)
-    write_netcdf(path, database, digest=digest)
-    return database, False
 
 
 def _capytaine() -> Any:

@@ -199,7 +199,8 @@ def check_database(database: HydrodynamicDatabase) -> None:
     InputError
         The first of: shapes that do not fit, values that are not finite, frequencies or headings out of
         order, units that cannot be SI, reference points off the plane of symmetry, matrices that are not
-        symmetric (5 % of the largest), a symmetry of the hulls that the matrices have not, damping that drives (an eigenvalue below -2 % of the largest).
+        symmetric (5 % of the largest), a symmetry of the hulls that the matrices have not, damping that
+        drives (an eigenvalue below -2 % of the largest).
     """
     _check_shapes(database)
     _check_finite(database)
@@ -415,7 +416,7 @@ def _check_mirror(database: HydrodynamicDatabase, scaled: NDArray[np.float64]) -
     if crossing.max() > UNSYMMETRIC * largest:
         _, i, j = (int(v) for v in np.unravel_index(int(np.argmax(crossing)), crossing.shape))
         raise InputError(
-            f"{COORDINATES[i % 6]} and {COORDINATES[j % 6]} are coupled by {crossing.max() / largest:.1%} of the largest",
+            f"{COORDINATES[i % 6]} and {COORDINATES[j % 6]} are coupled, {crossing.max() / largest:.1%} of the largest",
             source=database.source,
             key="symmetric",
             expected="hulls symmetric about y = 0, or headings of the whole circle and no declared symmetry",

@@ -51,13 +51,18 @@ def refined_triangles(
         raise InputError(f"{size!r}", source=name, key="size", expected="a length > 0 [m]")
     P, T = np.array(points, dtype=np.float64), np.array(triangles, dtype=np.int64)
     while True:
-        sides = np.linalg.norm(P[T] - P[np.roll(T, -1, axis=1)], axis=2)  # side k is from corner k to the next
+        sides = np.linalg.norm(
+            P[T] - P[np.roll(T, -1, axis=1)], axis=2
+        )  # side k is from corner k to the next
         long = sides.max(axis=1) > size * (1.0 + 1e-12)
         if not long.any():
             return P, T
         if len(T) > MOST:
             raise InputError(
-                f"{size:g} m gives more than {MOST} triangles", source=name, key="size", expected="a larger size [m]"
+                f"{size:g} m gives more than {MOST} triangles",
+                source=name,
+                key="size",
+                expected="a larger size [m]",
             )
         # the first corner becomes the beginning of the longest side, of equal ones the same in both neighbours
         ends = np.sort(np.stack([T, np.roll(T, -1, axis=1)], axis=2), axis=2)

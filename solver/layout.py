@@ -46,6 +46,8 @@ class Layout:
         Length of a record.
     body_names, block_names, line_names
         Names by number of the body, of the block of rows and of the mooring line, for messages.
+    notes
+        What the user should know of the scene.
     """
 
     bodies: tuple[Any, ...]
@@ -58,6 +60,7 @@ class Layout:
     body_names: tuple[str, ...]
     block_names: tuple[str, ...]
     line_names: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> Layout:
@@ -104,6 +107,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
     entries = [("linear", "kg m/s", XYZ), ("angular", "kg m^2/s", XYZ)]
     column = add_channels("momentum", entries, channels, column)
 
+    notes: list[str] = []
     bodies: list[Any] = []
     number = start = 0
     for group, pack in _groups(scene):
@@ -119,8 +123,10 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
                 pack,
                 sea=scene.sea,
                 tangents=made.sea.tangents,
+                rate_tangents=made.sea.rate_tangents,
                 line_ends=ends,
                 step=0.0 if scene.touches else step,
+                notes=notes,
             )
         bodies.append(pack_group(group, number, place, start, book.of(names), _of_sensors(sensors, group)))
         number += len(group)
@@ -166,6 +172,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         column_count=column,
         body_names=tuple(body.name for body in ordered),
         block_names=made.block_names,
+        notes=tuple(notes),
         line_names=() if made.sea is None else made.sea.line_names,
     )
 

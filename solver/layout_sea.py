@@ -31,8 +31,8 @@ class PackedSea:
     ----------
     forces
         Kinds.
-    tangents
-        Stiffness that lines and fenders leave for the step of hulls, shape (n, 9).
+    tangents, rate_tangents
+        Stiffness and damping that lines and fenders leave for the step of hulls, shapes (n, 9).
     line_ends
         Body, marker and row of `tangents` of each of their ends on a hull.
     line_names
@@ -41,6 +41,7 @@ class PackedSea:
 
     forces: list[Any] = field(default_factory=list)
     tangents: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 9)))
+    rate_tangents: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 9)))
     line_ends: list[tuple[str, int, int]] = field(default_factory=list)
     line_names: tuple[str, ...] = ()
 
@@ -105,6 +106,7 @@ def pack_sea(scene: Scene, book: MarkerBook, channels: list[Channel], column: in
         column = _pack_fluids(sea, packed, book, channels, column)
     afloat = {body.name for body in scene.bodies if isinstance(body, FloatingBody)}
     packed.tangents = np.zeros((len(sea.lines) + len(sea.fenders), 9))
+    packed.rate_tangents = np.zeros_like(packed.tangents)
     if sea.lines:
         from heavylift.solver.marine.mooring_lines import LINE_CHANNELS, line_markers, pack_mooring_lines
 
@@ -133,7 +135,10 @@ def pack_sea(scene: Scene, book: MarkerBook, channels: list[Channel], column: in
             columns.append(column)
             column = add_channels(fender.name, list(FENDER_CHANNELS), channels, column)
         fenders = pack_fenders(sea.fenders, of_fenders, columns)
-        packed.forces.append(fenders._replace(tangents=packed.tangents[len(sea.lines) :]))
+        after = slice(len(sea.lines), None)
+        packed.forces.append(
+            fenders._replace(tangents=packed.tangents[after], rate_tangents=packed.rate_tangents[after])
+        )
         for row, (fender, (a, _, b)) in enumerate(zip(sea.fenders, of_fenders, strict=True)):
             packed.line_ends += [
                 (body, marker, len(sea.lines) + row)

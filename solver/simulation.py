@@ -365,7 +365,7 @@ class Simulation:
                 meshes = any("strains" in kind._fields for kind in self._layout.bodies)
                 where = "faster where coarse results are enough" if meshes else "faster"
                 return f"stability, not accuracy, limited the steps: integrator 'dele2' will be {where}"
-        return ""
+        return "; ".join(self._layout.notes)
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Everything that a continuation needs, bit for bit: arrays by name, copied."""

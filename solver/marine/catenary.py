@@ -281,6 +281,10 @@ def read_ends(
     """Lower end, length on the seabed and energy of a solved line into its row of `ends`, shape (lines, 4)."""
     first, count, tail, friction = table[row, 0], table[row, 1], table[row, 2], line[row, FRICTION]
     H, V, z = state[row, HORIZONTAL], state[row, VERTICAL], state[row, RISE]
+    if state[row, BRANCH] == FAILED:
+        for k in range(4):
+            ends[row, k] = math.nan
+        return
     if state[row, BRANCH] == SLACK:
         _, lying, _ = vertical_hang(sections, first, count, tail, z, V, V)
         ends[row, 0], ends[row, 1], ends[row, 2] = 0.0, 0.0, lying

@@ -21,7 +21,8 @@ from heavylift.solver.interface import (
     write_velocity,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.marine.hull_step import assemble_mass, put_end
+from heavylift.solver.marine.hull_matrix import assemble_mass
+from heavylift.solver.marine.hull_step import put_end
 from heavylift.solver.marine.hulls import COUNT, END_TRANSFORM, GROUP_DOF, HEADING, MATRIX, Hulls
 from heavylift.solver.rows import DOF, PANEL, Rows
 

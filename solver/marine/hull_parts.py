@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.kinds import implement, optional
 from heavylift.solver.marine.excitation import (
     SeriesExcitation,
@@ -52,6 +53,9 @@ __all__ = [
 
 FIT_STEP, SHORTEST_FIT = 0.1, 40.0
 """Of the samples that exponentials are fitted to [s], and how far these reach at least [s]."""
+
+PLACE_SHARE, PLACE_TOLERANCE = 0.05, 0.5
+"""How far interacting hulls may start from their places in the database: a share of their distance, and metres."""
 
 
 class ExponentialPart(NamedTuple):
@@ -200,7 +204,7 @@ def add_series_waves(
 
 
 def pack_parts(
-    bodies: Sequence[FloatingBody], sea: Sea, step: float
+    bodies: Sequence[FloatingBody], sea: Sea, step: float, notes: list[str]
 ) -> tuple[NDArray[np.float64], tuple[Any, ...], tuple[Any, ...], NDArray[np.float64]]:
     """Added mass of all hulls, memory and excitation of each database, and the states of the memories, flat.
 
@@ -216,10 +220,11 @@ def pack_parts(
     for radiation in sea.radiation:
         first = names.index(radiation.bodies[0])
         _check_water(radiation, sea)
+        _check_places(radiation, bodies[first : first + len(radiation.bodies)])
         at = slice(6 * first, 6 * (first + len(radiation.bodies)))
         added_mass[at, at] = _consistent_added_mass(radiation.database)
         if radiation.memory != "none":
-            memories.append(_memory(radiation, 6 * first, step))
+            memories.append(_memory(radiation, 6 * first, step, notes))
         if sea.waves is not None:
             excitations.append(_excitation(radiation, bodies, first, sea))
     states = [np.ravel(part.memory.state) for part in memories]
@@ -243,7 +248,7 @@ def _consistent_added_mass(database: HydrodynamicDatabase) -> NDArray[np.float64
     return np.asarray(0.5 * (consistent + consistent.T))
 
 
-def _memory(radiation: Radiation, first: int, step: float) -> ExponentialPart | DirectPart:
+def _memory(radiation: Radiation, first: int, step: float, notes: list[str]) -> ExponentialPart | DirectPart:
     from heavylift.preprocess.retardation import memory_length, retardation_kernel
 
     database = radiation.database
@@ -268,13 +273,14 @@ def _memory(radiation: Radiation, first: int, step: float) -> ExponentialPart | 
     fit = fit_exponentials(
         kernel_of_time(times), FIT_STEP, tolerance=radiation.fit_error, source=database.source
     )
+    if fit.warning:
+        notes.append(fit.warning)
     return ExponentialPart(place, pack_exponential_memory(fit.poles, fit.residues, fit.damping))
 
 
 def _excitation(
     radiation: Radiation, bodies: Sequence[FloatingBody], first: int, sea: Sea
 ) -> SummedPart | SeriesPart:
-    from heavylift.numerics.rotation import rotation_matrix
     from heavylift.solver.marine.excitation_packing import pack_series, pack_summed
 
     assert sea.waves is not None
@@ -315,6 +321,25 @@ def _check_water(radiation: Radiation, sea: Sea) -> None:
             key="density, gravity, depth",
             expected=f"those of the sea: {water.density:g}, {water.gravity:g}, {water.depth:g}",
         )
+
+
+def _check_places(radiation: Radiation, hulls: Sequence[FloatingBody]) -> None:
+    """Coefficients of hulls that interact hold near the relative places that they were computed for."""
+    database = radiation.database
+    R = rotation_matrix(hulls[0].orientation)
+    yaw = np.arctan2(R[1, 0], R[0, 0])
+    turned = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
+    starts = [body.position + rotation_matrix(body.orientation) @ body.hull.reference for body in hulls]
+    for body, start, wanted in zip(hulls, starts, database.reference_points, strict=True):
+        place = turned @ (start - starts[0])[:2]
+        offset = wanted[:2] - database.reference_points[0, :2]
+        if np.linalg.norm(place - offset) > PLACE_SHARE * np.linalg.norm(offset) + PLACE_TOLERANCE:
+            raise InputError(
+                f"{body.name!r} starts at {np.round(place, 3).tolist()} m from {hulls[0].name!r}",
+                source=database.source,
+                key="reference_points",
+                expected=f"about {np.round(offset, 3).tolist()} m, for which the database was computed",
+            )
 
 
 def share_part_states(kind: Hulls) -> Hulls:

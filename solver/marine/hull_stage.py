@@ -44,6 +44,7 @@ from heavylift.solver.marine.hulls import (
     PREDICTED,
     REFERENCE,
     ROTATION,
+    SPEED,
     START,
     STATE_WIDTH,
     TANK_MASS,
@@ -180,6 +181,7 @@ def predict_hulls(kind: Hulls, time: float, step: float) -> None:
         for k in range(6):
             lag = kind.state[STATE_WIDTH * hull + LAG + k]
             kind.vectors[LEAD, 6 * hull + k] = kind.vectors[START, 6 * hull + k] + 0.5 * step * step * lag
+            kind.vectors[SPEED, 6 * hull + k] = kind.vectors[START, 6 * hull + k]
         for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
             put_tank_velocity(kind, hull, tank, before)
             for k in range(3):

@@ -55,9 +55,9 @@ STAGE_WIDTH = 128
 
 # rows of `vectors`: velocities in hydrodynamic coordinates at start, middle and end of the step; memory force without
 # the part of the middle velocity; force of the waves; of memory and damping; right-hand side of the step, its change,
-# scratch; velocities at the start as the mass of the water needs them
-START, MIDDLE, FINISH, KNOWN, WAVE, RADIATED, LOAD, CHANGE, SCRATCH, LEAD = range(10)
-VECTORS = 10
+# scratch; velocities at the start as the mass of the water needs them; what is known of those of the middle
+START, MIDDLE, FINISH, KNOWN, WAVE, RADIATED, LOAD, CHANGE, SCRATCH, LEAD, SPEED = range(11)
+VECTORS = 11
 
 # columns of `state` for each hull: low-passed x, y, heading and rates; energy dissipated; work of waves and ballast;
 # by how much twice the velocities of the middle exceed the sum of those of both ends, over the square of the step
@@ -87,14 +87,15 @@ class Hulls(NamedTuple):
     added_mass, damping, implicit
         At infinite frequency; constant; of the memory at the velocity of the middle: shapes (6 nb, 6 nb).
     vectors
-        Forces and velocities in hydrodynamic coordinates, shape (10, 6 nb).
+        Forces and velocities in hydrodynamic coordinates, shape (11, 6 nb).
     matrices
         Of each group: factor of the step, factor of its end or matrix of the corrected middle, matrix of the step;
         flat.
     tank_table, tank_times, tanks
         Hull, first row and rows of the schedule; schedule: time [s], mass [kg]; what the step needs of each.
-    tangents, line_ends
-        Stiffness matrices of lines and fenders, shared with them, shape (n, 9); hull, marker and line of each end.
+    tangents, rate_tangents, line_ends
+        Stiffness and damping matrices of lines and fenders, shared with them, shapes (n, 9); hull, marker and line of
+        each end.
     state
         Carried, flat: `STATE_WIDTH` numbers a hull, the lag of the velocity of each tank (3), the states of the parts.
     radiation, excitation
@@ -125,6 +126,7 @@ class Hulls(NamedTuple):
     tank_times: NDArray[np.float64]
     tanks: NDArray[np.float64]
     tangents: NDArray[np.float64]
+    rate_tangents: NDArray[np.float64]
     line_ends: NDArray[np.int64]
     state: NDArray[np.float64]
     radiation: Any
@@ -148,8 +150,10 @@ def pack_hulls(
     *,
     sea: Sea,
     tangents: NDArray[np.float64],
+    rate_tangents: NDArray[np.float64],
     line_ends: Sequence[tuple[str, int, int]],
     step: float,
+    notes: list[str],
 ) -> Hulls:
     """Make the kind from what the user said.
 
@@ -161,12 +165,14 @@ def pack_hulls(
         As of other bodies.
     sea
         Water, databases, waves, tanks.
-    tangents
-        Array in which lines and fenders leave their stiffness, shape (n, 9).
+    tangents, rate_tangents
+        Arrays in which lines and fenders leave their stiffness and damping, shapes (n, 9).
     line_ends
         Body, marker and row of `tangents` of each end of a line that is on a hull.
     step
         Length of all steps [s], 0 if they vary.
+    notes
+        Receives what the user should know.
 
     Raises
     ------
@@ -211,7 +217,7 @@ def pack_hulls(
     schedule, tank_rows, tank_data = _pack_tanks(tanks, names, rigid.frame)
     from heavylift.solver.marine.hull_parts import pack_parts
 
-    added_mass, radiation, excitation, part_state = pack_parts(bodies, sea, step)
+    added_mass, radiation, excitation, part_state = pack_parts(bodies, sea, step, notes)
     kind = Hulls(
         *rigid,
         hulls=rows,
@@ -231,6 +237,7 @@ def pack_hulls(
         tank_times=schedule,
         tanks=tank_data,
         tangents=tangents,
+        rate_tangents=rate_tangents,
         line_ends=np.array(
             [(names.index(name), marker, line) for name, marker, line in line_ends], dtype=np.int64
         ).reshape(-1, 3),

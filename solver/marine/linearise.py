@@ -225,7 +225,7 @@ def joined_database(
     for one in radiation:
         rows = np.array([bodies.index(name) for name in one.bodies])
         own = (6 * rows[:, None] + np.arange(6)).ravel()
-        at = np.ix_(range(m), own, own)
+        at = np.ix_(np.arange(m), own, own)
         added[at] = _at_frequencies(one.database, one.database.added_mass, omega)
         damping[at] = _at_frequencies(one.database, one.database.damping, omega)
         infinite[np.ix_(own, own)] = one.database.added_mass_infinite
@@ -335,9 +335,10 @@ def _moves(body: Any) -> bool:
 
 def _without_waves(sea: Sea) -> Sea:
     """Still water, with the mean of wind and current from the start on."""
+    from heavylift.solver.marine.wind_loads import WindField
+
     fields = tuple(
-        replace(one, fluctuation=None) if getattr(one, "fluctuation", None) is not None else one  # type: ignore[type-var]
-        for one in sea.fields
+        replace(one, fluctuation=None) if isinstance(one, WindField) else one for one in sea.fields
     )
     radiation = tuple(replace(one, memory="none", drift=False) for one in sea.radiation)
     return replace(sea, waves=None, ramp=0.0, fields=fields, radiation=radiation)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import csv
 import importlib.util
-import shutil
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +15,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.bem import cached_database, compute_database
+from heavylift.preprocess.bem import compute_database
 from heavylift.preprocess.bem_inputs import BemInputs, database_digest, input_warnings
 from heavylift.preprocess.hull_panels import box_panels, hemisphere_panels, hydrostatics, surface_panels
 from heavylift.preprocess.hydrodynamics import check_database, length_scales
@@ -205,18 +204,6 @@ def test_a_missing_capytaine_is_one_error_that_names_the_extra(monkeypatch):
         compute_database(inputs())
 
 
-def test_a_database_that_is_there_is_read_without_capytaine(monkeypatch, tmp_path):
-    monkeypatch.setitem(sys.modules, "capytaine", None)
-    path = tmp_path / "barge.nc"
-    shutil.copy(ROOT / "cases" / "transport_barge" / "barge.nc", path)
-    given = recipe("transport_barge")
-    database, was_read = cached_database(path, given)
-    assert was_read
-    assert database.bodies == ("barge",)
-    with pytest.raises(InputError, match="Capytaine is not installed"):
-        cached_database(path, replace(given, density=1000.0))
-
-
 def recipe(case):
     """Inputs of the script that is shipped with a case."""
     path = ROOT / "cases" / case / "make_database.py"
@@ -307,7 +294,7 @@ def capytaine():
     return pytest.importorskip("capytaine")
 
 
-def test_a_small_box_in_one_and_in_two_processes(capytaine, tmp_path):
+def test_a_small_box_in_one_and_in_two_processes(capytaine):
     given = inputs(omega=np.array([0.4, 0.8, 1.2]))
     seen, warned = [], []
     one = compute_database(
@@ -316,12 +303,6 @@ def test_a_small_box_in_one_and_in_two_processes(capytaine, tmp_path):
     assert [done for done, _ in seen] == [1, 2, 3, 4]
     assert seen[-1][1] == "frequency 4 of 4"
     assert warned == []
-    path = tmp_path / "box.nc"
-    written, was_read = cached_database(path, given, processes=1)
-    assert not was_read
-    again, was_read = cached_database(path, given)
-    assert was_read
-    np.testing.assert_array_equal(again.excitation, written.excitation)
     check_database(one)
     assert "Capytaine" in one.source
     two = compute_database(given, processes=2)

@@ -1,0 +1,348 @@
+"""From the sea of a case to the solver: waves, wind, lines, hulls and databases are what the case says."""
+
+from __future__ import annotations
+
+import csv
+import importlib.util
+import math
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline import load_case, run_case
+from heavylift.pipeline.assemble_connections import start_sides
+from heavylift.pipeline.assemble_hulls import hull_surface, linear_restoring, resting_position
+from heavylift.pipeline.assemble_scene import assemble_rigid
+from heavylift.pipeline.assemble_sea import assemble_sea, make_waves, sea_provenance, water_of
+from heavylift.pipeline.quantities import Quantities
+from heavylift.pipeline.report_sea import sea_sections
+from heavylift.pipeline.stage_hydrodynamics import database_manifest, stored_database
+from heavylift.pipeline.storage import OutputFolder
+from heavylift.preprocess.surface_refinement import refined_triangles
+
+HERE = Path(__file__).parent
+CASES = HERE.parents[1] / "cases"
+L, B, D = 40.0, 15.0, 5.0
+MASS, DENSITY = 1.23e6, 1025.0
+T = MASS / (DENSITY * L * B)
+
+
+def _helper():
+    spec = importlib.util.spec_from_file_location("sea_database", HERE / "sea_database.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def folder(tmp_path):
+    made = tmp_path / "barge"
+    made.mkdir()
+    shutil.copyfile(HERE / "sea.toml", made / "case.toml")
+    _helper().write_smooth_database(made / "still.nc")
+    return made
+
+
+def sides_of(case):
+    bodies = [assemble_rigid(name, body) for name, body in case.bodies.items()]
+    return start_sides([b for b, _ in bodies], {b.name: origin for b, origin in bodies})
+
+
+def sea_of(folder, *overrides):
+    case = load_case(folder, overrides)
+    return assemble_sea(case, sides_of(case), OutputFolder(folder / "out"))
+
+
+def test_water_waves_and_their_seed(folder):
+    sea = sea_of(folder)
+    assert (sea.water.density, sea.water.gravity, sea.water.level, sea.water.depth) == (
+        1025.0,
+        9.81,
+        0.5,
+        50.0,
+    )
+    assert (sea.ramp, sea.excitation, sea.duration) == (10.0, "summed", 20.0)
+    assert sea.waves.seeds == (4,)
+    assert sea.waves.significant_height == pytest.approx(1.5, rel=1e-6)
+    assert np.all(sea.waves.direction == math.radians(30.0))
+    # omega^2 = g k tanh(k h) of the water of the case
+    k = sea.waves.wavenumber
+    assert np.allclose(sea.waves.omega**2, 9.81 * k * np.tanh(50.0 * k), rtol=1e-10)
+    again = make_waves(load_case(folder))
+    assert np.array_equal(again.phase, sea.waves.phase)
+
+
+def test_trains_go_through_each_other(folder):
+    both = (
+        'sea.waves=[{type = "regular", height = 2, period = 9}, {type = "regular", height = 1, period = 6}]'
+    )
+    waves = make_waves(load_case(folder, [both]))
+    assert waves.amplitude.tolist() == [1.0, 0.5]
+    assert np.allclose(waves.omega, 2.0 * np.pi / np.array([9.0, 6.0]), rtol=1e-14)
+
+
+def test_a_measured_elevation_comes_back_at_its_place(folder):
+    t = 0.5 * np.arange(64)
+    eta = 0.7 * np.cos(2.0 * np.pi * 4 * t / 32.0 + 0.3) + 0.2 * np.sin(2.0 * np.pi * 9 * t / 32.0)
+    rows = "\n".join(f"{a!r},{b!r}" for a, b in zip(t.tolist(), eta.tolist(), strict=True))
+    (folder / "record.csv").write_text(f"# a gauge\ntime,elevation\n{rows}\n")
+    table = 'sea.waves={type = "elevation", file = "record.csv", place = [12, -3], direction = "20 deg"}'
+    waves = make_waves(load_case(folder, [table]))
+    assert np.allclose(waves.elevation(12.0, -3.0, t), eta, atol=1e-12)
+
+
+def test_a_spectrum_over_hertz_is_that_over_radians_a_second(folder):
+    w = np.linspace(0.3, 2.5, 60)
+    S = 0.4 * np.exp(-(((w - 0.9) / 0.2) ** 2))
+    found = []
+    for header, first, density in (
+        ("omega,density", w, S),
+        ("frequency,density", w / (2.0 * np.pi), 2.0 * np.pi * S),
+    ):
+        rows = "\n".join(f"{a!r},{b!r}" for a, b in zip(first.tolist(), density.tolist(), strict=True))
+        (folder / "s.csv").write_text(f"{header}\n{rows}\n")
+        found.append(
+            make_waves(load_case(folder, ['sea.waves={type = "spectrum", file = "s.csv", seed = 1}']))
+        )
+    # 4 sqrt of the area under straight lines between the rows
+    assert found[0].significant_height == pytest.approx(4.0 * math.sqrt(np.trapezoid(S, w)), rel=1e-9)
+    assert np.allclose(found[0].amplitude, found[1].amplitude, rtol=1e-9)
+    assert np.allclose(found[0].omega, found[1].omega, rtol=1e-12)
+
+
+def test_wind_current_and_loads(folder):
+    wind, current = sea_of(folder).fields
+    assert wind.direction == pytest.approx(math.pi / 2.0)
+    assert wind.fluctuation.seed == 7
+    assert wind.fluctuation.duration >= 20.0
+    # heights above the still water, increasing
+    assert current.speed.tolist() == [[-10.0, 0.2], [0.0, 1.0]]
+    house, aft, under = sea_of(folder).loads
+    assert (house.name, house.area, house.coefficient) == ("house", 30.0, 1.1)
+    assert (aft.name, aft.area, aft.extent) == ("house", (10.0, 12.0, 4.0), 3.0)
+    assert (under.fluid, under.symmetric, under.length) == ("current", True, 40.0)
+    assert under.coefficients.tolist() == [[1.0, 0.0, 0.0], [0.0, 1.0, 0.05], [-1.0, 0.0, 0.0]]
+    assert np.allclose(under.angles, [0.0, np.pi / 2.0, np.pi])
+
+
+def test_coefficients_may_stand_in_a_file_in_degrees(folder):
+    (folder / "c.csv").write_text("angle_deg,cx,cy,cn\n0,1,0,0\n90,0,1,0.05\n180,-1,0,0\n")
+    overrides = [f"fluid_loads.1.{key}=" for key in ("angles", "cx", "cy", "cn")]
+    filed = sea_of(folder, *overrides, "fluid_loads.1.file=c.csv").loads[2]
+    inline = sea_of(folder).loads[2]
+    assert np.allclose(filed.angles, inline.angles, rtol=1e-15)
+    assert np.array_equal(filed.coefficients, inline.coefficients)
+
+
+def test_points_of_tanks_lines_and_fenders_are_in_the_frames_of_bodies(folder):
+    sea = sea_of(folder, "bodies.barge.frame.origin=centre_of_mass")  # 1 m above the origin of the geometry
+    assert sea.tanks[0].point.tolist() == [15.0, 0.0, -2.0]
+    assert sea.tanks[0].free_surface == (1025.0 * 20.0, 1025.0 * 40.0)
+    assert sea.lines[0].point_a.tolist() == [230.0, 0.0, -49.5]
+    assert sea.lines[0].point_b.tolist() == [20.0, 0.0, 0.0]
+    assert sea.lines[0].seabed == -49.5
+    assert sea.fenders[0].point_b.tolist() == [-20.0, 0.0, 0.0]
+    assert sea.hulls[0].reference.tolist() == [0.0, 0.0, -1.5]
+
+
+def test_a_line_cut_in_two_has_the_length_of_the_whole(folder):
+    """Two equal pieces, one of them of known length: the other one is what is left."""
+    whole = sea_of(folder).lines[0].sections[0].length
+    piece = 'weight = "800 N/m", axial_stiffness = "300 MN"'
+    two = sea_of(folder, f'lines.0.sections=[{{length = "90 m", {piece}}}, {{{piece}}}]').lines[0]
+    assert two.sections[0].length == 90.0
+    assert two.sections[1].length == pytest.approx(whole - 90.0, rel=1e-9)
+
+
+def test_linear_restoring_of_a_box_is_its_closed_form(folder):
+    case = load_case(folder, ["tanks=", "hulls.barge.restoring=linear"])
+    linear = linear_restoring(case, "barge", OutputFolder(folder / "out"))
+    level = T - 0.5 * D  # of the water above the middle of the box
+    assert linear.volume == pytest.approx(L * B * T, rel=1e-9)
+    assert np.allclose(linear.reference, [0.0, 0.0, level], atol=1e-9)
+    assert np.allclose(linear.centre_of_buoyancy, [0.0, 0.0, 0.5 * T - 0.5 * D], atol=1e-9)
+    expected = [L * B, 0.0, 0.0, B * L**3 / 12.0, L * B**3 / 12.0, 0.0]
+    assert np.allclose(linear.waterplane, expected, rtol=1e-9, atol=1e-6)
+
+
+def test_a_hull_with_a_list_has_no_linear_restoring(folder):
+    case = load_case(folder, ["tanks=", "bodies.barge.centre_of_mass=[0, 0.3, 1]"])
+    with pytest.raises(InputError, match="floats with a list of"):
+        linear_restoring(case, "barge", OutputFolder(folder / "out"))
+
+
+def test_figures_of_a_floating_box_as_quantities(folder):
+    case = load_case(folder, ["tanks="])
+    found = Quantities(case, folder / "out")
+    GM = 0.5 * T + B**2 / (12.0 * T) - (0.5 * D + 1.0)
+    for name, value in (
+        ("volume", L * B * T),
+        ("draft", T),
+        ("KB", 0.5 * T),
+        ("GM_T", GM),
+        ("displacement", MASS),
+    ):
+        assert found.number(f"hydrostatics.barge.{name}") == pytest.approx(value, rel=1e-9)
+    assert found.number("hydrostatics.barge.origin_z") == pytest.approx(0.5 + 0.5 * D - T, rel=1e-9)
+
+
+def test_righting_arms_of_the_box_case_are_those_of_its_section():
+    from heavylift.preprocess.hull_surface import check_hull
+    from heavylift.solver.marine.righting_arm import righting_arm_curve
+
+    folder = CASES / "box_hydrostatics"
+    lines = [s for s in (folder / "righting_arms.csv").read_text().splitlines() if not s.startswith("#")]
+    rows = np.array([[float(v) for v in row] for row in list(csv.reader(lines))[1:]])
+    case = load_case(folder)
+    hull = check_hull(hull_surface(case, "barge", OutputFolder(folder / "nowhere")))
+    body = case.bodies["barge"]
+    water = water_of(case)
+    curve = righting_arm_curve(
+        hull,
+        body.mass,
+        body.centre_of_mass,
+        np.radians(rows[:, 0]),
+        density=water.density,
+        gravity=water.gravity,
+    )
+    assert np.allclose(curve.arms, rows[:, 1], atol=1e-6)
+
+
+def test_databases_are_stored_once_and_read_again(folder):
+    case = load_case(folder)
+    first = run_case(case, stages=("mesh",))
+    assert not first.stage("mesh").skipped
+    about = database_manifest(first.folder)["still"]["properties"]
+    assert about["source"] == "still.nc"
+    assert about["frequency_range"] == [pytest.approx(0.2), pytest.approx(2.4)]
+    assert about["memory"]["error"] <= 1e-3
+    assert run_case(case, stages=("mesh",)).stage("mesh").skipped
+    stored = stored_database(case, "still", first.folder)
+    original = _helper().smooth_database()
+    for key in ("omega", "added_mass", "damping", "excitation", "headings"):
+        assert np.array_equal(getattr(stored, key), getattr(original, key))
+    assert stored.source == "still.nc"
+    # another memory is fitted anew, another file is read anew
+    fewer = run_case(load_case(folder, ["databases.still.fit_error=0.05"]), stages=("mesh",))
+    poles = database_manifest(fewer.folder)["still"]["properties"]["memory"]["poles"]
+    assert fewer.stage("mesh").skipped
+    assert poles < about["memory"]["poles"]
+    content = (folder / "still.nc").read_bytes()
+    (folder / "still.nc").write_bytes(content + b"\0")
+    assert not run_case(case, stages=("mesh",)).stage("mesh").skipped
+
+
+def test_panels_of_a_box_are_what_it_wets(folder):
+    from heavylift.pipeline.assemble_panels import bem_inputs
+    from heavylift.preprocess.hull_panels import hydrostatics
+
+    compute = "{panel_size = 2.5, symmetric = true, frequencies = {first = 0.2, last = 2, count = 10}}"
+    case = load_case(folder, ["tanks=", "databases.still.file=", f"databases.still.compute={compute}"])
+    inputs = bem_inputs(case, case.databases["still"], OutputFolder(folder / "out"))
+    still = hydrostatics(inputs.hulls[0], DENSITY, 9.81, inputs.reference_points[0])
+    assert still.volume == pytest.approx(L * B * T, rel=1e-9)
+    assert np.allclose(still.centre_of_buoyancy, [0.0, 0.0, -0.5 * T], atol=1e-9)
+    assert inputs.hulls[0].longest_side <= 2.5 * (1.0 + 1e-9)
+    assert np.allclose(inputs.omega, 0.2 * np.arange(1, 11))
+    assert np.allclose(np.rad2deg(inputs.headings), 10.0 * np.arange(19))
+    # the reference point is half a metre below the middle of the box, which is 0.5 D - T above the water
+    assert np.allclose(inputs.reference_points, [[0.0, 0.0, 0.5 * D - T - 0.5]], atol=1e-9)
+    assert (inputs.depth, inputs.density, inputs.gravity) == (50.0, 1025.0, 9.81)
+    # the same hull as triangles, cut at the water and refined
+    whole = load_case(
+        folder,
+        [
+            "tanks=",
+            "databases.still.file=",
+            f"databases.still.compute={compute}",
+            'surfaces.0.turned={axis = [0, 0, 1], angle = "0 deg"}',
+        ],
+    )
+    cut = bem_inputs(whole, whole.databases["still"], OutputFolder(folder / "out")).hulls[0]
+    assert hydrostatics(cut, DENSITY, 9.81, np.zeros(3)).volume == pytest.approx(L * B * T, rel=1e-9)
+    assert cut.longest_side <= 2.5 * (1.0 + 1e-9)
+
+
+def test_refined_triangles_keep_shape_winding_and_neighbours():
+    corners = np.array([[0.0, 0.0, 0.0], [7.0, 0.0, 0.0], [0.0, 5.0, 0.0], [0.0, 0.0, 3.0]])
+    faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    points, triangles = refined_triangles(corners, faces, 0.8)
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0 == pytest.approx(7.0 * 5.0 * 3.0 / 6.0, rel=1e-12)
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    assert max(np.linalg.norm(points[i] - points[j]) for i, j in edges) <= 0.8 * (1.0 + 1e-9)
+    # every edge is run through once in each direction: closed, and nothing hangs in the middle of a side
+    assert {(i, j) for i, j in edges.tolist()} == {(j, i) for i, j in edges.tolist()}
+    assert len({(i, j) for i, j in edges.tolist()}) == len(edges)
+    with pytest.raises(InputError, match="more than 200000"):
+        refined_triangles(corners, faces, 1e-3)
+
+
+def test_provenance_has_seeds_and_lengths(folder):
+    sea = sea_of(folder)
+    found = sea_provenance(sea)
+    assert found["waves"]["seeds"] == [4]
+    assert found["waves"]["components"] == 200
+    assert found["waves"]["repeat_period"] is None
+    assert found["wind_seeds"] == {"wind": 7}
+    assert found["line_lengths"]["bow"] == [sea.lines[0].sections[0].length]
+    assert found["databases"] == {"barge": str(folder / "still.nc")} or found["databases"] == {
+        "barge": "still.nc"
+    }
+    assert sea_provenance(None) == {}
+
+
+def test_a_case_without_a_sea_has_none(small_case):
+    case = load_case(small_case)
+    assert assemble_sea(case, {}, OutputFolder(small_case / "out")) is None
+    assert sea_sections(case, OutputFolder(small_case / "out"), None) == []
+
+
+def test_the_report_says_what_the_sea_is(folder):
+    case = load_case(folder)
+    stages = run_case(case, stages=("mesh",)).folder
+    (section,) = sea_sections(case, stages, None)
+    cells = " ".join(cell for item in section.items for row in getattr(item, "rows", ()) for cell in row)
+    for words in (
+        "jonswap",
+        "1.5",
+        "NPD spectrum",
+        "still.nc",
+        "150 kN at the start",
+        "1 MN/m",
+        "12: 0.2 to 2.4",
+    ):
+        assert words in cells
+    position = resting_position(case, "barge", stages)
+    assert f"{position.GM_T:.6g}" in cells
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_a_moored_barge_in_wind_waves_and_current_runs(folder):
+    """Every force at once; what is exact at the start is exact in the records."""
+    from heavylift.pipeline.results import load_results
+
+    case = load_case(folder)
+    report = run_case(case)
+    assert report.outcome.name == "COMPLETED", report.message
+    results = load_results(case)
+    # the box is wetted from 3 m below its origin, which is 1 m below the water, up to the water: 1.5 m
+    assert results["barge.displaced_volume"][0] == pytest.approx(L * B * 3.5, rel=1e-12)
+    assert results["barge.ballast"][-1] == pytest.approx(5e4 / 3.0, rel=1e-12)
+    assert results["bow.tension"][0] == pytest.approx(150e3, rel=1e-9)
+    assert results["wind.direction"][-1] == pytest.approx(math.pi / 2.0, rel=1e-12)
+    assert results["current.speed"][-1] == pytest.approx(1.0, rel=1e-12)
+    # the gauge of the hull is that of its low-passed place, which moves little
+    at = results["barge.position"][0]
+    t = results.time[-1]
+    eta = make_waves(case).elevation(at[0], at[1], t)
+    assert results["barge.wave_elevation"][-1] == pytest.approx(float(eta), abs=0.1)
+    assert results.metadata["sea"]["waves"]["seeds"] == [4]
+    assert Quantities(case, report.folder.root).number("lines.bow.length") > 215.0
+    text = (report.folder.root / "report" / "report.md").read_text()
+    assert "Hs = 1.5 m" in text
+    assert run_case(case).stage("simulate").skipped
