@@ -49,7 +49,9 @@ def spectrum_plots(found: Sequence[ColumnStatistics], *, title: str) -> list[byt
             axes.set_ylim(bottom=0.0)
             words = f"4 st. dev. = {factor * entry['significant_by_deviation']:.4g} {unit}"
             axes.set_title(f"{_text(one.column.name)}   {words}", loc="left", fontsize=9.5, color=_INK)
-            axes.set_ylabel(f"[({unit})² s/rad]", color=_INK, fontsize=9)
+            axes.set_ylabel(
+                f"[{unit}² s/rad]" if unit.isalpha() else f"[({unit})² s/rad]", color=_INK, fontsize=9
+            )
             axes.set_xlabel("frequency [rad/s]", color=_INK, fontsize=9)
             _tidy(axes)
         pictures.append(few_colours(figure_png(figure)))

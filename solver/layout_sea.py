@@ -70,7 +70,8 @@ def float_bodies(scene: Scene) -> Scene:
         _check_gravity(scene, sea)
     if any(len(body.group) > 1 for body in hulls.values()) and scene.touches:
         group = next(body.group for body in hulls.values() if len(body.group) > 1)
-        touched = {surface.body for surface in (*scene.surfaces, *scene.contours)} & set(group)
+        owners = [surface.body for surface in scene.surfaces] + [contour.body for contour in scene.contours]
+        touched = set(owners) & set(group)
         if touched:
             raise InputError(
                 f"{min(touched)!r} interacts with other hulls, and touches something",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.scene import RigidBody
+from heavylift.solver.scene import Free, RigidBody
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from heavylift.solver.marine.moorings import Fender, MooringLine
     from heavylift.solver.marine.wave_trains import WaveTrains
     from heavylift.solver.marine.wind_loads import CoefficientLoad, CurrentField, DragElement, WindField
+    from heavylift.solver.scene import AnyBody
 
 __all__ = ["FloatingBody", "Hull", "LinearRestoring", "Radiation", "Sea", "Tank", "Water", "floating_bodies"]
 
@@ -210,7 +211,7 @@ class FloatingBody(RigidBody):
     group: tuple[str, ...] = ()
 
 
-def floating_bodies(bodies: tuple[RigidBody, ...], sea: Sea) -> dict[str, FloatingBody]:
+def floating_bodies(bodies: tuple[AnyBody, ...], sea: Sea) -> dict[str, FloatingBody]:
     """Bodies that float, by name; those that interact follow each other.
 
     Raises
@@ -227,8 +228,6 @@ def floating_bodies(bodies: tuple[RigidBody, ...], sea: Sea) -> dict[str, Floati
             raise InputError(
                 f"{hull.body!r} {problem}", source="hulls", key="body", expected="a rigid body, once"
             )
-        from heavylift.solver.scene import Free
-
         if not isinstance(body.motion, Free):
             raise InputError(
                 f"the motion of {hull.body!r} is prescribed",

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from heavylift.solver.drive import pack_drive
 from heavylift.solver.markers import BodyMarkers, pack_markers
 from heavylift.solver.scene import Driven, Fixed, Free, RigidBody
 
-__all__ = ["RigidBodies", "pack_rigid_bodies", "principal_frame"]
+__all__ = ["RigidBodies", "RigidFrames", "pack_rigid_bodies", "principal_frame"]
 
 # columns of `table`
 DOF, MOTION, DRIVE, COLUMN, NUMBER = range(5)
@@ -48,6 +48,18 @@ END = 89  # its pose, velocities and accelerations at the end of the step
 JOINT_FORCE = 108  # force and moment of the rows on a held body, as of a marker
 ARC = 114  # constant: share of h^2 a in the midpoint, 1/8 along an arc, 0 along a straight line
 FRAME_WIDTH = 120  # whole cache lines
+
+
+class RigidFrames(Protocol):
+    """What kinds of rigid bodies share: the columns named above."""
+
+    @property
+    def table(self) -> NDArray[np.int64]:
+        """As in `RigidBodies`."""
+
+    @property
+    def frame(self) -> NDArray[np.float64]:
+        """As in `RigidBodies`."""
 
 
 class RigidBodies(NamedTuple):

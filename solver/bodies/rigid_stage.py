@@ -37,6 +37,7 @@ from heavylift.solver.bodies.rigid import (
     VELOCITY,
     WORK,
     RigidBodies,
+    RigidFrames,
 )
 from heavylift.solver.drive import drive_pose, drive_velocity
 from heavylift.solver.interface import (
@@ -66,13 +67,13 @@ __all__ = [
 
 
 @view
-def stage_rotation(kind: RigidBodies, body: int) -> NDArray[np.float64]:
+def stage_rotation(kind: RigidFrames, body: int) -> NDArray[np.float64]:
     """Rotation matrix of the stage, row by row, a view of shape (9,)."""
     return kind.frame[body, MID_ROTATION : MID_ROTATION + 9]
 
 
 @kernel(inline=True, internal=True)
-def orientation_of(kind: RigidBodies, body: int) -> tuple[float, float, float, float]:
+def orientation_of(kind: RigidFrames, body: int) -> tuple[float, float, float, float]:
     """Carried quaternion of the principal frame."""
     q = kind.frame[body, ORIENTATION : ORIENTATION + 4]
     return q[0], q[1], q[2], q[3]
@@ -135,7 +136,7 @@ def start_rigid_bodies(kind: RigidBodies, time: float, work: Workspace) -> None:
 
 
 @kernel(internal=True)
-def stage_at_state(kind: RigidBodies) -> None:
+def stage_at_state(kind: RigidFrames) -> None:
     """Set the stages to the carried state."""
     for body in range(kind.table.shape[0]):
         frame = stage = kind.frame[body]

@@ -97,8 +97,8 @@ def _floating(scene: Scene) -> str:
         return ""
     if scene.sea.hulls:
         return f"{scene.sea.hulls[0].body!r} floats"
-    lines = (*scene.sea.lines, *scene.sea.fenders)
-    return f"line {lines[0].name!r} is soft and stiff by turns" if lines else ""
+    names = [line.name for line in scene.sea.lines] + [fender.name for fender in scene.sea.fenders]
+    return f"line {names[0]!r} is soft and stiff by turns" if names else ""
 
 
 def stiff_part(scene: Scene, interval: float) -> str:

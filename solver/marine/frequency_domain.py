@@ -400,7 +400,7 @@ def _group_excitation(
 def _over_frequency(
     database: HydrodynamicDatabase, values: NDArray[np.float64], w: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Cubic spline through coefficients over frequency."""
+    """Symmetric parts of coefficients between the frequencies of the database, by cubic splines."""
     from scipy.interpolate import CubicSpline
 
     low, high = database.omega[0], database.omega[-1]
@@ -412,5 +412,7 @@ def _over_frequency(
             expected=f"{low:.3g} to {high:.3g} rad/s ({2 * np.pi / high:.3g} to {2 * np.pi / low:.3g} s)",
         )
     if len(database.omega) == 1:
-        return np.repeat(values, len(w), axis=0)
-    return np.asarray(CubicSpline(database.omega, values, axis=0)(np.clip(w, low, high)))
+        return np.repeat(0.5 * (values + np.swapaxes(values, 1, 2)), len(w), axis=0)
+    found = np.asarray(CubicSpline(database.omega, values, axis=0)(np.clip(w, low, high)))
+    # theory says that both are symmetric; panels leave 15 to 20 % between surge and pitch of a box
+    return 0.5 * (found + np.swapaxes(found, 1, 2))

@@ -340,25 +340,25 @@ def _without_waves(sea: Sea) -> Sea:
     fields = tuple(
         replace(one, fluctuation=None) if isinstance(one, WindField) else one for one in sea.fields
     )
-    radiation = tuple(replace(one, memory="none", drift=False) for one in sea.radiation)
-    return replace(sea, waves=None, ramp=0.0, fields=fields, radiation=radiation)
+    return replace(sea, waves=None, ramp=0.0, fields=fields, radiation=())  # at rest databases say nothing
 
 
 def _parts(layout: Any, scene: Scene) -> list[_Part]:
     """Free bodies in the order of the coordinates."""
     from heavylift.solver.bodies.floating_frame import FREE
-    from heavylift.solver.bodies.rigid import MOTION
+    from heavylift.solver.bodies.rigid import MOTION, RigidBodies
 
     sea = scene.sea
     assert sea is not None
     hulls: dict[str, _Part] = {}
     others: list[tuple[str, int, NDArray[np.float64]]] = []
     for kind in layout.bodies:
-        if not hasattr(kind, "frame"):
-            continue
+        floats = type(kind).__name__ == "Hulls"
+        if not floats and not isinstance(kind, RigidBodies):
+            continue  # fixed ones
         for row, table in enumerate(kind.table):
             name = layout.body_names[table[NUMBER]]
-            if hasattr(kind, "hulls"):
+            if floats:
                 hulls[name] = _hull_part(kind, row, name, sea)
             elif table[MOTION] == FREE:
                 others.append((name, int(table[DOF]), kind.frame[row]))
