@@ -77,10 +77,18 @@ def hydrostatics_command(
     found = load_sea_case(path, out=out, overrides=overrides, log=log)
     sea, water = found.sea, found.sea.water
     folder = found.folder.stage("hydrostatics")
+    chosen = [hull for hull in choose_hulls(found, hulls) if hull.restoring is not None]
+    if not chosen:
+        raise InputError(
+            "no hull with buoyancy",
+            source=found.case.file,
+            key="hulls",
+            expected="a hull with a surface or a float plane",
+        )
     entries: list[dict[str, Any]] = []
     lines: list[str] = []
     with locked(found.folder.root):
-        for hull in choose_hulls(found, hulls):
+        for hull in chosen:
             # a person reads places in the coordinates of the geometry
             origin = frame_origin(found.case, hull.body)
             loading = hull_loading(found.scene, sea, hull.body)
@@ -100,13 +108,6 @@ def hydrostatics_command(
                 "left_out": list(loading.left_out),
                 "tanks": [{"name": tank.name, "mass": tank.mass} for tank in tanks],
             }
-            if hull.restoring is None:
-                raise InputError(
-                    f"{hull.body!r} has neither a surface nor a float plane",
-                    source=found.case.file,
-                    key=f"hulls.{hull.body}",
-                    expected="a hull with buoyancy; choose others with --hull",
-                )
             surface = _surface(found, hull)
             if surface is None:
                 assert isinstance(hull.restoring, LinearRestoring)

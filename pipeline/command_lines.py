@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,6 +33,9 @@ __all__ = ["LineEnds", "line_ends", "line_entry", "lines_command", "section_mass
 STEEL = 7850.0
 """Density of chain and wire [kg/m3]."""
 
+SETTLING = 60.0
+"""Time [s] that lines get to forget that they began at rest."""
+
 
 @dataclass(frozen=True, eq=False)
 class LineEnds:
@@ -51,7 +54,7 @@ def lines_command(
     lines: Sequence[str] = (),
     at: float | None = None,
     dynamic: bool = False,
-    after: float = 0.0,
+    after: float | None = None,
     until: float | None = None,
     material: float = STEEL,
     log: Log,
@@ -69,7 +72,8 @@ def lines_command(
     dynamic
         Compute the lines once more with inertia and drag, along the motion of their ends in the run.
     after, until
-        Part of the run for that [s].
+        Part of the run for that [s]; by default from the end of the ramp of the sea to the end of the run. MoorDyn
+        begins at rest up to `SETTLING` earlier.
     material
         Density of the material of the lines [kg/m3], from which their mass follows.
 
@@ -107,9 +111,14 @@ def lines_command(
     dynamics: dict[str, DynamicLine] = {}
     if dynamic:
         assert results is not None
+        begin = found.sea.ramp if after is None else after
+        if begin - float(results.time[0]) < 0.5 * SETTLING:
+            log.say(
+                f"lines: MoorDyn begins at rest at t = {results.time[0]:g} s, which its first tensions show"
+            )
         for line in chosen:
             log.say(f"lines: {line.name}: MoorDyn along the run")
-            dynamics[line.name] = _dynamics(found, line, results, after, until, material, folder)
+            dynamics[line.name] = _dynamics(found, line, results, begin, until, material, folder)
         document["dynamic"] = [_dynamic_entry(name, one) for name, one in dynamics.items()]
         words += ["", *_dynamic_lines(document["dynamic"])]
     with locked(found.folder.root):
@@ -205,10 +214,10 @@ def _dynamics(
     water = found.sea.water
     ends = line_ends(found.scene, line, results)
     last = float(results.time[-1]) if until is None else until
-    own = (ends.times >= after - 1e-9) & (ends.times <= last + 1e-9)
+    own = (ends.times >= after - SETTLING - 1e-9) & (ends.times <= last + 1e-9)
     masses = section_masses(line, water.density, material, water.gravity)
     fixed = line.body_a not in {body.name for body in found.scene.bodies}
-    return run_moordyn(
+    whole = run_moordyn(
         line,
         LineDynamics(masses=masses),
         ends.times[own],
@@ -218,6 +227,22 @@ def _dynamics(
         density=water.density,
         gravity=water.gravity,
         folder=folder / "moordyn",
+    )
+    told = whole.times >= after - 1e-9
+    if np.count_nonzero(told) < 2:
+        raise InputError(
+            f"no records between {after:g} and {last:g} s",
+            source=results.source,
+            key="--after",
+            expected=f"a part of {results.time[0]:g} to {results.time[-1]:g} s",
+        )
+    return replace(
+        whole,
+        times=whole.times[told],
+        tension=whole.tension[told],
+        anchor_tension=whole.anchor_tension[told],
+        force=whole.force[told],
+        quasi_static=whole.quasi_static[told],
     )
 
 

@@ -143,7 +143,12 @@ def lines(
             negative="",
         ),
     ] = False,
-    after: Annotated[float, Parameter(help="Begin of that part of the run [s].")] = 0.0,
+    after: Annotated[
+        float | None,
+        Parameter(
+            help="Begin of that part of the run [s]; default: the ramp of the sea.", show_default=False
+        ),
+    ] = None,
     until: Annotated[
         float | None, Parameter(help="Its end [s]; default: the end of the run.", show_default=False)
     ] = None,

@@ -26,6 +26,9 @@ __all__ = ["database_file", "database_manifest", "make_databases", "read_databas
 
 MANIFEST = "hydrodynamics.json"
 
+_KEYS = {"omega": "frequencies", "panel size": "panel_size", "headings": "headings"}
+"""Keys of a computation by what its errors call them."""
+
 
 def database_file(folder: OutputFolder, name: str) -> Path:
     """Where the mesh stage stores a database."""
@@ -193,7 +196,13 @@ def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDataba
         work.log.say(f"mesh: {name}: WARNING: {text}")
 
     with work.log.progress(f"mesh {name}", len(inputs.omega) + 1) as progress:
-        return compute_database(inputs, processes=section.compute.processes, progress=progress, warn=warn)
+        try:
+            return compute_database(inputs, processes=section.compute.processes, progress=progress, warn=warn)
+        except InputError as error:
+            key = _KEYS.get(error.key)
+            if key is None:
+                raise
+            raise InputError(error.problem, key=f"compute.{key}", expected=error.expected) from None
 
 
 def _named(database: HydrodynamicDatabase, section: DatabaseSection) -> HydrodynamicDatabase:

@@ -127,7 +127,7 @@ class Radiation:
     database: HydrodynamicDatabase
     memory: Literal["exponentials", "direct", "none"] = "exponentials"
     memory_length: float | None = None
-    fit_error: float = 1e-3
+    fit_error: float = 2.5e-3
     drift: bool = False
 
 

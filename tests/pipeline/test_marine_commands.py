@@ -177,6 +177,16 @@ def test_what_is_missing_is_one_message(heavylift, barge: Path, small_case: Path
     code, _, error = heavylift("hydrostatics", barge, "--hull", "boat")
     assert code == 2
     assert "no hull 'boat'; expected one of barge" in error
+    code, _, error = heavylift("lines", barge, "--line", "port")
+    assert code == 2
+    assert "no line 'port'; expected one of bow, stern" in error
+    code, _, error = heavylift("lines", barge, "--moordyn")
+    assert code == 2
+    assert "no results" in error
+    under_water = ("--set", "hulls.barge.restoring=none", "--set", "hulls.barge.surface=")
+    code, _, error = heavylift("hydrostatics", barge, *under_water)
+    assert code == 2
+    assert "no hull with buoyancy" in error
     code, out, _ = heavylift("statistics", barge, "--json")
     assert code == 2
     assert "heavylift simulate" in json.loads(out)["error"]

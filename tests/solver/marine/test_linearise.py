@@ -80,11 +80,12 @@ def box_mass(mass: float, inertia: np.ndarray, z: float) -> np.ndarray:
 
 
 def by_hand(mass: np.ndarray, stiffness: np.ndarray, heading_index: int) -> np.ndarray:
-    """Motions per metre at the frequencies of the database, shape (nw, 6)."""
+    """Motions per metre at the frequencies of the database, shape (nw, 6); A and B are symmetric in theory."""
     base = database()
     found = []
     for k, w in enumerate(base.omega):
-        Z = -w * w * (mass + base.added_mass[k]) - 1j * w * base.damping[k] + stiffness
+        A, B = (0.5 * (one[k] + one[k].T) for one in (base.added_mass, base.damping))
+        Z = -w * w * (mass + A) - 1j * w * B + stiffness
         found.append(np.linalg.solve(Z, base.excitation[k, heading_index]))
     return np.array(found)
 
