@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.command_scene import load_sea_case
+from heavylift.pipeline.command_scene import check_databases, load_sea_case
 from heavylift.pipeline.storage import replacing, write_json
 from heavylift.preprocess.hydrodynamics import COORDINATES
 
@@ -36,13 +35,7 @@ def database_command(
     from heavylift.pipeline.plot_database import database_plots
 
     found = load_sea_case(path, out=out, overrides=overrides, log=log)
-    if not found.sea.radiation:
-        raise InputError(
-            "no databases",
-            source=found.case.file,
-            key="databases",
-            expected="a table [databases.NAME] with 'file' or 'compute'",
-        )
+    check_databases(found)
     folder = found.folder.stage("database")
     entries, lines = [], [f"{found.case.name}: hydrodynamic databases", ""]
     with locked(found.folder.root):

@@ -5,16 +5,22 @@ from __future__ import annotations
 import csv
 import io
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.command_scene import load_sea_case
+from heavylift.pipeline.command_scene import check_databases, load_sea_case
 from heavylift.pipeline.rao_report import rao_document, write_rao_report
 from heavylift.pipeline.storage import replacing, write_json
 from heavylift.preprocess.hydrodynamics import COORDINATES
-from heavylift.solver.marine.frequency_domain import ResponseStatistics, motion_operators, natural_modes
+from heavylift.solver.marine.frequency_domain import (
+    NaturalMode,
+    ResponseStatistics,
+    motion_operators,
+    natural_modes,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -25,7 +31,7 @@ if TYPE_CHECKING:
     from heavylift.solver.marine.linearise import LinearScene
     from heavylift.solver.marine.wave_trains import WaveTrains
 
-__all__ = ["joint_force_rows", "rao_command", "response_in_trains"]
+__all__ = ["joint_force_rows", "rao_command", "response_in_trains", "separate_modes"]
 
 HEADINGS = tuple(math.radians(angle) for angle in (0.0, 45.0, 90.0, 135.0, 180.0))
 """Directions of travel relative to the first hull [rad], if none are given."""
@@ -34,6 +40,9 @@ LONGEST_PERIOD = 40.0
 """Of waves [s]; natural periods of moorings are longer, and their operators mean nothing."""
 
 FREQUENCIES = 300
+
+TIED = 1e-9
+"""Coupling of two bodies that ties their motions, relative to the largest of all."""
 
 THIS_SEA = "waves of the case"
 
@@ -70,6 +79,7 @@ def rao_command(
     from heavylift.solver.marine.linearise import linear_group, linearise
 
     found = load_sea_case(path, out=out, overrides=overrides, log=log)
+    check_databases(found)
     with in_case(found.case):
         linear = linearise(found.scene)
         hulls = linear_group(found.scene, linear)
@@ -80,7 +90,7 @@ def rao_command(
     # finer than databases are, as resonances are narrow; no wind wave is longer
     omega = np.linspace(min(max(low, 2.0 * math.pi / LONGEST_PERIOD), high), high, FREQUENCIES)
     operators = motion_operators(hulls, headings=headings or _available(hulls), omega=omega)
-    modes = natural_modes(hulls)
+    modes = separate_modes(hulls)
     responses = {}
     if found.sea.waves is not None:
         try:
@@ -183,6 +193,49 @@ def joint_force_rows(linear: LinearScene, operators: MotionOperators) -> list[li
                     row += [f"{abs(value):.9g}", f"{math.degrees(np.angle(value)):.6g}"]
                 table.append(row)
     return table
+
+
+def separate_modes(hulls: LinearHulls) -> list[NaturalMode]:
+    """Natural modes of bodies that move independently of each other, one group after another, then by period.
+
+    Equal periods of equal hulls would otherwise be told of mixtures of their motions.
+    """
+    from scipy.sparse.csgraph import connected_components
+
+    database, count = hulls.database, hulls.database.body_count
+    G = hulls.constraint_jacobian
+    joined = np.abs(G).T @ np.abs(G) if len(G) else np.zeros(hulls.mass.shape)
+    tied = np.zeros((count, count), dtype=bool)
+    scale = 1.0 / np.sqrt(np.diag(hulls.mass))
+    for matrix in (hulls.mass, hulls.stiffness, np.abs(database.added_mass).max(axis=0), joined):
+        size = np.abs(scale[:, None] * matrix * scale).reshape(count, 6, count, 6).max(axis=(1, 3))
+        tied |= size > TIED * size.max()
+    found = []
+    for group in range(connected_components(tied)[0]):
+        bodies = np.flatnonzero(connected_components(tied)[1] == group)
+        own = (6 * bodies[:, None] + np.arange(6)).ravel()
+        block = np.ix_(own, own)
+        part = replace(
+            hulls,
+            database=replace(
+                database,
+                bodies=tuple(database.bodies[body] for body in bodies),
+                added_mass=database.added_mass[:, own][:, :, own],
+                damping=database.damping[:, own][:, :, own],
+                added_mass_infinite=database.added_mass_infinite[block],
+                excitation=database.excitation[:, :, own],
+                reference_points=database.reference_points[bodies],
+            ),
+            mass=hulls.mass[block],
+            stiffness=hulls.stiffness[block],
+            damping=hulls.damping[block],
+            constraint_jacobian=G[np.abs(G[:, own]).max(axis=1, initial=0.0) > 0.0][:, own],
+        )
+        for mode in natural_modes(part):
+            shape = np.zeros(6 * count)
+            shape[own] = mode.shape
+            found.append(NaturalMode(mode.period, shape, int(own[mode.coordinate])))
+    return found
 
 
 def _available(hulls: LinearHulls) -> list[float]:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from heavylift.solver.scene import Scene
     from heavylift.solver.seas import Hull, Sea
 
-__all__ = ["SeaCase", "choose_hulls", "load_sea_case"]
+__all__ = ["SeaCase", "check_databases", "choose_hulls", "load_sea_case"]
 
 _TABLES = {
     "hulls": "a table [hulls.NAME] for each rigid body that floats",
@@ -87,3 +87,20 @@ def choose_hulls(case: SeaCase, names: Sequence[str]) -> tuple[Hull, ...]:
         if name not in known:
             raise InputError(f"no hull {name!r}", source="--hull", expected=f"one of {', '.join(known)}")
     return tuple(known[name] for name in names or known)
+
+
+def check_databases(case: SeaCase) -> None:
+    """See that a hull has a database.
+
+    Raises
+    ------
+    InputError
+        If none has.
+    """
+    if not case.sea.radiation:
+        raise InputError(
+            "no databases",
+            source=case.case.file,
+            key="databases",
+            expected="a table [databases.NAME] with 'file' or 'compute'",
+        )

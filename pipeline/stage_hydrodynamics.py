@@ -73,7 +73,6 @@ def make_databases(work: Work) -> tuple[bool, float, dict[str, Any]]:
         begin = time.process_time()
         with located(case, f"databases.{name}"):
             database = _made(work, name, section)
-            _write(file, database, digest)
             properties = _properties(database, section)
         items[name] = {
             "digest": digest,
@@ -116,12 +115,12 @@ def stored_database(case: Case, name: str, folder: OutputFolder) -> Hydrodynamic
     InputError
         If one that has to be computed is not there, or a file cannot be read.
     """
-    from heavylift.preprocess.hydrodynamics_netcdf import read_digest, read_netcdf
+    from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
 
     section, file = case.databases[name], database_file(folder, name)
-    if file.is_file() and read_digest(file) == database_digest(case, section):
-        about = database_manifest(folder).get(name, {}).get("properties", {})
-        return replace(read_netcdf(file), source=str(about.get("source", name)))
+    item = database_manifest(folder).get(name, {})
+    if file.is_file() and item.get("digest") == database_digest(case, section):
+        return replace(read_netcdf(file), source=str(item["properties"]["source"]))
     if section.file is not None:
         return _named(read_database_source(case, section), section)
     raise InputError(
@@ -179,14 +178,24 @@ def read_database_source(case: Case, section: DatabaseSection) -> HydrodynamicDa
 
 
 def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDatabase:
-    """Database from its file, or computed."""
+    """Database from its file, or computed; written to the output folder."""
+    file = database_file(work.folder, name)
     if section.compute is None:
-        return _named(read_database_source(work.case, section), section)
+        database = _named(read_database_source(work.case, section), section)
+        _write(file, database, "")
+        return database
     from heavylift.pipeline.assemble_panels import bem_inputs
     from heavylift.preprocess.bem import capytaine_version, compute_database
+    from heavylift.preprocess.bem_inputs import database_digest as inputs_digest
+    from heavylift.preprocess.hydrodynamics_netcdf import read_digest, read_netcdf
 
-    capytaine_version()  # before anything else: without it nothing can be done
     inputs = bem_inputs(work.case, section, work.folder)
+    digest = inputs_digest(inputs)
+    if "mesh" not in work.force and file.is_file() and read_digest(file) == digest:
+        about = database_manifest(work.folder).get(name, {}).get("properties", {})
+        work.log.say(f"mesh: {name}: the same panels, frequencies and headings: not computed again")
+        return replace(read_netcdf(file), source=str(about.get("source", name)))
+    capytaine_version()  # before anything is said: without it nothing can be done
     count = sum(len(hull.panels) for hull in inputs.hulls)
     work.log.say(
         f"mesh: {name}: {count} panels, {len(inputs.omega)} frequencies, {len(inputs.headings)} headings"
@@ -197,12 +206,16 @@ def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDataba
 
     with work.log.progress(f"mesh {name}", len(inputs.omega) + 1) as progress:
         try:
-            return compute_database(inputs, processes=section.compute.processes, progress=progress, warn=warn)
+            database = compute_database(
+                inputs, processes=section.compute.processes, progress=progress, warn=warn
+            )
         except InputError as error:
             key = _KEYS.get(error.key)
             if key is None:
                 raise
             raise InputError(error.problem, key=f"compute.{key}", expected=error.expected) from None
+    _write(file, database, digest)
+    return database
 
 
 def _named(database: HydrodynamicDatabase, section: DatabaseSection) -> HydrodynamicDatabase:

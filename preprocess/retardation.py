@@ -302,10 +302,14 @@ def infinite_added_mass(
 def ogilvie_deviation(
     omega: ArrayLike, added_mass: ArrayLike, damping: ArrayLike, added_mass_infinite: ArrayLike
 ) -> NDArray[np.float64]:
-    """How far a given A_inf is from that of Ogilvie's relation, |difference_ij| / sqrt(A_ii A_jj), shape (n, n)."""
+    """How far a given A_inf is from that of Ogilvie's relation, |difference_ij| / sqrt(A_ii A_jj), shape (n, n).
+
+    A_ii is the largest added mass at any frequency: that of a slender hull ahead is far smaller at the infinite one.
+    """
     value, _ = infinite_added_mass(omega, added_mass, damping)
     given = np.asarray(added_mass_infinite, dtype=np.float64)
-    scale = np.sqrt(np.maximum(np.abs(np.diag(value)), np.abs(np.diag(given))))
+    largest = np.abs(np.diagonal(np.asarray(added_mass, dtype=np.float64), axis1=1, axis2=2)).max(axis=0)
+    scale = np.sqrt(np.maximum(largest, np.maximum(np.abs(np.diag(value)), np.abs(np.diag(given)))))
     unit = np.outer(scale, scale)
     return np.abs(0.5 * (given + given.T) - value) / np.where(unit > 0.0, unit, 1.0)
 

@@ -35,9 +35,9 @@ COORDINATES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 def waves():
     """Frequencies [rad/s], amplitudes [m] and phases [rad] from the case."""
     trains = tomllib.loads((HERE / "case.toml").read_text(encoding="utf-8"))["sea"]["waves"]
-    assert all(train["height"] == "1 cm" and train.get("direction", 0.0) == 0.0 for train in trains)
+    assert all(train["height"] == "2 mm" and train.get("direction", 0.0) == 0.0 for train in trains)
     omega = np.array([2.0 * np.pi / train["period"] for train in trains])
-    return omega, np.full(len(omega), 0.005), np.array([train["phase"] for train in trains])
+    return omega, np.full(len(omega), 0.001), np.array([train["phase"] for train in trains])
 
 
 def database(omega):

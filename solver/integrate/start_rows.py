@@ -135,10 +135,26 @@ class StartRows:
         with_rows = np.isin(np.arange(blocks), self.block)
         self.block_owner = np.maximum.accumulate(np.where(with_rows, np.arange(blocks), 0))
         self._rows, self._columns, self._sources = self._pattern(system)
-        dofs = system.attachments[:, DOF].reshape(-1, 2)
+        dofs = self._first_velocities(system).reshape(-1, 2)
         held = np.bincount(self.owner[self.free], minlength=len(firsts)) > 0
         number = np.where(dofs >= 0, self.owner[dofs], -1)
         self.sides = np.where(held[number] & (number >= 0), number, -1)
+
+    def _first_velocities(self, system: Any) -> NDArray[np.int64]:
+        """Of the body of each attachment; hulls that water couples are one body to joints, with six columns each."""
+        dofs = np.array(system.attachments[:, DOF])
+        groups = {
+            int(dof) for kind in self.layout.bodies if "groups" in kind._fields for dof in kind.groups[:, 2]
+        }
+        wide = [i for i in np.flatnonzero(system.attachments[:, WIDTH] > 6) if int(dofs[i]) in groups]
+        if wide:
+            self.fill()
+        lanes = len(system.shape[1])
+        for i in wide:
+            panel, width = system.attachments[i, PANEL], system.attachments[i, WIDTH]
+            columns = system.panels[panel : panel + width * lanes].reshape(width, lanes)
+            dofs[i] += 6 * (int(np.argmax(np.any(columns != 0.0, axis=1))) // 6)
+        return dofs
 
     def _pattern(self, system: Any) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
         """Row, column and place in the panels of each entry of the Jacobian."""

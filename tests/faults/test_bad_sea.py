@@ -167,7 +167,7 @@ def test_negative_damping_in_a_database(folder):
     import h5py
 
     with h5py.File(folder / "still.nc", "r+") as file:
-        file["radiation_damping"][5, 2, 2] *= -1.0
+        file["radiation_damping"][11, 2, 2] *= -1.0
     error = _radiation(folder)
     assert "negative damping at 1.2 rad/s" in error.problem
     assert error.key == "damping"
@@ -210,7 +210,7 @@ def _pack(folder, *overrides):
 def test_a_wave_period_beyond_the_database(folder):
     error = _pack(folder, 'sea.waves={type = "regular", height = 0.1, period = 1.5}')
     assert "4.19" in error.problem or "1.5" in error.problem
-    assert "2.4" in f"{error.problem} {error.expected}"
+    assert "4 rad/s" in f"{error.problem} {error.expected}"
 
 
 def test_a_heading_outside_the_database(folder, database):

@@ -1,4 +1,8 @@
-"""A hydrodynamic database that is no solution of anything but could be one: smooth, symmetric, with damping."""
+"""A hydrodynamic database in closed form: no hull has it, but memory, damping and added mass belong to each other.
+
+K(t) = k (1 - a t) exp(-a t)
+B(omega) = k 2 a omega^2 / (a^2 + omega^2)^2,    A(omega) = A_inf + k (a^2 - omega^2) / (a^2 + omega^2)^2
+"""
 
 from __future__ import annotations
 
@@ -14,16 +18,20 @@ if TYPE_CHECKING:
 
 MASS = 1.23e6
 """Displaced [kg]."""
+RATE = 0.8
+"""a [1/s]."""
 
 
 def smooth_database(**changes: object) -> HydrodynamicDatabase:
     """Of a barge of 40 x 15 m with 2 m draft in 50 m of water; long-wave excitation, which fades at short waves."""
-    omega = np.linspace(0.2, 2.4, 12)
+    omega = np.linspace(0.1, 4.0, 40)
     headings = np.deg2rad(np.arange(0.0, 181.0, 10.0))
     scale = np.array([1.0, 1.0, 1.0, 30.0, 130.0, 150.0]) * MASS
-    bell = omega**3 * np.exp(-((omega / 1.1) ** 2))
-    damping = bell[:, None, None] * np.diag(0.3 * scale)
     added = np.diag([0.1, 0.4, 1.5, 0.6, 1.2, 0.5]) @ np.diag(scale)
+    bell = 2.0 * RATE * omega**2 / (RATE**2 + omega**2) ** 2
+    above = (RATE**2 - omega**2) / (RATE**2 + omega**2) ** 2
+    kernel = 0.1 * added
+    damping = bell[:, None, None] * kernel
     fade = np.exp(-((omega / 1.5) ** 4))
     push = -1j * omega**2 * fade * MASS
     zero = np.zeros((len(omega), len(headings)))
@@ -43,7 +51,7 @@ def smooth_database(**changes: object) -> HydrodynamicDatabase:
         "bodies": ("hull",),
         "omega": omega,
         "headings": headings,
-        "added_mass": np.repeat(added[None], len(omega), axis=0),
+        "added_mass": added + above[:, None, None] * kernel,
         "damping": damping,
         "added_mass_infinite": added,
         "excitation": excitation.astype(np.complex128),

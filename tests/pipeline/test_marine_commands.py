@@ -16,7 +16,7 @@ from heavylift.pipeline import load_case
 from heavylift.pipeline.cli import app
 from heavylift.pipeline.command_hydrostatics import linear_figures
 from heavylift.pipeline.command_lines import line_ends, section_masses
-from heavylift.pipeline.command_rao import response_in_trains
+from heavylift.pipeline.command_rao import response_in_trains, separate_modes
 from heavylift.pipeline.command_statistics import chosen_columns, column_statistics
 from heavylift.pipeline.command_statistics_seeds import seed_keys
 from heavylift.pipeline.results import ChannelInfo, Results
@@ -357,6 +357,29 @@ def test_response_to_one_train_is_half_the_square_of_its_operator() -> None:
     expected = motion_operators(hulls, headings=[math.radians(45.0)], omega=[0.7]).amplitude[0, 0]
     assert found.standard_deviation == pytest.approx(1.5 * expected / math.sqrt(2.0), rel=1e-9)
     assert found.mean_period[expected > 1e-6] == pytest.approx(2.0 * math.pi / 0.7)
+
+
+def test_equal_hulls_that_do_not_feel_each_other_have_modes_of_their_own() -> None:
+    from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
+    from heavylift.solver.marine.frequency_domain import linear_hulls, natural_modes
+    from heavylift.solver.marine.joined_database import joined_database
+    from heavylift.solver.seas import Radiation
+
+    database = read_netcdf(DATABASE)
+    mass = np.diag([1.6e7] * 3 + [2.5e9, 9e9, 9e9])
+    stiffness = np.diag([1e5, 1e5, 3.5e7, 3e9, 2.7e10, 1e9])
+    one = natural_modes(linear_hulls(database, mass, stiffness))
+    both = [Radiation(bodies=(name,), database=database) for name in ("a", "b")]
+    points = np.array([[0.0, 0.0, 0.0], [0.0, 500.0, 0.0]])
+    joined = joined_database(both, ("a", "b"), np.zeros(2), points)
+    two = np.kron(np.eye(2), mass), np.kron(np.eye(2), stiffness)
+    found = separate_modes(linear_hulls(joined, *two))
+    assert [mode.coordinate for mode in found] == [k + mode.coordinate for k in (0, 6) for mode in one]
+    assert [mode.period for mode in found] == pytest.approx([mode.period for mode in one] * 2, rel=1e-9)
+    assert not found[0].shape[6:].any()
+    rigid = np.hstack([np.eye(6), -np.eye(6)])  # joined they are one of the double mass
+    tied = separate_modes(linear_hulls(joined, *two, constraint_jacobian=rigid))
+    assert [mode.period for mode in tied] == pytest.approx([mode.period for mode in one], rel=1e-9)
 
 
 @pytest.mark.slow

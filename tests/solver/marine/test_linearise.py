@@ -17,7 +17,8 @@ from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
 from heavylift.preprocess.primitive_surfaces import box_surface
 from heavylift.solver.connections import GROUND, FixedJoint, JointFrame, Spring
 from heavylift.solver.marine.frequency_domain import motion_operators, natural_modes
-from heavylift.solver.marine.linearise import hull_transform, joined_database, linear_group, linearise
+from heavylift.solver.marine.joined_database import joined_database
+from heavylift.solver.marine.linearise import hull_transform, linear_group, linearise
 from heavylift.solver.scene import Gravity, RigidBody, Scene
 from heavylift.solver.seas import Hull, Radiation, Sea, Tank, Water
 
