@@ -28,6 +28,7 @@ class Outcome(IntEnum):
     STRAINS_LOST = 11
     TOO_MANY_CONTACTS = 12
     LINE_OVERSTRETCHED = 13
+    OUTSIDE_DATABASE = 14
 
     @property
     def text(self) -> str:
@@ -48,7 +49,8 @@ _TEXTS = {
     Outcome.NOT_CLOSED: "stopped: a joint came apart",
     Outcome.STRAINS_LOST: "stopped: carried strains have left those of the shape",
     Outcome.TOO_MANY_CONTACTS: "stopped: more contacts at once than there is room for",
-    Outcome.LINE_OVERSTRETCHED: "stopped: a mooring line is stretched beyond its limit",
+    Outcome.LINE_OVERSTRETCHED: "stopped: a mooring line is stretched beyond its limit, or has no equilibrium",
+    Outcome.OUTSIDE_DATABASE: "stopped: a hull has left what its hydrodynamic database covers",
     Outcome.STEP_TOO_SMALL: "stopped: no step is small enough for the tolerance",
 }
 

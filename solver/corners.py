@@ -24,6 +24,11 @@ def scene_corners(scene: Scene) -> NDArray[np.float64]:
     for body in scene.bodies:
         if isinstance(body, MeshBody):
             times += [time for load in body.loads for time in np.ravel(load.times)]
+    if scene.sea is not None:
+        times += [time for tank in scene.sea.tanks for time in np.ravel(tank.times)]
+        turns = [np.asarray(field.direction) for field in scene.sea.fields]
+        times += [time for turn in turns if turn.ndim == 2 for time in turn[:, 0]]
+        times.append(scene.sea.ramp)
     profiles: list[Profile | None] = [getattr(joint, "drive", None) for joint in scene.joints]
     for body in scene.bodies:
         if isinstance(body.motion, Driven):

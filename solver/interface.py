@@ -55,6 +55,7 @@ __all__ = [
     "add_totals",
     "advance",
     "apply_inverse",
+    "begin_record",
     "begin_stage",
     "check",
     "collect_load",
@@ -320,6 +321,11 @@ def thesis_advance(kinds: Any, time: float, step: float, work: Workspace) -> Non
 @generic
 def record(kinds: Any, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
     """Bodies: write the carried state, reactions and sensors into their columns of a record."""
+
+
+@optional
+def begin_record(kinds: Any) -> None:
+    """Forces that begin an iteration with its last result: keep that, for `record_forces` to put back."""
 
 
 @optional

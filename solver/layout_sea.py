@@ -14,6 +14,8 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.channels import Channel, add_channels
 from heavylift.solver.connections import GROUND
 from heavylift.solver.joints.packing import MarkerBook
+from heavylift.solver.marine.hull_checks import check_sea
+from heavylift.solver.meshes import MeshBody
 from heavylift.solver.scene import AnyBody, Gravity, Scene
 from heavylift.solver.seas import FloatingBody, Sea, floating_bodies
 
@@ -57,6 +59,8 @@ def float_bodies(scene: Scene) -> Scene:
     sea = scene.sea
     if sea is None:
         return scene
+    check_sea(sea)
+    _check_direct(scene, sea)
     hulls = floating_bodies(scene.bodies, sea)
     for tank in sea.tanks:
         if tank.body not in hulls:
@@ -81,6 +85,24 @@ def float_bodies(scene: Scene) -> Scene:
             )
     others = tuple(body for body in scene.bodies if body.name not in hulls)
     return replace(scene, bodies=(*others, *hulls.values()))
+
+
+def _check_direct(scene: Scene, sea: Sea) -> None:
+    """Convolution has weights for one step: nothing may halve it."""
+    direct = [radiation for radiation in sea.radiation if radiation.memory == "direct"]
+    iterated = scene.touches or scene.ropes or any(isinstance(body, MeshBody) for body in scene.bodies)
+    stops = [
+        joint.name
+        for joint in scene.joints
+        if getattr(joint, "limits", None) is not None or getattr(joint, "friction", 0.0) != 0.0
+    ]
+    if direct and (iterated or stops):
+        raise InputError(
+            "direct convolution with ropes, stops, friction, contacts, frames or shells, which may halve a step",
+            source=direct[0].database.source,
+            key="memory",
+            expected="'exponentials'",
+        )
 
 
 def _check_gravity(scene: Scene, sea: Sea) -> None:
@@ -164,7 +186,7 @@ def _pack_fluids(sea: Sea, packed: PackedSea, book: MarkerBook, channels: list[C
             fluid_markers(book, sea.loads),
             columns,
             level=sea.water.level,
-            ramp=sea.ramp,
+            ramp=0.0 if sea.at_rest else sea.ramp,
             water_density=sea.water.density,
         )
     )

@@ -50,7 +50,8 @@ def _check_names(scene: Scene) -> None:
     seen: set[str] = set()
     recorded = [force for force in named if not isinstance(force, PointForce)]
     touching: tuple[Any, ...] = (*scene.contacts, *scene.collisions)
-    for thing in (*scene.bodies, *scene.sensors, *scene.joints, *scene.ropes, *recorded, *touching):
+    at_sea = _named_at_sea(scene)
+    for thing in (*scene.bodies, *scene.sensors, *scene.joints, *scene.ropes, *recorded, *touching, *at_sea):
         if thing.name in seen or thing.name in RESERVED:
             raise InputError(
                 f"the name {thing.name!r} is taken", source="scene", expected="a name of its own for each"
@@ -59,6 +60,8 @@ def _check_names(scene: Scene) -> None:
     names = {body.name for body in scene.bodies}
     joints = {joint.name for joint in scene.joints}
     users: list[Any] = [*scene.sensors, *scene.joints, *scene.ropes, *named]
+    if scene.sea is not None:
+        users += [*scene.sea.loads, *scene.sea.lines, *scene.sea.fenders]
     for user in users:
         for body, may_be_ground in _bodies_of(user):
             if body not in names and not (may_be_ground and body == GROUND):
@@ -78,11 +81,19 @@ def _check_names(scene: Scene) -> None:
             )
 
 
+def _named_at_sea(scene: Scene) -> list[Any]:
+    """What has channels of its own; loads of one name are added up, so the name counts once."""
+    if scene.sea is None:
+        return []
+    loads = {load.name: load for load in scene.sea.loads}
+    return [*scene.sea.fields, *loads.values(), *scene.sea.lines, *scene.sea.fenders]
+
+
 def _bodies_of(thing: Any) -> list[tuple[str, bool]]:
     """Names of the bodies that something refers to, and whether each may be the ground."""
     if isinstance(thing, Rope):
         return [(point.body, True) for point in thing.path]
-    if isinstance(thing, (Joint, Spring, SpringRope)):
+    if isinstance(thing, (Joint, Spring, SpringRope)) or hasattr(thing, "body_a"):  # lines and fenders too
         return [(thing.body_a, True), (thing.body_b, True)]
     if isinstance(thing, (JointSpring, JointMotor)):
         return []

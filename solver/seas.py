@@ -85,8 +85,9 @@ class Hull:
     reference
         Point of the body frame [m], shape (3,), to which `damping` and the database refer.
     damping, quadratic_damping
-        Shape (6, 6) and (6,) in surge ... yaw at the reference point, heading axes: ``D u + q |u| u`` beside what
-        the database has, for viscous effects [N s/m, N s, N m s] and the same per velocity.
+        Shape (6, 6) and (6,) in surge ... yaw at the reference point, heading axes: ``D u + q |u| u`` of the
+        velocity over ground, beside what the database has, for viscous effects [N s/m, N s, N m s]; q the same per
+        velocity.
     low_pass
         Cut-off of the filter of position and heading that the waves see [rad/s]; well below the waves.
     open_deck
@@ -116,7 +117,8 @@ class Radiation:
         ``"exponentials"``: recursive, fast, passive; ``"direct"``: convolution over past velocities, the reference,
         for fixed steps; ``"none"``: added mass at infinite frequency and excitation only.
     memory_length
-        Of the direct convolution and of the fit [s]; None: until the kernel has decayed.
+        Of the direct convolution [s], and of the samples that exponentials are fitted to, which reach 40 s at least;
+        None: until the kernel has decayed to 1 %, at most 60 s.
     fit_error
         Of the kernel relative to its largest value, that the exponentials may have.
     drift
@@ -169,7 +171,10 @@ class Sea:
     waves
         Trains of waves, or None.
     ramp
-        Time in which waves grow from nothing at the start [s].
+        Time in which waves, wind and current grow from nothing at the start [s].
+    at_rest
+        Whether wind and current have their full strength from the start, as a start in equilibrium needs them: only
+        waves grow then. A simulation that starts at rest sets it.
     excitation
         ``"summed"``: every component at the low-passed place and heading of each hull; ``"series"``: once for the
         place and heading at the start, tabulated over `duration`, which is faster.
@@ -187,6 +192,7 @@ class Sea:
     tanks: tuple[Tank, ...] = ()
     waves: WaveTrains | None = None
     ramp: float = 0.0
+    at_rest: bool = False
     excitation: Literal["summed", "series"] = "summed"
     duration: float = 0.0
     fields: tuple[WindField | CurrentField, ...] = ()

@@ -142,6 +142,8 @@ class Simulation:
         self.integrator = integrator
         self.record_every = int(record_every)
         self.tolerance = float(tolerance or 0.0)
+        if scene.sea is not None and start in AT_REST:
+            scene = replace(scene, sea=replace(scene.sea, at_rest=True))
         self._layout = pack_scene(scene, integrator, 0.0 if self.tolerance else self.step)
         self._stiff = integrator == "dele2" and bool(stiff_part(scene, step * record_every))
         if start not in {"check", "project", *AT_REST}:
@@ -231,6 +233,10 @@ class Simulation:
         begin = clock.thread_time()
         with compile_clock() as compiling:
             self.start_text = ways[self._start_mode](rows).text
+        if any("excitation" in kind._fields for kind in self._layout.bodies):
+            from heavylift.solver.marine.hull_parts import check_series
+
+            check_series(self._layout.bodies)
         self.start_seconds += clock.thread_time() - begin - compiling.seconds
         if self._layout.joints:
             self.diagnosis = diagnose(rows)

@@ -38,6 +38,10 @@ def stop_message(layout: Layout, when: str) -> str:
         Outcome.STRAINS_LOST: ("a smaller step, or elasticity 'auto' or 'energy-momentum'", "body"),
         Outcome.NOT_CONVERGED: ("a smaller step, or softer stops and ropes", "joint"),
         Outcome.TOO_MANY_CONTACTS: ("a larger 'most_contacts' or 'patch_size'", "collision"),
+        Outcome.OUTSIDE_DATABASE: (
+            "all headings in the database, a longer series of waves, no database for a hull that leaves the water",
+            "body",
+        ),
         Outcome.LINE_OVERSTRETCHED: ("a longer or stronger line, or a larger 'strain_limit'", "line"),
     }[outcome]
     of_mesh = status[STATUS_BLOCK] < 0

@@ -7,12 +7,14 @@ Heave:                      S(w) |RAO(w)|^2,   (-w^2 (M + A) - i w (B + D) + C) 
 Wind, ISO 19901-1 (NPD):    S(f) = 320 (U0/10)^2 (z/10)^0.45 / (1 + F^n)^(5/(3 n)),   n = 0.468, 1/600 to 0.5 Hz,
                             F = 172 f (z/10)^(2/3) (U0/10)^-0.75
 
-The springs of the lines are left out: 0.1 % of the stiffness in heave. A record of the length T of a Gaussian process has a
-variance that scatters by sqrt(2 pi int S^2 dw / T), with S in rad/s.
+The stiffness of the lines is left out: 0.1 % of that of the water plane. A record of the length T of a Gaussian process
+has a variance that scatters by sqrt(2 pi int S^2 dw / T), with S in rad/s.
 """
 
 from __future__ import annotations
 
+import sys
+from itertools import pairwise
 from pathlib import Path
 
 import h5py
@@ -21,7 +23,7 @@ from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 
 HERE = Path(__file__).resolve().parent
-STATES = {"6.1 m": (6.1, 10.47), "1.65 m": (1.65, 6.12)}  # Hs [m], Tp [s]
+STATES = ((6.1, 10.47), (1.65, 6.12))  # Hs [m], Tp [s]
 GAMMA, HEADING = 3.3, 150.0  # -, degrees
 EDGES = np.array([0.6, 0.9, 1.0, 1.1, 1.3, 1.7, 2.5])  # of the peak frequency
 SPEED, HEIGHT = 10.0, 10.0  # one-hour mean at 10 m [m/s], m
@@ -49,7 +51,7 @@ def jonswap(height, period):
 def integral(function, low, high, *breaks):
     """Over pieces that end at the breaks."""
     edges = [low, *(b for b in breaks if low < b < high), high]
-    return sum(quad(function, a, b, limit=400)[0] for a, b in zip(edges[:-1], edges[1:], strict=True))
+    return sum(quad(function, a, b, limit=400)[0] for a, b in pairwise(edges))
 
 
 def heave_operator():
@@ -58,7 +60,7 @@ def heave_operator():
         omega, headings = file["omega"][:], np.rad2deg(file["wave_direction"][:])
         added, damping = file["added_mass"][:], file["radiation_damping"][:]
         real, imaginary = file["excitation_force"][:]
-        assert np.isclose(file["rho"][()], DENSITY) and np.isclose(file["g"][()], GRAVITY)
+        assert np.allclose([file["rho"][()], file["g"][()]], [DENSITY, GRAVITY])
         assert not np.any(file["rotation_center"][:])
         assert file.attrs["time_convention"].decode() == "exp(-i omega t)"
     A, B = (CubicSpline(omega, 0.5 * (a + a.transpose(0, 2, 1))) for a in (added, damping))
@@ -88,44 +90,62 @@ def npd(f):
     return 320.0 * (SPEED / 10.0) ** 2 * (HEIGHT / 10.0) ** 0.45 / (1.0 + reduced**n) ** (5.0 / (3.0 * n))
 
 
-def main() -> None:
-    rows, curves = [], []
-    operator = heave_operator()
-    for name, (height, period) in STATES.items():
-        peak = 2.0 * np.pi / period
-        wave = jonswap(height, period)
+def spectra():
+    """Of each: density, peak, range of integration and edges of its bands [rad/s], and variance."""
+    operator, found = heave_operator(), []
+    for height, period in STATES:
+        peak, wave = 2.0 * np.pi / period, jonswap(height, period)
 
         def heave(w, wave=wave):
             return wave(w) * operator(w) ** 2
 
-        for what, spectrum in (("elevation", wave), ("heave", heave)):
-            low, high = 0.45 * peak, min(6.0 * peak, 2.9)
-            total = height**2 / 16.0 if what == "elevation" else integral(spectrum, low, high, peak)
-            square = integral(lambda w: spectrum(w) ** 2, low, high, peak)  # noqa: B023
-            error = np.sqrt(2.0 * np.pi * square / DURATION) / total
-            print(f"{name} {what}: deviation {np.sqrt(total):.6f} m, one record {0.5 * error:.2%}")
-            rows.append((name, what, "all", "", "", total))
-            for a, b in zip(EDGES[:-1] * peak, EDGES[1:] * peak, strict=True):
-                rows.append((name, what, "band", a, b, integral(spectrum, a, b, peak)))
-            grid = np.linspace(0.2, 2.5, 461)
-            curves.append((f"{what} {name}", np.where(grid > 0.4 * peak, spectrum(grid), 0.0)))
-    total = integral(npd, WIND_EDGES[0], WIND_EDGES[-1], *WIND_EDGES[1:-1])
-    error = np.sqrt(quad(lambda f: npd(f) ** 2, *WIND_EDGES[[0, -1]], limit=400)[0] / DURATION) / total
-    print(f"wind: deviation {np.sqrt(total):.6f} m/s, one record {0.5 * error:.2%}")
-    rows.append(("wind", "speed", "all", "", "", total))
-    for a, b in zip(WIND_EDGES[:-1], WIND_EDGES[1:], strict=True):
-        rows.append(("wind", "speed", "band", 2.0 * np.pi * a, 2.0 * np.pi * b, quad(npd, a, b)[0]))
-    with open(HERE / "bands.csv", "w", encoding="utf-8") as file:
-        file.write("state,quantity,part,from_rad_s,to_rad_s,variance\n")
-        for *words, a, b, variance in rows:
-            low, high = (f"{x:.9g}" if x != "" else "" for x in (a, b))
-            file.write(f"{','.join(words)},{low},{high},{variance:.9g}\n")
-    table = np.column_stack([grid, *(values for _, values in curves)])
-    header = "omega_rad_s," + ",".join(name for name, _ in curves)
-    np.savetxt(HERE / "spectra.csv", table, "%.6g", ",", header=header, comments="")
+        low, high = 0.45 * peak, min(6.0 * peak, 2.9)
+        found.append((wave, peak, low, high, EDGES * peak, height**2 / 16.0))
+        found.append((heave, peak, low, high, EDGES * peak, integral(heave, low, high, peak)))
+    edges = 2.0 * np.pi * WIND_EDGES
+
+    def wind(w):
+        return npd(w / (2.0 * np.pi)) / (2.0 * np.pi)
+
+    total = integral(wind, edges[0], edges[-1], *edges[1:-1])
+    return [*found, (wind, edges[1], edges[0], edges[-1], edges, total)]
+
+
+def squared(spectrum):
+    """Its square."""
+    return lambda w: spectrum(w) ** 2
+
+
+def references():
+    """bands.csv: number of the spectrum, band and variance, the whole first; spectra.csv; wind_mean.csv."""
+    rows = []
+    for number, (spectrum, peak, _, _, edges, total) in enumerate(spectra(), start=1):
+        rows.append((number, 0.0, 0.0, total))
+        rows += [(number, a, b, integral(spectrum, a, b, peak)) for a, b in pairwise(edges)]
+    grid = np.linspace(0.3, 2.5, 441)
     times = np.arange(60.0, 3660.1, 5.0)
-    np.savetxt(HERE / "wind_mean.csv", np.column_stack([times, np.full(len(times), SPEED)]), "%g", ",",
-               header="time,value", comments="")  # fmt: skip
+    return {
+        "bands.csv": np.array(rows),
+        "spectra.csv": np.column_stack([grid, *(one[0](grid) for one in spectra())]),
+        "wind_mean.csv": np.column_stack([times, np.full(len(times), SPEED)]),
+    }
+
+
+def main() -> None:
+    """Write the tables and print the numbers of the checks."""
+    names = ("elevation_6", "heave_6", "elevation_2", "heave_2", "wind")
+    headers = {
+        "bands.csv": "spectrum,from_rad_s,to_rad_s,variance",
+        "spectra.csv": "omega," + ",".join(names),
+        "wind_mean.csv": "time,value",
+    }
+    for file, table in references().items():
+        np.savetxt(HERE / file, table, "%.12g", ",", header=headers[file], comments="")
+    for name, (spectrum, peak, low, high, edges, total) in zip(names, spectra(), strict=True):
+        inner = (peak,) if name != "wind" else edges[1:-1]
+        square = integral(squared(spectrum), low, high, *inner)
+        error = np.sqrt(2.0 * np.pi * square / DURATION) / total
+        sys.stdout.write(f"{name}: deviation {np.sqrt(total):.6f}, of one record +- {0.5 * error:.2%}\n")
 
 
 if __name__ == "__main__":

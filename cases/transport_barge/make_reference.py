@@ -6,14 +6,15 @@ With exp(-i w t), w the frequency of a wave, b its heading and all matrices abou
 
     xi(w) = (-w^2 (M + A(w)) - i w (B(w) + D) + C + K)^-1 X(w, b)
 
-M: mass; A, B, X: added mass, damping and excitation of the database; C: water plane and weight; K, D: springs and linear
-damping. A and B are symmetric in exact arithmetic, and those of the panels nearly so: their symmetric parts count here, as
-they do in the time domain. Headings between those of the database by cubic splines of real and imaginary part. The motion is
-then the sum over the waves of Re a xi exp(-i (w t + eps)).
+M: mass; A, B, X: added mass, damping and excitation of the database; C: water plane and weight; K, D: springs and
+linear damping. A and B are symmetric in exact arithmetic, those of the panels nearly so: their symmetric parts count
+here, as they do in the time domain. Headings between those of the database by cubic splines of real and imaginary part.
+The motion is then the sum over the waves of Re a xi exp(-i (w t + eps)).
 """
 
 from __future__ import annotations
 
+import sys
 import tomllib
 from pathlib import Path
 
@@ -27,7 +28,8 @@ DENSITY, GRAVITY = 1025.0, 9.81
 GYRADII = (0.35 * BREADTH, 0.25 * LENGTH, 0.25 * LENGTH)  # m, about the centre of mass
 SURGE_SPRINGS, SWAY_SPRINGS, ARM = 2 * 25e3, 2 * 40e3, 40.0  # N/m, N/m, m
 DAMPING = np.diag([1.2e6, 2.3e6, 0.0, 0.0, 0.0, 2.2e9])
-HEADINGS = {"head": 0.0, "quartering": 45.0, "beam": 90.0}  # degrees; the barges are turned by as much to the other side
+HEADINGS = {"head": 0.0, "quartering": 45.0, "beam": 90.0}  # degrees; barges turn to the other side
+PLACES = {"head": 0.0, "quartering": 3000.0, "beam": -3000.0}  # y of the barges [m]
 TIMES = np.arange(700.0, 827.0)  # s, one period of all waves together, 2 pi / 0.05 s
 COORDINATES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
@@ -45,7 +47,7 @@ def database(omega):
     with h5py.File(HERE / "barge.nc") as file:
         rows = [int(np.argmin(np.abs(file["omega"][:] - w))) for w in omega]
         assert np.allclose(file["omega"][:][rows], omega, rtol=1e-9)
-        assert np.isclose(file["rho"][()], DENSITY) and np.isclose(file["g"][()], GRAVITY)
+        assert np.allclose([file["rho"][()], file["g"][()]], [DENSITY, GRAVITY])
         assert not np.any(file["rotation_center"][:])
         assert file.attrs["time_convention"].decode() == "exp(-i omega t)"
         added, damping = file["added_mass"][:][rows], file["radiation_damping"][:][rows]
@@ -77,38 +79,58 @@ def operators(omega, heading):
     return np.linalg.solve(Z, X[:, :, None])[:, :, 0]
 
 
-def main() -> None:
+def references():
+    """All tables: histories of the barges, and rao.csv; printed, the scales of the checks."""
     omega, amplitude, phase = waves()
-    table = [omega]
+    tables, columns = {}, [omega]
     for name, heading in HEADINGS.items():
         xi = operators(omega, heading)
         for j in range(6):
-            table += [np.abs(xi[:, j]), np.degrees(np.angle(xi[:, j]))]
+            columns += [np.abs(xi[:, j]), np.degrees(np.angle(xi[:, j]))]
         parts = amplitude * np.exp(-1j * (np.outer(TIMES, omega) + phase))
         motion = np.real(parts @ xi)
         rate = np.real(parts @ (-1j * omega[:, None] * xi))
         yaw = -np.deg2rad(heading)
         turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
-        start = {"head": 0.0, "quartering": 3000.0, "beam": -3000.0}[name]
-        place = motion[:, :2] @ turn.T + [0.0, start]
-        largest = amplitude[0] * np.abs(xi).max(axis=0)
-        fastest = amplitude[0] * np.abs(omega[:, None] * xi).max(axis=0)
-        print(f"{name}: amplitude x largest operator")
-        for j, coordinate in enumerate(COORDINATES):
-            print(f"    {coordinate:6s} {largest[j]:.4e}    rate {fastest[j]:.4e}")
-        files = {
-            "horizontal": ("x,y", place),
-            "heave": ("z", motion[:, 2:3]),
-            "roll": ("x", rate[:, 3:4]),
-            "pitch": ("y", rate[:, 4:5]),
-            "yaw": ("z", rate[:, 5:6]),
+        place = motion[:, :2] @ turn.T + [0.0, PLACES[name]]
+        histories = {
+            "horizontal": place,
+            "heave": motion[:, 2:3],
+            "roll": rate[:, 3:4],
+            "pitch": rate[:, 4:5],
+            "yaw": rate[:, 5:6],
         }
-        for what, (header, values) in files.items():
+        for what, values in histories.items():
             if np.ptp(values) > 1e-9:
-                rows = np.column_stack([TIMES, values])
-                np.savetxt(HERE / f"{name}_{what}.csv", rows, "%.10g", ",", header=f"time,{header}", comments="")
+                tables[f"{name}_{what}.csv"] = np.column_stack([TIMES, values])
+    moves = np.abs(columns) > 1e-9  # angles of what does not move mean nothing
+    for j in range(1, len(columns), 2):
+        columns[j], columns[j + 1] = columns[j] * moves[j], columns[j + 1] * moves[j]
+    tables["rao.csv"] = np.column_stack(columns)
+    return tables
+
+
+def main() -> None:
+    """Write the tables and print the scales."""
+    headers = {
+        "horizontal": "time,x,y",
+        "heave": "time,z",
+        "roll": "time,x",
+        "pitch": "time,y",
+        "yaw": "time,z",
+    }
     names = [f"{name}_{c}{what}" for name in HEADINGS for c in COORDINATES for what in ("", "_deg")]
-    np.savetxt(HERE / "rao.csv", np.column_stack(table), "%.7g", ",", header="omega," + ",".join(names), comments="")
+    for file, table in references().items():
+        header = headers.get(file[:-4].partition("_")[2], "omega," + ",".join(names))
+        np.savetxt(HERE / file, table, "%.12g", ",", header=header, comments="")
+    omega, amplitude, _ = waves()
+    for name, heading in HEADINGS.items():
+        sys.stdout.write(f"{name}: amplitude x largest operator\n")
+        size = amplitude[0] * np.abs(operators(omega, heading))
+        for coordinate, motion, rate in zip(
+            COORDINATES, size.max(axis=0), (omega[:, None] * size).max(axis=0), strict=True
+        ):
+            sys.stdout.write(f"    {coordinate:6s} {motion:.4e}    rate {rate:.4e}\n")
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ from heavylift.solver.interface import (
     Workspace,
     add_forces,
     add_totals,
+    begin_record,
     fill_markers,
     record,
     record_forces,
@@ -72,6 +73,7 @@ def write_record(
     row: NDArray[np.float64],
 ) -> None:
     """Write the carried state, energies and momenta into a record; totals come last."""
+    begin_record(forces)
     evaluate_forces(bodies, forces, work, time, False, RECORD)
     gather_rows(systems, bodies, joints, work, time)
     record(bodies, time, work, row)

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.small import cholesky_factor
 from heavylift.solver.bodies.rigid import DOF as BODY_DOF
+from heavylift.solver.bodies.rigid import NUMBER
 from heavylift.solver.bodies.rigid_step import (
     check_rigid_bodies,
     end_velocity_rigid_bodies,
@@ -13,6 +17,9 @@ from heavylift.solver.bodies.rigid_step import (
     write_rigid_velocities,
 )
 from heavylift.solver.interface import (
+    STATUS_BODY,
+    STATUS_OUTCOME,
+    Workspace,
     apply_inverse,
     check,
     end_velocity,
@@ -21,19 +28,48 @@ from heavylift.solver.interface import (
     write_velocity,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.marine.clipping import PLANE_AREA, VOLUME
 from heavylift.solver.marine.hull_matrix import assemble_mass
 from heavylift.solver.marine.hull_step import put_end
-from heavylift.solver.marine.hulls import COUNT, END_TRANSFORM, GROUP_DOF, HEADING, MATRIX, Hulls
+from heavylift.solver.marine.hulls import (
+    CLIP,
+    COUNT,
+    END_TRANSFORM,
+    GROUP_DOF,
+    HEADING,
+    LEAST_VOLUME,
+    MATRIX,
+    WAVE,
+    Hulls,
+)
 from heavylift.solver.rows import DOF, PANEL, Rows
 
 __all__: list[str] = []
 
+OUTSIDE_DATABASE = int(Outcome.OUTSIDE_DATABASE)
+
 # what the water changes is in the matrices: these are as of any rigid body
-implement(check, Hulls)(check_rigid_bodies)
 implement(end_velocity, Hulls)(end_velocity_rigid_bodies)
 implement(write_velocity, Hulls)(write_rigid_velocities)
 implement(set_velocity, Hulls)(set_velocity_rigid_bodies)
 implement(estimate_error, Hulls)(estimate_rigid_error)
+
+
+@implement(check, Hulls)
+@kernel(internal=True)
+def check_hulls(kind: Hulls, step: float, work: Workspace) -> None:
+    """As rigid bodies; and whether waves and water plane are still those of the database."""
+    check_rigid_bodies(kind, step, work)
+    for hull in range(kind.table.shape[0]):
+        total = 0.0
+        for i in range(6 * hull, 6 * hull + 6):
+            total += kind.vectors[WAVE, i]
+        least = kind.hull[hull, LEAST_VOLUME]
+        clip = kind.stage[hull, CLIP : CLIP + 12]
+        left = least > 0.0 and (clip[VOLUME] < least or not clip[PLANE_AREA] > 0.0)
+        if left or math.isnan(total):
+            work.status[STATUS_OUTCOME] = OUTSIDE_DATABASE
+            work.status[STATUS_BODY] = kind.table[hull, NUMBER]
 
 
 @implement(apply_inverse, Hulls)

@@ -6,6 +6,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.bodies.rigid import (
     ANGULAR_MOMENTUM,
+    DOF,
     FORCE,
     MASS,
     MID_ROTATION,
@@ -42,7 +43,7 @@ from heavylift.solver.marine.hulls import (
     Hulls,
 )
 
-__all__ = ["assemble", "assemble_mass", "line_force"]
+__all__ = ["assemble", "assemble_mass", "moved_on"]
 
 
 @kernel(internal=True)
@@ -176,8 +177,11 @@ def line_force(
 
 
 @kernel(internal=True)
-def _add_line(kind: Hulls, work: Workspace, end: int, base: int, n: int, step: float) -> None:
-    """``h^2/4 J^T K J`` of one end, and ``h/2 J^T K J`` times the predicted displacement."""
+def _add_line(kind: Hulls, work: Workspace, end: int, base: int, n: int, step: float, again: bool) -> None:
+    """``h^2/4 J^T K J`` of one end, and ``h/2 J^T K J`` times the predicted displacement.
+
+    With velocities that were found before, also what the other end of the line, on another hull, has moved since.
+    """
     hull = kind.line_ends[end, 0]
     quarter = 0.25 * step * step
     for column in range(7):
@@ -196,6 +200,29 @@ def _add_line(kind: Hulls, work: Workspace, end: int, base: int, n: int, step: f
                 kind.vectors[LOAD, 6 * hull + i] += 0.5 * step * value
             elif column <= i:
                 kind.matrices[base + i * n + column] += quarter * value
+    other = kind.line_ends[end, 3]
+    if again and other >= 0:
+        x, y, z = moved_on(kind, work, other, step)
+        marker = kind.line_ends[end, 1]
+        J, offset = work.jacobian[marker], kind.hulls[hull, OFFSET]
+        for i in range(6):
+            kind.vectors[LOAD, 6 * hull + i] += (
+                0.5 * step * (J[0, offset + i] * x + J[1, offset + i] * y + J[2, offset + i] * z)
+            )
+
+
+@kernel(internal=True)
+def moved_on(kind: Hulls, work: Workspace, end: int, step: float) -> tuple[float, float, float]:
+    """``(K + 2/h D)`` times how far the middle of one end, as found, lies from where the line was evaluated [N]."""
+    hull = kind.line_ends[end, 0]
+    dof, d, half = kind.table[hull, DOF], kind.stage[hull, FORESEEN : FORESEEN + 6], 0.5 * step
+    U = work.velocity[dof : dof + 6]
+    f = line_force(
+        kind, work, end, step,
+        half * U[0] - d[0], half * U[1] - d[1], half * U[2] - d[2],
+        half * U[3] - d[3], half * U[4] - d[4], half * U[5] - d[5],
+    )  # fmt: skip
+    return f[0], f[1], f[2]
 
 
 @kernel(internal=True)
@@ -235,7 +262,7 @@ def _load_hull(kind: Hulls, hull: int, step: float, work: Workspace) -> None:
 
 
 @kernel(internal=True)
-def assemble(kind: Hulls, group: int, base: int, step: float, work: Workspace) -> None:
+def assemble(kind: Hulls, group: int, base: int, step: float, work: Workspace, again: bool) -> None:
     """Matrix and right-hand side of a group at the pose of the stage."""
     first, count = kind.groups[group, FIRST], kind.groups[group, COUNT]
     n = 6 * count
@@ -250,4 +277,4 @@ def assemble(kind: Hulls, group: int, base: int, step: float, work: Workspace) -
     for end in range(kind.line_ends.shape[0]):
         p = kind.line_ends[end, 0] - first
         if 0 <= p < count:
-            _add_line(kind, work, end, base + 6 * p * (n + 1), n, step)
+            _add_line(kind, work, end, base + 6 * p * (n + 1), n, step, again)

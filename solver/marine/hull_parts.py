@@ -21,6 +21,7 @@ from heavylift.solver.marine.excitation import (
     interpolate_series,
     sum_excitation,
 )
+from heavylift.solver.marine.hull_checks import check_places
 from heavylift.solver.marine.hulls import FINISH, HEADING, KNOWN, PLACE, START, STATE_WIDTH, WAVE, Hulls
 from heavylift.solver.marine.memory import (
     DirectMemory,
@@ -45,6 +46,7 @@ __all__ = [
     "SummedPart",
     "add_waves",
     "begin_memory",
+    "check_series",
     "keep_memory",
     "memory_now",
     "pack_parts",
@@ -54,8 +56,8 @@ __all__ = [
 FIT_STEP, SHORTEST_FIT = 0.1, 40.0
 """Of the samples that exponentials are fitted to [s], and how far these reach at least [s]."""
 
-PLACE_SHARE, PLACE_TOLERANCE = 0.05, 0.5
-"""How far interacting hulls may start from their places in the database: a share of their distance, and metres."""
+SERIES_MOVED, SERIES_TURNED = 0.05, np.radians(0.1)
+"""How far a start may move hulls whose wave forces are tabulated: metres and radians."""
 
 
 class ExponentialPart(NamedTuple):
@@ -81,9 +83,10 @@ class SummedPart(NamedTuple):
 
 
 class SeriesPart(NamedTuple):
-    """Tabulated forces of waves: first hull, shape (1,), and its arrays."""
+    """Tabulated forces of waves: first hull, shape (1,); places and headings they hold for, (N, 3); their arrays."""
 
     first: NDArray[np.int64]
+    held: NDArray[np.float64]
     excitation: SeriesExcitation
 
 
@@ -220,7 +223,7 @@ def pack_parts(
     for radiation in sea.radiation:
         first = names.index(radiation.bodies[0])
         _check_water(radiation, sea)
-        _check_places(radiation, bodies[first : first + len(radiation.bodies)])
+        check_places(radiation, bodies[first : first + len(radiation.bodies)])
         at = slice(6 * first, 6 * (first + len(radiation.bodies)))
         added_mass[at, at] = _consistent_added_mass(radiation.database)
         if radiation.memory != "none":
@@ -300,7 +303,7 @@ def _excitation(
             ramp=sea.ramp,
             with_drift=radiation.drift,
         )
-        return SeriesPart(number, series)
+        return SeriesPart(number, places, series)
     summed = pack_summed(
         sea.waves, radiation.database, yaws=places[:, 2], ramp=sea.ramp, with_drift=radiation.drift
     )
@@ -323,23 +326,29 @@ def _check_water(radiation: Radiation, sea: Sea) -> None:
         )
 
 
-def _check_places(radiation: Radiation, hulls: Sequence[FloatingBody]) -> None:
-    """Coefficients of hulls that interact hold near the relative places that they were computed for."""
-    database = radiation.database
-    R = rotation_matrix(hulls[0].orientation)
-    yaw = np.arctan2(R[1, 0], R[0, 0])
-    turned = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
-    starts = [body.position + rotation_matrix(body.orientation) @ body.hull.reference for body in hulls]
-    for body, start, wanted in zip(hulls, starts, database.reference_points, strict=True):
-        place = turned @ (start - starts[0])[:2]
-        offset = wanted[:2] - database.reference_points[0, :2]
-        if np.linalg.norm(place - offset) > PLACE_SHARE * np.linalg.norm(offset) + PLACE_TOLERANCE:
-            raise InputError(
-                f"{body.name!r} starts at {np.round(place, 3).tolist()} m from {hulls[0].name!r}",
-                source=database.source,
-                key="reference_points",
-                expected=f"about {np.round(offset, 3).tolist()} m, for which the database was computed",
-            )
+def check_series(bodies: Sequence[Any]) -> None:
+    """Refuse a series of wave forces for a place that hulls have been moved from before the start.
+
+    Raises
+    ------
+    InputError
+        Names how far.
+    """
+    for kind in bodies:
+        for part in getattr(kind, "excitation", ()):
+            if not isinstance(part, SeriesPart):
+                continue
+            for i, held in enumerate(part.held):
+                at = STATE_WIDTH * (int(part.first[0]) + i)
+                moved = kind.state[[at, at + 2, at + 4]] - held
+                if np.abs(moved[:2]).max() > SERIES_MOVED or abs(moved[2]) > SERIES_TURNED:
+                    raise InputError(
+                        f"the start moves a hull by {np.linalg.norm(moved[:2]):.3g} m and"
+                        f" {np.degrees(moved[2]):.3g} deg",
+                        source="sea",
+                        key="excitation",
+                        expected="'summed', or a start at the place that the series of waves is made for",
+                    )
 
 
 def share_part_states(kind: Hulls) -> Hulls:

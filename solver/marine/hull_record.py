@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import rotate
+from heavylift.numerics.small import cross, rotate
 from heavylift.solver.bodies.rigid import COLUMN, MID_POSITION, POSITION, VELOCITY
 from heavylift.solver.bodies.rigid_record import add_rigid_totals, record_rigid_bodies
 from heavylift.solver.bodies.rigid_stage import stage_at_state, stage_rotation
 from heavylift.solver.interface import (
+    ANGULAR_MOMENTUM,
     DISSIPATED,
     EXTERNAL_WORK,
     FIELD,
@@ -165,6 +166,17 @@ def add_hull_totals(kind: Hulls, work: Workspace) -> None:
                 kind.tanks[tank, TANK_POINT + 1],
                 kind.tanks[tank, TANK_POINT + 2],
             )
+            l1, l2, l3 = cross(
+                kind.frame[hull, MID_POSITION] + arm[0],
+                kind.frame[hull, MID_POSITION + 1] + arm[1],
+                kind.frame[hull, MID_POSITION + 2] + arm[2],
+                m * kind.tanks[tank, TANK_VELOCITY],
+                m * kind.tanks[tank, TANK_VELOCITY + 1],
+                m * kind.tanks[tank, TANK_VELOCITY + 2],
+            )
+            totals[ANGULAR_MOMENTUM] += l1
+            totals[ANGULAR_MOMENTUM + 1] += l2
+            totals[ANGULAR_MOMENTUM + 2] += l3
             for k in range(3):
                 v = kind.tanks[tank, TANK_VELOCITY + k]
                 totals[KINETIC] += 0.5 * m * v * v

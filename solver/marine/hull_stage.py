@@ -44,6 +44,7 @@ from heavylift.solver.marine.hulls import (
     PREDICTED,
     REFERENCE,
     ROTATION,
+    SCRATCH,
     SPEED,
     START,
     STATE_WIDTH,
@@ -53,6 +54,7 @@ from heavylift.solver.marine.hulls import (
     TANK_VELOCITY,
     TARGET,
     TRANSFORM,
+    TURNED,
     WAVE,
     Hulls,
 )
@@ -195,7 +197,36 @@ def predict_hulls(kind: Hulls, time: float, step: float) -> None:
             stage[PREDICTED + k] = frame[MID_POSITION + k] - frame[POSITION + k]
             stage[PREDICTED + 3 + k] = 0.5 * step * frame[SPIN + k] + a * frame[SPIN_RATE + k]
             stage[FORESEEN + k], stage[FORESEEN + 3 + k] = stage[PREDICTED + k], stage[PREDICTED + 3 + k]
+    # in the axes of this step the water has another energy than in those that its state was recorded in
+    kind.stage[0, TURNED] = water_energy(kind, START) - turned_energy(kind, START)
     find_waves(kind, time + 0.5 * step)
+
+
+@kernel(internal=True)
+def water_energy(kind: Hulls, row: int) -> float:
+    """``1/2 u^T A_inf u`` of a row of velocities [J]."""
+    total = 0.0
+    for i in range(kind.added_mass.shape[0]):
+        along = 0.0
+        for j in range(kind.added_mass.shape[0]):
+            along += kind.added_mass[i, j] * kind.vectors[row, j]
+        total += 0.5 * kind.vectors[row, i] * along
+    return total
+
+
+@kernel(internal=True)
+def turned_energy(kind: Hulls, row: int) -> float:
+    """The same in the axes of the low-passed headings that are carried, from those of the step."""
+    for hull in range(kind.table.shape[0]):
+        angle = kind.stage[hull, HEADING] - kind.state[STATE_WIDTH * hull + LOW_PASS + 4]
+        c, s = math.cos(angle), math.sin(angle)
+        for k in range(0, 6, 3):
+            at = 6 * hull + k
+            x, y = kind.vectors[row, at], kind.vectors[row, at + 1]
+            kind.vectors[SCRATCH, at] = c * x - s * y
+            kind.vectors[SCRATCH, at + 1] = s * x + c * y
+            kind.vectors[SCRATCH, at + 2] = kind.vectors[row, at + 2]
+    return water_energy(kind, SCRATCH)
 
 
 @kernel(internal=True)

@@ -32,7 +32,7 @@ from heavylift.solver.interface import (
     solve_again,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.marine.hull_matrix import assemble, line_force
+from heavylift.solver.marine.hull_matrix import assemble, moved_on
 from heavylift.solver.marine.hull_parts import begin_memory, keep_memory
 from heavylift.solver.marine.hull_stage import (
     advance_filter,
@@ -40,15 +40,18 @@ from heavylift.solver.marine.hull_stage import (
     put_transform,
     tank_mass,
     to_hydrodynamic,
+    turned_energy,
+    water_energy,
 )
 from heavylift.solver.marine.hulls import (
+    AXIS_X,
+    AXIS_Y,
     CHANGE,
     COUNT,
     END_TRANSFORM,
     FINISH,
     FIRST,
     FIRST_TANK,
-    FORESEEN,
     GROUP_DOF,
     HEADING,
     KNOWN,
@@ -58,6 +61,7 @@ from heavylift.solver.marine.hulls import (
     LOST,
     MATRIX,
     MIDDLE,
+    OFFSET,
     PREDICTED,
     QUADRATIC,
     RADIATED,
@@ -68,13 +72,19 @@ from heavylift.solver.marine.hulls import (
     STATE_WIDTH,
     SUPPLIED,
     TANK_POINT,
+    TANK_START,
+    TANK_SURFACE,
     TANK_VELOCITY,
     TRANSFORM,
+    TURNED,
     WAVE,
     Hulls,
 )
 
 __all__ = ["put_end"]
+
+ROUNDING = 1e-10
+"""Of a velocity, below which differences of velocities are not told from rounding."""
 
 
 @implement(factor, Hulls)
@@ -88,7 +98,7 @@ def factor_hulls(kind: Hulls, step: float, work: Workspace) -> None:
     for group in range(kind.groups.shape[0]):
         first, base = kind.groups[group, FIRST], kind.groups[group, MATRIX]
         n = 6 * kind.groups[group, COUNT]
-        assemble(kind, group, base, step, work)
+        assemble(kind, group, base, step, work, False)
         for i in range(n * n):
             kind.matrices[base + 2 * n * n + i] = kind.matrices[base + i]
         a = kind.matrices[base : base + n * n]
@@ -121,7 +131,7 @@ def correct_hulls(kind: Hulls, step: float, work: Workspace) -> None:
         for p in range(count):
             _pose_at(kind, first + p, step, work.velocity, dof + 6 * p)
             to_hydrodynamic(kind, first + p, TRANSFORM, SPEED, work.velocity[dof + 6 * p : dof + 6 * p + 6])
-        assemble(kind, group, base + n * n, step, work)
+        assemble(kind, group, base + n * n, step, work, True)
         x = kind.vectors[SCRATCH, 6 * first : 6 * first + n]
         _subtract_product(kind, base + n * n, n, work.velocity, dof, x, 6 * first)
         for i in range(n):
@@ -199,7 +209,7 @@ def advance_hulls(kind: Hulls, time: float, step: float, work: Workspace) -> Non
     _fill_work(kind, time, h)
     for hull in range(kind.table.shape[0]):
         for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
-            _lag_of_tank(kind, hull, tank, work.velocity, kind.table[hull, DOF], 2.0, step)
+            _lag_of_tank(kind, hull, tank, work.velocity, kind.table[hull, DOF], False, step)
     advance_rigid_bodies(kind, time, step, work)
     for hull in range(kind.table.shape[0]):
         _measure_lag(kind, hull, step)
@@ -224,22 +234,25 @@ def _measure_lag(kind: Hulls, hull: int, step: float) -> None:
         end[k] = frame[VELOCITY + k]
         end[3 + k] = L[k] * frame[INVERSE_PRINCIPAL + k]
     to_hydrodynamic(kind, hull, END_TRANSFORM, FINISH, end)
+    moving = turning = 0.0
+    for i in range(3):
+        moving = max(moving, abs(kind.vectors[MIDDLE, 6 * hull + i]))
+        turning = max(turning, abs(kind.vectors[MIDDLE, 6 * hull + 3 + i]))
     for i in range(6):
         at = 6 * hull + i
-        kind.state[STATE_WIDTH * hull + LAG + i] = (
-            2.0 * kind.vectors[MIDDLE, at] - kind.vectors[START, at] - kind.vectors[FINISH, at]
-        ) / (step * step)
+        lag = 2.0 * kind.vectors[MIDDLE, at] - kind.vectors[START, at] - kind.vectors[FINISH, at]
+        if abs(lag) > ROUNDING * (moving if i < 3 else turning):  # in a very short step there is nothing else
+            kind.state[STATE_WIDTH * hull + LAG + i] = lag / (step * step)
     for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
-        _lag_of_tank(kind, hull, tank, end, 0, -1.0, step)
+        _lag_of_tank(kind, hull, tank, end, 0, True, step)
 
 
 @kernel(internal=True)
 def _lag_of_tank(
-    kind: Hulls, hull: int, tank: int, velocity: NDArray[np.float64], dof: int, weight: float, step: float
+    kind: Hulls, hull: int, tank: int, velocity: NDArray[np.float64], dof: int, at_end: bool, step: float
 ) -> None:
-    """The same of the water in a tank: set by the middle, less the start, and completed by the end."""
-    middle = weight > 0.0
-    R = stage_rotation(kind, hull) if middle else kind.stage[hull, ROTATION : ROTATION + 9]
+    """The same of the water in a tank: what the middle has is kept in its scratch until the end."""
+    R = kind.stage[hull, ROTATION : ROTATION + 9] if at_end else stage_rotation(kind, hull)
     c = cross(
         velocity[dof + 3],
         velocity[dof + 4],
@@ -251,20 +264,28 @@ def _lag_of_tank(
     rate = rotate(R, c[0], c[1], c[2])
     at = STATE_WIDTH * kind.table.shape[0] + 3 * tank
     for k in range(3):
-        value = weight * (velocity[dof + k] + rate[k])
-        if middle:
-            kind.state[at + k] = (value - kind.tanks[tank, TANK_VELOCITY + k]) / (step * step)
-        else:
-            kind.state[at + k] += value / (step * step)
+        v = velocity[dof + k] + rate[k]
+        if not at_end:
+            kind.tanks[tank, TANK_START + k] = v
+            continue
+        middle = kind.tanks[tank, TANK_START + k]
+        lag = 2.0 * middle - kind.tanks[tank, TANK_VELOCITY + k] - v
+        if abs(lag) > ROUNDING * abs(middle):
+            kind.state[at + k] = lag / (step * step)
 
 
 @kernel(internal=True)
 def _fill_work(kind: Hulls, time: float, step: float) -> None:
     """Energy that ballast brings with it, in the middle of the step: it comes with the velocity of its place."""
     for tank in range(kind.tank_table.shape[0]):
-        gained = tank_mass(kind, tank, time + step) - tank_mass(kind, tank, time)
+        before, after = tank_mass(kind, tank, time), tank_mass(kind, tank, time + step)
+        gained = after - before
         if gained != 0.0:
             hull = kind.tank_table[tank, 0]
+            if (before > 0.0) != (after > 0.0):
+                kind.state[STATE_WIDTH * hull + SUPPLIED] += _free_surface_energy(kind, hull, tank) * (
+                    1.0 if after > 0.0 else -1.0
+                )
             v1, v2, v3 = (
                 kind.tanks[tank, TANK_VELOCITY],
                 kind.tanks[tank, TANK_VELOCITY + 1],
@@ -283,22 +304,26 @@ def _fill_work(kind: Hulls, time: float, step: float) -> None:
 
 
 @kernel(internal=True)
+def _free_surface_energy(kind: Hulls, hull: int, tank: int) -> float:
+    """Potential that the free surface of a tank has in the middle of the step [J]."""
+    R, data = stage_rotation(kind, hull), kind.hull[hull]
+    _, _, a = rotate(R, data[AXIS_X], data[AXIS_X + 1], data[AXIS_X + 2])
+    _, _, b = rotate(R, data[AXIS_Y], data[AXIS_Y + 1], data[AXIS_Y + 2])
+    about_x, about_y = kind.tanks[tank, TANK_SURFACE], kind.tanks[tank, TANK_SURFACE + 1]
+    return -0.5 * kind.water[1] * (about_y * a * a + about_x * b * b)
+
+
+@kernel(internal=True)
 def _correct_line(kind: Hulls, work: Workspace, end: int, step: float) -> None:
     """The force of a line at the middle that was found, not at the predicted one: for the work of the step."""
-    hull = kind.line_ends[end, 0]
-    dof = kind.table[hull, DOF]
-    d, U = kind.stage[hull, FORESEEN : FORESEEN + 6], work.velocity[dof : dof + 6]
-    half = 0.5 * step
-    f = line_force(
-        kind, work, end, step,
-        half * U[0] - d[0], half * U[1] - d[1], half * U[2] - d[2],
-        half * U[3] - d[3], half * U[4] - d[4], half * U[5] - d[5],
-    )  # fmt: skip
-    J, offset = work.jacobian[f[3]], f[4]
+    hull, marker, other = kind.line_ends[end, 0], kind.line_ends[end, 1], kind.line_ends[end, 3]
+    x, y, z = moved_on(kind, work, end, step)
+    if other >= 0:
+        x2, y2, z2 = moved_on(kind, work, other, step)
+        x, y, z = x - x2, y - y2, z - z2
+    J, offset = work.jacobian[marker], kind.hulls[hull, OFFSET]
     for i in range(6):
-        kind.frame[hull, FORCE + i] -= (
-            J[0, offset + i] * f[0] + J[1, offset + i] * f[1] + J[2, offset + i] * f[2]
-        )
+        kind.frame[hull, FORCE + i] -= J[0, offset + i] * x + J[1, offset + i] * y + J[2, offset + i] * z
 
 
 @implement(finish, Hulls)
@@ -310,6 +335,9 @@ def finish_hulls(kind: Hulls, step: float, work: Workspace) -> None:
         advance_filter(kind, hull, step, True)
         put_end(kind, hull, kind.stage[hull, HEADING])
         to_hydrodynamic(kind, hull, END_TRANSFORM, FINISH, kind.frame[hull, VELOCITY : VELOCITY + 6])
+    # the theory has no force where the axes of an uneven added mass turn: what that changes is supplied
+    turned = turned_energy(kind, FINISH) - water_energy(kind, FINISH)
+    kind.state[SUPPLIED] += kind.stage[0, TURNED] + turned
     keep_memory(kind.radiation, kind.vectors)
 
 

@@ -27,13 +27,25 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.marine.hull_restoring import restore
 from heavylift.solver.marine.hull_stage import fill_tanks
-from heavylift.solver.marine.hulls import LIFT, OFFSET, TANK_MASS, TANK_POINT, Hulls
+from heavylift.solver.marine.hulls import LIFT, OFFSET, TANK_MASS, TANK_POINT, Hulls, start_filters
 
 __all__: list[str] = []
 
 implement(survey, Hulls)(survey_rigid_bodies)
-implement(move, Hulls)(move_rigid_bodies)
-implement(put_velocity, Hulls)(put_rigid_velocity)
+
+
+@implement(move, Hulls)
+def move_hulls(kind: Hulls, increment: NDArray[np.float64]) -> None:
+    """As rigid bodies; the waves see them where they are."""
+    move_rigid_bodies(kind, increment)
+    start_filters(kind)
+
+
+@implement(put_velocity, Hulls)
+def put_hull_velocity(kind: Hulls, velocity: NDArray[np.float64]) -> None:
+    """As rigid bodies; the waves see them where they are."""
+    put_rigid_velocity(kind, velocity)
+    start_filters(kind)
 
 
 @kernel

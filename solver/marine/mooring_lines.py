@@ -22,6 +22,7 @@ from heavylift.solver.interface import (
     STATUS_OUTCOME,
     Workspace,
     add_forces,
+    begin_record,
     record_forces,
 )
 from heavylift.solver.joints.packing import MarkerBook
@@ -88,7 +89,8 @@ class MooringLines(NamedTuple):
         Stiffness of the force on the fairlead against its displacement relative to the anchor [N/m], world axes,
         row by row, symmetric and positive semidefinite, at the last evaluation; shape (n, 9).
     scratch
-        Lower end, length on the seabed and energy for a record, shape (n, 4).
+        Lower end, length on the seabed and energy for a record, and the solution that the steps go on from, shape
+        (n, 4 + the width of a solution).
     """
 
     ends: NDArray[np.int64]
@@ -157,7 +159,7 @@ def pack_mooring_lines(
         np.array(limits),
         np.zeros((count, STATE_WIDTH + 5)),
         np.zeros((count, 9)),
-        np.zeros((count, 4)),
+        np.zeros((count, 4 + STATE_WIDTH)),
     )
 
 
@@ -269,6 +271,15 @@ def add_mooring_lines(kind: MooringLines, time: float, work: Workspace) -> None:
         kind.tangents[i, 8] = kzz
 
 
+@implement(begin_record, MooringLines)
+@kernel(internal=True)
+def begin_line_records(kind: MooringLines) -> None:
+    """Steps go on from what they found themselves: a record does not change the run, not in its last bits."""
+    for i in range(kind.ends.shape[0]):
+        for k in range(STATE_WIDTH):
+            kind.scratch[i, 4 + k] = kind.state[i, k]
+
+
 @implement(record_forces, MooringLines)
 @kernel(internal=True)
 def record_mooring_lines(kind: MooringLines, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
@@ -299,3 +310,5 @@ def record_mooring_lines(kind: MooringLines, time: float, work: Workspace, row: 
             kind.state[i, START_ENERGY], kind.state[i, STARTED] = energy, 1.0
         work.sums[ELASTIC] += energy - kind.state[i, START_ENERGY]
         work.sums[EXTERNAL_WORK] += energy - kind.state[i, START_ENERGY]
+        for k in range(STATE_WIDTH):
+            kind.state[i, k] = kind.scratch[i, 4 + k]

@@ -220,8 +220,10 @@ def _load(kind: FluidLoads, i: int, work: Workspace) -> Flow:
     f, marker, heading = kind.loads[i, FLUID], kind.loads[i, PLACE], kind.loads[i, HEADING]
     side, extent = kind.field_values[f, SIDE], kind.load_values[i, EXTENT]
     away = side * (work.markers[marker, POINT + 2] - kind.field_values[f, LEVEL])
+    if kind.loads[i, SORT] == COEFFICIENTS:
+        away = max(away, 0.0)  # tables are of the whole body: they act wherever their point is
     top = away + 0.5 * extent
-    if top <= 0.0:
+    if top <= 0.0 and kind.loads[i, SORT] != COEFFICIENTS:
         return 0.0, 0.0, 0.0, 0.0
     bottom = max(away - 0.5 * extent, 0.0)
     share = (top - bottom) / extent if extent > 0.0 else 1.0

@@ -1,0 +1,24 @@
+"""Cases of water and mooring at rest against their references."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from heavylift.numerics.outcome import Outcome
+from heavylift.pipeline.log import Log
+from heavylift.pipeline.verify import verify_case
+
+CASES = Path(__file__).resolve().parents[2] / "cases"
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
+
+
+@pytest.mark.parametrize(
+    ("name", "count"), [("box_hydrostatics", 35), ("catenary", 23), ("spring_barge", 25)]
+)
+def test_every_check_passes(name, count, tmp_path):
+    """And none of them is missing."""
+    verdict = verify_case(CASES / name, out=tmp_path, force=True, log=Log(quiet=True))
+    assert verdict.outcome is Outcome.COMPLETED, (verdict.message, [c for c in verdict.checks if not c.passed])
+    assert len(verdict.checks) == count
