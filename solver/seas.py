@@ -118,7 +118,7 @@ class Radiation:
         for fixed steps; ``"none"``: added mass at infinite frequency and excitation only.
     memory_length
         Of the direct convolution [s], and of the samples that exponentials are fitted to, which reach 40 s at least;
-        None: until the kernel has decayed to 1 %, at most 60 s.
+        None: until the kernel has decayed to 0.1 % (direct) or 1 %, at most 60 s.
     fit_error
         Of the kernel relative to its largest value, that the exponentials may have.
     drift

@@ -95,23 +95,33 @@ def write(name, comment, header, rows):
         writer.writerows(rows)
 
 
-def main():
-    """Write both tables."""
-    rows = []
+def references():
+    """Both tables by name of their files."""
+    positions = []
     for height, roll, pitch in POSITIONS:
         volume, centre, area = wet_part(height, math.radians(roll), math.radians(pitch))
-        rows.append([height, roll, pitch, *(f"{x + 0.0:.9f}" for x in (volume, *centre, area))])
+        positions.append([height, roll, pitch, volume, *centre, area])
+    arms = [[heel, righting_arm(math.radians(heel))] for heel in range(0, 82, 2)]
+    return {"positions.csv": np.array(positions), "righting_arms.csv": np.array(arms)}
+
+
+def main():
+    """Write both tables."""
+    tables = references()
     write(
         "positions.csv",
         "Box 97.5 x 36 x 6 m about its centre; rotation Ry(pitch) Rx(roll); make_reference.py: half spaces, Qhull",
         ["z_centre_m", "roll_deg", "pitch_deg", "volume_m3", "xB_m", "yB_m", "zB_m", "waterplane_area_m2"],
-        rows,
+        [
+            [f"{x:g}" for x in row[:3]] + [f"{x + 0.0:.9f}" for x in row[3:]]
+            for row in tables["positions.csv"]
+        ],
     )
     write(
         "righting_arms.csv",
         "The same box, 4.5 m draft, KG 5 m: righting arm over heel; make_reference.py: polygon of the section",
         ["heel_deg", "GZ_m"],
-        [[heel, f"{righting_arm(math.radians(heel)) + 0.0:.12f}"] for heel in range(0, 82, 2)],
+        [[f"{heel:g}", f"{arm + 0.0:.12f}"] for heel, arm in tables["righting_arms.csv"]],
     )
     vanishing = brentq(righting_arm, 0.5, 1.4, xtol=1e-14)
     print(f"stability vanishes at {math.degrees(vanishing):.9f} degrees = {vanishing:.12f} rad")  # noqa: T201

@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
 from scipy.optimize import brentq
 
 GRAVITY = 9.81
@@ -57,26 +58,34 @@ def hanging(span: float, height: float, length: float, weight: float) -> tuple[f
     return weight * span / (2 * u), weight / 2 * (height / math.tanh(u) + length)
 
 
+def references() -> dict[str, np.ndarray]:
+    """Both tables by name of their files."""
+    chains = [
+        (weight * GRAVITY, EA, depth, span, friction, *chain(weight * GRAVITY, EA, depth, span, friction))
+        for weight, EA, depth, span in CHAINS
+        for friction in FRICTIONS
+    ]
+    return {
+        "lengths.csv": np.array(chains),
+        "hanging.csv": np.array([(*line, *hanging(*line)) for line in HANGING]),
+    }
+
+
 def main() -> None:
     """Write both tables."""
-    folder = Path(__file__).resolve().parent
-    rows = [
-        "# elastic catenaries on a flat seabed, 49050 N at the fairlead: make_reference.py",
-        "weight,axial_stiffness,depth,span,friction,length,seabed_length,horizontal,vertical,anchor_tension",
-    ]
-    for weight, EA, depth, span in CHAINS:
-        for friction in FRICTIONS:
-            w = weight * GRAVITY
-            values = chain(w, EA, depth, span, friction)
-            rows.append(",".join(f"{value:.12g}" for value in (w, EA, depth, span, friction, *values)))
-    (folder / "lengths.csv").write_text("\n".join(rows) + "\n")
-    rows = [
-        "# inextensible lines that hang free, eq. 229: make_reference.py",
-        "span,height,length,weight,horizontal,vertical",
-    ]
-    for line in HANGING:
-        rows.append(",".join(f"{value:.12g}" for value in (*line, *hanging(*line))))
-    (folder / "hanging.csv").write_text("\n".join(rows) + "\n")
+    heads = {
+        "lengths.csv": (
+            "# elastic catenaries on a flat seabed, 49050 N at the fairlead: make_reference.py",
+            "weight,axial_stiffness,depth,span,friction,length,seabed_length,horizontal,vertical,anchor_tension",
+        ),
+        "hanging.csv": (
+            "# inextensible lines that hang free, eq. 229: make_reference.py",
+            "span,height,length,weight,horizontal,vertical",
+        ),
+    }
+    for name, table in references().items():
+        rows = [",".join(f"{value:.12g}" for value in row) for row in table]
+        (Path(__file__).resolve().parent / name).write_text("\n".join([*heads[name], *rows]) + "\n")
 
 
 if __name__ == "__main__":

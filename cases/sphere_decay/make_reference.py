@@ -62,16 +62,21 @@ def decay(K: np.ndarray, step: float) -> np.ndarray:
     return z
 
 
-if __name__ == "__main__":
+def references() -> dict[str, np.ndarray]:
+    """Height over time with Hulme's damping, extrapolated from steps of 5 and 10 ms to none."""
     fine = kernel(0.005 * np.arange(round(DURATION / 0.005) + 1))
     coarse, finer = decay(fine[::2], 0.01), decay(fine, 0.005)
-    z = (4.0 * finer[::20] - coarse[::10]) / 3.0
-    t = 0.1 * np.arange(len(z))
     sys.stdout.write(f"steps of 5 and 10 ms differ by {np.abs(finer[::20] - coarse[::10]).max():.2e} m\n")
-    reference = np.loadtxt(HERE / "decay.csv", delimiter=",", skiprows=2)
-    error = np.abs(z - reference[: len(z), 1]).max()
+    z = (4.0 * finer[::20] - coarse[::10]) / 3.0
+    return {"decay_hulme.csv": np.column_stack([0.1 * np.arange(len(z)), z])}
+
+
+if __name__ == "__main__":
+    table = references()["decay_hulme.csv"]
+    published = np.loadtxt(HERE / "decay.csv", delimiter=",", skiprows=2)
+    error = np.abs(table[: len(published), 1] - published[: len(table), 1]).max()
     sys.stdout.write(f"largest difference from decay.csv: {error:.2e} m\n")
-    rows = "".join(f"{a:.1f},{b:.9f}\n" for a, b in zip(t, z, strict=True))
+    rows = "".join(f"{a:.1f},{b:.9f}\n" for a, b in table)
     head = (
         "# Decay of the sphere with Hulme's damping, steps extrapolated to none: make_reference.py\ntime,z\n"
     )

@@ -256,7 +256,8 @@ def _memory(radiation: Radiation, first: int, step: float, notes: list[str]) -> 
 
     database = radiation.database
     kernel_of_time = retardation_kernel(database.omega, database.damping, source=database.source)
-    length = radiation.memory_length or memory_length(kernel_of_time)
+    decayed = 1e-3 if radiation.memory == "direct" else 1e-2
+    length = radiation.memory_length or memory_length(kernel_of_time, tolerance=decayed)
     place = np.array([first], dtype=np.int64)
     if radiation.memory == "direct":
         from heavylift.solver.marine.memory import pack_direct_memory

@@ -56,6 +56,7 @@ from heavylift.solver.marine.hulls import (
     TRANSFORM,
     TURNED,
     WAVE,
+    YAW,
     Hulls,
 )
 
@@ -141,6 +142,7 @@ def advance_filter(kind: Hulls, hull: int, time: float, keep: bool) -> None:
     if keep:
         kind.state[at], kind.state[at + 1], kind.state[at + 2] = x0, x1, y0
         kind.state[at + 3], kind.state[at + 4], kind.state[at + 5] = y1, p0, p1
+        kind.state[STATE_WIDTH * hull + YAW] = stage[TARGET + 2]
     else:
         kind.stage[hull, PLACE], kind.stage[hull, PLACE + 1], kind.stage[hull, HEADING] = x0, y0, p0
 
@@ -167,13 +169,12 @@ def predict_hulls(kind: Hulls, time: float, step: float) -> None:
     fill_tanks(kind, time + 0.5 * step)
     for hull in range(kind.table.shape[0]):
         frame, stage = kind.frame[hull], kind.stage[hull]
-        state = STATE_WIDTH * hull + LOW_PASS
         R = stage_rotation(kind, hull)
         x, y, _ = rotate(
             R, kind.hull[hull, REFERENCE], kind.hull[hull, REFERENCE + 1], kind.hull[hull, REFERENCE + 2]
         )
         stage[TARGET], stage[TARGET + 1] = frame[MID_POSITION] + x, frame[MID_POSITION + 1] + y
-        stage[TARGET + 2] = hull_yaw(kind, hull, R, kind.state[state + 4])
+        stage[TARGET + 2] = hull_yaw(kind, hull, R, kind.state[STATE_WIDTH * hull + YAW])
         advance_filter(kind, hull, 0.5 * step, False)
         heading = stage[HEADING]
         before = kind.stage[hull, ROTATION : ROTATION + 9]

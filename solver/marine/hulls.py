@@ -59,9 +59,10 @@ START, MIDDLE, FINISH, KNOWN, WAVE, RADIATED, LOAD, CHANGE, SCRATCH, LEAD, SPEED
 VECTORS = 11
 
 # columns of `state` for each hull: low-passed x, y, heading and rates; energy dissipated; work of waves and ballast;
-# by how much twice the velocities of the middle exceed the sum of those of both ends, over the square of the step
-LOW_PASS, LOST, SUPPLIED, LAG = 0, 6, 7, 8
-STATE_WIDTH = 14
+# by how much twice the velocities of the middle exceed the sum of those of both ends, over the square of the step;
+# heading with all its turns
+LOW_PASS, LOST, SUPPLIED, LAG, YAW = 0, 6, 7, 8, 14
+STATE_WIDTH = 15
 
 # columns of `tanks`: point in principal axes, mass, velocity, free surfaces, velocity at the start that its mass needs
 TANK_POINT, TANK_MASS, TANK_VELOCITY, TANK_SURFACE, TANK_START = 0, 3, 4, 7, 9
@@ -146,4 +147,6 @@ def start_filters(kind: Hulls) -> None:
         place = kind.frame[row, POSITION : POSITION + 3] + R @ kind.hull[row, REFERENCE : REFERENCE + 3]
         forward = R @ kind.hull[row, AXIS_X : AXIS_X + 3]
         at = STATE_WIDTH * row + LOW_PASS
-        kind.state[at : at + 6] = place[0], 0.0, place[1], 0.0, np.arctan2(forward[1], forward[0]), 0.0
+        heading = np.arctan2(forward[1], forward[0])
+        kind.state[at : at + 6] = place[0], 0.0, place[1], 0.0, heading, 0.0
+        kind.state[STATE_WIDTH * row + YAW] = heading
