@@ -230,7 +230,7 @@ class DatabaseSection(Section):
     """Of radiated waves. ``exponentials``: recursive and fast; ``direct``: convolution, for fixed steps; ``none``."""
     memory_length: Annotated[float, Positive("time")] | None = None
     """How far it goes back [s]; until the kernel has decayed if absent."""
-    fit_error: Annotated[float, Quantity("number", minimum=0.0, maximum=0.5)] = 2.5e-3
+    fit_error: Annotated[float, Quantity("number", minimum=0.0, maximum=0.5)] = 1e-3
     """Of the kernel relative to its largest value, that the exponentials may have."""
     drift: Annotated[bool, Field(strict=True)] = False
     """Whether mean drift forces of the database act, slowly varying by Newman's approximation."""

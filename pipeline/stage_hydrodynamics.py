@@ -257,13 +257,13 @@ def _fit(database: HydrodynamicDatabase, section: DatabaseSection) -> dict[str, 
     """How well exponentials fit the memory, as the simulation will find it."""
     from heavylift.preprocess.exponentials import fit_exponentials
     from heavylift.preprocess.retardation import memory_length, retardation_kernel
-    from heavylift.solver.marine.hull_parts import FIT_STEP, SHORTEST_FIT
+    from heavylift.solver.marine.hull_parts import FIT_STEP, SHORTEST_FIT, SHORTEST_MEMORY
 
     kernel = retardation_kernel(database.omega, database.damping, source=database.source)
-    length = section.memory_length or memory_length(kernel)
+    length = section.memory_length or max(memory_length(kernel), SHORTEST_MEMORY)
     times = np.arange(0.0, max(length, SHORTEST_FIT), FIT_STEP)
     fit = fit_exponentials(kernel(times), FIT_STEP, tolerance=section.fit_error, source=database.source)
-    return {"length": float(length), "poles": len(fit.poles), "error": float(fit.error)}
+    return {"length": float(length), "poles": fit.pole_count, "error": float(fit.error)}
 
 
 def _words(properties: dict[str, Any]) -> str:

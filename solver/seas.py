@@ -117,8 +117,8 @@ class Radiation:
         ``"exponentials"``: recursive, fast, passive; ``"direct"``: convolution over past velocities, the reference,
         for fixed steps; ``"none"``: added mass at infinite frequency and excitation only.
     memory_length
-        Of the direct convolution [s], and of the samples that exponentials are fitted to, which reach 40 s at least;
-        None: until the kernel has decayed to 0.1 % (direct) or 1 %, at most 60 s.
+        Of the direct convolution [s], and of the samples that exponentials are fitted to, which reach 60 s at least;
+        None: until the kernel has decayed to 1 %, 40 to 60 s.
     fit_error
         Of the kernel relative to its largest value, that the exponentials may have.
     drift
@@ -129,7 +129,7 @@ class Radiation:
     database: HydrodynamicDatabase
     memory: Literal["exponentials", "direct", "none"] = "exponentials"
     memory_length: float | None = None
-    fit_error: float = 2.5e-3
+    fit_error: float = 1e-3
     drift: bool = False
 
 

@@ -53,8 +53,8 @@ __all__ = [
     "share_part_states",
 ]
 
-FIT_STEP, SHORTEST_FIT = 0.1, 40.0
-"""Of the samples that exponentials are fitted to [s], and how far these reach at least [s]."""
+FIT_STEP, SHORTEST_FIT, SHORTEST_MEMORY = 0.1, 60.0, 40.0
+"""Of the samples that exponentials are fitted to [s], how far these reach at least, and direct convolution does [s]."""
 
 SERIES_MOVED, SERIES_TURNED = 0.05, np.radians(0.1)
 """How far a start may move hulls whose wave forces are tabulated: metres and radians."""
@@ -256,8 +256,7 @@ def _memory(radiation: Radiation, first: int, step: float, notes: list[str]) -> 
 
     database = radiation.database
     kernel_of_time = retardation_kernel(database.omega, database.damping, source=database.source)
-    decayed = 1e-3 if radiation.memory == "direct" else 1e-2
-    length = radiation.memory_length or memory_length(kernel_of_time, tolerance=decayed)
+    length = radiation.memory_length or max(memory_length(kernel_of_time), SHORTEST_MEMORY)
     place = np.array([first], dtype=np.int64)
     if radiation.memory == "direct":
         from heavylift.solver.marine.memory import pack_direct_memory

@@ -219,7 +219,7 @@ class TestHullsAlone:
 
     def test_yaw_of_more_than_two_turns_is_followed(self) -> None:
         """Heading that the waves see: exact answer of the filter to a ramp, and not the angle within a turn."""
-        spin, cut = 0.3, 0.1
+        spin, cut = 0.5, 0.3
         made = scene(
             barge(place=(0.0, 0.0, 0.0), turn=(0.0, 0.0, 0.0), angular_velocity=np.array([0.0, 0.0, spin])),
             hulls=(hull(low_pass=cut),),
