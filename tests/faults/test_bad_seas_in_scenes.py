@@ -95,7 +95,7 @@ SMALL = LinearRestoring(-1.0, np.zeros(3), np.zeros(3), np.array([200.0, 0, 0, 6
         ({"hulls": (HULL, HULL)}, "'barge' floats already"),
         ({"hulls": (replace(HULL, low_pass=0.0),)}, "barge: low_pass: 0.0 rad/s"),
         ({"hulls": (replace(HULL, damping=-np.eye(6)),)}, "barge: damping"),
-        ({"hulls": (replace(HULL, quadratic_damping=np.array([0, 0, -1.0, 0, 0, 0])),)}, "barge: damping"),
+        ({"hulls": (replace(HULL, quadratic_damping=np.array([0, 0, -1.0, 0, 0, 0])),)}, "barge: quadratic"),
         ({"hulls": (replace(HULL, restoring=SMALL),)}, "barge: restoring: volume -1.0 m3"),
         ({"water": Water(density=DENSITY, gravity=1.62)}, "gravity"),
         ({"tanks": (Tank(name="T1", body="bardge", point=np.zeros(3), times=np.zeros(1), masses=np.ones(1)),)}, "T1"),
