@@ -21,21 +21,22 @@ from heavylift.pipeline.assemble_connections import (
 from heavylift.pipeline.assemble_contacts import assemble_contacts, assemble_contours
 from heavylift.pipeline.assemble_edges import joints_of_edge
 from heavylift.pipeline.assemble_meshes import assemble_frame, assemble_shell, check_on_mesh, check_pulleys
-from heavylift.pipeline.assemble_sea import assemble_sea
 from heavylift.pipeline.case_bodies import FlexibleBodySection
 from heavylift.pipeline.case_joints import EdgeJointSection
+from heavylift.pipeline.case_sea import has_sea
 from heavylift.pipeline.model_io import read_header, read_model, read_reduced
 from heavylift.solver import scene as s
 from heavylift.solver.connections import EdgeClamp, EdgeHinge
 from heavylift.solver.meshes import FrameBody, ShellBody
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from numpy.typing import ArrayLike, NDArray
 
     from heavylift.modal.reduced import ReducedBody
+    from heavylift.pipeline.assemble_connections import Side
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_bodies import (
         Frame,
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
     from heavylift.solver.connections import Joint
     from heavylift.solver.contacts import Contact
     from heavylift.solver.scene import AnyBody
+    from heavylift.solver.seas import Sea
 
 __all__ = ["assemble_rigid", "assemble_scene", "modal_coordinates"]
 
@@ -124,8 +126,17 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         contacts=contacts,
         surfaces=assemble_surfaces(case, sides, folder),
         collisions=assemble_collisions(case),
-        sea=assemble_sea(case, sides, folder),
+        sea=_assemble_sea(case, sides, folder),
     )
+
+
+def _assemble_sea(case: Case, sides: Mapping[str, Side], folder: OutputFolder) -> Sea | None:
+    """Of cases that have one; others import nothing for it."""
+    if not has_sea(case):
+        return None
+    from heavylift.pipeline.assemble_sea import assemble_sea
+
+    return assemble_sea(case, sides, folder)
 
 
 def _edges(case: Case, joints: Sequence[Joint], bodies: Sequence[AnyBody]) -> list[tuple[str, Joint]]:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.report_document import Facts, Section, Table, Text
 from heavylift.pipeline.report_words import number_words, numbers_words, short_table
-from heavylift.pipeline.stage_hydrodynamics import database_manifest
 
 if TYPE_CHECKING:
     from heavylift.pipeline.case import Case
@@ -26,6 +25,7 @@ def sea_sections(case: Case, stages: OutputFolder, results: Results | None) -> l
 
     if not has_sea(case):
         return []
+
     known: dict[str, Any] = results.metadata.get("sea", {}) if results is not None else {}
     items: list[Facts | Table | Text] = []
     if case.sea is not None:
@@ -162,6 +162,8 @@ def _hulls(case: Case, stages: OutputFolder) -> list[Table | Text]:
 
 def _databases(case: Case, stages: OutputFolder) -> list[Table]:
     """What the mesh stage found of the databases."""
+    from heavylift.pipeline.stage_hydrodynamics import database_manifest
+
     items, rows = database_manifest(stages), []
     for name, section in case.databases.items():
         about = items.get(name, {}).get("properties")

@@ -56,7 +56,6 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     """Simulate; `cut_off` tells that an earlier run in this folder had begun and did not end."""
     from heavylift.pipeline.assemble_collisions import collision_notes
     from heavylift.pipeline.assemble_scene import assemble_scene
-    from heavylift.pipeline.assemble_sea import sea_provenance
     from heavylift.pipeline.case_places import in_case
     from heavylift.solver.meshes import MeshBody
     from heavylift.solver.simulation import Simulation
@@ -83,7 +82,11 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         simulation.warm_up()
     compile_s = simulation.compile_seconds
     about = diagnosis(simulation)
-    sea = sea_provenance(scene.sea)
+    sea: dict[str, Any] = {}
+    if scene.sea is not None:
+        from heavylift.pipeline.assemble_sea import sea_provenance
+
+        sea = sea_provenance(scene.sea)
     about |= {"sea": sea} if sea else {}
     for line in diagnosis_lines(about):
         log.say(f"simulate: {line}")

@@ -107,7 +107,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
     entries = [("linear", "kg m/s", XYZ), ("angular", "kg m^2/s", XYZ)]
     column = add_channels("momentum", entries, channels, column)
 
-    notes: list[str] = []
+    notes: list[str] = [] if made.sea is None else list(made.sea.notes)
     bodies: list[Any] = []
     number = start = 0
     for group, pack in _groups(scene):

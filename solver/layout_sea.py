@@ -21,6 +21,11 @@ from heavylift.solver.seas import FloatingBody, Sea, floating_bodies
 
 __all__ = ["PackedSea", "float_bodies", "pack_sea"]
 
+LARGE_SPEEDS = {"WindField": 32.7, "CurrentField": 3.0}
+"""Hurricane force by Beaufort's scale, and the fastest tidal streams [m/s]: above them the unit is asked for."""
+
+KNOT = 1852.0 / 3600.0
+
 GRAVITIES_DIFFER = 2e-3
 """Relative, between the weight of bodies and that of water: 9.81 and 9.80665 are the same."""
 
@@ -37,8 +42,8 @@ class PackedSea:
         Stiffness and damping that lines and fenders leave for the step of hulls, shapes (n, 9).
     line_ends
         Body, marker and row of `tangents` of each of their ends on a hull.
-    line_names
-        For messages.
+    line_names, notes
+        For messages; what the user should know.
     """
 
     forces: list[Any] = field(default_factory=list)
@@ -46,6 +51,7 @@ class PackedSea:
     rate_tangents: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 9)))
     line_ends: list[tuple[str, int, int]] = field(default_factory=list)
     line_names: tuple[str, ...] = ()
+    notes: list[str] = field(default_factory=list)
 
 
 def float_bodies(scene: Scene) -> Scene:
@@ -175,6 +181,13 @@ def _pack_fluids(sea: Sea, packed: PackedSea, book: MarkerBook, channels: list[C
     from heavylift.solver.marine.wind_loads import fluid_channels, fluid_markers
     from heavylift.solver.marine.wind_packing import pack_fluid_loads
 
+    for one in sea.fields:
+        speed, limit = float(np.max(np.atleast_2d(one.speed)[:, -1])), LARGE_SPEEDS[type(one).__name__]
+        if speed > limit:
+            knots = speed / KNOT
+            packed.notes.append(
+                f"{one.name!r} of {speed:g} m/s is {knots:.3g} knots: was a speed in knots meant?"
+            )
     columns = []
     for owner, name, unit, components in fluid_channels(sea.fields, sea.loads):
         columns.append(column)

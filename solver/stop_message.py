@@ -38,12 +38,15 @@ def stop_message(layout: Layout, when: str) -> str:
         Outcome.STRAINS_LOST: ("a smaller step, or elasticity 'auto' or 'energy-momentum'", "body"),
         Outcome.NOT_CONVERGED: ("a smaller step, or softer stops and ropes", "joint"),
         Outcome.TOO_MANY_CONTACTS: ("a larger 'most_contacts' or 'patch_size'", "collision"),
-        Outcome.OUTSIDE_DATABASE: (
-            "all headings in the database, a longer series of waves, no database for a hull that leaves the water",
-            "body",
-        ),
+        Outcome.OUTSIDE_DATABASE: ("a database that covers the motion", "body"),
         Outcome.LINE_OVERSTRETCHED: ("a longer or stronger line, or a larger 'strain_limit'", "line"),
     }[outcome]
+    reason = ""
+    if outcome is Outcome.OUTSIDE_DATABASE:
+        from heavylift.solver.marine.hull_stop import left_because
+
+        happened, remedy = left_because(layout.bodies, int(status[STATUS_BODY]))
+        reason = f": {happened}" if happened else ""
     of_mesh = status[STATUS_BLOCK] < 0
     if of_mesh and part == "joint":  # the iteration of a mesh
         remedy, part = "a smaller step", "body"
@@ -54,7 +57,7 @@ def stop_message(layout: Layout, when: str) -> str:
     names = {"body": layout.body_names, "line": layout.line_names}.get(part, layout.block_names)
     number = int(status[STATUS_BODY if part in {"body", "line"} else STATUS_BLOCK])
     element = f", element {-1 - int(status[STATUS_BLOCK])}" if of_mesh else ""
-    return f"{outcome.text} at {when}, {part} {names[number]!r}{element}; try {remedy}"
+    return f"{outcome.text} at {when}, {part} {names[number]!r}{element}{reason}; try {remedy}"
 
 
 def _first_contact(layout: Layout) -> int:

@@ -296,6 +296,31 @@ def test_a_scene_imports_only_what_it_contains() -> None:
     assert done.stdout.strip() == "[]"
 
 
+def test_scene_without_water_imports_nothing_of_it(tmp_path):
+    """A pendulum, from the scene to its first steps, compiled anew: neither hulls nor lines nor what describes them."""
+    program = """
+        import sys
+        import numpy as np
+        from heavylift.solver.connections import Hinge, GROUND
+        from heavylift.solver.scene import Gravity, RigidBody, Scene
+        from heavylift.solver.simulation import Simulation
+
+        body = RigidBody("rod", 1.0, np.eye(3), centre_of_mass=np.array([1.0, 0.0, 0.0]))
+        weight = Gravity(np.array([0.0, 0.0, -9.81]))
+        scene = Scene((body,), (weight,), joints=(Hinge(name="pin", body_a=GROUND, body_b="rod"),))
+        Simulation(scene, 1e-3, integrator="dele2").advance(3)
+        print([n for n in sys.modules if ".marine" in n or n.endswith(("seas", "layout_sea", "hydrodynamics"))])
+    """
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(program)],
+        env=os.environ | {"HEAVYLIFT_CACHE_DIR": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.strip() == "[]"
+
+
 def _suite_again(tests: list[str], environment: dict[str, str]) -> None:
     here = Path(__file__).resolve()
     done = subprocess.run(
