@@ -120,7 +120,7 @@ def surface_sections(case: Case, stages: OutputFolder) -> list[Section]:
     rows = [_found_row(name, stored.report) for name, stored in found.items()]
     text = (
         "Collision takes surfaces as they are: open edges, edges of several plates and windings make no difference "
-        "to it."
+        "to it. Hulls must be closed where they are under water."
     )
     warnings = [
         Text(f"Is the unit right? {warning}", warning=True) for warning in magnitude_warnings(case, found)

@@ -263,7 +263,7 @@ def _fit(database: HydrodynamicDatabase, section: DatabaseSection) -> dict[str, 
     length = section.memory_length or max(memory_length(kernel), SHORTEST_MEMORY)
     times = np.arange(0.0, max(length, SHORTEST_FIT), FIT_STEP)
     fit = fit_exponentials(kernel(times), FIT_STEP, tolerance=section.fit_error, source=database.source)
-    return {"length": float(length), "poles": fit.pole_count, "error": float(fit.error)}
+    return {"length": float(times[-1]), "poles": fit.pole_count, "error": float(fit.error)}
 
 
 def _words(properties: dict[str, Any]) -> str:
