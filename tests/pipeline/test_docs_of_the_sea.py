@@ -17,4 +17,4 @@ def test_the_example_is_a_valid_case(tmp_path):
     shutil.copy(ROOT / "cases" / "transport_barge" / "barge.nc", tmp_path)
     case = load_case(tmp_path)
     assert set(case.hulls) == {"barge"}
-    assert [line.name for line in case.lines] == ["bow"]
+    assert [line.name for line in case.lines] == ["bow", "stern"]
