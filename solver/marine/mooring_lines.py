@@ -62,8 +62,8 @@ LINE_CHANNELS = (
 LINE_OVERSTRETCHED = int(Outcome.LINE_OVERSTRETCHED)
 """Outcome of a step in which a line is stretched beyond its limit, or has no equilibrium."""
 
-START_SHARE = 0.2
-"""Of the strain limit, that a line may be stretched by at the start: more is most often a wrong length."""
+START_STRAIN = 0.05
+"""By which a line may be stretched at the start: more is most often a wrong length."""
 
 MARKER_A, MARKER_B, COLUMN = range(3)
 START_ENERGY, STARTED, EXTRA = STATE_WIDTH, STATE_WIDTH + 1, STATE_WIDTH + 2
@@ -204,13 +204,13 @@ def _check_span(
         )
     span = float(np.linalg.norm(np.asarray(fairlead) - np.asarray(anchor)))
     limit = length * (1.0 + line.strain_limit) if stretch > 0.0 else length
-    if not span < (length * (1.0 + START_SHARE * line.strain_limit) if stretch > 0.0 else length):
+    if not span < min(limit, length * (1.0 + START_STRAIN)):
         raise InputError(
             f"the line of {length:g} m is shorter than its span of {span:g} m",
             source=line.name,
             key="sections",
             expected=f"a length of {span:g} m or more, from the anchor to the fairlead; a stretch of"
-            f" {START_SHARE * line.strain_limit:.1%} at the start is taken ('strain_limit')",
+            f" {min(START_STRAIN, line.strain_limit):.3g} at the start is taken",
         )
     return limit
 

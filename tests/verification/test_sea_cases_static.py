@@ -19,7 +19,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
 )
 def test_every_check_passes(name, count, tmp_path):
     """And none of them is missing."""
-    verdict = verify_case(CASES / name, out=tmp_path, force=True, log=Log(quiet=True))
+    verdict = verify_case(CASES / name, out=tmp_path, overrides=(), force=True, log=Log(quiet=True))
     assert verdict.outcome is Outcome.COMPLETED, (
         verdict.message,
         [c for c in verdict.checks if not c.passed],
