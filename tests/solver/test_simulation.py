@@ -296,6 +296,8 @@ def test_a_scene_imports_only_what_it_contains() -> None:
     assert done.stdout.strip() == "[]"
 
 
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
 def test_scene_without_water_imports_nothing_of_it(tmp_path):
     """A pendulum, from the scene to its first steps, compiled anew: neither hulls nor lines nor what describes them."""
     program = """
