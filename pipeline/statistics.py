@@ -20,7 +20,6 @@ __all__ = [
     "GumbelFit",
     "PowerSpectrum",
     "RecordStatistics",
-    "cycle_ranges",
     "gumbel_fit",
     "power_spectrum",
     "rayleigh_extreme",
@@ -181,12 +180,6 @@ def record_statistics(times: ArrayLike, values: ArrayLike, *, begin: float = -ma
         mean_period=period,
         duration=float(t[-1] - t[0]),
     )
-
-
-def cycle_ranges(times: ArrayLike, values: ArrayLike, *, begin: float = -math.inf) -> NDArray[np.float64]:
-    """Maximum minus minimum between upcrossings of the mean, in order; see `record_statistics`."""
-    t, x = _record(times, values, begin)
-    return _cycles(t, x - np.mean(x))[0]
 
 
 def gumbel_fit(extremes: ArrayLike, *, method: str = "likelihood", minima: bool = False) -> GumbelFit:

@@ -7,7 +7,6 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.statistics import (
-    cycle_ranges,
     gumbel_fit,
     power_spectrum,
     rayleigh_extreme,
@@ -45,7 +44,9 @@ def test_begin_leaves_the_ramp_out():
 def test_ranges_are_those_between_upcrossings():
     x = np.array([-1.0, 1.0, -2.0, 3.0, 5.0, -1.0, -6.0, 2.0, -1.0])
     assert x.sum() == 0.0
-    assert cycle_ranges(np.arange(9.0), x) == pytest.approx([3.0, 11.0])
+    found = record_statistics(np.arange(9.0), x)
+    assert found.cycles == 2  # of 3 and of 11; the highest third is the higher one
+    assert found.significant_by_cycles == pytest.approx(11.0)
 
 
 def test_significant_range_of_a_gaussian_sea_is_four_deviations_within_the_known_bias():
