@@ -8,7 +8,7 @@ is linear in the position.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,12 +27,11 @@ from heavylift.contours.surface_layout import (
     TRIANGLE_COUNT,
 )
 from heavylift.contours.surface_tree import tree_depth
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from numpy.typing import NDArray
 
     from heavylift.contours.surface_pack import CollisionSurfaces
 
@@ -70,7 +69,7 @@ PAIRS_PER_TRIANGLE = 24
 """Places of a list: enough for plates that lie on each other, and not more than there are pairs."""
 
 
-class PairLists(NamedTuple):
+class PairLists(Arrays):
     """Lists of triangle pairs, one for each pair of surfaces, and room for the search.
 
     Attributes
@@ -93,16 +92,16 @@ class PairLists(NamedTuple):
         Box around B at both ends of the interval, shape (2, 12).
     """
 
-    pairs: NDArray[np.int64]
-    table: NDArray[np.int64]
-    values: NDArray[np.float64]
-    stack: NDArray[np.int64]
-    stack_boxes: NDArray[np.float64]
-    swept_boxes: NDArray[np.float64]
-    swept_marks: NDArray[np.int64]
-    searches: NDArray[np.int64]
-    path: NDArray[np.float64]
-    frames: NDArray[np.float64]
+    pairs: Ints2
+    table: Ints2
+    values: Floats2
+    stack: Ints2
+    stack_boxes: Floats2
+    swept_boxes: Floats2
+    swept_marks: Ints1
+    searches: Ints1
+    path: Floats1
+    frames: Floats2
 
 
 def make_pair_lists(

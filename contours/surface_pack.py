@@ -27,6 +27,7 @@ from heavylift.contours.surface_layout import (
     TRIANGLE_WIDTH,
 )
 from heavylift.contours.surface_tree import build_tree
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,7 +42,7 @@ FLATTEST_FACE = 1e-12
 """Smallest height over longest edge of a triangle that still has a normal."""
 
 
-class CollisionSurfaces(NamedTuple):
+class CollisionSurfaces(Arrays):
     """All surfaces of a scene, one after another; for the columns see `surface_layout`.
 
     Attributes
@@ -85,24 +86,24 @@ class CollisionSurfaces(NamedTuple):
         Sum over all refits of the longest way that a point of the surface has gone in each [m], shape (ns,).
     """
 
-    points: NDArray[np.float64]
-    triangles: NDArray[np.int64]
-    normals: NDArray[np.float64]
-    edges: NDArray[np.int64]
-    edge_first: NDArray[np.int64]
-    edge_inward: NDArray[np.float64]
-    vertex_first: NDArray[np.int64]
-    vertex_neighbours: NDArray[np.int64]
-    nodes: NDArray[np.int64]
-    boxes: NDArray[np.float64]
-    surfaces: NDArray[np.int64]
-    radii: NDArray[np.float64]
-    reaches: NDArray[np.float64]
-    order: NDArray[np.int64]
-    triangle_boxes: NDArray[np.float64]
-    edge_opposite: NDArray[np.int64]
-    fitted_points: NDArray[np.float64]
-    travels: NDArray[np.float64]
+    points: Floats2
+    triangles: Ints2
+    normals: Floats2
+    edges: Ints2
+    edge_first: Ints1
+    edge_inward: Floats2
+    vertex_first: Ints1
+    vertex_neighbours: Ints1
+    nodes: Ints2
+    boxes: Floats2
+    surfaces: Ints2
+    radii: Floats1
+    reaches: Floats1
+    order: Ints1
+    triangle_boxes: Floats2
+    edge_opposite: Ints1
+    fitted_points: Floats2
+    travels: Floats1
 
 
 class _Part(NamedTuple):

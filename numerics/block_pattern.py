@@ -280,7 +280,7 @@ class _Layout:
                 [node_of[table[:, 0]], table[:, 1], table[:, 2], first_update, table[:, 3]], axis=1
             ),
             lower=np.stack([node_of[lower[:, 0]], lower[:, 1]], axis=1),
-            updates=places[np.searchsorted(keys, targets)],
+            updates=places[np.searchsorted(keys, targets)].ravel(),
             ranges=np.array(self.ranges, dtype=np.int64).reshape(-1, 2),
             size=scratch + max(1, self.widest) * self.block,
             scratch=scratch,

@@ -20,6 +20,10 @@ from typing import Any, TypeVar, overload
 
 import numba
 from numba.core import event
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import register_pass
+from numba.core.typed_passes import NativeLowering
 
 __all__ = [
     "CompileClock",
@@ -104,6 +108,86 @@ def _numba_cache_directory(directory: Path) -> Iterator[None]:
         numba.config.CACHE_DIR = before
 
 
+class PartLibrary(JITCodeLibrary):
+    """Code of one kernel that only kernels call: it is linked and optimised once, with what calls it.
+
+    Numba would optimise every function, and all that it calls, once more in each of its callers.
+    """
+
+    def __init__(self, codegen: Any, name: str) -> None:
+        super().__init__(codegen, name)
+        self._linked: Any = None
+
+    def add_llvm_module(self, ll_module: Any) -> None:
+        """Without passes: those of the whole follow."""
+        ll_module.data_layout = self._codegen._data_layout  # noqa: SLF001  as the class above does
+        self._final_module.link_in(ll_module)
+
+    def finalize(self) -> None:
+        """Leave the code as it is."""
+        self._finalized = True
+
+    def parts(self, found: dict[Any, None] | None = None) -> dict[Any, None]:
+        """This library and all that it needs, in order."""
+        found = {} if found is None else found
+        if self not in found:
+            found[self] = None
+            for library in self._linking_libraries:
+                if isinstance(library, PartLibrary):
+                    library.parts(found)
+                else:
+                    found[library] = None
+        return found
+
+    def own_module(self) -> Any:
+        """Code of this kernel alone, fit for being linked several times."""
+        return super()._get_module_for_linking()
+
+    def _get_module_for_linking(self) -> Any:
+        """Code of this kernel with all that it calls."""
+        if self._linked is None:
+            whole = self.own_module().clone()
+            for part in self.parts():
+                if part is not self:
+                    module = part.own_module() if isinstance(part, PartLibrary) else part._get_module_for_linking()  # noqa: SLF001
+                    whole.link_in(module, preserve=True)
+            self._linked = whole
+        return self._linked
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _LowerPart(NativeLowering):
+    """Writes code without compiling it."""
+
+    _name = "lower_part"
+
+    def run_pass(self, state: Any) -> bool:
+        """Into a library of parts."""
+        codegen = state.targetctx.codegen()
+        state.library = PartLibrary(codegen, state.func_id.func_qualname)
+        state.flags.no_compile = True
+        changed = bool(super().run_pass(state))
+        state.library.finalize()
+        entry = [].append  # a dispatcher wants an entry point that is a key; nothing ever calls it
+        state.targetctx.insert_user_function(entry, state["cr"].fndesc, [state.library])
+        state["cr"] = state["cr"]._replace(cfunc=entry)
+        return changed
+
+
+class PartCompiler(CompilerBase):
+    """Numba's passes with `_LowerPart` as the last but one."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Of the usual ones only that without Python objects."""
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.passes = [
+            (_LowerPart, text) if pass_class is NativeLowering else (pass_class, text)
+            for pass_class, text in passes.passes
+        ]
+        passes.finalize()
+        return [passes]
+
+
 @overload
 def kernel(function: F, /) -> F: ...
 
@@ -139,13 +223,14 @@ def kernel(
         with _numba_cache_directory(directory):
             compiled = numba.njit(
                 # without our folder Numba would cache beside the sources, where stale code can load
-                cache=os.access(directory, os.W_OK),
+                cache=not internal and os.access(directory, os.W_OK),
                 error_model="numpy",
                 fastmath=flags,
                 forceinline=inline,
                 no_cpython_wrapper=internal,
                 _nrt=not internal,
                 no_cfunc_wrapper=True,
+                **({"pipeline_class": PartCompiler} if internal else {}),
             )(python_function)
         if compiled is not python_function:
             update_wrapper(compiled, python_function)

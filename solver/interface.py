@@ -8,12 +8,13 @@ kind of body is behind them.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Floats3, Ints1
+from heavylift.solver.kinds import Table, generic, optional
 
-from heavylift.solver.kinds import generic, optional
+if TYPE_CHECKING:
+    from heavylift.solver.rows import RowArrays
 
 __all__ = [
     "ACCELERATIONS",
@@ -48,9 +49,12 @@ __all__ = [
     "STATUS_OUTCOME",
     "STEP_COUNT",
     "SUM_COUNT",
+    "Bodies",
+    "Forces",
+    "Joints",
+    "Systems",
     "Workspace",
     "add_forces",
-    "add_row_impulses",
     "add_row_work",
     "add_totals",
     "advance",
@@ -123,7 +127,23 @@ LINEAR_MOMENTUM, ANGULAR_MOMENTUM, SUM_COUNT = 9, 12, 15
 ENERGY_NAMES = ("kinetic", "elastic", "potential", "external_work", "drive_work", "dissipated")
 
 
-class Workspace(NamedTuple):
+class Bodies(Table):
+    """Kinds of bodies of a scene."""
+
+
+class Forces(Table):
+    """Kinds of forces of a scene."""
+
+
+class Joints(Table):
+    """Kinds of joints and laws of a scene: what writes rows."""
+
+
+class Systems(Table):
+    """Systems of rows of a scene: that of the joints, that of the contacts, what an integrator carries."""
+
+
+class Workspace(Arrays):
     """Arrays shared by all kinds during a step, made once a scene.
 
     Attributes
@@ -150,205 +170,200 @@ class Workspace(NamedTuple):
         Outcome of the step, the body and the block of rows that caused it, shape (3,).
     """
 
-    velocity: NDArray[np.float64]
-    markers: NDArray[np.float64]
-    jacobian: NDArray[np.float64]
-    sums: NDArray[np.float64]
-    control: NDArray[np.float64]
-    corners: NDArray[np.float64]
-    status: NDArray[np.int64]
+    velocity: Floats1
+    markers: Floats2
+    jacobian: Floats3
+    sums: Floats1
+    control: Floats1
+    corners: Floats1
+    status: Ints1
 
 
 @generic
-def start(kinds: Any, time: float, work: Workspace) -> None:
+def start(kinds: Bodies, time: float, work: Workspace) -> None:
     """Bodies: complete the start state: driven frames, products, momenta."""
 
 
 @generic
-def predict(kinds: Any, time: float, step: float) -> None:
+def predict(kinds: Bodies, time: float, step: float) -> None:
     """Bodies: midpoint configuration and predicted midpoint velocity from the carried state."""
 
 
 @generic
-def fill_markers(kinds: Any, at_midpoint: bool, level: int, work: Workspace) -> None:
+def fill_markers(kinds: Bodies, at_midpoint: bool, level: int, work: Workspace) -> None:
     """Bodies: vectors, rates and Jacobian windows of the markers that a level needs, at midpoint or carried state."""
 
 
 @generic
-def add_forces(kinds: Any, time: float, work: Workspace) -> None:
+def add_forces(kinds: Forces, time: float, work: Workspace) -> None:
     """Forces: add marker forces and gravity at a time [s] to the workspace."""
 
 
 @generic
-def factor(kinds: Any, step: float, work: Workspace) -> None:
+def factor(kinds: Bodies, step: float, work: Workspace) -> None:
     """Bodies: gather forces, factor the own step matrix, write the velocity of the stage."""
 
 
 @optional
-def correct(kinds: Any, step: float, work: Workspace) -> None:
+def correct(kinds: Bodies, step: float, work: Workspace) -> None:
     """Bodies with quadratic velocity forces: re-evaluate these at the velocity found, solve with the same factor."""
 
 
 @optional
-def correct_rows(kinds: Any, systems: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+def correct_rows(kinds: Bodies, systems: Systems, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """Bodies that implement `correct`: call `solve_again`. A scene without them solves its rows once."""
 
 
 @optional
-def solve_again(kinds: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+def solve_again(kinds: Systems, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """Rows: once more with the factor of the midpoint, after free velocities have changed."""
 
 
 @optional
-def complete(kinds: Any, systems: Any, at_midpoint: bool, step: float, work: Workspace) -> None:
+def complete(kinds: Bodies, systems: Systems, at_midpoint: bool, step: float, work: Workspace) -> None:
     """Bodies that rows see through bases: all their velocities, once the impulses of the rows are known."""
 
 
 @optional
 def iterate(
-    kinds: Any, bodies: Any, systems: Any, joints: Any, work: Workspace, time: float, step: float
+    kinds: Bodies, bodies: Bodies, systems: Systems, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
     """Bodies with nonlinear stress: one round of an iteration of the midpoint; counts in `CHANGED` while it goes on."""
 
 
 @optional
-def add_row_impulses(kinds: Any, body_kind: Any, row: int) -> None:
-    """Rows: subtract ``G^T`` times their impulses from the places of the bases of a kind in a row of `nodal`."""
-
-
-@optional
-def refactor_rows(kinds: Any, bodies: Any, joints: Any, work: Workspace) -> None:
+def refactor_rows(kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace) -> None:
     """Rows: markers, rows and factor of the midpoint again, after the midpoint or a matrix of a body has changed."""
 
 
 @generic
-def check(kinds: Any, step: float, work: Workspace) -> None:
+def check(kinds: Bodies, step: float, work: Workspace) -> None:
     """Bodies: refuse a velocity that is not finite or turns too far in a step, before any state is changed."""
 
 
 @generic
-def advance(kinds: Any, time: float, step: float, work: Workspace) -> None:
+def advance(kinds: Bodies, time: float, step: float, work: Workspace) -> None:
     """Bodies: configuration and momenta to the end of the step, work of the forces."""
 
 
 @generic
-def write_velocity(kinds: Any, work: Workspace) -> None:
+def write_velocity(kinds: Bodies, work: Workspace) -> None:
     """Bodies: velocities of the carried state into the workspace."""
 
 
 @optional
-def estimate_error(kinds: Any, step: float, work: Workspace) -> None:
+def estimate_error(kinds: Bodies, step: float, work: Workspace) -> None:
     """Bodies: raise `work.control[ERROR]` to how far [m] the midpoint velocity leads from its prediction."""
 
 
 @generic
-def end_velocity(kinds: Any, step: float, work: Workspace) -> None:
+def end_velocity(kinds: Bodies, step: float, work: Workspace) -> None:
     """Bodies: write the velocities at the end of the step, before the projection, into the workspace."""
 
 
 @generic
-def set_velocity(kinds: Any, step: float, work: Workspace) -> None:
+def set_velocity(kinds: Bodies, step: float, work: Workspace) -> None:
     """Bodies: take the projected velocities; momenta follow them."""
 
 
 @optional
-def apply_inverse(kinds: Any, at_midpoint: bool, system: Any) -> None:
+def apply_inverse(kinds: Bodies, at_midpoint: bool, system: RowArrays) -> None:
     """Bodies with a factor of their own: ``X = A^-1 G^T`` of their attachments, A of the stage or M at the end."""
 
 
 @optional
-def add_row_work(kinds: Any, weight: float, work: Workspace, system: Any) -> None:
+def add_row_work(kinds: Bodies, weight: float, work: Workspace, system: RowArrays) -> None:
     """Bodies with drives: work of the impulses of the rows, times a weight, on the prescribed velocities."""
 
 
 @optional
-def gather_reactions(kinds: Any, fresh: bool, system: Any) -> None:
+def gather_reactions(kinds: Bodies, fresh: bool, system: RowArrays) -> None:
     """Bodies that are held: forces ``G^T reaction`` of the rows at the carried state, added unless fresh."""
 
 
 @generic
-def fill_rows(kinds: Any, with_residual: bool, work: Workspace, system: Any) -> None:
+def fill_rows(kinds: Joints, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Joints: rows from the markers; residuals of the position if asked for."""
 
 
 @optional
 def set_targets(
-    kinds: Any, time: float, step: float, at_midpoint: bool, work: Workspace, system: Any
+    kinds: Joints, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowArrays
 ) -> None:
     """Joints that are driven or compliant in their own way: targets and softness of their rows."""
 
 
 @optional
-def relinearise(kinds: Any, time: float, step: float, work: Workspace, system: Any) -> None:
+def relinearise(kinds: Joints, time: float, step: float, work: Workspace, system: RowArrays) -> None:
     """Laws (ropes, stops, friction): fit rows to the velocity found; count in `CHANGED` if they move."""
 
 
-@generic
-def fill_bias(kinds: Any, time: float, work: Workspace, system: Any) -> None:
+@optional
+def fill_bias(kinds: Joints, time: float, work: Workspace, system: RowArrays) -> None:
     """Joints: targets of their rows as accelerations: ``G a = -gamma``, from rates and second rates of the markers."""
 
 
 @optional
-def update_rows(kinds: Any, time: float, step: float, work: Workspace, system: Any) -> None:
+def update_rows(kinds: Joints, time: float, step: float, work: Workspace, system: RowArrays) -> None:
     """Joints with a memory: what they carry over the step, from the midpoint velocity."""
 
 
 @generic
-def record_joints(kinds: Any, time: float, work: Workspace, system: Any, row: NDArray[np.float64]) -> None:
+def record_joints(kinds: Joints, time: float, work: Workspace, system: RowArrays, row: Floats1) -> None:
     """Joints: reactions, angles, travels into their columns of a record; energies into the totals."""
 
 
 @generic
-def finish(kinds: Any, step: float, work: Workspace) -> None:
+def finish(kinds: Bodies, step: float, work: Workspace) -> None:
     """Bodies: end velocities and accelerations from the momenta."""
 
 
-@generic
-def thesis_velocity(kinds: Any, time: float, step: float, work: Workspace) -> None:
+@optional
+def thesis_velocity(kinds: Bodies, time: float, step: float, work: Workspace) -> None:
     """Bodies: end velocity of the first-order scheme from forces at the start of the step."""
 
 
 @optional
-def complete_thesis(kinds: Any, systems: Any, work: Workspace) -> None:
+def complete_thesis(kinds: Bodies, systems: Systems, work: Workspace) -> None:
     """Bodies that rows see through bases: all their end velocities of the first-order scheme."""
 
 
-@generic
-def thesis_advance(kinds: Any, time: float, step: float, work: Workspace) -> None:
+@optional
+def thesis_advance(kinds: Bodies, time: float, step: float, work: Workspace) -> None:
     """Bodies: configuration by the end velocity."""
 
 
 @generic
-def record(kinds: Any, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
+def record(kinds: Bodies, time: float, work: Workspace, row: Floats1) -> None:
     """Bodies: write the carried state, reactions and sensors into their columns of a record."""
 
 
 @optional
-def begin_record(kinds: Any) -> None:
+def begin_record(kinds: Forces) -> None:
     """Forces that begin an iteration with its last result: keep that, for `record_forces` to put back."""
 
 
 @optional
-def record_forces(kinds: Any, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
+def record_forces(kinds: Forces, time: float, work: Workspace, row: Floats1) -> None:
     """Forces with channels: write what they are at the carried state into their columns of a record; energies too."""
 
 
 @generic
-def add_totals(kinds: Any, work: Workspace) -> None:
+def add_totals(kinds: Bodies, work: Workspace) -> None:
     """Bodies: add energies, works and momenta of the carried state to the totals."""
 
 
 # ---- of the accurate integrator, whose state is a vector: velocities, then configurations, then works ----
 
 
-@generic
-def load_state(kinds: Any, values: NDArray[np.float64], at: int, work: Workspace) -> None:
+@optional
+def load_state(kinds: Bodies, values: Floats1, at: int, work: Workspace) -> None:
     """Bodies: write the carried state into the state vector that begins at a place of a flat array."""
 
 
-@generic
+@optional
 def begin_stage(
-    kinds: Any, time: float, values: NDArray[np.float64], at: int, rate: int, work: Workspace
+    kinds: Bodies, time: float, values: Floats1, at: int, rate: int, work: Workspace
 ) -> None:
     """Bodies: take the state vector at `at`, and fill the markers with rates and second rates.
 
@@ -356,52 +371,52 @@ def begin_stage(
     """
 
 
-@generic
-def free_acceleration(kinds: Any, values: NDArray[np.float64], at: int, work: Workspace) -> None:
+@optional
+def free_acceleration(kinds: Bodies, values: Floats1, at: int, work: Workspace) -> None:
     """Bodies: accelerations without joints into `work.velocity`, powers [W] of loads and drives into `work.sums`."""
 
 
 @optional
 def complete_accelerations(
-    kinds: Any, systems: Any, values: NDArray[np.float64], rate: int, work: Workspace
+    kinds: Bodies, systems: Systems, values: Floats1, rate: int, work: Workspace
 ) -> None:
     """Bodies that rows see through bases: all their accelerations into the vector at `rate`, by the impulses."""
 
 
 @optional
 def spread_impulses(
-    kinds: Any, systems: Any, values: NDArray[np.float64], at: int, of_velocity: bool, work: Workspace
+    kinds: Bodies, systems: Systems, values: Floats1, at: int, of_velocity: bool, work: Workspace
 ) -> None:
     """Bodies that rows see through bases: what impulses change in their coordinates, or in their velocities."""
 
 
-@generic
-def displace(kinds: Any, values: NDArray[np.float64], at: int, work: Workspace) -> None:
+@optional
+def displace(kinds: Bodies, values: Floats1, at: int, work: Workspace) -> None:
     """Bodies: displace the configuration by `work.velocity`, as if it were a velocity over one second."""
 
 
-@generic
+@optional
 def complete_rates(
-    kinds: Any, values: NDArray[np.float64], at: int, rate: int, second: int, work: Workspace
+    kinds: Bodies, values: Floats1, at: int, rate: int, second: int, work: Workspace
 ) -> None:
     """Bodies: rates of the configuration at a state vector, and second rates from these and the accelerations."""
 
 
-@generic
-def measure_error(kinds: Any, values: NDArray[np.float64], fifth: int, third: int, work: Workspace) -> None:
+@optional
+def measure_error(kinds: Bodies, values: Floats1, fifth: int, third: int, work: Workspace) -> None:
     """Bodies: raise `work.control[ERROR]` to the largest error [m/s] of a point, of two vectors of velocity errors."""
 
 
-@generic
+@optional
 def store_state(
-    kinds: Any, time: float, values: NDArray[np.float64], at: int, rate: int, work: Workspace
+    kinds: Bodies, time: float, values: Floats1, at: int, rate: int, work: Workspace
 ) -> None:
     """Bodies: carried state, and velocities of the state vector, from a configuration and its rates."""
 
 
 @generic
 def survey(
-    kinds: Any, places: NDArray[np.float64], inertia: NDArray[np.float64], velocity: NDArray[np.float64]
+    kinds: Bodies, places: Floats1, inertia: Floats1, velocity: Floats1
 ) -> None:
     """Bodies, in Python before the start: where they are, how heavy, how fast.
 
@@ -412,15 +427,15 @@ def survey(
 
 
 @generic
-def move(kinds: Any, increment: NDArray[np.float64]) -> None:
+def move(kinds: Bodies, increment: Floats1) -> None:
     """Bodies, in Python before the start: displace by a vector in velocity coordinates, along the exponential map."""
 
 
 @generic
-def put_velocity(kinds: Any, velocity: NDArray[np.float64]) -> None:
+def put_velocity(kinds: Bodies, velocity: Floats1) -> None:
     """Bodies, in Python before the start: take velocities, forget accelerations; `start` completes the state."""
 
 
 @generic
-def collect_load(kinds: Any, work: Workspace, load: NDArray[np.float64]) -> None:
+def collect_load(kinds: Bodies, work: Workspace, load: Floats1) -> None:
     """Bodies, in Python before the start: add gravity, marker forces and own elasticity at rest, shape (dof_count,)."""

@@ -1,146 +1,467 @@
-"""Generic functions that kinds implement, resolved on the types of the kinds when a scene is compiled.
+"""Verbs, and tables of the kinds that know them: a scene is data.
 
-A *kind* is a ``NamedTuple`` of arrays that holds all things of one sort in a scene. A scene is a tuple
-of kinds. A generic function is declared once with `generic`; every kind brings its own kernel for it
-(`implement`); the integrators call it on the whole tuple without knowing which kinds exist.
+A *kind* is a class of `Arrays` for all things of one sort. A *verb* is a function of which every kind brings its own
+version (`implement`). What a kind does is compiled once, into an object file of its own. A scene is a `Table`: for each
+verb a list of pairs, the address of a compiled function and that of the arrays that it serves. A call of a verb on a
+table is a loop over such a list, so a scene executes only what it contains, and nothing is compiled for it.
 
-In compiled code such a call becomes one direct call a kind, written into the caller before it is
-compiled: no loop, no branch, no wrapper. That matters for compile time as well, because LLVM
-optimises the whole of a function again in each of its callers.
+A call of a verb on a single kind, or a tuple of some, whose classes are known when the caller is compiled, is a direct
+call.
 """
 
 from __future__ import annotations
 
+import importlib
 import inspect
-from collections.abc import Callable
-from functools import update_wrapper
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cache, update_wrapper
+from typing import Any, ClassVar, Self, overload
 
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
-from numba.core.compiler_machinery import register_pass
-from numba.core.typed_passes import NativeLowering
-from numba.extending import overload
+import llvmlite.binding as llvm
+import numpy as np
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.dispatcher import Dispatcher
+from numba.core.imputils import lower_builtin, lower_cast
+from numba.core.typeconv import Conversion
+from numba.core.typing.templates import AbstractTemplate, Signature, infer_global
+from numba.core.typing.templates import signature as call_signature
+from numba.extending import register_model, typeof_impl, unbox
 
-__all__ = ["generic", "implement", "optional"]
+from heavylift.numerics.arrays import (
+    WORD,
+    Pointer,
+    Reference,
+    _PointerModel,
+    constant_word,
+    declared_types,
+    numba_type,
+    unbox_address,
+)
+from heavylift.numerics.objects import (
+    Unit,
+    load_unit,
+    native_function,
+    to_words,
+)
 
-_IMPLEMENTATIONS: dict[Callable[..., None], dict[type, Callable[..., Any]]] = {}
+__all__ = ["Members", "Table", "Verb", "generic", "implement", "kind_unit", "optional"]
+
+WORD_BYTES = 8
 
 
-def optional(contract: Callable[..., None]) -> Callable[..., None]:
-    """As `generic`, but kinds that do not implement the function are passed over."""
-    return _serving(contract, needed=False)
+class Table(Sequence[Any]):
+    """Kinds that are served together; a subclass says which verbs it knows: those whose first parameter it is."""
+
+    verbs: ClassVar[list[Any]] = []
+
+    def __init_subclass__(cls) -> None:
+        """Every class of tables has verbs of its own."""
+        cls.verbs = []
+
+    def __init__(self, kinds: Iterable[Any] = ()) -> None:
+        self.kinds = tuple(kinds)
+        self._memory: Any = None
+        self._known = -1
+
+    @classmethod
+    def numba_type(cls) -> TableType:
+        """Type in kernels."""
+        return TableType(cls)
+
+    @overload
+    def __getitem__(self, place: int) -> Any: ...
+
+    @overload
+    def __getitem__(self, place: slice) -> Self: ...
+
+    def __getitem__(self, place: int | slice) -> Any:
+        """A kind, or a table of some."""
+        return type(self)(self.kinds[place]) if isinstance(place, slice) else self.kinds[place]
+
+    def __len__(self) -> int:
+        """Number of kinds."""
+        return len(self.kinds)
+
+    def __iter__(self) -> Iterator[Any]:
+        """Kinds in order."""
+        return iter(self.kinds)
+
+    @property
+    def address(self) -> int:
+        """Address of the lists that kernels walk. What the kinds need is compiled or loaded first.
+
+        Raises
+        ------
+        TypeError
+            If a kind lacks a verb that it must have.
+        """
+        if self._known != len(self.verbs):  # a module that declares verbs may have been imported meanwhile
+            lists: list[list[int]] = []
+            for verb in self.verbs:
+                served = [kind for kind in self.kinds if verb.serves(type(kind))]
+                lists.append([word for kind in served for word in (verb.address(type(kind)), kind.address)])
+            memory = np.zeros(2 * len(lists) + sum(map(len, lists)), dtype=np.int64)
+            place = 2 * len(lists)
+            for i, pairs in enumerate(lists):
+                memory[place : place + len(pairs)] = pairs
+                memory[2 * i] = memory.ctypes.data + WORD_BYTES * place
+                place += len(pairs)
+                memory[2 * i + 1] = memory.ctypes.data + WORD_BYTES * place
+            self._memory, self._known = memory, len(self.verbs)
+        return int(self._memory.ctypes.data)
 
 
-def generic(contract: Callable[..., None]) -> Callable[..., None]:
-    """Turn a documented signature into a function that serves every kind of a tuple, in order.
+class TableType(Pointer):
+    """Numba type of a table."""
+
+    def __init__(self, table: type[Table]) -> None:
+        self.table = table
+        super().__init__(name=f"{table.__module__}.{table.__qualname__}")
+
+    def can_convert_from(self, typingctx: Any, other: Any) -> Any:
+        """An empty tuple is an empty table."""
+        del typingctx
+        return Conversion.safe if isinstance(other, types.BaseTuple) and len(other) == 0 else None
+
+    def wrap(self, kinds: Any) -> Table:
+        """Kinds of a tuple as a table."""
+        return self.table(kinds)
+
+
+register_model(TableType)(_PointerModel)
+unbox(TableType)(unbox_address)
+
+
+_NOTHING = np.zeros(1024, dtype=np.int64)
+llvm.add_symbol("heavylift.nothing", _NOTHING.ctypes.data)
+
+
+@lower_cast(types.BaseTuple, TableType)
+def _empty_table(context: Any, builder: Any, from_type: Any, to_type: Any, value: Any) -> Any:
+    del context, from_type, to_type, value
+    name = "heavylift.nothing"
+    return builder.module.globals.get(name) or ir.GlobalVariable(builder.module, WORD, name)
+
+
+@typeof_impl.register(Table)
+def _type_of_table(value: Table, context: Any) -> TableType:
+    del context
+    return TableType(type(value))
+
+
+class Verb:
+    """What `generic` and `optional` make of a declaration; see there."""
+
+    def __init__(self, contract: Callable[..., None], *, needed: bool) -> None:
+        update_wrapper(self, contract)
+        self.contract, self.needed = contract, needed
+        self.name = contract.__name__
+        self.implementations: dict[type, Callable[..., Any]] = {}
+        self._native: dict[type, Callable[..., Any]] = {}
+        self._slot = np.zeros(1, dtype=np.int64)
+        table = self._table()
+        if table is not None:
+            self._slot[0] = 2 * len(table.verbs)
+            table.verbs.append(self)
+        self.symbol = f"heavylift.slot.{contract.__module__.removeprefix('heavylift.')}.{self.name}"
+        llvm.add_symbol(self.symbol, self._slot.ctypes.data)
+        _declare(self)
+
+    def _table(self) -> type[Table] | None:
+        """Class of tables of the first parameter; None for verbs that serve single kinds only."""
+        first = next(iter(inspect.signature(self.contract).parameters.values()))
+        found = self.contract.__globals__.get(str(first.annotation))
+        return found if isinstance(found, type) and issubclass(found, Table) else None
+
+    @property
+    def parameters(self) -> tuple[Any, ...]:
+        """Numba types of all parameters but the first.
+
+        Raises
+        ------
+        TypeError
+            Names the verb and the parameter.
+        """
+        return _parameters(self)
+
+    def chosen(self, kind: type) -> Callable[..., Any] | None:
+        """Version of a kind, or of a base of it; None if it has none.
+
+        Raises
+        ------
+        TypeError
+            If it must have one.
+        """
+        import_kernels(kind)
+        for base in kind.__mro__:
+            if base in self.implementations:
+                return self.implementations[base]
+        if self.needed:
+            raise TypeError(f"{self.name} is not implemented for {kind.__name__}")
+        return None
+
+    def serves(self, kind: type) -> bool:
+        """Whether a kind has a version for kernels."""
+        return isinstance(self.chosen(kind), Dispatcher)
+
+    def address(self, kind: type) -> int:
+        """Address of the compiled version of a kind."""
+        return load_unit(kind_unit(kind)).addresses[_symbol(kind, self)]
+
+    def __call__(self, kinds: Any, *arguments: Any) -> None:
+        """Serve the kinds of a table or a tuple from Python."""
+        for kind in kinds:
+            function = self.chosen(type(kind))
+            if isinstance(function, Dispatcher):
+                native = self._native.get(type(kind))
+                if native is None:
+                    types_of = (Reference(type(kind)), *self.parameters)
+                    native = native_function(self.address(type(kind)), types_of, types.none)
+                    self._native[type(kind)] = native
+                native(kind, *arguments)
+            elif function is not None:
+                function(kind, *arguments)
+
+
+class Members:
+    """Those kinds of a table whose class has a given base, for kernels that read what all of them begin with.
+
+    In kernels ``members(table)`` is their number, and ``members(table, i)`` one of them.
+    """
+
+    def __init__(self, table: type[Table], base: type) -> None:
+        self.base = base
+        self._slot = np.array([2 * len(table.verbs)], dtype=np.int64)
+        table.verbs.append(self)
+        self.symbol = f"heavylift.members.{table.__name__}.{base.__name__}"
+        llvm.add_symbol(self.symbol, self._slot.ctypes.data)
+        _declare_members(self)
+
+    def serves(self, kind: type) -> bool:
+        """Whether a kind is one of them."""
+        return issubclass(kind, self.base)
+
+    def address(self, kind: type) -> int:
+        """There is nothing to call."""
+        del kind
+        return 0
+
+    def __call__(self, table: Table, place: int | None = None) -> Any:
+        """The same in Python."""
+        found = [kind for kind in table if isinstance(kind, self.base)]
+        return len(found) if place is None else found[place]
+
+
+@cache
+def _parameters(verb: Verb) -> tuple[Any, ...]:
+    hints = declared_types(verb.contract)
+    made = []
+    for name in list(inspect.signature(verb.contract).parameters)[1:]:
+        try:
+            made.append(numba_type(hints[name]))
+        except (KeyError, TypeError) as error:
+            raise TypeError(f"{verb.contract.__module__}.{verb.name}, {name}: {error}") from None
+    return tuple(made)
+
+
+def optional(contract: Callable[..., None]) -> Verb:
+    """As `generic`, but kinds that do not implement the verb are passed over."""
+    return Verb(contract, needed=False)
+
+
+def generic(contract: Callable[..., None]) -> Verb:
+    """Turn a documented signature into a verb.
 
     Parameters
     ----------
     contract
-        A function whose first parameter is the tuple of kinds, and whose docstring says what
-        implementations, which take one kind in its place, have to do. Its body is not used.
+        A function whose docstring says what implementations have to do. Its first parameter is a class of tables, in
+        whose place implementations take one kind; the annotations of the others are types of `heavylift.numerics.arrays`.
+        Its body is not used.
 
     Returns
     -------
-    callable
-        Usable in kernels (resolved when they are compiled) and in plain Python.
+    Verb
+        Usable in kernels and in plain Python.
 
     Raises
     ------
     TypeError
-        When a kind has no implementation; a kernel that meets one does not compile.
+        When a kind has no implementation and is put into a table.
     """
-    return _serving(contract, needed=True)
+    return Verb(contract, needed=True)
 
 
-def _serving(contract: Callable[..., None], *, needed: bool) -> Callable[..., None]:
-    implementations: dict[type, Callable[..., Any]] = {}
-
-    def serve(kinds: tuple[Any, ...], *arguments: Any) -> None:
-        for kind in kinds:
-            if needed or type(kind) in implementations:
-                _chosen(contract, implementations, type(kind))(kind, *arguments)
-
-    update_wrapper(serve, contract)
-    _IMPLEMENTATIONS[serve] = implementations
-
-    names = list(inspect.signature(contract).parameters)
-
-    def resolve(kinds: Any) -> Callable[..., None]:
-        kernels = {
-            f"kernel_{i}": _chosen(contract, implementations, kind.instance_class)
-            for i, kind in enumerate(kinds)
-            if needed or kind.instance_class in implementations
-        }
-        calls = [f"{name}({names[0]}[{name[7:]}], {', '.join(names[1:])})" for name in kernels]
-        return _function(names, calls, kernels)
-
-    # Numba wants the very parameter names in the resolver too
-    resolver = _function(names, [f"return resolve({names[0]})"], {"resolve": resolve})
-    overload(serve, inline="always", jit_options={"pipeline_class": _TypingCompiler})(resolver)
-    return serve
-
-
-@register_pass(mutates_CFG=True, analysis_only=False)
-class _TypesOnly(NativeLowering):
-    """Ends the compilation of a call whose body is written into the caller: nothing ever runs what would follow."""
-
-    _name = "types_only"
-
-    def run_pass(self, state: Any) -> bool:
-        """Without linking and optimisation; a dispatcher wants some entry point all the same."""
-        state.flags.no_compile = True
-        changed = bool(super().run_pass(state))
-        state["cr"] = state["cr"]._replace(cfunc=len)
-        return changed
-
-
-class _TypingCompiler(CompilerBase):
-    """Numba's passes with `_TypesOnly` as the last but one: a fifth less time for a scene."""
-
-    def define_pipelines(self) -> list[Any]:
-        """Of the usual ones only that without Python objects."""
-        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        passes.passes = [
-            (_TypesOnly, text) if pass_class is NativeLowering else (pass_class, text)
-            for pass_class, text in passes.passes
-        ]
-        passes.finalize()
-        return [passes]
-
-
-def implement(
-    function: Callable[..., None], kind: type
-) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Register a kernel as the implementation of a generic function for one kind.
+def implement(verb: Verb, kind: type) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Register a kernel as the version of a verb for one kind.
 
     Parameters
     ----------
-    function
-        Made by `generic`.
+    verb
+        Made by `generic` or `optional`.
     kind
-        The ``NamedTuple`` class.
+        The class of arrays.
+
+    Raises
+    ------
+    TypeError
+        If the kernel has another number of parameters than the verb.
     """
 
-    def register(kernel_function: Callable[..., Any]) -> Callable[..., Any]:
-        _IMPLEMENTATIONS[function][kind] = kernel_function
-        return kernel_function
+    def register(function: Callable[..., Any]) -> Callable[..., Any]:
+        own = inspect.signature(getattr(function, "py_func", function)).parameters
+        if len(own) != len(inspect.signature(verb.contract).parameters):
+            raise TypeError(f"{function.__name__} takes {len(own)} arguments, {verb.name} has others")
+        verb.implementations[kind] = function
+        _VERBS_OF.setdefault(kind, []).append(verb)
+        return function
 
     return register
 
 
-def _chosen(
-    contract: Callable[..., None], implementations: dict[type, Callable[..., Any]], kind: type
-) -> Callable[..., Any]:
-    try:
-        return implementations[kind]
-    except KeyError:
-        raise TypeError(f"{contract.__name__} is not implemented for {kind.__name__}") from None
+_VERBS_OF: dict[type, list[Verb]] = {}
 
 
-def _function(parameters: list[str], lines: list[str], names: dict[str, Any]) -> Callable[..., Any]:
-    """A function with given parameters and body: Numba cannot inline one with starred arguments."""
-    body = "\n    ".join(lines) or "pass"
-    namespace = dict(names)
-    exec(f"def generated({', '.join(parameters)}):\n    {body}\n", namespace)  # noqa: S102  text from above only
-    return namespace["generated"]
+@cache
+def import_kernels(kind: Any) -> None:
+    """Import the modules that hold the versions of a kind."""
+    for module in getattr(kind, "kernel_modules", ()):
+        importlib.import_module(module)
+
+
+def _symbol(kind: type, verb: Verb) -> str:
+    return f"{kind.__name__}.{verb.name}"
+
+
+def kind_unit(kind: type) -> Unit:
+    """All that is compiled of a kind: its versions of the verbs of tables."""
+    return _kind_unit(kind)
+
+
+@cache
+def _kind_unit(kind: Any) -> Unit:
+    import_kernels(kind)
+    modules = [kind.__module__, *getattr(kind, "kernel_modules", ())]
+    entries: dict[str, Any] = {}
+    for base in reversed(kind.__mro__):
+        for verb in _VERBS_OF.get(base, ()):
+            function = verb.chosen(kind)
+            if isinstance(function, Dispatcher) and verb._table() is not None:  # noqa: SLF001
+                entries[_symbol(kind, verb)] = (function, (Reference(kind), *verb.parameters), types.none)
+                modules.append(function.py_func.__module__)
+    return Unit(kind.__name__, entries, tuple(sorted(set(modules))))
+
+
+# ---- in kernels ----
+
+
+def _declare(verb: Verb) -> None:
+    """Let kernels call a verb: of a table by its lists, of a single kind directly."""
+
+    class Template(AbstractTemplate):  # type: ignore[misc]
+        key = verb
+
+        def generic(self, arguments: Any, named: Any) -> Signature | None:
+            if named or not arguments:
+                return None
+            first = arguments[0]
+            if isinstance(first, TableType):
+                return call_signature(types.none, first, *verb.parameters)
+            kinds = first.types if isinstance(first, types.BaseTuple) else (first,)
+            if all(isinstance(kind, Reference) for kind in kinds):
+                for kind in kinds:
+                    function = verb.chosen(kind.group)
+                    if function is not None:
+                        of_type = self.context.resolve_value_type(function)
+                        of_type.get_call_type(self.context, (kind, *arguments[1:]), {})
+                return call_signature(types.none, *arguments)
+            return None
+
+    infer_global(verb, types.Function(Template))
+    lower_builtin(verb, TableType, types.VarArg(types.Any))(_lower_table_call(verb))
+    lower_builtin(verb, Reference, types.VarArg(types.Any))(_lower_kind_call(verb))
+    lower_builtin(verb, types.BaseTuple, types.VarArg(types.Any))(_lower_kind_call(verb))
+
+
+def _declare_members(members: Members) -> None:
+    class Template(AbstractTemplate):  # type: ignore[misc]
+        key = members
+
+        def generic(self, arguments: Any, named: Any) -> Signature | None:
+            if named or not isinstance(arguments[0], TableType):
+                return None
+            if len(arguments) == 1:
+                return call_signature(types.int64, *arguments)
+            return call_signature(Reference(members.base), arguments[0], types.int64)
+
+    def count(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        first, last = _ends_of_list(builder, members.symbol, values[0])
+        return builder.sdiv(builder.sub(last, first), ir.Constant(WORD, 2 * WORD_BYTES))
+
+    def choose(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        first, _ = _ends_of_list(builder, members.symbol, values[0])
+        pairs = builder.inttoptr(first, WORD.as_pointer())
+        at = builder.gep(pairs, [builder.mul(values[1], ir.Constant(WORD, 2))], source_etype=WORD)
+        return builder.inttoptr(constant_word(builder, at, 1), WORD.as_pointer())
+
+    infer_global(members, types.Function(Template))
+    lower_builtin(members, TableType)(count)
+    lower_builtin(members, TableType, types.Integer)(choose)
+
+
+def _ends_of_list(builder: Any, symbol: str, table: Any) -> tuple[Any, Any]:
+    """Addresses of the first pair of a list, and behind its last."""
+    module = builder.module
+    slot = module.globals.get(symbol) or ir.GlobalVariable(module, WORD, symbol)
+    at = builder.gep(table, [constant_word(builder, slot, 0)], source_etype=WORD)
+    return constant_word(builder, at, 0), constant_word(builder, at, 1)
+
+
+def _lower_table_call(verb: Verb) -> Callable[..., Any]:
+    def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        first, last = _ends_of_list(builder, verb.symbol, values[0])
+        words = [
+            word
+            for of_type, value in zip(signature.args[1:], values[1:], strict=True)
+            for word in to_words(context, builder, of_type, value)
+        ]
+        pointer = WORD.as_pointer()
+        function_type = ir.FunctionType(ir.VoidType(), [pointer, *(word.type for word in words)])
+        before = builder.block
+        loop, after = builder.append_basic_block("serve"), builder.append_basic_block("served")
+        builder.cbranch(builder.icmp_unsigned("!=", first, last), loop, after)
+        builder.position_at_end(loop)
+        entry = builder.phi(WORD)
+        entry.add_incoming(first, before)
+        pair = builder.inttoptr(entry, pointer)
+        function = builder.inttoptr(constant_word(builder, pair, 0), function_type.as_pointer())
+        kind = builder.inttoptr(constant_word(builder, pair, 1), pointer)
+        builder.call(function, [kind, *words])
+        following = builder.add(entry, ir.Constant(WORD, 2 * WORD_BYTES))
+        entry.add_incoming(following, builder.block)
+        builder.cbranch(builder.icmp_unsigned("!=", following, last), loop, after)
+        builder.position_at_end(after)
+        return context.get_dummy_value()
+
+    return lower
+
+
+def _lower_kind_call(verb: Verb) -> Callable[..., Any]:
+    def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        first = signature.args[0]
+        if isinstance(first, types.BaseTuple):
+            kinds = list(zip(first.types, cgutils.unpack_tuple(builder, values[0]), strict=True))
+        else:
+            kinds = [(first, values[0])]
+        for kind, value in kinds:
+            function = verb.chosen(kind.group)
+            if function is not None:
+                of_type = context.typing_context.resolve_value_type(function)
+                of_call = of_type.get_call_type(context.typing_context, (kind, *signature.args[1:]), {})
+                called = context.get_function(of_type, of_call)
+                context.add_linking_libs(called.libs)
+                called(builder, (value, *values[1:]))
+        return context.get_dummy_value()
+
+    return lower

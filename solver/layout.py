@@ -19,6 +19,10 @@ from heavylift.solver.interface import (
     MARKER_WIDTH,
     POINT,
     SUM_COUNT,
+    Bodies,
+    Forces,
+    Joints,
+    Systems,
     Workspace,
 )
 from heavylift.solver.layout_rows import pack_connections
@@ -50,10 +54,10 @@ class Layout:
         What the user should know of the scene.
     """
 
-    bodies: tuple[Any, ...]
-    forces: tuple[Any, ...]
-    joints: tuple[Any, ...]
-    systems: tuple[Any, ...]
+    bodies: Bodies
+    forces: Forces
+    joints: Joints
+    systems: Systems
     work: Workspace
     channels: tuple[Channel, ...]
     column_count: int
@@ -163,10 +167,10 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         contacts = kinds[2][-1]._replace(carried=carried, saved=carried.copy())
         kinds = (kinds[0], kinds[1], (*kinds[2][:-1], contacts))
     return Layout(
-        bodies=kinds[0],
-        forces=tuple(forces),
-        joints=kinds[1],
-        systems=kinds[2],
+        bodies=Bodies(kinds[0]),
+        forces=Forces(forces),
+        joints=Joints(kinds[1]),
+        systems=Systems(kinds[2]),
         work=work,
         channels=tuple(channels),
         column_count=column,

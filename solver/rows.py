@@ -17,22 +17,28 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
-from typing import Any, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1, Ints1, Ints2
 from heavylift.numerics.elimination import eliminate
 from heavylift.numerics.lanes import block_shape
+from heavylift.solver.interface import Systems
+from heavylift.solver.kinds import Members
 
 __all__ = [
     "REGULARISATION",
     "Attachment",
-    "LawRowSystem",
+    "SHAPES",
+    "RowArrays",
     "RowSystem",
     "Rows",
     "classify_rows",
+    "joint_rows",
     "pack_rows",
+    "row_arrays",
 ]
 
 REGULARISATION = 1e-7
@@ -64,16 +70,38 @@ PRESCRIBED, DIAGONAL, FACTORED, HUB = range(4)
 NODE, LOWER, LOWER_COUNT, UPDATE, PIVOT = range(5)
 
 
-class RowSystem(NamedTuple):
+class RowArrays(Arrays):
+    """Rows of joints or of contacts, as those see them who write and read them.
+
+    Attributes
+    ----------
+    lanes
+        Length of a vector of lanes.
+    attachments
+        First velocity (-1 on the ground), number of velocities, place of the panel, holder, and block with the
+        rows, of each side of each block; shape (2 blocks, 5).
+    panels
+        G of all attachments, then ``X = A^-1 G^T``, flat.
+    rows
+        Vectors of lanes, by node and column; flat.
+    inverse_mass
+        Of each velocity of a free rigid body [1/kg, 1/(kg m2)]; 0 where motion is prescribed.
+    """
+
+    lanes: int
+    attachments: Ints2
+    panels: Floats1
+    rows: Floats1
+    inverse_mass: Floats1
+
+
+class RowSystem(RowArrays):
     """Rows of all joints and the factor of their system.
 
     Attributes
     ----------
     shape
-        Block shape for `heavylift.numerics.lanes`.
-    attachments
-        First velocity (-1 on the ground), number of velocities, place of the panel, holder, and block with the
-        rows, of each side of each block; shape (2 blocks, 5).
+        Block shape for `heavylift.numerics.lanes`, the same for all systems of one of the `SHAPES`.
     columns, lower, updates
         The factor, column by column in the order of elimination: pivots; node and place of the blocks
         below; places that each pair of them changes.
@@ -86,52 +114,46 @@ class RowSystem(NamedTuple):
     hubs
         Node, pivot and first velocity of each hub, -1, then node, place, panel and 1 if the hub comes
         later, of each attachment on a hub; shape (n, 4).
-    panels
-        G of all attachments, then ``X = A^-1 G^T``, flat.
     blocks
         Blocks of the factor and one of scratch, flat.
-    rows
-        Vectors of lanes, by node and column; flat.
-    inverse_mass
-        Of each velocity of a free rigid body [1/kg, 1/(kg m2)]; 0 where motion is prescribed.
     monitor
         Record column of the largest violation; the smallest pivot follows it.
     """
 
-    shape: Any
-    attachments: NDArray[np.int64]
-    columns: NDArray[np.int64]
-    lower: NDArray[np.int64]
-    updates: NDArray[np.int64]
-    pairs: NDArray[np.int64]
-    fill: NDArray[np.int64]
-    hubs: NDArray[np.int64]
-    panels: NDArray[np.float64]
-    blocks: NDArray[np.float64]
-    rows: NDArray[np.float64]
-    inverse_mass: NDArray[np.float64]
+    shape: ClassVar[Any] = None
+    kernel_modules: ClassVar[tuple[str, ...]] = (
+        "heavylift.solver.integrate.row_stage",
+        "heavylift.solver.integrate.row_thesis",
+        "heavylift.solver.integrate.accurate_rows",
+        "heavylift.solver.integrate.static_forces",
+        "heavylift.solver.bodies.ancf.joints",
+    )
+
+    columns: Ints2
+    lower: Ints2
+    updates: Ints1
+    pairs: Ints2
+    fill: Ints1
+    hubs: Ints2
+    blocks: Floats1
     monitor: int
 
 
-class LawRowSystem(NamedTuple):
-    """Fields of `RowSystem`, for scenes with laws: ropes, stops, friction; their rows are fitted by iteration."""
-
-    shape: Any
-    attachments: NDArray[np.int64]
-    columns: NDArray[np.int64]
-    lower: NDArray[np.int64]
-    updates: NDArray[np.int64]
-    pairs: NDArray[np.int64]
-    fill: NDArray[np.int64]
-    hubs: NDArray[np.int64]
-    panels: NDArray[np.float64]
-    blocks: NDArray[np.float64]
-    rows: NDArray[np.float64]
-    inverse_mass: NDArray[np.float64]
-    monitor: int
+def _of_shape(rows: int) -> type[RowSystem]:
+    """The kind of systems whose blocks have some rows: its kernels know them when they are compiled."""
+    made = type(f"RowSystem{rows}", (RowSystem,), {"shape": block_shape(rows), "__module__": __name__})
+    return made
 
 
-Rows = RowSystem | LawRowSystem
+MOST_ROWS = 8
+SHAPES = {rows: _of_shape(rows) for rows in range(1, MOST_ROWS + 1)}
+"""Kinds of systems by rows of a block."""
+
+Rows = RowArrays
+"""What joints and bodies see of a system: its lanes are a number."""
+
+row_arrays, joint_rows = Members(Systems, RowArrays), Members(Systems, RowSystem)
+"""All systems with rows in a table, and those of joints."""
 
 
 @dataclass(frozen=True)
@@ -254,8 +276,8 @@ def pack_rows(
     row_data[:, SOFTNESS] = 1.0  # of padding lanes, whose rows are empty
     for block, (used, scale) in enumerate(zip(row_counts, scales, strict=True)):
         row_data[block, SCALE, :used] = scale
-    return RowSystem(
-        shape=shape,
+    return SHAPES[rows](
+        lanes=lanes,
         attachments=attachments,
         columns=np.array(columns, dtype=np.int64).reshape(-1, 5),
         lower=np.array(lower, dtype=np.int64).reshape(-1, 2),
@@ -302,7 +324,7 @@ def classify_rows(system: Rows) -> None:
     -----
     The step then needs no branches: lanes of rigid rows, of others and of none differ in two numbers.
     """
-    table = system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))
+    table = system.rows.reshape(-1, ROW_COLUMNS, system.lanes)
     used = table[:, SCALE] > 0.0
     rigid = used & (table[:, COMPLIANCE] == 0.0)
     table[:, RIGID] = np.where(rigid, np.where(table[:, RIGID] > 0.0, table[:, RIGID], 1.0), 0.0)

@@ -19,7 +19,7 @@ from heavylift.solver.carried import CARRIED
 from heavylift.solver.energy_watch import EnergyWatch
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
 from heavylift.solver.integrate.loop import start_scene, write_record
-from heavylift.solver.interface import NEXT_STEP, STATUS_OUTCOME, STEP_COUNT
+from heavylift.solver.interface import NEXT_STEP, STATUS_OUTCOME, STEP_COUNT, Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.mesh_warning import mesh_warning
 from heavylift.solver.rows import LAST_REACTION, REACTION, ROW_COLUMNS
@@ -168,7 +168,7 @@ class Simulation:
         if integrator == "accurate":
             layout = self._layout
             own = module.make_integration(layout.bodies, layout.joints, layout.systems, layout.work)
-            self._layout = replace(layout, systems=(*layout.systems, own))
+            self._layout = replace(layout, systems=Systems((*layout.systems, own)))
         self.channels: tuple[Channel, ...] = self._layout.channels
         self.column_count: int = self._layout.column_count
         self.diagnosis: Diagnosis | None = None
@@ -268,7 +268,7 @@ class Simulation:
             length, 0.0, 0, 1, 2, np.empty((0, self.column_count)),
         )  # fmt: skip
         system = layout.systems[0]
-        lanes = len(system.shape[1])
+        lanes = system.lanes
         found = system.rows.reshape(-1, ROW_COLUMNS, lanes)[:, LAST_REACTION].copy()
         good = layout.work.status[STATUS_OUTCOME] == 0
         layout.work.status[:] = 0

@@ -16,13 +16,14 @@ which are evaluated once a step, stacked as one matrix, and carried with the sta
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.modal.invariants import ShapeIntegrals
 from heavylift.modal.reduced import ReducedBody
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.small import aligned
 from heavylift.solver.drive import pack_drive
@@ -92,7 +93,7 @@ SMALLEST_FRAME_SHARE = 0.1
 """Of the inertia of a free body that its modes must not carry with them."""
 
 
-class FloatingFrameBodies(NamedTuple):
+class FloatingFrameBodies(Arrays):
     """All floating-frame bodies of a scene; columns and rows are named at the top of this file.
 
     Few arrays, because each one costs compile time in every function that a kind is handed to.
@@ -120,25 +121,42 @@ class FloatingFrameBodies(NamedTuple):
         Points that are recorded: first record column, then the same; shape (m, 5).
     """
 
-    table: NDArray[np.int64]
-    constants: NDArray[np.float64]
-    frame: NDArray[np.float64]
-    modal: NDArray[np.float64]
-    products: NDArray[np.float64]
-    markers: NDArray[np.int64]
-    sensors: NDArray[np.int64]
+    kernel_modules: ClassVar[tuple[str, ...]] = (
+        "heavylift.solver.bodies.floating_frame_advance",
+        "heavylift.solver.bodies.floating_frame_configuration",
+        "heavylift.solver.bodies.floating_frame_contours",
+        "heavylift.solver.bodies.floating_frame_joints",
+        "heavylift.solver.bodies.floating_frame_record",
+        "heavylift.solver.bodies.floating_frame_step",
+        "heavylift.solver.bodies.floating_frame_thesis",
+    )
+
+    table: Ints2
+    constants: Floats1
+    frame: Floats2
+    modal: Floats2
+    products: Floats2
+    markers: Ints2
+    sensors: Ints2
 
 
-class FixedFrameBodies(NamedTuple):
+class FixedFrameBodies(Arrays):
     """All flexible bodies with fixed frames; the fields are those of `FloatingFrameBodies`."""
 
-    table: NDArray[np.int64]
-    constants: NDArray[np.float64]
-    frame: NDArray[np.float64]
-    modal: NDArray[np.float64]
-    products: NDArray[np.float64]
-    markers: NDArray[np.int64]
-    sensors: NDArray[np.int64]
+    kernel_modules: ClassVar[tuple[str, ...]] = (
+        "heavylift.solver.bodies.fixed_frame",
+        "heavylift.solver.bodies.fixed_frame_joints",
+        "heavylift.solver.bodies.floating_frame_configuration",
+        "heavylift.solver.bodies.floating_frame_contours",
+    )
+
+    table: Ints2
+    constants: Floats1
+    frame: Floats2
+    modal: Floats2
+    products: Floats2
+    markers: Ints2
+    sensors: Ints2
 
 
 FlexibleBodies = FloatingFrameBodies | FixedFrameBodies

@@ -56,6 +56,10 @@ from heavylift.solver.bodies.floating_frame import (
 from heavylift.solver.bodies.floating_frame_advance import evaluate_end
 from heavylift.solver.bodies.floating_frame_inertia import body_momenta, leading_products
 from heavylift.solver.bodies.floating_frame_panels import (
+    LANES_1,
+    LANES_2,
+    LANES_4,
+    LANES_8,
     attached_body,
     gather_row_forces,
     scale_modal_panel,
@@ -125,7 +129,21 @@ def _apply_to_frame(
     kind: FloatingFrameBodies, body: int, at_midpoint: bool, system: Rows, panel: int
 ) -> None:
     """Frame rows of X, and what they add to the modal rows, which hold ``D^-1 m``."""
-    shape, G = system.shape, system.panels
+    if system.lanes == 1:
+        _apply_of_lanes(LANES_1, kind, body, at_midpoint, system, panel)
+    elif system.lanes == 2:
+        _apply_of_lanes(LANES_2, kind, body, at_midpoint, system, panel)
+    elif system.lanes == 4:
+        _apply_of_lanes(LANES_4, kind, body, at_midpoint, system, panel)
+    else:
+        _apply_of_lanes(LANES_8, kind, body, at_midpoint, system, panel)
+
+
+@kernel(internal=True)
+def _apply_of_lanes(  # type: ignore[no-untyped-def]
+    shape, kind: FloatingFrameBodies, body: int, at_midpoint: bool, system: Rows, panel: int
+) -> None:
+    G = system.panels
     lanes = len(shape[1])
     n, first = kind.table[body, MODES], kind.table[body, MODAL]
     stage, modal = kind.frame[body], kind.modal

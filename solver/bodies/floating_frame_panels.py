@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.lanes import add_multiple
+from heavylift.numerics.lanes import add_multiple, block_shape
 from heavylift.solver.bodies.floating_frame import (
     DOF,
     FREE,
@@ -29,7 +29,7 @@ from heavylift.solver.rows import (
     Rows,
 )
 
-__all__ = ["attached_body", "gather_row_forces", "scale_modal_panel"]
+__all__ = ["LANES_1", "LANES_2", "LANES_4", "LANES_8", "attached_body", "gather_row_forces", "scale_modal_panel"]
 
 
 @kernel(inline=True, internal=True)
@@ -48,10 +48,26 @@ def attached_body(kind: FlexibleBodies, system: Rows, attachment: int) -> int:
     return low if kind.table[low, DOF] == dof else -1
 
 
+LANES_1, LANES_2, LANES_4, LANES_8 = (block_shape(lanes) for lanes in (1, 2, 4, 8))
+"""Block shapes by their lanes: what bodies do with panels is compiled for each of them."""
+
+
 @kernel(internal=True)
 def scale_modal_panel(kind: FlexibleBodies, body: int, system: Rows, attachment: int) -> None:
     """Modal rows of X: those of G times the inverse diagonal of the modes; frame rows zero."""
-    shape, G = system.shape, system.panels
+    if system.lanes == 1:
+        _scale_modal_panel(LANES_1, kind, body, system, attachment)
+    elif system.lanes == 2:
+        _scale_modal_panel(LANES_2, kind, body, system, attachment)
+    elif system.lanes == 4:
+        _scale_modal_panel(LANES_4, kind, body, system, attachment)
+    else:
+        _scale_modal_panel(LANES_8, kind, body, system, attachment)
+
+
+@kernel(internal=True)
+def _scale_modal_panel(shape, kind: FlexibleBodies, body: int, system: Rows, attachment: int) -> None:  # type: ignore[no-untyped-def]
+    G = system.panels
     lanes = len(shape[1])
     n, first = kind.table[body, MODES], kind.table[body, MODAL]
     panel = system.attachments[attachment, PANEL]
@@ -67,7 +83,7 @@ def scale_modal_panel(kind: FlexibleBodies, body: int, system: Rows, attachment:
 @kernel(internal=True)
 def gather_row_forces(kind: FlexibleBodies, fresh: bool, system: Rows) -> None:
     """Generalised forces ``G^T reaction`` of the rows on held bodies at the carried state."""
-    lanes = len(system.shape[1])
+    lanes = system.lanes
     if fresh:
         for body in range(kind.table.shape[0]):
             for k in range(6):

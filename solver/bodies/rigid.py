@@ -12,11 +12,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import quaternion_from_matrix, rotation_matrix
 from heavylift.solver.bodies.floating_frame import DRIVEN, FIXED, FREE
@@ -62,7 +63,7 @@ class RigidFrames(Protocol):
         """As in `RigidBodies`."""
 
 
-class RigidBodies(NamedTuple):
+class RigidBodies(Arrays):
     """All rigid bodies of a scene; columns are named at the top of this file.
 
     Attributes
@@ -77,11 +78,21 @@ class RigidBodies(NamedTuple):
         As in the kind of floating frames, shapes (m, 5).
     """
 
-    table: NDArray[np.int64]
-    constants: NDArray[np.float64]
-    frame: NDArray[np.float64]
-    markers: NDArray[np.int64]
-    sensors: NDArray[np.int64]
+    kernel_modules: ClassVar[tuple[str, ...]] = (
+        "heavylift.solver.bodies.rigid_accurate",
+        "heavylift.solver.bodies.rigid_configuration",
+        "heavylift.solver.bodies.rigid_contours",
+        "heavylift.solver.bodies.rigid_joints",
+        "heavylift.solver.bodies.rigid_record",
+        "heavylift.solver.bodies.rigid_stage",
+        "heavylift.solver.bodies.rigid_step",
+    )
+
+    table: Ints2
+    constants: Floats1
+    frame: Floats2
+    markers: Ints2
+    sensors: Ints2
 
 
 def pack_rigid_bodies(

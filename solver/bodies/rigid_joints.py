@@ -37,7 +37,7 @@ def add_row_work_of_rigid_bodies(kind: RigidBodies, weight: float, work: Workspa
 @kernel(internal=True)
 def gather_reactions_on_rigid_bodies(kind: RigidBodies, fresh: bool, system: Rows) -> None:
     """Forces ``G^T reaction`` on held bodies at the carried state."""
-    lanes = len(system.shape[1])
+    lanes = system.lanes
     if fresh:
         for body in range(kind.table.shape[0]):
             for k in range(6):

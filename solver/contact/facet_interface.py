@@ -5,13 +5,17 @@ All functions are optional: scenes whose surfaces are rigid compile none of them
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+from heavylift.numerics.arrays import Floats2
+from heavylift.solver.interface import Bodies, Workspace
+from heavylift.solver.kinds import Table, optional
 
-from heavylift.solver.interface import Workspace
-from heavylift.solver.kinds import optional
+if TYPE_CHECKING:
+    from heavylift.contours.surface_pack import CollisionSurfaces
+    from heavylift.solver.contact.facet_kind import FacetSurfaces
+    from heavylift.solver.contact.kind import ContactRows
+    from heavylift.solver.contact.mesh_kind import SurfacePairs
 
 __all__ = [
     "bound_facets",
@@ -24,26 +28,30 @@ __all__ = [
 ]
 
 
+class DeformingSurfaces(Table):
+    """The surfaces of triangles that deform, a kind or none."""
+
+
 # ---- of the surfaces ----
 
 
 @optional
-def form_facets(facets: Any, surfaces: Any, bodies: Any) -> None:
+def form_facets(facets: DeformingSurfaces, surfaces: CollisionSurfaces, bodies: Bodies) -> None:
     """Points, normals, edges and trees from the coordinates of the stage."""
 
 
 @optional
-def bound_facets(facets: Any, contacts: Any, bodies: Any, step: float) -> None:
+def bound_facets(facets: DeformingSurfaces, contacts: ContactRows, bodies: Bodies, step: float) -> None:
     """How far any of their points moves in the step at the velocity of the stage, into the poses."""
 
 
 @optional
-def take_slots(facets: Any, meshes: Any, contacts: Any, contact: int) -> None:
+def take_slots(facets: DeformingSurfaces, meshes: SurfacePairs, contacts: ContactRows, contact: int) -> None:
     """Moving points for a new contact of its pair; -1 if all of them are taken."""
 
 
 @optional
-def touch_facets(facets: Any, meshes: Any, contacts: Any, bodies: Any, work: Workspace, contact: int) -> None:
+def touch_facets(facets: DeformingSurfaces, meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, work: Workspace, contact: int) -> None:
     """Rows of a contact of which a side deforms, after `meshes.touch` and the directions have been found."""
 
 
@@ -51,22 +59,22 @@ def touch_facets(facets: Any, meshes: Any, contacts: Any, bodies: Any, work: Wor
 
 
 @optional
-def form_surface_points(bodies: Any, facets: Any, row: int, first: int, points: NDArray[np.float64]) -> None:
+def form_surface_points(bodies: Bodies, facets: FacetSurfaces, row: int, first: int, points: Floats2) -> None:
     """Points of a surface, which begin at row `first` of `points`, from the coordinates of the stage."""
 
 
 @optional
-def bound_surface_points(bodies: Any, facets: Any, row: int, contacts: Any, step: float) -> None:
+def bound_surface_points(bodies: Bodies, facets: FacetSurfaces, row: int, contacts: ContactRows, step: float) -> None:
     """`bound_facets` of one surface."""
 
 
 @optional
 def put_surface_rows(
-    bodies: Any,
-    facets: Any,
+    bodies: Bodies,
+    facets: FacetSurfaces,
     row: int,
     slot: int,
-    contacts: Any,
+    contacts: ContactRows,
     attachment: int,
     sign: float,
     work: Workspace,

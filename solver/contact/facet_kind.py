@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
+from heavylift.numerics.arrays import Arrays, Floats1, Ints1, Ints2
 
 __all__ = ["FacetSurfaces"]
 
@@ -15,7 +14,7 @@ OF_SURFACE, OF_DOF, OF_POSE, OWN_POINT, POINTS, FIRST_SLOT, LAST_SLOT, ROW_COLUM
 points of its body that contacts between triangles may take."""
 
 
-class FacetSurfaces(NamedTuple):
+class FacetSurfaces(Arrays):
     """Surfaces on frames and shells.
 
     Attributes
@@ -33,10 +32,12 @@ class FacetSurfaces(NamedTuple):
         (3,).
     """
 
-    rows: NDArray[np.int64]
-    row_of: NDArray[np.int64]
-    first: NDArray[np.int64]
-    entries: NDArray[np.int64]
-    factors: NDArray[np.float64]
-    corners: NDArray[np.int64]
-    shares: NDArray[np.float64]
+    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.mesh_facets",)
+
+    rows: Ints2
+    row_of: Ints1
+    first: Ints1
+    entries: Ints1
+    factors: Floats1
+    corners: Ints1
+    shares: Floats1

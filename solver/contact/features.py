@@ -5,10 +5,14 @@ The tuple of features belongs to the contacts; `touch` and `weigh` walk it as th
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, ClassVar
 
-from heavylift.solver.interface import Workspace
-from heavylift.solver.kinds import optional
+from heavylift.numerics.arrays import Arrays
+from heavylift.solver.interface import Bodies, Workspace
+from heavylift.solver.kinds import Table, optional
+
+if TYPE_CHECKING:
+    from heavylift.solver.contact.kind import ContactRows
 
 __all__ = [
     "Curves",
@@ -24,58 +28,76 @@ __all__ = [
 ]
 
 
-class Surfaces(NamedTuple):
+class Features(Table):
+    """What kinds of contact a scene has."""
+
+
+class Surfaces(Arrays):
     """Points and balls on surfaces; how many."""
 
+    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.touch_surface",)
+
     members: int
 
 
-class Curves(NamedTuple):
+class Curves(Arrays):
     """Beads on curves, points and balls on cylinders and bands; how many."""
 
+    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.touch_curve",)
+
     members: int
 
 
-class Rings(NamedTuple):
+class Rings(Arrays):
     """Thin rings on surfaces; how many."""
 
+    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.touch_ring",)
+
     members: int
 
 
-class Primitives(NamedTuple):
+class Primitives(Arrays):
     """Convex primitives on surfaces; how many."""
 
+    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.touch_primitive",)
+
     members: int
 
 
-class Deforming(NamedTuple):
+class Deforming(Arrays):
     """Contours whose control points move in their own axes; how many."""
 
+    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.search_start",)
+
     members: int
 
 
-class SurfaceWeights(NamedTuple):
+class SurfaceWeights(Arrays):
     """Contacts of any shape on surfaces that deform; how many."""
 
+    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.surface_weights",)
+
     members: int
 
 
-class Footprints(NamedTuple):
+class Footprints(Arrays):
     """Contacts on surfaces whose gap and force are means over a disc; how many."""
+
+    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.footprint",)
 
     members: int
 
 
 @optional
-def sample(features: Any, contacts: Any, bodies: Any, contour: int) -> None:
+def sample(features: Features, contacts: ContactRows, bodies: Bodies, contour: int) -> None:
     """Before a search from everywhere: control points and samples of a contour where it is now."""
 
 
 @optional
 def touch(
-    features: Any,
-    contacts: Any,
-    bodies: Any,
+    features: Features,
+    contacts: ContactRows,
+    bodies: Bodies,
     c: int,
     cold: bool,
     y1: float,
@@ -90,5 +112,5 @@ def touch(
 
 
 @optional
-def weigh(features: Any, contacts: Any, bodies: Any, c: int, y1: float, y2: float, y3: float) -> None:
+def weigh(features: Features, contacts: ContactRows, bodies: Bodies, c: int, y1: float, y2: float, y3: float) -> None:
     """Control points that the touched point is made of, and their weights, into the scratch arrays."""

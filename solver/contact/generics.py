@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from heavylift.solver.interface import Workspace
+from heavylift.numerics.arrays import Floats1
+from heavylift.solver.interface import Bodies, Joints, Systems, Workspace
 from heavylift.solver.kinds import optional
+
+if TYPE_CHECKING:
+    from heavylift.solver.contact.kind import ContactRows
 
 __all__ = [
     "after_step",
@@ -35,19 +36,19 @@ __all__ = [
 
 
 @optional
-def pose_contours(kinds: Any, at_midpoint: bool, contacts: Any) -> None:
+def pose_contours(kinds: Bodies, at_midpoint: bool, contacts: ContactRows) -> None:
     """Bodies: rotation and origin of their contours at the stage, which the markers have been filled for."""
 
 
 @optional
 def form_controls(
-    kinds: Any, contacts: Any, contour: int, first_u: int, last_u: int, first_v: int, last_v: int
+    kinds: Bodies, contacts: ContactRows, contour: int, first_u: int, last_u: int, first_v: int, last_v: int
 ) -> None:
     """Bodies whose contours deform: control points of a window, both ends included, in the axes of the contour."""
 
 
 @optional
-def put_contour_rows(kinds: Any, contacts: Any, contact: int, count: int) -> None:
+def put_contour_rows(kinds: Bodies, contacts: ContactRows, contact: int, count: int) -> None:
     """Bodies: rows of a contact on the side of their contour, minus the rates of the touched point.
 
     The touched point is the weighted sum of `count` control points plus an offset; places and weights, directions of
@@ -56,12 +57,12 @@ def put_contour_rows(kinds: Any, contacts: Any, contact: int, count: int) -> Non
 
 
 @optional
-def bound_motion(kinds: Any, contacts: Any, step: float, work: Workspace) -> None:
+def bound_motion(kinds: Bodies, contacts: ContactRows, step: float, work: Workspace) -> None:
     """Bodies: how far any point of a contour moves in the step at the velocity of the stage, at most, into its pose."""
 
 
 @optional
-def forget_accelerations(kinds: Any) -> None:
+def forget_accelerations(kinds: Bodies) -> None:
     """Bodies: after an impact the differences of the last step say nothing of the next."""
 
 
@@ -69,26 +70,26 @@ def forget_accelerations(kinds: Any) -> None:
 
 
 @optional
-def respond(systems: Any, velocity: NDArray[np.float64]) -> None:
+def respond(systems: Systems, velocity: Floats1) -> None:
     """Rows of joints: change a velocity as their impulses do when something pushes, by the factor that is there."""
 
 
 @optional
-def follow(systems: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+def follow(systems: Systems, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """Rows of joints at the midpoint: solve again after contacts have pushed; `CHANGED` if laws have moved."""
 
 
 @optional
-def follow_end(systems: Any, work: Workspace) -> None:
+def follow_end(systems: Systems, work: Workspace) -> None:
     """Rows of joints at the end of the step: the same for the projection."""
 
 
 @optional
 def meet_contacts(
-    systems: Any,
-    rows: Any,
-    bodies: Any,
-    joints: Any,
+    systems: Systems,
+    rows: Systems,
+    bodies: Bodies,
+    joints: Joints,
     work: Workspace,
     time: float,
     step: float,
@@ -98,42 +99,42 @@ def meet_contacts(
 
 
 @optional
-def meet_again(systems: Any, rows: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+def meet_again(systems: Systems, rows: Systems, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """Contacts: the same with the factors that are there, after free velocities have changed."""
 
 
 @optional
-def before_advance(systems: Any, bodies: Any, work: Workspace, step: float) -> None:
+def before_advance(systems: Systems, bodies: Bodies, work: Workspace, step: float) -> None:
     """Contacts: keep a copy of the state, to which an impact within the step goes back; how far things move."""
 
 
 @optional
-def locate_start(systems: Any, bodies: Any, work: Workspace, step: float) -> None:
+def locate_start(systems: Systems, bodies: Bodies, work: Workspace, step: float) -> None:
     """Contacts, before time starts: where they touch, searched from everywhere."""
 
 
 @optional
-def close_start(systems: Any, work: Workspace) -> None:
+def close_start(systems: Systems, work: Workspace) -> None:
     """Contacts, before time starts: what the impacts at the start have closed."""
 
 
 @optional
-def locate_ends(systems: Any, bodies: Any, work: Workspace, time: float, step: float) -> None:
+def locate_ends(systems: Systems, bodies: Bodies, work: Workspace, time: float, step: float) -> None:
     """Contacts: gaps at the end of the step; the time of the first impact in it."""
 
 
 @optional
 def project_contacts(
-    systems: Any, bodies: Any, rows: Any, joints: Any, work: Workspace, time: float, step: float
+    systems: Systems, bodies: Bodies, rows: Systems, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
     """Contacts: impacts, and the velocities of what stays closed, at the end of the step."""
 
 
 @optional
-def go_back(systems: Any) -> None:
+def go_back(systems: Systems) -> None:
     """Contacts: restore the copy of the state."""
 
 
 @optional
-def after_step(systems: Any, bodies: Any, work: Workspace, step: float, whole: bool) -> None:
+def after_step(systems: Systems, bodies: Bodies, work: Workspace, step: float, whole: bool) -> None:
     """Contacts: forget accelerations after an impact; count impacts anew after a whole step."""

@@ -10,16 +10,12 @@ An aim lasts for the stage: `factor` and `advance` forget it. So at each stage a
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
-
+from heavylift.numerics.arrays import Floats1, Floats2, Ints1
 from heavylift.solver.contacts import Contour
-from heavylift.solver.interface import Workspace
+from heavylift.solver.interface import Bodies, Systems, Workspace
 from heavylift.solver.kinds import optional
 
-__all__ = ["aim_points", "form_mesh_controls", "moving_points", "refresh_panels", "settle_points"]
+__all__ = ["aim_points", "form_mesh_controls", "moving_points", "settle_points"]
 
 
 def moving_points(contour: Contour) -> int:
@@ -32,15 +28,15 @@ def moving_points(contour: Contour) -> int:
 
 @optional
 def form_mesh_controls(
-    kinds: Any,
+    kinds: Bodies,
     dof: int,
     at_midpoint: bool,
-    contour: NDArray[np.int64],
+    contour: Ints1,
     first_u: int,
     last_u: int,
     first_v: int,
     last_v: int,
-    net: NDArray[np.float64],
+    net: Floats2,
 ) -> None:
     """Bodies: control points [m] of a window of the shape of the mesh whose first velocity is `dof`, into `net`.
 
@@ -52,11 +48,11 @@ def form_mesh_controls(
 
 @optional
 def aim_points(
-    kinds: Any,
+    kinds: Bodies,
     dof: int,
     slot: int,
-    controls: NDArray[np.int64],
-    weights: NDArray[np.float64],
+    controls: Ints1,
+    weights: Floats1,
     count: int,
 ) -> None:
     """Bodies: what a moving point of the mesh whose first velocity is `dof` is from now on.
@@ -68,7 +64,7 @@ def aim_points(
 
 
 @optional
-def settle_points(kinds: Any, systems: Any, at_midpoint: bool, work: Workspace) -> None:
+def settle_points(kinds: Bodies, systems: Systems, at_midpoint: bool, work: Workspace) -> None:
     """Bodies: after points have been aimed, their velocities of the stage into the workspace.
 
     At the midpoint these are free velocities and what the impulses of the rows have added; at the end of the step
@@ -76,8 +72,3 @@ def settle_points(kinds: Any, systems: Any, at_midpoint: bool, work: Workspace) 
     but what the velocities of the bases contain as well; with no systems there are none. What rows of joints on the
     mesh do to the points is found too: their ``X = A^-1 G^T``.
     """
-
-
-@optional
-def refresh_panels(systems: Any, body_kind: Any, at_midpoint: bool) -> None:
-    """Rows: ``X = A^-1 G^T`` of their attachments on a kind of meshes again."""

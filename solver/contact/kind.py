@@ -8,12 +8,17 @@ system of the joints, so they serve both with the same functions.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from heavylift.contours.layout import CONTOUR_WIDTH
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
+from heavylift.numerics.lanes import block_shape
+from heavylift.solver.rows import RowArrays
+
+if TYPE_CHECKING:
+    from heavylift.solver.contact.features import Features
+    from heavylift.solver.contact.mesh_interface import Colliding
+    from heavylift.solver.contact.reduced import Reduced
 
 __all__ = ["ContactRows", "Samples"]
 
@@ -158,7 +163,7 @@ step that an impact was first seen in [s]; trials since the last whole step; con
 work of rows that look ahead in the middle of the step [J]."""
 
 
-class Samples(NamedTuple):
+class Samples(Arrays):
     """A grid of points on every contour, from which a search begins when nothing is known.
 
     Attributes
@@ -176,18 +181,18 @@ class Samples(NamedTuple):
         Scratch of the searches.
     """
 
-    grids: NDArray[np.int64]
-    parameters: NDArray[np.float64]
-    first: NDArray[np.int64]
-    basis: NDArray[np.float64]
-    reach: NDArray[np.float64]
-    points: NDArray[np.float64]
-    across: NDArray[np.float64]
-    distances: NDArray[np.float64]
-    angles: NDArray[np.float64]
+    grids: Ints2
+    parameters: Floats1
+    first: Ints1
+    basis: Floats2
+    reach: Floats1
+    points: Floats2
+    across: Floats2
+    distances: Floats1
+    angles: Floats1
 
 
-class ContactRows(NamedTuple):
+class ContactRows(RowArrays):
     """All contacts of a scene; columns are named at the top of this file.
 
     Attributes
@@ -233,31 +238,36 @@ class ContactRows(NamedTuple):
         All that a step changes in the scene, as one array, and its copy.
     """
 
-    features: Any
-    shape: Any
-    attachments: NDArray[np.int64]
-    panels: NDArray[np.float64]
-    rows: NDArray[np.float64]
-    inverse_mass: NDArray[np.float64]
-    table: NDArray[np.int64]
-    values: NDArray[np.float64]
-    state: NDArray[np.float64]
-    contours: NDArray[np.int64]
-    poses: NDArray[np.float64]
-    constants: NDArray[np.float64]
-    net: NDArray[np.float64]
+    shape: ClassVar[Any] = block_shape(3)
+    kernel_modules: ClassVar[tuple[str, ...]] = (
+        "heavylift.solver.contact.ends",
+        "heavylift.solver.contact.events",
+        "heavylift.solver.contact.locate",
+        "heavylift.solver.contact.record",
+        "heavylift.solver.contact.stage",
+        "heavylift.solver.contact.start",
+    )
+
+    features: Features
+    table: Ints2
+    values: Floats2
+    state: Floats2
+    contours: Ints2
+    poses: Floats2
+    constants: Floats1
+    net: Floats2
     samples: Samples
-    delassus: NDArray[np.float64]
-    laws: NDArray[np.float64]
-    kinds: NDArray[np.int64]
-    rates: NDArray[np.float64]
-    column: NDArray[np.float64]
-    scratch: NDArray[np.float64]
-    places: NDArray[np.int64]
-    workspace: NDArray[np.float64]
-    control: NDArray[np.float64]
-    reduced: Any
-    meshes: Any
-    placed: NDArray[np.float64]
-    carried: NDArray[np.float64]
-    saved: NDArray[np.float64]
+    delassus: Floats2
+    laws: Floats2
+    kinds: Ints2
+    rates: Floats2
+    column: Floats1
+    scratch: Floats1
+    places: Ints1
+    workspace: Floats1
+    control: Floats1
+    reduced: Reduced
+    meshes: Colliding
+    placed: Floats2
+    carried: Floats1
+    saved: Floats1

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.contours.clearance import clearance, clearance_stack_size
 from heavylift.contours.surface_pack import CollisionSurfaces
+from heavylift.numerics.arrays import Arrays, Floats1, Ints1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.mesh_interface import record_clearance
-from heavylift.solver.contact.mesh_kind import FIRST, FIRST_POSE, PAIR_REACH, SECOND, SECOND_POSE, Meshes
+from heavylift.solver.contact.mesh_kind import (
+    FIRST,
+    FIRST_POSE,
+    PAIR_REACH,
+    SECOND,
+    SECOND_POSE,
+    SurfacePairs,
+)
 from heavylift.solver.contact.mesh_slots import surface_count
 from heavylift.solver.contact.mesh_touch import relative_pose
 from heavylift.solver.kinds import implement
@@ -24,7 +31,7 @@ ABOVE = 1.1
 """A guess of the next clearance, relative to the last one: what is too small costs a second search."""
 
 
-class Clearances(NamedTuple):
+class Clearances(Arrays):
     """Which pairs are measured, and scratch.
 
     Attributes
@@ -37,11 +44,11 @@ class Clearances(NamedTuple):
         Scratch.
     """
 
-    wanted: NDArray[np.int64]
-    last: NDArray[np.float64]
-    stack: NDArray[np.float64]
-    found: NDArray[np.float64]
-    pose: NDArray[np.float64]
+    wanted: Ints1
+    last: Floats1
+    stack: Floats1
+    found: Floats1
+    pose: Floats1
 
 
 def make_clearances(surfaces: CollisionSurfaces, wanted: list[bool]) -> tuple[Clearances, ...]:
@@ -63,7 +70,7 @@ def make_clearances(surfaces: CollisionSurfaces, wanted: list[bool]) -> tuple[Cl
 @kernel(internal=True)
 def record_mesh_clearance(
     clearances: Clearances,
-    meshes: Meshes,
+    meshes: SurfacePairs,
     contacts: ContactRows,
     pair: int,
     row: NDArray[np.float64],

@@ -57,7 +57,7 @@ from heavylift.solver.contact.mesh_kind import (
     POINT_AT,
     SECOND,
     SIDE_DOF,
-    Meshes,
+    SurfacePairs,
 )
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
@@ -87,7 +87,7 @@ def bound_facet_motion(facets: FacetSurfaces, contacts: ContactRows, bodies: Any
 
 @implement(take_slots, FacetSurfaces)
 @kernel(internal=True)
-def take_contact_slots(facets: FacetSurfaces, meshes: Meshes, contacts: ContactRows, contact: int) -> None:
+def take_contact_slots(facets: FacetSurfaces, meshes: SurfacePairs, contacts: ContactRows, contact: int) -> None:
     """The first one of the body that no other contact has."""
     pair = int(contacts.state[contact, PAIR])
     for side in range(2):
@@ -107,7 +107,7 @@ def take_contact_slots(facets: FacetSurfaces, meshes: Meshes, contacts: ContactR
 
 
 @kernel(internal=True)
-def _is_taken(meshes: Meshes, contacts: ContactRows, contact: int, dof: int, slot: int) -> bool:
+def _is_taken(meshes: SurfacePairs, contacts: ContactRows, contact: int, dof: int, slot: int) -> bool:
     """Whether another contact between triangles has a moving point of a body."""
     for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
         state = contacts.state[c]
@@ -119,7 +119,7 @@ def _is_taken(meshes: Meshes, contacts: ContactRows, contact: int, dof: int, slo
 
 
 @kernel(internal=True)
-def _share_on_edge(facets: FacetSurfaces, meshes: Meshes, edge: int, x: Vector) -> None:
+def _share_on_edge(facets: FacetSurfaces, meshes: SurfacePairs, edge: int, x: Vector) -> None:
     """Of a point of the line along an edge."""
     points = meshes.surfaces.points
     a, b = meshes.surfaces.edges[edge, 0], meshes.surfaces.edges[edge, 1]
@@ -133,7 +133,7 @@ def _share_on_edge(facets: FacetSurfaces, meshes: Meshes, edge: int, x: Vector) 
 
 
 @kernel(internal=True)
-def _share_in_face(facets: FacetSurfaces, meshes: Meshes, face: int, x: Vector) -> None:
+def _share_in_face(facets: FacetSurfaces, meshes: SurfacePairs, face: int, x: Vector) -> None:
     """Of a point of the plane of a triangle (Ericson, *Real-Time Collision Detection*, 2005, section 3.4)."""
     points = meshes.surfaces.points
     a, b, c = (
@@ -157,7 +157,7 @@ def _share_in_face(facets: FacetSurfaces, meshes: Meshes, face: int, x: Vector) 
 
 @kernel(internal=True)
 def _share(
-    facets: FacetSurfaces, meshes: Meshes, kind: int, feature: int, second: bool, surface: int, x: Vector
+    facets: FacetSurfaces, meshes: SurfacePairs, kind: int, feature: int, second: bool, surface: int, x: Vector
 ) -> None:
     """Corners and shares of the touched point on one side, which is x in the axes of the surface."""
     own_face = FACE_VERTEX if second else VERTEX_FACE
@@ -176,7 +176,7 @@ def _share(
 @implement(touch_facets, FacetSurfaces)
 @kernel(internal=True)
 def touch_facet_contact(
-    facets: FacetSurfaces, meshes: Meshes, contacts: ContactRows, bodies: Any, work: Workspace, contact: int
+    facets: FacetSurfaces, meshes: SurfacePairs, contacts: ContactRows, bodies: Any, work: Workspace, contact: int
 ) -> None:
     """Side by side, in place of what rigid bodies have there."""
     state, touch, scratch = contacts.state[contact], meshes.touch, contacts.scratch

@@ -43,7 +43,7 @@ from heavylift.solver.contact.mesh_kind import (
     OTHER_AT,
     POINT_AT,
     SECOND,
-    Meshes,
+    SurfacePairs,
 )
 from heavylift.solver.contact.mesh_patches import BORDER
 from heavylift.solver.contact.mesh_sides import ALIGNED, aligned, evaluate, holds
@@ -75,7 +75,7 @@ def book_jump(contacts: ContactRows, c: int, gap: float) -> None:
 
 
 @kernel(internal=True)
-def goes_on(meshes: Meshes, contacts: ContactRows, pair: int, i: int, moved: float) -> tuple[int, float]:
+def goes_on(meshes: SurfacePairs, contacts: ContactRows, pair: int, i: int, moved: float) -> tuple[int, float]:
     """Contact that has left its face or edge where something was found, and the side it has there; -1 without.
 
     Parameters
@@ -112,7 +112,7 @@ def goes_on(meshes: Meshes, contacts: ContactRows, pair: int, i: int, moved: flo
 
 
 @kernel(internal=True)
-def _distance(meshes: Meshes, contacts: ContactRows, pair: int, c: int, turned: float) -> float:
+def _distance(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int, turned: float) -> float:
     """From where a contact touches to the place left in `touch` [m], whose normal may be turned round."""
     touch, state = meshes.touch, contacts.state[c]
     pose, radii = contacts.poses[meshes.pairs[pair, FIRST_POSE]], meshes.surfaces.radii

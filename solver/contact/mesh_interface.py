@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+from heavylift.numerics.arrays import Floats1
+from heavylift.solver.interface import Bodies, Workspace
+from heavylift.solver.kinds import Table, optional
 
-from heavylift.solver.interface import Workspace
-from heavylift.solver.kinds import optional
+if TYPE_CHECKING:
+    from heavylift.solver.contact.kind import ContactRows
+    from heavylift.solver.contact.mesh_kind import SurfacePairs
 
 __all__ = [
     "bound_surfaces",
@@ -25,13 +27,21 @@ __all__ = [
 ]
 
 
+class Colliding(Table):
+    """Pairs of surfaces of triangles, a kind or none."""
+
+
+class Clearing(Table):
+    """Pairs whose distance is recorded, a kind or none."""
+
+
 @optional
-def restore_contacts(meshes: Any, contacts: Any) -> None:
+def restore_contacts(meshes: Colliding, contacts: ContactRows) -> None:
     """Number, sides and laws of the contacts from what is carried of them; after a step has been taken back too."""
 
 
 @optional
-def pose_surfaces(meshes: Any, contacts: Any, bodies: Any) -> None:
+def pose_surfaces(meshes: Colliding, contacts: ContactRows, bodies: Bodies) -> None:
     """Pose of the second surface of each pair in the axes of the first, from the poses of the stage.
 
     Points of surfaces that deform come first.
@@ -39,47 +49,47 @@ def pose_surfaces(meshes: Any, contacts: Any, bodies: Any) -> None:
 
 
 @optional
-def bound_surfaces(meshes: Any, contacts: Any, bodies: Any, step: float) -> None:
+def bound_surfaces(meshes: Colliding, contacts: ContactRows, bodies: Bodies, step: float) -> None:
     """How far surfaces that deform move in the step, into their poses."""
 
 
 @optional
-def touch_triangles(meshes: Any, contacts: Any, bodies: Any, c: int, work: Workspace) -> None:
+def touch_triangles(meshes: Colliding, contacts: ContactRows, bodies: Bodies, c: int, work: Workspace) -> None:
     """Gap, directions and rows of a contact at the stage."""
 
 
 @optional
-def search_surfaces(meshes: Any, contacts: Any, bodies: Any, work: Workspace, step: float) -> None:
+def search_surfaces(meshes: Colliding, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float) -> None:
     """Contacts at the end of the step: those whose features have met on the way or are near, with gaps and rows."""
 
 
 @optional
-def find_first_contacts(meshes: Any, contacts: Any, bodies: Any, work: Workspace, step: float) -> None:
+def find_first_contacts(meshes: Colliding, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float) -> None:
     """The same before time starts, with both ends of the step at the start."""
 
 
 @optional
-def keep_found(meshes: Any, contacts: Any, before: bool) -> None:
+def keep_found(meshes: Colliding, contacts: ContactRows, before: bool) -> None:
     """Contacts found in a step that is taken back outlive it: called before the state is restored, and after."""
 
 
 @optional
-def drop_contacts(meshes: Any, contacts: Any) -> None:
+def drop_contacts(meshes: Colliding, contacts: ContactRows) -> None:
     """After a step: contacts that are far away again go, and leave their sums to their pair."""
 
 
 @optional
-def place_surfaces(meshes: Any, contacts: Any) -> None:
+def place_surfaces(meshes: Colliding, contacts: ContactRows) -> None:
     """When a step stands: poses of the surfaces at its end, where the next one begins."""
 
 
 @optional
 def record_clearance(
-    clearances: Any, meshes: Any, contacts: Any, pair: int, row: NDArray[np.float64], at: int
+    clearances: Clearing, meshes: SurfacePairs, contacts: ContactRows, pair: int, row: Floats1, at: int
 ) -> None:
     """Distance of the surfaces of a pair into place `at` of a record, where it is more than the search reaches."""
 
 
 @optional
-def record_pairs(meshes: Any, contacts: Any, work: Workspace, row: NDArray[np.float64]) -> None:
+def record_pairs(meshes: Colliding, contacts: ContactRows, work: Workspace, row: Floats1) -> None:
     """Channels of pairs into a record, and what their contacts have stored and lost into the sums of energy."""

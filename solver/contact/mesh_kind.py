@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
+from heavylift.contours.pair_list import PairLists
+from heavylift.contours.surface_pack import CollisionSurfaces
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 
-__all__ = ["Meshes"]
+if TYPE_CHECKING:
+    from heavylift.solver.contact.facet_interface import DeformingSurfaces
+    from heavylift.solver.contact.mesh_interface import Clearing
+
+__all__ = ["SurfacePairs"]
 
 # columns of `pairs`
 FIRST, SECOND, FIRST_POSE, SECOND_POSE, PAIR_LAW, PAIR_FORCE_LAW, PAIR_EVENTS, METHOD, PAIR_COLUMN = range(9)
@@ -42,7 +47,7 @@ FOUND_TIME, FOUND_SIDE, FOUND_GAP, FOUND_NUMBERS = range(4)
 NORMAL_AT, POINT_AT, OTHER_AT, BESIDE_AT, TOUCH_NUMBERS = 0, 3, 6, 9, 10
 
 
-class Meshes(NamedTuple):
+class SurfacePairs(Arrays):
     """Surfaces, pairs of them, and what their search needs; columns are named at the top of this file.
 
     Attributes
@@ -76,28 +81,36 @@ class Meshes(NamedTuple):
         Surfaces that deform, a tuple of one kind or none.
     """
 
-    surfaces: Any
-    lists: Any
-    pairs: NDArray[np.int64]
-    sides: NDArray[np.int64]
-    pair_values: NDArray[np.float64]
-    relative: NDArray[np.float64]
-    motions: NDArray[np.float64]
-    found: NDArray[np.int64]
-    found_values: NDArray[np.float64]
-    touch: NDArray[np.float64]
-    points: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    depths: NDArray[np.float64]
-    active: NDArray[np.int64]
-    owners: NDArray[np.int64]
-    patch_of: NDArray[np.int64]
-    keeps: NDArray[np.int64]
-    chosen: NDArray[np.int64]
-    sums: NDArray[np.float64]
-    grid: NDArray[np.int64]
-    slots: NDArray[np.int64]
-    chains: NDArray[np.int64]
-    kept: NDArray[np.float64]
-    clearances: Any
-    facets: Any
+    kernel_modules: ClassVar[tuple[str, ...]] = (
+        "heavylift.solver.contact.mesh_handover",
+        "heavylift.solver.contact.mesh_record",
+        "heavylift.solver.contact.mesh_search",
+        "heavylift.solver.contact.mesh_slots",
+        "heavylift.solver.contact.mesh_touch",
+    )
+
+    surfaces: CollisionSurfaces
+    lists: PairLists
+    pairs: Ints2
+    sides: Ints2
+    pair_values: Floats2
+    relative: Floats2
+    motions: Floats2
+    found: Ints2
+    found_values: Floats2
+    touch: Floats1
+    points: Floats2
+    normals: Floats2
+    depths: Floats1
+    active: Ints1
+    owners: Ints1
+    patch_of: Ints1
+    keeps: Ints1
+    chosen: Ints2
+    sums: Floats1
+    grid: Ints1
+    slots: Ints1
+    chains: Ints1
+    kept: Floats2
+    clearances: Clearing
+    facets: DeformingSurfaces

@@ -71,7 +71,7 @@ from heavylift.solver.contact.mesh_kind import (
     SIDE_COLUMNS,
     SIDE_WIDTH,
     TOUCH_NUMBERS,
-    Meshes,
+    SurfacePairs,
 )
 from heavylift.solver.contact.packed_collisions import PackedCollisions
 from heavylift.solver.contacts import BilateralLaw, RigidLaw
@@ -192,7 +192,7 @@ def pack_collisions(
         )
     items = room + most
     places = len(scene.contacts) + most
-    meshes = Meshes(
+    meshes = SurfacePairs(
         surfaces=packed,
         lists=make_pair_lists(packed, [(int(row[FIRST]), int(row[SECOND])) for row in pairs]),
         pairs=pairs,

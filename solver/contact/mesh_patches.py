@@ -51,7 +51,7 @@ from heavylift.solver.contact.mesh_kind import (
     PATCH_SIZE,
     POINT_AT,
     RADII,
-    Meshes,
+    SurfacePairs,
 )
 from heavylift.solver.contact.mesh_table import look_up
 
@@ -71,7 +71,7 @@ DEEPER_ON_MESHES = 1e-2
 
 
 @kernel(inline=True, internal=True)
-def _comes_before(meshes: Meshes, i: int, kind: int, feature: int, other: int) -> bool:
+def _comes_before(meshes: SurfacePairs, i: int, kind: int, feature: int, other: int) -> bool:
     """Whether found features stand before others in the order of their numbers."""
     found = meshes.found[i]
     if found[FOUND_KIND] != kind:
@@ -82,7 +82,7 @@ def _comes_before(meshes: Meshes, i: int, kind: int, feature: int, other: int) -
 
 
 @kernel(internal=True)
-def sort_found(meshes: Meshes, count: int) -> None:
+def sort_found(meshes: SurfacePairs, count: int) -> None:
     """By features (Shell's method): a search finds them in an order that depends on when its list was made."""
     found, values = meshes.found, meshes.found_values
     distance = 1
@@ -106,7 +106,7 @@ def sort_found(meshes: Meshes, count: int) -> None:
 
 @kernel(internal=True)
 def _put_item(
-    meshes: Meshes, pair: int, n: int, kind: int, feature: int, other: int, side: float, owner: int
+    meshes: SurfacePairs, pair: int, n: int, kind: int, feature: int, other: int, side: float, owner: int
 ) -> None:
     """Place, normal and gap of a contact, or of what may become one, for the grouping."""
     touch = meshes.touch
@@ -128,7 +128,7 @@ def _put_item(
 
 
 @kernel(internal=True)
-def choose_contacts(meshes: Meshes, contacts: ContactRows, pair: int, count: int, ahead: float) -> int:
+def choose_contacts(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, ahead: float) -> int:
     """Group contacts and what was found beside them into patches; returns the number of patches.
 
     Contacts get the number of their patch. Of what was found, those that span a patch are to become contacts, and those
@@ -180,7 +180,7 @@ def choose_contacts(meshes: Meshes, contacts: ContactRows, pair: int, count: int
 
 @kernel(internal=True)
 def _mark_chosen(
-    meshes: Meshes, contacts: ContactRows, n: int, patches: int, deeper: float, ahead: float
+    meshes: SurfacePairs, contacts: ContactRows, n: int, patches: int, deeper: float, ahead: float
 ) -> None:
     """Those that span their patch, and the deepest one if it is deeper than they are."""
     for k in range(patches):
@@ -216,7 +216,7 @@ def _weight(gap: float, reach: float) -> float:
 
 
 @kernel(internal=True)
-def share_stiffness(meshes: Meshes, contacts: ContactRows, pair: int, patches: int, reach: float) -> None:
+def share_stiffness(meshes: SurfacePairs, contacts: ContactRows, pair: int, patches: int, reach: float) -> None:
     """Contacts that touch share the stiffness of their patch equally; one that comes near takes its share by and by.
 
     So forces do not jump when it touches. What the others have stored more or less by that is booked as lost, and so is

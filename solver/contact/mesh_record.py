@@ -42,7 +42,7 @@ from heavylift.solver.contact.mesh_kind import (
     PAIR_COLUMN,
     PAIR_REACH,
     RECORDED,
-    Meshes,
+    SurfacePairs,
 )
 from heavylift.solver.contact.mesh_slots import surface_count
 from heavylift.solver.interface import DISSIPATED, ELASTIC, Workspace
@@ -89,10 +89,10 @@ def collision_channels(recorded: int) -> list[tuple[str, str, tuple[str, ...]]]:
     return found
 
 
-@implement(record_pairs, Meshes)
+@implement(record_pairs, SurfacePairs)
 @kernel(internal=True)
 def record_mesh_pairs(
-    meshes: Meshes, contacts: ContactRows, work: Workspace, row: NDArray[np.float64]
+    meshes: SurfacePairs, contacts: ContactRows, work: Workspace, row: NDArray[np.float64]
 ) -> None:
     """Pair by pair."""
     for pair in range(meshes.pairs.shape[0]):
@@ -103,7 +103,7 @@ def record_mesh_pairs(
 
 @kernel(internal=True)
 def _record_sums(
-    meshes: Meshes, contacts: ContactRows, pair: int, work: Workspace, row: NDArray[np.float64], at: int
+    meshes: SurfacePairs, contacts: ContactRows, pair: int, work: Workspace, row: NDArray[np.float64], at: int
 ) -> None:
     """What all contacts of a pair do together; its gap is the reach of the search while nothing is nearer."""
     gone = contacts.placed[surface_count(contacts, meshes) + pair]
@@ -158,7 +158,7 @@ def _record_sums(
 
 @kernel(internal=True)
 def _record_largest(
-    meshes: Meshes, contacts: ContactRows, pair: int, row: NDArray[np.float64], at: int
+    meshes: SurfacePairs, contacts: ContactRows, pair: int, row: NDArray[np.float64], at: int
 ) -> None:
     """Contacts in the order of their normal forces, those of equal ones in that of their places."""
     before, last = math.inf, -1

@@ -62,7 +62,7 @@ from heavylift.solver.contact.mesh_kind import (
     PAIR_PATCHES,
     PAIR_REACH,
     SECOND_POSE,
-    Meshes,
+    SurfacePairs,
 )
 from heavylift.solver.contact.mesh_patches import (
     BORDER,
@@ -103,10 +103,10 @@ AT_START = 1e-4
 TOO_MANY_CONTACTS = int(Outcome.TOO_MANY_CONTACTS)
 
 
-@implement(search_surfaces, Meshes)
+@implement(search_surfaces, SurfacePairs)
 @kernel(internal=True)
 def search_mesh_surfaces(
-    meshes: Meshes, contacts: ContactRows, bodies: Any, work: Workspace, step: float
+    meshes: SurfacePairs, contacts: ContactRows, bodies: Any, work: Workspace, step: float
 ) -> None:
     """All pairs, from the poses that are carried to those of the stage."""
     _search_all(meshes, contacts, bodies, work, step, False)
@@ -114,7 +114,7 @@ def search_mesh_surfaces(
 
 @kernel(internal=True)
 def _search_all(
-    meshes: Meshes, contacts: ContactRows, bodies: Any, work: Workspace, step: float, first: bool
+    meshes: SurfacePairs, contacts: ContactRows, bodies: Any, work: Workspace, step: float, first: bool
 ) -> None:
     """The same; at the start what is a little inside is found too."""
     first_row = contacts.poses.shape[0] - surface_count(contacts, meshes)
@@ -142,10 +142,10 @@ def _search_all(
             )
 
 
-@implement(find_first_contacts, Meshes)
+@implement(find_first_contacts, SurfacePairs)
 @kernel(internal=True)
 def find_first_mesh_contacts(
-    meshes: Meshes, contacts: ContactRows, bodies: Any, work: Workspace, step: float
+    meshes: SurfacePairs, contacts: ContactRows, bodies: Any, work: Workspace, step: float
 ) -> None:
     """What is near at the start; what touches and does not move is closed."""
     first_row = contacts.poses.shape[0] - surface_count(contacts, meshes)
@@ -164,7 +164,7 @@ def find_first_mesh_contacts(
 
 @kernel(internal=True)
 def _search_pair(
-    meshes: Meshes,
+    meshes: SurfacePairs,
     contacts: ContactRows,
     bodies: Any,
     pair: int,
@@ -235,7 +235,7 @@ def _stop(contacts: ContactRows, pair: int, work: Workspace) -> None:
 
 @kernel(internal=True)
 def _follow_contacts(
-    meshes: Meshes, contacts: ContactRows, bodies: Any, pair: int, size: float, work: Workspace
+    meshes: SurfacePairs, contacts: ContactRows, bodies: Any, pair: int, size: float, work: Workspace
 ) -> int:
     """Gaps and rows of the contacts of a pair; how many of the closed ones have left their face or edges."""
     lost = 0
@@ -251,7 +251,7 @@ def _follow_contacts(
 
 @kernel(internal=True)
 def _hand_over(
-    meshes: Meshes, contacts: ContactRows, bodies: Any, pair: int, i: int, moved: float, work: Workspace
+    meshes: SurfacePairs, contacts: ContactRows, bodies: Any, pair: int, i: int, moved: float, work: Workspace
 ) -> bool:
     """A contact that holds and has left its face or edge goes on with what was found there, its memory kept."""
     c, side = goes_on(meshes, contacts, pair, i, moved)
@@ -268,7 +268,7 @@ def _hand_over(
 
 
 @kernel(internal=True)
-def _has_room(meshes: Meshes, contacts: ContactRows, pair: int) -> bool:
+def _has_room(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> bool:
     """Whether a pair may have one contact more."""
     count = 0
     for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
@@ -279,7 +279,7 @@ def _has_room(meshes: Meshes, contacts: ContactRows, pair: int) -> bool:
 
 @kernel(internal=True)
 def _add(
-    meshes: Meshes,
+    meshes: SurfacePairs,
     contacts: ContactRows,
     bodies: Any,
     pair: int,
@@ -320,7 +320,7 @@ def _add(
 
 
 @kernel(internal=True)
-def _finish_contacts(meshes: Meshes, contacts: ContactRows) -> None:
+def _finish_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """What lies beside its face or edges and has not come through them does not touch."""
     for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
         state = contacts.state[c]

@@ -33,7 +33,7 @@ from heavylift.solver.contact.mesh_kind import (
     NORMAL_AT,
     POINT_AT,
     RADII,
-    Meshes,
+    SurfacePairs,
 )
 from heavylift.solver.contact.mesh_patches import UNKNOWN
 from heavylift.solver.contact.mesh_table import look_up
@@ -63,7 +63,7 @@ def holds(contacts: ContactRows, c: int) -> bool:
 
 
 @kernel(internal=True)
-def evaluate(meshes: Meshes, pair: int, i: int, pose: NDArray[np.float64], side: float) -> float:
+def evaluate(meshes: SurfacePairs, pair: int, i: int, pose: NDArray[np.float64], side: float) -> float:
     """Gap of what was found, at a pose; normal and points are left in `touch`."""
     found = meshes.found[i]
     return feature_gap(
@@ -80,7 +80,7 @@ def evaluate(meshes: Meshes, pair: int, i: int, pose: NDArray[np.float64], side:
 
 
 @kernel(internal=True)
-def gap_at_start(meshes: Meshes, pair: int, i: int) -> float:
+def gap_at_start(meshes: SurfacePairs, pair: int, i: int) -> float:
     """Gap of what was found at the start of the step, where the product of two edges may point the other way."""
     side, touch = meshes.found_values[i, FOUND_SIDE], meshes.touch
     if meshes.found[i, FOUND_KIND] == EDGE_EDGE:
@@ -93,7 +93,7 @@ def gap_at_start(meshes: Meshes, pair: int, i: int) -> float:
 
 
 @kernel(internal=True)
-def aligned(meshes: Meshes, contacts: ContactRows, pair: int, c: int) -> float:
+def aligned(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int) -> float:
     """Cosine between the normal left in `touch` and that of a contact."""
     touch, state = meshes.touch, contacts.state[c]
     pose = contacts.poses[meshes.pairs[pair, FIRST_POSE]]
@@ -102,7 +102,7 @@ def aligned(meshes: Meshes, contacts: ContactRows, pair: int, c: int) -> float:
 
 
 @kernel(internal=True)
-def deepest_of(meshes: Meshes, contacts: ContactRows, pair: int) -> float:
+def deepest_of(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> float:
     """How deep contacts of a pair that push or rest have been inside at the start of the step [m]."""
     deepest = 0.0
     for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
@@ -112,7 +112,7 @@ def deepest_of(meshes: Meshes, contacts: ContactRows, pair: int) -> float:
 
 
 @kernel(internal=True)
-def _is_turned(meshes: Meshes, contacts: ContactRows, pair: int, count: int, near: float) -> bool:
+def _is_turned(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, near: float) -> bool:
     """Whether the normal left in `touch` is against that of the nearest contact that touches along the same line."""
     touch, pose = meshes.touch, contacts.poses[meshes.pairs[pair, FIRST_POSE]]
     x1, x2, x3 = rotate(pose, touch[POINT_AT], touch[POINT_AT + 1], touch[POINT_AT + 2])
@@ -131,7 +131,7 @@ def _is_turned(meshes: Meshes, contacts: ContactRows, pair: int, count: int, nea
 
 
 @kernel(internal=True)
-def settle_sides(meshes: Meshes, contacts: ContactRows, pair: int, count: int, first: bool) -> None:
+def settle_sides(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, first: bool) -> None:
     """Sides of what was found and is no contact yet; what was inside before, and has none to go on from, is unknown.
 
     Which side it comes from is told by what touches already, and it may be as deep inside as that.

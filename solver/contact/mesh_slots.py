@@ -63,7 +63,7 @@ from heavylift.solver.contact.mesh_kind import (
     SIDE_DOF,
     SIDE_HOLDER,
     SIDE_WIDTH,
-    Meshes,
+    SurfacePairs,
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import DOF, HOLDER, PANEL, PRESCRIBED, ROW_COLUMNS, WIDTH
@@ -75,7 +75,7 @@ FAR = 4.0
 
 
 @kernel(inline=True, internal=True)
-def surface_count(contacts: ContactRows, meshes: Meshes) -> int:
+def surface_count(contacts: ContactRows, meshes: SurfacePairs) -> int:
     """Rows of `placed` that are poses."""
     return contacts.placed.shape[0] - 1 - meshes.pairs.shape[0]
 
@@ -94,7 +94,7 @@ def _set_count(contacts: ContactRows, count: int) -> None:
 
 
 @kernel(internal=True)
-def _assign(meshes: Meshes, contacts: ContactRows, c: int) -> None:
+def _assign(meshes: SurfacePairs, contacts: ContactRows, c: int) -> None:
     """Laws, values and sides of a contact from its pair."""
     pair = int(contacts.state[c, PAIR])
     row, table = meshes.pairs[pair], contacts.table[c]
@@ -124,9 +124,9 @@ def _release(contacts: ContactRows, c: int) -> None:
         contacts.state[c, k] = 0.0
 
 
-@implement(restore_contacts, Meshes)
+@implement(restore_contacts, SurfacePairs)
 @kernel(internal=True)
-def restore_mesh_contacts(meshes: Meshes, contacts: ContactRows) -> None:
+def restore_mesh_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """From the carried state, whoever has changed it."""
     first = number_of(contacts, OF_CONTOURS)
     before = contact_count(contacts)
@@ -139,7 +139,7 @@ def restore_mesh_contacts(meshes: Meshes, contacts: ContactRows) -> None:
 
 
 @kernel(internal=True)
-def add_contact(meshes: Meshes, contacts: ContactRows, pair: int) -> int:
+def add_contact(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> int:
     """A new contact of a pair, all zero; -1 if there is no place."""
     c = contact_count(contacts)
     if c >= contacts.table.shape[0]:
@@ -153,9 +153,9 @@ def add_contact(meshes: Meshes, contacts: ContactRows, pair: int) -> int:
     return c if contacts.state[c, POINT_SLOT] >= 0.0 else -1
 
 
-@implement(keep_found, Meshes)
+@implement(keep_found, SurfacePairs)
 @kernel(internal=True)
-def keep_found_contacts(meshes: Meshes, contacts: ContactRows, before: bool) -> None:
+def keep_found_contacts(meshes: SurfacePairs, contacts: ContactRows, before: bool) -> None:
     """What was found in the step stands behind the contacts that were there before it."""
     first = number_of(contacts, OF_CONTOURS)
     if before:
@@ -175,9 +175,9 @@ def keep_found_contacts(meshes: Meshes, contacts: ContactRows, before: bool) -> 
     _set_count(contacts, contact_count(contacts))
 
 
-@implement(drop_contacts, Meshes)
+@implement(drop_contacts, SurfacePairs)
 @kernel(internal=True)
-def drop_mesh_contacts(meshes: Meshes, contacts: ContactRows) -> None:
+def drop_mesh_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """Open contacts whose features are far from each other, or beside each other, go; the last one takes the place."""
     c = number_of(contacts, OF_CONTOURS)
     while c < contact_count(contacts):
@@ -218,9 +218,9 @@ def _move(contacts: ContactRows, source: int, target: int) -> None:
             contacts.panels[half + new + k] = contacts.panels[half + old + k]
 
 
-@implement(place_surfaces, Meshes)
+@implement(place_surfaces, SurfacePairs)
 @kernel(internal=True)
-def place_mesh_surfaces(meshes: Meshes, contacts: ContactRows) -> None:
+def place_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """The search of the next step begins where this one has ended, and so do its contacts."""
     first = contacts.poses.shape[0] - surface_count(contacts, meshes)
     for i in range(surface_count(contacts, meshes)):

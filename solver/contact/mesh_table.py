@@ -5,20 +5,20 @@ from __future__ import annotations
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.counts import contact_count, number_of
 from heavylift.solver.contact.kind import FEATURE, FEATURES, OF_CONTOURS, OTHER_FEATURE, PAIR, ContactRows
-from heavylift.solver.contact.mesh_kind import Meshes
+from heavylift.solver.contact.mesh_kind import SurfacePairs
 
 __all__ = ["enter", "fill_table", "look_up"]
 
 
 @kernel(inline=True, internal=True)
-def _slot(meshes: Meshes, pair: int, kind: int, feature: int, other: int) -> int:
+def _slot(meshes: SurfacePairs, pair: int, kind: int, feature: int, other: int) -> int:
     """Place of the first contact with such features (Teschner et al., 2003)."""
     mixed = (feature * 73856093) ^ (other * 19349663) ^ (kind * 83492791) ^ (pair * 26544357)
     return mixed & (meshes.slots.shape[0] - 1)
 
 
 @kernel(internal=True)
-def fill_table(meshes: Meshes, contacts: ContactRows) -> None:
+def fill_table(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """All contacts that are there."""
     for i in range(meshes.slots.shape[0]):
         meshes.slots[i] = -1
@@ -27,7 +27,7 @@ def fill_table(meshes: Meshes, contacts: ContactRows) -> None:
 
 
 @kernel(internal=True)
-def enter(meshes: Meshes, contacts: ContactRows, c: int) -> None:
+def enter(meshes: SurfacePairs, contacts: ContactRows, c: int) -> None:
     """One contact."""
     state = contacts.state[c]
     at = _slot(meshes, int(state[PAIR]), int(state[FEATURES]), int(state[FEATURE]), int(state[OTHER_FEATURE]))
@@ -36,7 +36,7 @@ def enter(meshes: Meshes, contacts: ContactRows, c: int) -> None:
 
 
 @kernel(internal=True)
-def look_up(meshes: Meshes, contacts: ContactRows, pair: int, kind: int, feature: int, other: int) -> int:
+def look_up(meshes: SurfacePairs, contacts: ContactRows, pair: int, kind: int, feature: int, other: int) -> int:
     """The contact with these features, -1 if there is none."""
     c = int(meshes.slots[_slot(meshes, pair, kind, feature, other)])
     while c >= 0:

@@ -49,7 +49,7 @@ from heavylift.solver.contact.mesh_kind import (
     RADII,
     SECOND,
     SECOND_POSE,
-    Meshes,
+    SurfacePairs,
 )
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
@@ -76,9 +76,9 @@ def relative_pose(first, second, out, at: int) -> None:  # type: ignore[no-untyp
         out[at + 9 + i] = p[i]
 
 
-@implement(pose_surfaces, Meshes)
+@implement(pose_surfaces, SurfacePairs)
 @kernel(internal=True)
-def pose_mesh_surfaces(meshes: Meshes, contacts: ContactRows, bodies: Any) -> None:
+def pose_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows, bodies: Any) -> None:
     """Of all pairs."""
     form_facets(meshes.facets, meshes.surfaces, bodies)
     for pair in range(meshes.pairs.shape[0]):
@@ -86,16 +86,16 @@ def pose_mesh_surfaces(meshes: Meshes, contacts: ContactRows, bodies: Any) -> No
         relative_pose(first, contacts.poses[meshes.pairs[pair, SECOND_POSE]], meshes.relative[pair], 0)
 
 
-@implement(bound_surfaces, Meshes)
+@implement(bound_surfaces, SurfacePairs)
 @kernel(internal=True)
-def bound_mesh_surfaces(meshes: Meshes, contacts: ContactRows, bodies: Any, step: float) -> None:
+def bound_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows, bodies: Any, step: float) -> None:
     """Those of frames and shells; others move with their contours."""
     bound_facets(meshes.facets, contacts, bodies, step)
 
 
 @kernel(internal=True)
 def _tangent(
-    meshes: Meshes, pair: int, kind: int, feature: int, other: int, n1: float, n2: float, n3: float
+    meshes: SurfacePairs, pair: int, kind: int, feature: int, other: int, n1: float, n2: float, n3: float
 ) -> Direction:
     """A unit vector square to the normal, in the axes of the first surface; it moves with the features.
 
@@ -128,7 +128,7 @@ def _tangent(
 
 
 @kernel(internal=True)
-def _keep_side(meshes: Meshes, contacts: ContactRows, c: int, pair: int) -> None:
+def _keep_side(meshes: SurfacePairs, contacts: ContactRows, c: int, pair: int) -> None:
     """The product of two edges turns over where they pass through parallel: the side does then, and not the normal."""
     state, touch = contacts.state[c], meshes.touch
     if state[FEATURES] != EDGE_EDGE:
@@ -142,9 +142,9 @@ def _keep_side(meshes: Meshes, contacts: ContactRows, c: int, pair: int) -> None
         state[SIDE] = -state[SIDE]
 
 
-@implement(touch_triangles, Meshes)
+@implement(touch_triangles, SurfacePairs)
 @kernel(internal=True)
-def touch_mesh_contact(meshes: Meshes, contacts: ContactRows, bodies: Any, c: int, work: Workspace) -> None:
+def touch_mesh_contact(meshes: SurfacePairs, contacts: ContactRows, bodies: Any, c: int, work: Workspace) -> None:
     """Both bodies are pushed in one point, half way between their surfaces."""
     state, scratch, touch = contacts.state[c], contacts.scratch, meshes.touch
     pair = int(state[PAIR])

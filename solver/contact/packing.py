@@ -267,7 +267,7 @@ def _kind(
     control[WATCHED] = control[JOINS] = -1.0
     return ContactRows(
         features=_features(packed, table[:of_contours], values[:of_contours]),
-        shape=shape,
+        lanes=lanes,
         attachments=attachments,
         panels=np.zeros(4 * count * window * lanes),
         rows=rows.ravel(),

@@ -6,11 +6,12 @@ feel of each other through joints and ropes. The matrix of the contacts themselv
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.generics import respond
 from heavylift.solver.contact.kind import LARGEST_CONTROLS, ContactRows
@@ -25,7 +26,7 @@ DENSE = 4
 SIZE_AT = 0
 
 
-class Reduced(NamedTuple):
+class Reduced(Arrays):
     """What the solver is told; columns are velocities of touched bodies.
 
     Attributes
@@ -42,14 +43,14 @@ class Reduced(NamedTuple):
         How many columns there are.
     """
 
-    ends: NDArray[np.int64]
-    blocks: NDArray[np.float64]
-    matrix: NDArray[np.float64]
-    start: NDArray[np.float64]
-    found: NDArray[np.float64]
-    columns: NDArray[np.int64]
-    velocities: NDArray[np.int64]
-    numbers: NDArray[np.int64]
+    ends: Ints2
+    blocks: Floats2
+    matrix: Floats2
+    start: Floats1
+    found: Floats1
+    columns: Ints1
+    velocities: Ints1
+    numbers: Ints1
 
 
 def make_reduced(contact_count: int, body_count: int, velocity_count: int) -> Reduced:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.ends import REST, pressed_force
@@ -44,6 +43,9 @@ from heavylift.solver.contact.stage import impulse_row
 from heavylift.solver.integrate.row_stage import solve_end
 from heavylift.solver.interface import (
     FORCES,
+    Bodies,
+    Joints,
+    Systems,
     Workspace,
     complete,
     end_velocity,
@@ -57,11 +59,11 @@ from heavylift.solver.rows import REACTION
 __all__ = ["run_start"]
 
 
-@kernel
+@entry
 def run_start(
-    bodies: tuple[Any, ...],
-    joints: tuple[Any, ...],
-    systems: tuple[Any, ...],
+    bodies: Bodies,
+    joints: Joints,
+    systems: Systems,
     work: Workspace,
     step: float,
 ) -> None:
@@ -86,7 +88,7 @@ def run_start(
 
 @implement(locate_start, ContactRows)
 @kernel(internal=True)
-def locate_contact_start(contacts: ContactRows, bodies: Any, work: Workspace, step: float) -> None:
+def locate_contact_start(contacts: ContactRows, bodies: Bodies, work: Workspace, step: float) -> None:
     """Search from everywhere; sliders and beads are closed from the start."""
     contacts.control[NOMINAL] = step
     pose_contours(bodies, False, contacts)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.interface import (
     FIELD,
@@ -20,10 +19,10 @@ from heavylift.solver.scene import Gravity
 __all__ = ["UniformGravity", "pack_gravity"]
 
 
-class UniformGravity(NamedTuple):
+class UniformGravity(Arrays):
     """Acceleration [m/s2], world axes, shape (3,): the sum of all entries of the scene."""
 
-    acceleration: NDArray[np.float64]
+    acceleration: Floats1
 
 
 def pack_gravity(entries: Sequence[Gravity]) -> UniformGravity:

@@ -6,11 +6,11 @@ The load acts on the markers of the angle or travel, so that load times rate is 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.connections import JointMotor
@@ -34,7 +34,7 @@ __all__ = ["Motors", "pack_motors"]
 COORDINATE, A, B, C, COLUMN, DOF_A, WIDTH_A, DOF_B, WIDTH_B, FIRST, COUNT = range(11)
 
 
-class Motors(NamedTuple):
+class Motors(Arrays):
     """All motors of a scene.
 
     Attributes
@@ -48,9 +48,9 @@ class Motors(NamedTuple):
         Work done so far [J], shape (n,).
     """
 
-    table: NDArray[np.int64]
-    loads: NDArray[np.float64]
-    state: NDArray[np.float64]
+    table: Ints2
+    loads: Floats2
+    state: Floats1
 
 
 def pack_motors(motors: Sequence[tuple[JointMotor, tuple[int, ...]]]) -> Motors:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.interface import (
@@ -22,7 +22,7 @@ from heavylift.solver.scene import PointForce
 __all__ = ["PointForces", "pack_point_forces"]
 
 
-class PointForces(NamedTuple):
+class PointForces(Arrays):
     """All tabulated point forces of a scene.
 
     Attributes
@@ -34,8 +34,8 @@ class PointForces(NamedTuple):
         Time [s] and force [N] in the axes of the entry, shape (rows, 4).
     """
 
-    table: NDArray[np.int64]
-    values: NDArray[np.float64]
+    table: Ints2
+    values: Floats2
 
 
 def pack_point_forces(entries: Sequence[PointForce], first_markers: Sequence[int]) -> PointForces:

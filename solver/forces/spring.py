@@ -7,11 +7,11 @@ step are in `heavylift.solver.joints`.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.interface import (
     ELASTIC,
@@ -41,7 +41,7 @@ REST, STIFFNESS, DAMPING = range(3)
 VALUE, START_ENERGY, STARTED = range(3)
 
 
-class Springs(NamedTuple):
+class Springs(Arrays):
     """All springs of a scene that are forces.
 
     Attributes
@@ -57,10 +57,10 @@ class Springs(NamedTuple):
         shape (n, 3).
     """
 
-    table: NDArray[np.int64]
-    values: NDArray[np.float64]
-    curves: NDArray[np.float64]
-    state: NDArray[np.float64]
+    table: Ints2
+    values: Floats2
+    curves: Floats2
+    state: Floats2
 
 
 def pack_springs(

@@ -20,7 +20,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats2
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.integrate.accurate_rows import (
     add_drive_power,
@@ -63,6 +65,7 @@ from heavylift.solver.integrate.integration import (
     VECTORS,
     WORKS,
     Integration,
+    carried,
     make_integration,
     stiffness_seen,
     watch_stability,
@@ -81,6 +84,10 @@ from heavylift.solver.interface import (
     POSE_ERROR,
     STATUS_OUTCOME,
     STEP_COUNT,
+    Bodies,
+    Forces,
+    Joints,
+    Systems,
     Workspace,
     add_forces,
     begin_stage,
@@ -110,9 +117,9 @@ NOT_FINITE, STEP_TOO_SMALL = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_SMALL
 
 @kernel(internal=True)
 def _evaluate(
-    bodies: Any,
-    forces: Any,
-    joints: Any,
+    bodies: Bodies,
+    forces: Forces,
+    joints: Joints,
     rows: Any,
     work: Workspace,
     integration: Integration,
@@ -147,7 +154,7 @@ def _evaluate(
 
 @kernel(internal=True)
 def _project(
-    bodies: Any, joints: Any, rows: Any, work: Workspace, integration: Integration, time: float
+    bodies: Bodies, joints: Joints, rows: Any, work: Workspace, integration: Integration, time: float
 ) -> None:
     """Close the joints of the state at the end: one Newton step of positions, and velocities by the same factor."""
     values = integration.vectors
@@ -168,7 +175,7 @@ def _project(
 
 
 @kernel(internal=True)
-def _add_node(bodies: Any, work: Workspace, integration: Integration, time: float) -> None:
+def _add_node(bodies: Bodies, work: Workspace, integration: Integration, time: float) -> None:
     """Keep the state at the end with its rates as the newest node."""
     state, values = integration.state, integration.vectors
     size = values.shape[0] // VECTORS
@@ -184,7 +191,7 @@ def _add_node(bodies: Any, work: Workspace, integration: Integration, time: floa
 
 @kernel(internal=True)
 def _begin(
-    bodies: Any, forces: Any, joints: Any, rows: Any, work: Workspace, integration: Integration, time: float
+    bodies: Bodies, forces: Forces, joints: Joints, rows: Any, work: Workspace, integration: Integration, time: float
 ) -> None:
     """First node of the scene, closed, or first one behind a corner."""
     state, values = integration.state, integration.vectors
@@ -203,7 +210,7 @@ def _begin(
 
 @kernel(internal=True)
 def _first_step(
-    bodies: Any, work: Workspace, integration: Integration, allowed: float, interval: float
+    bodies: Bodies, work: Workspace, integration: Integration, allowed: float, interval: float
 ) -> float:
     """A step whose error in order 8 is about as allowed [m], from how fast velocities change [s]."""
     state, size = integration.state, integration.vectors.shape[0] // VECTORS
@@ -221,9 +228,9 @@ def _first_step(
 
 @kernel(internal=True)
 def _step(
-    bodies: Any,
-    forces: Any,
-    joints: Any,
+    bodies: Bodies,
+    forces: Forces,
+    joints: Joints,
     rows: Any,
     work: Workspace,
     integration: Integration,
@@ -328,7 +335,7 @@ def _known_until(state: NDArray[np.float64]) -> float:
 
 @kernel(internal=True)
 def _sample(
-    bodies: Any, forces: Any, joints: Any, rows: Any, work: Workspace, integration: Integration, time: float
+    bodies: Bodies, forces: Forces, joints: Joints, rows: Any, work: Workspace, integration: Integration, time: float
 ) -> None:
     """Carried state, works and reactions at a time between the last nodes."""
     state, values = integration.state, integration.vectors
@@ -373,19 +380,19 @@ def _sample(
     _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, True)
 
 
-@kernel
+@entry
 def run(
-    bodies: tuple[Any, ...],
-    forces: tuple[Any, ...],
-    joints: tuple[Any, ...],
-    systems: tuple[Any, ...],
+    bodies: Bodies,
+    forces: Forces,
+    joints: Joints,
+    systems: Systems,
     work: Workspace,
     step: float,
     tolerance: float,
     first: int,
     last: int,
     every: int,
-    records: NDArray[np.float64],
+    records: Floats2,
 ) -> int:
     """Integrate from index `first` to `last`: an index is an output interval, and the steps do not see it.
 
@@ -413,7 +420,7 @@ def run(
     int
         Last index that was completed; `work.status` says why if it is not `last`.
     """
-    integration, rows = systems[-1], systems[:-1]
+    integration, rows = carried(systems, 0), systems
     state = integration.state
     allowed = min(SHARE * tolerance, state[LOOSEST])
     soften(rows, state[SOFTENING])

@@ -16,17 +16,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.integrate.row_solver import assemble, factor_rows, solve_rows
 from heavylift.solver.interface import (
     DRIVE_WORK,
+    Bodies,
+    Joints,
+    Systems,
     Workspace,
     apply_inverse,
     fill_bias,
     fill_rows,
     set_targets,
 )
-from heavylift.solver.kinds import generic, implement
+from heavylift.solver.kinds import implement, optional
 from heavylift.solver.rows import (
     DOF,
     HALF_IMPULSE,
@@ -67,8 +71,8 @@ def is_tree(system: RowSystem) -> bool:
     return True
 
 
-@generic
-def soften(systems: Any, softening: float) -> None:
+@optional
+def soften(systems: Systems, softening: float) -> None:
     """Rows: their softness in this integrator, the same in all stages, for one or two solutions."""
 
 
@@ -86,11 +90,11 @@ def soften_rows(system: RowSystem, softening: float) -> None:
             system.rows[at + LAST_REACTION * lanes + r] = 0.0
 
 
-@generic
+@optional
 def constrain(
-    systems: Any,
-    bodies: Any,
-    joints: Any,
+    systems: Systems,
+    bodies: Bodies,
+    joints: Joints,
     work: Workspace,
     time: float,
     solutions: float,
@@ -139,8 +143,8 @@ def constrain_rows(
                     system.rows[at + IMPULSE * lanes + r] = system.rows[at + REACTION * lanes + r]
 
 
-@generic
-def find_displacement(systems: Any, bodies: Any, joints: Any, work: Workspace, time: float) -> None:
+@optional
+def find_displacement(systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float) -> None:
     """Rows: displacement in `work.velocity` that closes them to first order; the factor is that of this position."""
 
 
@@ -168,8 +172,8 @@ def find_row_displacement(system: RowSystem, bodies: Any, joints: Any, work: Wor
     solve_rows(system, work.velocity)
 
 
-@generic
-def correct_velocity(systems: Any, work: Workspace) -> None:
+@optional
+def correct_velocity(systems: Systems, work: Workspace) -> None:
     """Rows: project the velocities in `work.velocity`, after `find_displacement`."""
 
 
@@ -187,8 +191,8 @@ def correct_row_velocity(system: RowSystem, work: Workspace) -> None:
     solve_rows(system, work.velocity)
 
 
-@generic
-def add_drive_power(systems: Any, values: NDArray[np.float64], at: int, work: Workspace) -> None:
+@optional
+def add_drive_power(systems: Systems, values: Floats1, at: int, work: Workspace) -> None:
     """Rows: add the power [W] that drives put into free bodies to `work.sums`, by the reactions of `constrain`."""
 
 

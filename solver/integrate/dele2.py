@@ -14,12 +14,10 @@ costs no solve: the local error of a second-order step is proportional to it.
 from __future__ import annotations
 
 import math
-from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from heavylift.numerics.arrays import Floats2
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.contact.generics import after_step, before_advance, go_back, meet_contacts
 from heavylift.solver.integrate.loop import evaluate_forces, write_record
@@ -35,6 +33,10 @@ from heavylift.solver.interface import (
     STATUS_BLOCK,
     STATUS_OUTCOME,
     STEP_COUNT,
+    Bodies,
+    Forces,
+    Joints,
+    Systems,
     Workspace,
     advance,
     check,
@@ -72,9 +74,9 @@ def _to_corner(work: Workspace, time: float, close: float) -> float:
 
 @kernel(internal=True)
 def refine(
-    bodies: tuple[Any, ...],
-    systems: tuple[Any, ...],
-    joints: tuple[Any, ...],
+    bodies: Bodies,
+    systems: Systems,
+    joints: Joints,
     work: Workspace,
     time: float,
     step: float,
@@ -91,19 +93,19 @@ def refine(
         complete(bodies, systems, True, step, work)  # bodies that carry strains feel the joints of the others
 
 
-@kernel
+@entry
 def run(
-    bodies: tuple[Any, ...],
-    forces: tuple[Any, ...],
-    joints: tuple[Any, ...],
-    systems: tuple[Any, ...],
+    bodies: Bodies,
+    forces: Forces,
+    joints: Joints,
+    systems: Systems,
     work: Workspace,
     step: float,
     tolerance: float,
     first: int,
     last: int,
     every: int,
-    records: NDArray[np.float64],
+    records: Floats2,
 ) -> int:
     """Step from index `first` to `last`; time is the index times the step, so it never drifts.
 

@@ -6,23 +6,23 @@ velocities of their bases among the first, and coordinates and velocities of all
 
 from __future__ import annotations
 
-import importlib
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.integrate.accurate_rows import is_tree
 from heavylift.solver.integrate.combination import padded
 from heavylift.solver.integrate.dop853 import STAGES
 from heavylift.solver.integrate.row_stage import record_rows
-from heavylift.solver.interface import DISSIPATED, DRIVE_WORK, EXTERNAL_WORK, Workspace
-from heavylift.solver.kinds import implement
+from heavylift.solver.interface import DISSIPATED, DRIVE_WORK, EXTERNAL_WORK, Systems, Workspace, begin_stage
+from heavylift.solver.kinds import Members, implement
 
-__all__ = ["Integration", "make_integration", "stiffness_seen", "watch_stability"]
+__all__ = ["Integration", "carried", "make_integration", "stiffness_seen", "watch_stability"]
 
 STABILITY = 6.1
 """Step times Lipschitz constant at the border of the stability region: Hairer, Norsett, Wanner, section IV.2."""
@@ -67,15 +67,7 @@ LOOSEST_LOOP = 1e-6
 """Largest error of a step in scenes with loops, relative to the largest body: with more they leave their branch."""
 
 
-KERNELS = {
-    "RigidBodies": "heavylift.solver.bodies.rigid_accurate",
-    "FrameMeshes": "heavylift.solver.bodies.ancf.accurate",
-    "ShellMeshes": "heavylift.solver.bodies.ancf.accurate",
-}
-"""Modules with the kernels of this integrator, by kind of bodies."""
-
-
-class Integration(NamedTuple):
+class Integration(Arrays):
     """What the integrator carries, and its scratch.
 
     Attributes
@@ -86,8 +78,12 @@ class Integration(NamedTuple):
         State, rates and errors of a step, one after the other; flat.
     """
 
-    state: NDArray[np.float64]
-    vectors: NDArray[np.float64]
+    state: Floats1
+    vectors: Floats1
+
+
+carried = Members(Systems, Integration)
+"""What the integrator carries, among the systems of a scene."""
 
 
 def make_integration(
@@ -100,20 +96,19 @@ def make_integration(
     InputError
         If there are bodies with modes, or rows with a law or compliance.
     """
-    from heavylift.solver.rows import COMPLIANCE, ROW_COLUMNS, RowSystem
+    from heavylift.solver.rows import COMPLIANCE, ROW_COLUMNS
 
     for kind in bodies:
-        if type(kind).__name__ not in KERNELS:
+        if not begin_stage.serves(type(kind)):
             raise InputError(
                 f"bodies of the kind {type(kind).__name__}",
                 source="simulation",
                 key="integrator",
                 expected="rigid bodies, frames and shells for 'accurate'; or 'dele2'",
             )
-        importlib.import_module(KERNELS[type(kind).__name__])
     for system in systems:
-        table = system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))
-        if not isinstance(system, RowSystem) or table[:, COMPLIANCE].any():
+        table = system.rows.reshape(-1, ROW_COLUMNS, system.lanes)
+        if table[:, COMPLIANCE].any():
             raise InputError(
                 "ropes, stops, friction or compliant joints",
                 source="simulation",

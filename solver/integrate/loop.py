@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
-
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.solver.integrate.row_stage import gather_rows, record_rows
 from heavylift.solver.interface import (
     DISSIPATED,
@@ -21,6 +18,10 @@ from heavylift.solver.interface import (
     POTENTIAL,
     RECORD,
     SUM_COUNT,
+    Bodies,
+    Forces,
+    Joints,
+    Systems,
     Workspace,
     add_forces,
     add_totals,
@@ -37,16 +38,16 @@ TOTAL_COLUMNS = 13
 __all__ = ["TOTAL_COLUMNS", "evaluate_forces", "start_scene", "write_record"]
 
 
-@kernel
-def start_scene(bodies: tuple[Any, ...], work: Workspace, time: float) -> None:
+@entry
+def start_scene(bodies: Bodies, work: Workspace, time: float) -> None:
     """Complete the start state of all bodies."""
     start(bodies, time, work)
 
 
 @kernel(internal=True)
 def evaluate_forces(
-    bodies: tuple[Any, ...],
-    forces: tuple[Any, ...],
+    bodies: Bodies,
+    forces: Forces,
     work: Workspace,
     time: float,
     at_midpoint: bool,
@@ -62,15 +63,15 @@ def evaluate_forces(
     add_forces(forces, time, work)
 
 
-@kernel
+@entry
 def write_record(
-    bodies: tuple[Any, ...],
-    forces: tuple[Any, ...],
-    joints: tuple[Any, ...],
-    systems: tuple[Any, ...],
+    bodies: Bodies,
+    forces: Forces,
+    joints: Joints,
+    systems: Systems,
     work: Workspace,
     time: float,
-    row: NDArray[np.float64],
+    row: Floats1,
 ) -> None:
     """Write the carried state, energies and momenta into a record; totals come last."""
     begin_record(forces)

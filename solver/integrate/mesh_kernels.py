@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.solver.bodies.ancf.assembly import set_size
 from heavylift.solver.bodies.ancf.elements import (
     add_follower_load,
@@ -30,7 +29,7 @@ from heavylift.solver.bodies.ancf.kind import (
 from heavylift.solver.bodies.ancf.loads import gather_loads
 from heavylift.solver.bodies.ancf.step import add_gravity
 from heavylift.solver.integrate.loop import evaluate_forces
-from heavylift.solver.interface import FORCES, Workspace
+from heavylift.solver.interface import FORCES, Bodies, Forces, Workspace
 
 __all__ = [
     "difference_follower",
@@ -47,8 +46,8 @@ def fill_stress_forces(kind: Meshes) -> None:
     for i in range(kind.nodal.shape[1]):
         kind.nodal[RIGHT, i] = 0.0
     for body in range(kind.table.shape[0]):
-        find_strains((kind,), body, Q, SHAPE_STRAIN)
-        add_stress_forces((kind,), body, Q, SHAPE_STRAIN, RIGHT, 1.0)
+        find_strains(kind, body, Q, SHAPE_STRAIN)
+        add_stress_forces(kind, body, Q, SHAPE_STRAIN, RIGHT, 1.0)
 
 
 @kernel
@@ -60,8 +59,8 @@ def fill_stiffness(kind: Meshes) -> None:
     for i in range(kind.nodal.shape[1]):
         kind.nodal[RIGHT, i] = 0.0
     for body in range(kind.table.shape[0]):
-        find_strains((kind,), body, Q, SHAPE_STRAIN)
-        add_stiffness((kind,), body, Q, SHAPE_STRAIN, RIGHT, 1.0, 1.0, 1.0)
+        find_strains(kind, body, Q, SHAPE_STRAIN)
+        add_stiffness(kind, body, Q, SHAPE_STRAIN, RIGHT, 1.0, 1.0, 1.0)
 
 
 @kernel
@@ -96,7 +95,7 @@ def difference_follower(
             kind.nodal[TRIAL, places[column]] = kind.nodal[Q, places[column]] + sign * step
             for i in range(count):
                 kind.nodal[LOAD, places[i]] = 0.0
-            add_follower_load((kind,), body, TRIAL, element, LOAD, data, factor)
+            add_follower_load(kind, body, TRIAL, element, LOAD, data, factor)
             for i in range(count):
                 if side == 0:
                     out[i, column] = kind.nodal[LOAD, places[i]]
@@ -105,7 +104,7 @@ def difference_follower(
         kind.nodal[TRIAL, places[column]] = kind.nodal[Q, places[column]]
 
 
-@kernel
-def evaluate_loads(bodies: tuple[Any, ...], forces: tuple[Any, ...], work: Workspace, time: float) -> None:
+@entry
+def evaluate_loads(bodies: Bodies, forces: Forces, work: Workspace, time: float) -> None:
     """Markers and forces at the carried state."""
     evaluate_forces(bodies, forces, work, time, False, FORCES)

@@ -320,7 +320,7 @@ def smallest_pivot(system: Rows) -> float:
 @kernel(internal=True)
 def row_power(system: Rows, attachment: int, velocity: NDArray[np.float64]) -> float:
     """``P . G u`` of one attachment over the six velocities of its frame."""
-    lanes = len(system.shape[1])
+    lanes = system.lanes
     panel, dof = system.attachments[attachment, PANEL], system.attachments[attachment, DOF]
     impulse = (system.attachments[attachment, OWNER] * ROW_COLUMNS + IMPULSE) * lanes
     power = 0.0

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.contact.generics import (
@@ -36,6 +37,9 @@ from heavylift.solver.interface import (
     SPLIT,
     STATUS_BLOCK,
     STATUS_OUTCOME,
+    Bodies,
+    Joints,
+    Systems,
     Workspace,
     add_row_work,
     apply_inverse,
@@ -68,7 +72,6 @@ from heavylift.solver.rows import (
     SCALE,
     SOFTNESS,
     TARGET,
-    LawRowSystem,
     Rows,
     RowSystem,
 )
@@ -81,27 +84,15 @@ NOT_CONVERGED, NOT_CLOSED = int(Outcome.NOT_CONVERGED), int(Outcome.NOT_CLOSED)
 
 @optional
 def solve_midpoint(
-    systems: Any, bodies: Any, joints: Any, work: Workspace, time: float, step: float, nominal: float
+    systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float, nominal: float
 ) -> None:
     """Rows: velocities of the midpoint from free ones; the factor stays for `correct_impulses`."""
 
 
 @implement(solve_midpoint, RowSystem)
 @kernel(internal=True)
-def solve_midpoint_rows(
-    system: RowSystem, bodies: Any, joints: Any, work: Workspace, time: float, step: float, nominal: float
-) -> None:
-    """One solve."""
-    _start_midpoint(system, bodies, joints, work, time, step, nominal)
-    assemble(system)
-    factor_rows(system)
-    solve_rows(system, work.velocity)
-
-
-@implement(solve_midpoint, LawRowSystem)
-@kernel(internal=True)
 def solve_midpoint_laws(
-    system: LawRowSystem, bodies: Any, joints: Any, work: Workspace, time: float, step: float, nominal: float
+    system: RowSystem, bodies: Any, joints: Any, work: Workspace, time: float, step: float, nominal: float
 ) -> None:
     """Newton iteration: solve, fit the laws to the velocities found, solve for the rest.
 
@@ -117,7 +108,7 @@ def solve_midpoint_laws(
 
 
 @kernel(internal=True)
-def fit_laws(system: LawRowSystem, joints: Any, work: Workspace, time: float, step: float) -> None:
+def fit_laws(system: RowSystem, joints: Any, work: Workspace, time: float, step: float) -> None:
     """Rounds of the Newton iteration, the first with the factor that is there."""
     for _ in range(LAW_ITERATIONS):
         solve_rows(system, work.velocity)
@@ -132,20 +123,12 @@ def fit_laws(system: LawRowSystem, joints: Any, work: Workspace, time: float, st
 
 @implement(solve_again, RowSystem)
 @kernel(internal=True)
-def solve_rows_again(system: RowSystem, joints: Any, work: Workspace, time: float, step: float) -> None:
-    """One solve more; it is incremental."""
-    solve_rows(system, work.velocity)
-
-
-@implement(solve_again, LawRowSystem)
-@kernel(internal=True)
-def solve_laws_again(system: LawRowSystem, joints: Any, work: Workspace, time: float, step: float) -> None:
-    """The same, and laws once more."""
+def solve_laws_again(system: RowSystem, joints: Any, work: Workspace, time: float, step: float) -> None:
+    """One solve more, it is incremental; and laws once more."""
     fit_laws(system, joints, work, time, step)
 
 
 @implement(refactor_rows, RowSystem)
-@implement(refactor_rows, LawRowSystem)
 @kernel(internal=True)
 def refactor_row_system(system: Rows, bodies: Any, joints: Any, work: Workspace) -> None:
     """The impulses stay as they are, and act along the new rows.
@@ -224,12 +207,11 @@ def end_step(systems: Any, bodies: Any, joints: Any, work: Workspace, time: floa
 
 
 @optional
-def end_rows(systems: Any, bodies: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+def end_rows(systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """Rows: what they carry over the step; end velocities, markers there."""
 
 
 @implement(end_rows, RowSystem)
-@implement(end_rows, LawRowSystem)
 @kernel(internal=True)
 def end_row_system(system: Rows, bodies: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
     """Impulses of the midpoint are halves of those of the step."""
@@ -245,12 +227,11 @@ def end_row_system(system: Rows, bodies: Any, joints: Any, work: Workspace, time
 
 
 @optional
-def solve_end(systems: Any, bodies: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+def solve_end(systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """Rows: project the velocities onto the rigid rows at the end of the step."""
 
 
 @implement(solve_end, RowSystem)
-@implement(solve_end, LawRowSystem)
 @kernel(internal=True)
 def solve_end_rows(system: Rows, bodies: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
     """One factorisation more, of the rigid rows with the mass alone."""
@@ -270,12 +251,11 @@ def solve_end_rows(system: Rows, bodies: Any, joints: Any, work: Workspace, time
 
 
 @optional
-def close_step(systems: Any, all_systems: Any, bodies: Any, work: Workspace, step: float) -> None:
+def close_step(systems: Systems, all_systems: Systems, bodies: Bodies, work: Workspace, step: float) -> None:
     """Rows: the projected velocities to the bodies; reactions."""
 
 
 @implement(close_step, RowSystem)
-@implement(close_step, LawRowSystem)
 @kernel(internal=True)
 def close_row_step(system: Rows, all_systems: Any, bodies: Any, work: Workspace, step: float) -> None:
     """Forces of the step from all its impulses."""
@@ -299,7 +279,6 @@ def close_row_step(system: Rows, all_systems: Any, bodies: Any, work: Workspace,
 
 
 @implement(respond, RowSystem)
-@implement(respond, LawRowSystem)
 @kernel(internal=True)
 def respond_row_system(system: Rows, velocity: NDArray[np.float64]) -> None:
     """By the factor that is there."""
@@ -308,15 +287,8 @@ def respond_row_system(system: Rows, velocity: NDArray[np.float64]) -> None:
 
 @implement(follow, RowSystem)
 @kernel(internal=True)
-def follow_rows(system: RowSystem, joints: Any, work: Workspace, time: float, step: float) -> None:
-    """One solve more; it is incremental."""
-    solve_rows(system, work.velocity)
-
-
-@implement(follow, LawRowSystem)
-@kernel(internal=True)
-def follow_laws(system: LawRowSystem, joints: Any, work: Workspace, time: float, step: float) -> None:
-    """The same, and laws fitted again if contacts have moved them."""
+def follow_laws(system: RowSystem, joints: Any, work: Workspace, time: float, step: float) -> None:
+    """One solve more, it is incremental; and laws fitted again if contacts have moved them."""
     solve_rows(system, work.velocity)
     work.control[CHANGED] = 0.0
     relinearise(joints, time, step, work, system)
@@ -328,7 +300,6 @@ def follow_laws(system: LawRowSystem, joints: Any, work: Workspace, time: float,
 
 
 @implement(follow_end, RowSystem)
-@implement(follow_end, LawRowSystem)
 @kernel(internal=True)
 def follow_row_end(system: Rows, work: Workspace) -> None:
     """One solve more with the factor of the projection."""
@@ -350,12 +321,11 @@ def _check_closed(system: Rows, work: Workspace) -> None:
 
 
 @optional
-def gather_rows(systems: Any, bodies: Any, joints: Any, work: Workspace, time: float) -> None:
+def gather_rows(systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float) -> None:
     """Rows at the carried state for a record: an integrator need not have left them there."""
 
 
 @implement(gather_rows, RowSystem)
-@implement(gather_rows, LawRowSystem)
 @kernel(internal=True)
 def gather_row_system(system: Rows, bodies: Any, joints: Any, work: Workspace, time: float) -> None:
     """With their forces on bodies that are held."""
@@ -365,12 +335,11 @@ def gather_row_system(system: Rows, bodies: Any, joints: Any, work: Workspace, t
 
 
 @optional
-def record_rows(systems: Any, joints: Any, work: Workspace, time: float, row: NDArray[np.float64]) -> None:
+def record_rows(systems: Systems, joints: Joints, work: Workspace, time: float, row: Floats1) -> None:
     """Rows: joints into their columns, monitors into the last of them."""
 
 
 @implement(record_rows, RowSystem)
-@implement(record_rows, LawRowSystem)
 @kernel(internal=True)
 def record_row_system(
     system: Rows, joints: Any, work: Workspace, time: float, row: NDArray[np.float64]

@@ -14,8 +14,16 @@ from typing import Any
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.integrate.row_solver import assemble, factor_rows, solve_rows, subtract_rates
-from heavylift.solver.interface import Workspace, apply_inverse, fill_rows, write_velocity
-from heavylift.solver.kinds import generic, implement
+from heavylift.solver.interface import (
+    Bodies,
+    Joints,
+    Systems,
+    Workspace,
+    apply_inverse,
+    fill_rows,
+    write_velocity,
+)
+from heavylift.solver.kinds import implement, optional
 from heavylift.solver.rows import (
     COMPLIANCE,
     IMPULSE,
@@ -34,8 +42,8 @@ from heavylift.solver.rows import (
 __all__ = ["solve_thesis", "start_thesis"]
 
 
-@generic
-def start_thesis(systems: Any, bodies: Any, joints: Any, work: Workspace, step: float) -> None:
+@optional
+def start_thesis(systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, step: float) -> None:
     """Rows: targets and softness from the carried state, whose velocities pass through the workspace."""
 
 
@@ -69,8 +77,8 @@ def start_thesis_rows(system: RowSystem, bodies: Any, joints: Any, work: Workspa
                 )
 
 
-@generic
-def solve_thesis(systems: Any, bodies: Any, work: Workspace, step: float) -> None:
+@optional
+def solve_thesis(systems: Systems, bodies: Bodies, work: Workspace, step: float) -> None:
     """Rows: end velocities from free ones, reactions."""
 
 

@@ -6,18 +6,18 @@ linear algebra that happens once, and is done in Python with sparse matrices.
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.jit import kernel
-from heavylift.numerics.outcome import InputError
+from heavylift.numerics.objects import entry
 from heavylift.solver.integrate.loop import start_scene
 from heavylift.solver.interface import (
     FORCES,
+    Bodies,
+    Joints,
     Workspace,
     fill_markers,
     fill_rows,
@@ -38,7 +38,7 @@ from heavylift.solver.rows import (
     SCALE,
     TARGET,
     WIDTH,
-    LawRowSystem,
+    RowArrays,
     RowSystem,
 )
 
@@ -54,19 +54,18 @@ MET = 1e-14
 """Relative miss of the wanted rates that ends the refinement."""
 
 
-@kernel
+@entry
 def fill_rigid_rows(
-    bodies: tuple[Any, ...],
-    joints: tuple[Any, ...],
-    systems: tuple[Any, ...],
+    bodies: Bodies,
+    joints: Joints,
+    system: RowArrays,
     work: Workspace,
     time: float,
 ) -> None:
     """Rows, residuals and target velocities at the carried state."""
-    system = systems[0]
     fill_markers(bodies, False, FORCES, work)
     fill_rows(joints, True, work, system)
-    lanes = len(system.shape[1])
+    lanes = system.lanes
     for node in range(system.attachments.shape[0] // 2):
         for r in range(lanes):
             system.rows[(node * ROW_COLUMNS + TARGET) * lanes + r] = 0.0
@@ -110,8 +109,6 @@ class StartRows:
 
     def __init__(self, layout: Layout, time: float = 0.0) -> None:
         self.layout, self.names, self.time = layout, layout.block_names, time
-        for kind in layout.bodies:
-            _load_configuration(kind, layout)
         self.start()
         self.inertia = self.survey()[1]
         self.free = np.flatnonzero(self.inertia)
@@ -119,7 +116,7 @@ class StartRows:
         order = np.argsort(firsts, kind="stable")  # meshes without bases share it with the next body
         widths = np.diff(np.append(firsts[order], len(self.inertia)))
         self.owner = np.repeat(order, widths)
-        system: RowSystem | LawRowSystem | None = layout.systems[0] if layout.systems else None
+        system: RowSystem | None = layout.systems[0] if layout.systems else None
         self._system = system
         if system is None:
             self.block = np.zeros(0, dtype=np.int64)
@@ -127,7 +124,7 @@ class StartRows:
             self.sides, self.block_owner = np.zeros((0, 2), dtype=np.int64), self.block
             self._rows = self._columns = self._sources = self.block
             return
-        lanes = len(system.shape[1])
+        lanes = system.lanes
         blocks = len(system.attachments) // 2
         self._table = system.rows.reshape(-1, ROW_COLUMNS, lanes)[:blocks]
         self.block, self._lane = np.nonzero(self._table[:, SCALE] > 0.0)
@@ -149,7 +146,7 @@ class StartRows:
         wide = [i for i in np.flatnonzero(system.attachments[:, WIDTH] > 6) if int(dofs[i]) in groups]
         if wide:
             self.fill()
-        lanes = len(system.shape[1])
+        lanes = system.lanes
         for i in wide:
             panel, width = system.attachments[i, PANEL], system.attachments[i, WIDTH]
             columns = system.panels[panel : panel + width * lanes].reshape(width, lanes)
@@ -158,7 +155,7 @@ class StartRows:
 
     def _pattern(self, system: Any) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
         """Row, column and place in the panels of each entry of the Jacobian."""
-        lanes = len(system.shape[1])
+        lanes = system.lanes
         first, last = (np.searchsorted(self.block, self.block_owner, side) for side in ("left", "right"))
         rows_of = np.repeat(last - first, 2)  # of each side
         side = np.repeat(np.arange(len(rows_of)), rows_of)
@@ -213,7 +210,7 @@ class StartRows:
         """Rows at the present state."""
         layout = self.layout
         if self._system is not None:
-            fill_rigid_rows(layout.bodies, layout.joints, layout.systems, layout.work, self.time)
+            fill_rigid_rows(layout.bodies, layout.joints, self._system, layout.work, self.time)
 
     def column(self, column: int) -> NDArray[np.float64]:
         """A column of the rows, shape (rows,)."""
@@ -356,22 +353,6 @@ class StartRows:
             if len(found) == count:
                 break
         return list(found.values())
-
-
-def _load_configuration(kind: Any, layout: Layout) -> None:
-    """Import what places the bodies of a kind; it stands beside the kind under the name ``..._configuration``."""
-    name = type(kind).__module__ + "_configuration"
-    try:
-        importlib.import_module(name)
-    except ModuleNotFoundError as error:
-        if error.name != name:
-            raise
-        raise InputError(
-            f"bodies of the kind {type(kind).__name__} cannot be placed before the start",
-            source="simulation",
-            key="start",
-            expected="rigid bodies",
-        ) from None
 
 
 def listed(words: Sequence[str], most: int = 12) -> str:

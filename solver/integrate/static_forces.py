@@ -8,19 +8,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.solver.integrate.loop import evaluate_forces
 from heavylift.solver.integrate.start_rows import StartRows
 from heavylift.solver.interface import (
     CHANGED,
     FIELD,
     FORCES,
+    Bodies,
+    Forces,
+    Joints,
+    Systems,
     Workspace,
     collect_load,
     fill_rows,
     relinearise,
     set_targets,
 )
-from heavylift.solver.kinds import generic, implement
+from heavylift.solver.kinds import implement, optional
 from heavylift.solver.rows import (
     COMPLIANCE,
     IMPULSE,
@@ -30,7 +35,6 @@ from heavylift.solver.rows import (
     SCALE,
     SOFTNESS,
     TARGET,
-    LawRowSystem,
     Rows,
     RowSystem,
 )
@@ -49,15 +53,14 @@ ON_ONE_BODY = frozenset({"UniformGravity", "PointForces", "FluidLoads"})
 """Kinds of forces that do not act between bodies. With others each body is displaced by itself."""
 
 
-@generic
-def fit_rows(systems: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+@optional
+def fit_rows(systems: Systems, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """Rows: residuals; targets and softness of the compliant ones at velocity zero."""
 
 
 @implement(fit_rows, RowSystem)
-@implement(fit_rows, LawRowSystem)
 @kernel(internal=True)
-def fit_rows_at_rest(system: Rows, joints: Any, work: Workspace, time: float, step: float) -> None:
+def fit_rows_at_rest(system: Rows, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """As at the midpoint of a very small step, without regularisation."""
     rows, lanes = len(system.shape[0]), len(system.shape[1])
     fill_rows(joints, True, work, system)
@@ -87,12 +90,12 @@ def fit_rows_at_rest(system: Rows, joints: Any, work: Workspace, time: float, st
             return
 
 
-@kernel
+@entry
 def fill_at_rest(
-    bodies: tuple[Any, ...],
-    forces: tuple[Any, ...],
-    joints: tuple[Any, ...],
-    systems: tuple[Any, ...],
+    bodies: Bodies,
+    forces: Forces,
+    joints: Joints,
+    systems: Systems,
     work: Workspace,
     time: float,
     step: float,

@@ -6,18 +6,18 @@ the end velocity.
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
-
-from heavylift.numerics.jit import kernel
+from heavylift.numerics.arrays import Floats2
+from heavylift.numerics.objects import entry
 from heavylift.solver.integrate.loop import evaluate_forces, write_record
 from heavylift.solver.integrate.row_thesis import solve_thesis, start_thesis
 from heavylift.solver.interface import (
     FORCES,
     STATUS_OUTCOME,
     STEP_COUNT,
+    Bodies,
+    Forces,
+    Joints,
+    Systems,
     Workspace,
     check,
     complete_thesis,
@@ -28,19 +28,19 @@ from heavylift.solver.interface import (
 __all__ = ["run"]
 
 
-@kernel
+@entry
 def run(
-    bodies: tuple[Any, ...],
-    forces: tuple[Any, ...],
-    joints: tuple[Any, ...],
-    systems: tuple[Any, ...],
+    bodies: Bodies,
+    forces: Forces,
+    joints: Joints,
+    systems: Systems,
     work: Workspace,
     step: float,
     tolerance: float,
     first: int,
     last: int,
     every: int,
-    records: NDArray[np.float64],
+    records: Floats2,
 ) -> int:
     """Step from index `first` to `last`; arguments and result as in the default integrator."""
     row = 0

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import Ball
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
@@ -22,10 +22,10 @@ __all__ = ["ROTATIONAL", "BallJoints", "pack"]
 ROTATIONAL = (False, False, False)
 
 
-class BallJoints(NamedTuple):
+class BallJoints(Arrays):
     """Block, point markers of a and b, first record column; shape (n, 4)."""
 
-    table: NDArray[np.int64]
+    table: Ints2
 
 
 def pack(joints: Sequence[Ball], places: Sequence[JointPlace], book: MarkerBook) -> BallJoints:

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.connections import Distance
@@ -39,7 +39,7 @@ __all__ = ["ROTATIONAL", "Distances", "pack"]
 ROTATIONAL = (False,)
 
 
-class Distances(NamedTuple):
+class Distances(Arrays):
     """All distance joints of a scene.
 
     Attributes
@@ -50,8 +50,8 @@ class Distances(NamedTuple):
         [m], shape (n,).
     """
 
-    table: NDArray[np.int64]
-    lengths: NDArray[np.float64]
+    table: Ints2
+    lengths: Floats1
 
 
 def pack(joints: Sequence[Distance], places: Sequence[JointPlace], book: MarkerBook) -> Distances:

@@ -7,11 +7,11 @@ the drive on b, and part of the reaction moment.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import Hinge
 from heavylift.solver.drive import profile_value
@@ -31,7 +31,6 @@ from heavylift.solver.joints.hinge import (
     X_B,
     Y_B,
     Z_A,
-    Hinges,
     fill_hinge_bias,
     fill_hinge_rows,
     record_hinges,
@@ -52,7 +51,7 @@ X_A, PROFILE = 10, 11
 DRIVE = ANGLE_STATE
 
 
-class DrivenHinges(NamedTuple):
+class DrivenHinges(Arrays):
     """All driven hinges of a scene.
 
     Attributes
@@ -65,9 +64,9 @@ class DrivenHinges(NamedTuple):
         Packed, one after the other.
     """
 
-    table: NDArray[np.int64]
-    state: NDArray[np.float64]
-    profiles: NDArray[np.float64]
+    table: Ints2
+    state: Floats2
+    profiles: Floats1
 
 
 def pack(joints: Sequence[Hinge], places: Sequence[JointPlace], book: MarkerBook) -> DrivenHinges:
@@ -85,7 +84,7 @@ def fill_driven_hinge_rows(
     kind: DrivenHinges, with_residual: bool, work: Workspace, system: RowSystem
 ) -> None:
     """Rows of the hinge and of its angle."""
-    fill_hinge_rows(Hinges(kind.table, kind.state), with_residual, work, system)
+    fill_hinge_rows(kind, with_residual, work, system)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
         angle = angle_row(system, entry[BLOCK], ROW, work, entry[X_A], entry[X_B], entry[Y_B])
@@ -109,7 +108,7 @@ def aim_driven_hinges(
 @kernel(internal=True)
 def fill_driven_hinge_bias(kind: DrivenHinges, time: float, work: Workspace, system: RowSystem) -> None:
     """Quadratic velocity terms and the prescribed acceleration."""
-    fill_hinge_bias(Hinges(kind.table, kind.state), time, work, system)
+    fill_hinge_bias(kind, time, work, system)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
         gamma = angle_bias(work, entry[X_A], entry[X_B], entry[Y_B])
@@ -122,7 +121,7 @@ def record_driven_hinges(
     kind: DrivenHinges, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
 ) -> None:
     """As a hinge, with the torque and the work of the drive."""
-    record_hinges(Hinges(kind.table, kind.state), time, work, system, row)
+    record_hinges(kind, time, work, system, row)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
         block, column = entry[BLOCK], entry[COLUMN]

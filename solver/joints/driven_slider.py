@@ -7,11 +7,11 @@ and part of the reaction force.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import Slider
 from heavylift.solver.drive import profile_value
@@ -34,7 +34,6 @@ from heavylift.solver.joints.slider import (
     POINT_A,
     POINT_B,
     Z_A,
-    Sliders,
     fill_slider_bias,
     fill_slider_rows,
     record_sliders,
@@ -51,7 +50,7 @@ ROW = 5
 PROFILE = 12
 
 
-class DrivenSliders(NamedTuple):
+class DrivenSliders(Arrays):
     """All driven sliders of a scene.
 
     Attributes
@@ -64,9 +63,9 @@ class DrivenSliders(NamedTuple):
         Packed, one after the other.
     """
 
-    table: NDArray[np.int64]
-    state: NDArray[np.float64]
-    profiles: NDArray[np.float64]
+    table: Ints2
+    state: Floats2
+    profiles: Floats1
 
 
 def pack(joints: Sequence[Slider], places: Sequence[JointPlace], book: MarkerBook) -> DrivenSliders:
@@ -83,7 +82,7 @@ def fill_driven_slider_rows(
     kind: DrivenSliders, with_residual: bool, work: Workspace, system: RowSystem
 ) -> None:
     """Rows of the slider and of its travel."""
-    fill_slider_rows(Sliders(kind.table), with_residual, work, system)
+    fill_slider_rows(kind, with_residual, work, system)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
         block = entry[BLOCK]
@@ -107,7 +106,7 @@ def aim_driven_sliders(
 @kernel(internal=True)
 def fill_driven_slider_bias(kind: DrivenSliders, time: float, work: Workspace, system: RowSystem) -> None:
     """Quadratic velocity terms and the prescribed acceleration."""
-    fill_slider_bias(Sliders(kind.table), time, work, system)
+    fill_slider_bias(kind, time, work, system)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
         gamma = travel_bias(work, entry[POINT_A], entry[POINT_B], entry[Z_A])
@@ -120,7 +119,7 @@ def record_driven_sliders(
     kind: DrivenSliders, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
 ) -> None:
     """As a slider, with the force and the work of the drive."""
-    record_sliders(Sliders(kind.table), time, work, system, row)
+    record_sliders(kind, time, work, system, row)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
         add_force(system, entry[BLOCK], ROW, work, entry[Z_A], row, entry[COLUMN])

@@ -72,4 +72,4 @@ def drive_work(system: RowSystem, block: int, row: int, state: NDArray[np.float6
 @kernel(inline=True, internal=True)
 def _last_reaction(system: RowSystem, block: int, row: int) -> float:
     """Reaction in the middle of the last step."""
-    return system.rows[(block * ROW_COLUMNS + LAST_REACTION) * len(system.shape[1]) + row]
+    return system.rows[(block * ROW_COLUMNS + LAST_REACTION) * system.lanes + row]

@@ -13,11 +13,11 @@ the angle the same along the edge too. e is the normal of a, and g scale the tur
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.mesh_rows import EdgeSeam
@@ -48,7 +48,7 @@ SLOPE_A, SLOPE_B, TURN_A, TURN_B = range(4)
 TWIST = 3
 
 
-class EdgeSeams(NamedTuple):
+class EdgeSeams(Arrays):
     """All pairs of nodes.
 
     Attributes
@@ -60,8 +60,8 @@ class EdgeSeams(NamedTuple):
         Of the slopes along the edge of a and b, of the twists of a and b; shape (n, 4).
     """
 
-    table: NDArray[np.int64]
-    factors: NDArray[np.float64]
+    table: Ints2
+    factors: Floats2
 
 
 def pack(joints: Sequence[EdgeSeam], places: Sequence[JointPlace], book: MarkerBook) -> EdgeSeams:
@@ -89,7 +89,7 @@ def _put_scaled_rows(
     system: RowSystem, attachment: int, first: int, work: Workspace, marker: int, factor: float
 ) -> None:
     """``factor J[m]`` as three rows."""
-    lanes = len(system.shape[1])
+    lanes = system.lanes
     begin = system.attachments[attachment, PANEL] + first
     J = work.jacobian[marker]
     for k in range(system.attachments[attachment, WIDTH]):

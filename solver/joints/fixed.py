@@ -8,11 +8,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import FixedJoint
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
@@ -35,10 +35,10 @@ __all__ = ["ROTATIONAL", "FixedJoints", "pack"]
 ROTATIONAL = (False, False, False, True, True, True)
 
 
-class FixedJoints(NamedTuple):
+class FixedJoints(Arrays):
     """Block, point markers of a and b, direction markers x, z of a and x, y of b, record column; shape (n, 8)."""
 
-    table: NDArray[np.int64]
+    table: Ints2
 
 
 def pack(joints: Sequence[FixedJoint], places: Sequence[JointPlace], book: MarkerBook) -> FixedJoints:

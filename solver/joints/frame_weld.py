@@ -12,11 +12,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
@@ -46,7 +46,7 @@ ROTATIONAL = (False, False, False, True, True)
 BLOCK, POINT_A, POINT_B, TANGENT_A, TANGENT_B, COLUMN = range(6)
 
 
-class FrameWelds(NamedTuple):
+class FrameWelds(Arrays):
     """All welds of frames.
 
     Attributes
@@ -57,8 +57,8 @@ class FrameWelds(NamedTuple):
         First normal, shape (n, 3).
     """
 
-    table: NDArray[np.int64]
-    state: NDArray[np.float64]
+    table: Ints2
+    state: Floats2
 
 
 def pack(joints: Sequence[FrameWeld], places: Sequence[JointPlace], book: MarkerBook) -> FrameWelds:

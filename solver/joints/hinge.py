@@ -9,11 +9,11 @@ of the axes, whose three rows have rank two::
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import Hinge
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
@@ -52,7 +52,7 @@ CHANNELS = ANGLE_CHANNELS
 BLOCK, POINT_A, POINT_B, Z_A, X_B, Y_B, COLUMN, ANGLE = range(8)
 
 
-class Hinges(NamedTuple):
+class Hinges(Arrays):
     """All hinges of a scene.
 
     Attributes
@@ -64,8 +64,8 @@ class Hinges(NamedTuple):
         Whole turns, see `record_angle`; shape (n, 3).
     """
 
-    table: NDArray[np.int64]
-    state: NDArray[np.float64]
+    table: Ints2
+    state: Floats2
 
 
 def pack(joints: Sequence[Hinge], places: Sequence[JointPlace], book: MarkerBook) -> Hinges:

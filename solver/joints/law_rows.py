@@ -57,7 +57,7 @@ FITTED = 1e-13
 @kernel(inline=True, internal=True)
 def row_rate(system: Rows, first: int, last: int, velocity: NDArray[np.float64]) -> float:
     """``G v`` of the first row of the attachments first ... last - 1."""
-    lanes = len(system.shape[1])
+    lanes = system.lanes
     u = 0.0
     for i in range(first, last):
         dof, panel = system.attachments[i, DOF], system.attachments[i, PANEL]
@@ -68,7 +68,7 @@ def row_rate(system: Rows, first: int, last: int, velocity: NDArray[np.float64])
 
 @kernel(inline=True, internal=True)
 def _row(system: Rows, block: int, column: int) -> int:
-    return (block * ROW_COLUMNS + column) * len(system.shape[1])
+    return (block * ROW_COLUMNS + column) * system.lanes
 
 
 @kernel(inline=True, internal=True)

@@ -21,7 +21,6 @@ from heavylift.solver.rows import (
     SCALE,
     WIDTH,
     Attachment,
-    LawRowSystem,
     RowSystem,
     pack_rows,
 )
@@ -67,7 +66,7 @@ def extend_system(
     monitor: int,
     *,
     laws: bool,
-) -> RowSystem | LawRowSystem:
+) -> RowSystem:
     """Lay out the rows of joints and of what follows them in one system.
 
     Parameters
@@ -87,7 +86,7 @@ def extend_system(
     owners: list[int] = []
     old = np.zeros((0, ROW_COLUMNS, 1))
     if joints is not None:
-        old = joints.rows.reshape(-1, ROW_COLUMNS, len(joints.shape[1]))[: len(joints.attachments) // 2]
+        old = joints.rows.reshape(-1, ROW_COLUMNS, joints.lanes)[: len(joints.attachments) // 2]
         for i, rows in enumerate(old):
             used = int(np.count_nonzero(rows[SCALE]))
             counts.append(used)
@@ -105,14 +104,14 @@ def extend_system(
             sides.append((ends[2 * part], ends[2 * part + 1]))
             owners.append(starts[-1])
     made = pack_rows(counts, sides, scales, inverse_mass, monitor, owners)
-    table = made.rows.reshape(-1, ROW_COLUMNS, len(made.shape[1]))
+    table = made.rows.reshape(-1, ROW_COLUMNS, made.lanes)
     for column in (COMPLIANCE, RELAXATION, RIGID):
         width = min(old.shape[2], table.shape[2])
         table[: len(old), column, :width] = old[:, column, :width]
     for start, block in zip(starts, blocks, strict=True):
         table[start, COMPLIANCE, 0] = block.compliance
         table[start, RELAXATION, 0] = block.relaxation
-    return LawRowSystem(*made) if laws else made
+    return made
 
 
 def _side(system: RowSystem, i: int) -> Attachment:

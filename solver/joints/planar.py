@@ -8,11 +8,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import Planar
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
@@ -34,10 +34,10 @@ __all__ = ["ROTATIONAL", "PlanarJoints", "pack"]
 ROTATIONAL = (False, True, True)
 
 
-class PlanarJoints(NamedTuple):
+class PlanarJoints(Arrays):
     """Block, point markers of a and b, direction markers z of a, x and y of b, record column; shape (n, 7)."""
 
-    table: NDArray[np.int64]
+    table: Ints2
 
 
 def pack(joints: Sequence[Planar], places: Sequence[JointPlace], book: MarkerBook) -> PlanarJoints:

@@ -48,7 +48,7 @@ ANGLE_STATE = 3
 @view
 def reactions(system: RowSystem, block: int) -> NDArray[np.float64]:
     """Reactions of the rows of a block at the end of the last step [N] or [N m], a view."""
-    lanes = len(system.shape[1])
+    lanes = system.lanes
     begin = (block * ROW_COLUMNS + REACTION) * lanes
     return system.rows[begin : begin + lanes]
 

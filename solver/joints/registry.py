@@ -140,7 +140,7 @@ def pack_joints(
         sides = [(attachment(joint.body_a), attachment(joint.body_b)) for joint, _ in ordered]
         scale = [_scale(joint, rotational, scales) for joint, rotational in ordered]
         made = pack_rows([len(r) for _, r in ordered], sides, scale, inverse_mass, monitor)
-        lanes = len(made.shape[1])
+        lanes = made.lanes
         table = made.rows.reshape(-1, ROW_COLUMNS, lanes)
         for block, (joint, rotational) in enumerate(ordered):
             table[block, COMPLIANCE, : len(rotational)] = joint.compliance

@@ -92,7 +92,7 @@ def dot(a: Vector, b: Vector) -> float:
 @view
 def residuals(system: RowSystem, block: int) -> NDArray[np.float64]:
     """Residuals of the rows of a block, a view."""
-    lanes = len(system.shape[1])
+    lanes = system.lanes
     begin = (block * ROW_COLUMNS + RESIDUAL) * lanes
     return system.rows[begin : begin + lanes]
 
@@ -100,7 +100,7 @@ def residuals(system: RowSystem, block: int) -> NDArray[np.float64]:
 @view
 def targets(system: RowSystem, block: int) -> NDArray[np.float64]:
     """Targets of the rows of a block, a view."""
-    lanes = len(system.shape[1])
+    lanes = system.lanes
     begin = (block * ROW_COLUMNS + TARGET) * lanes
     return system.rows[begin : begin + lanes]
 
@@ -110,7 +110,7 @@ def put_point_rows(
     system: RowSystem, attachment: int, first: int, work: Workspace, marker: int, sign: float
 ) -> None:
     """Write ``sign J[m]`` as three rows: the components of a point along the world axes."""
-    lanes = len(system.shape[1])
+    lanes = system.lanes
     width = system.attachments[attachment, WIDTH]
     begin = system.attachments[attachment, PANEL] + first
     J = work.jacobian[marker]
@@ -138,7 +138,7 @@ def put_direction_row(
 ) -> None:
     """Write ``c . J[m]`` as one row."""
     begin = system.attachments[attachment, PANEL] + row
-    width, lanes = system.attachments[attachment, WIDTH], len(system.shape[1])
+    width, lanes = system.attachments[attachment, WIDTH], system.lanes
     _put_product(system.panels, begin, lanes, width, work.jacobian[marker], c)
 
 
@@ -156,7 +156,7 @@ def add_direction_row(
 ) -> None:
     """Add ``c . J[m]`` to one row."""
     begin = system.attachments[attachment, PANEL] + row
-    width, lanes = system.attachments[attachment, WIDTH], len(system.shape[1])
+    width, lanes = system.attachments[attachment, WIDTH], system.lanes
     _add_product(system.panels, begin, lanes, width, work.jacobian[marker], c)
 
 

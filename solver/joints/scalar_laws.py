@@ -9,11 +9,10 @@ would reverse the motion within the step.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.interface import (
     CHANGED,
@@ -46,7 +45,7 @@ from heavylift.solver.joints.law_rows import (
 )
 from heavylift.solver.joints.row_writing import near_angle
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import LawRowSystem
+from heavylift.solver.rows import RowSystem
 
 __all__ = ["FRICTION", "SPRING", "STATE_WIDTH", "STOP", "ScalarLaws"]
 
@@ -64,7 +63,7 @@ PLAIN_ROUNDS = 5
 """Rounds of the iteration after which a table is fitted by chords too: tangents alone can go to and fro."""
 
 
-class ScalarLaws(NamedTuple):
+class ScalarLaws(Arrays):
     """All tabulated springs, stops and friction of a scene.
 
     Attributes
@@ -81,10 +80,10 @@ class ScalarLaws(NamedTuple):
         from the geometry, -1, 0 or 1 as friction slides or sticks, and scratch of the iteration; shape (n, 9).
     """
 
-    table: NDArray[np.int64]
-    values: NDArray[np.float64]
-    curves: NDArray[np.float64]
-    state: NDArray[np.float64]
+    table: Ints2
+    values: Floats2
+    curves: Floats2
+    state: Floats2
 
 
 @kernel(internal=True)
@@ -117,7 +116,7 @@ def _law(kind: ScalarLaws, i: int, u: float, h: float) -> tuple[float, float, fl
 
 @implement(fill_rows, ScalarLaws)
 @kernel(internal=True)
-def fill_scalar_rows(kind: ScalarLaws, with_residual: bool, work: Workspace, system: LawRowSystem) -> None:
+def fill_scalar_rows(kind: ScalarLaws, with_residual: bool, work: Workspace, system: RowSystem) -> None:
     """Rows; drift of the carried values."""
     for i in range(kind.table.shape[0]):
         _, coordinate, block, a, b, c, _, _, _ = kind.table[i]
@@ -127,14 +126,14 @@ def fill_scalar_rows(kind: ScalarLaws, with_residual: bool, work: Workspace, sys
 
 
 @kernel(inline=True, internal=True)
-def _rate(kind: ScalarLaws, i: int, work: Workspace, system: LawRowSystem) -> float:
+def _rate(kind: ScalarLaws, i: int, work: Workspace, system: RowSystem) -> float:
     """Rate of a row at the velocity of the stage."""
     first = 2 * kind.table[i, BLOCK]
     return row_rate(system, first, first + 2, work.velocity)
 
 
 @kernel(internal=True)
-def _put_friction(kind: ScalarLaws, i: int, h: float, system: LawRowSystem) -> None:
+def _put_friction(kind: ScalarLaws, i: int, h: float, system: RowSystem) -> None:
     """Row of the present branch."""
     block, branch = kind.table[i, BLOCK], kind.state[i, BRANCH]
     if branch == 0.0:
@@ -146,7 +145,7 @@ def _put_friction(kind: ScalarLaws, i: int, h: float, system: LawRowSystem) -> N
 @implement(set_targets, ScalarLaws)
 @kernel(internal=True)
 def set_scalar_targets(
-    kind: ScalarLaws, time: float, step: float, at_midpoint: bool, work: Workspace, system: LawRowSystem
+    kind: ScalarLaws, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowSystem
 ) -> None:
     """First guess: rate and branch of the last step. At its end friction sticks as in the middle."""
     for i in range(kind.table.shape[0]):
@@ -167,7 +166,7 @@ def set_scalar_targets(
 @implement(relinearise, ScalarLaws)
 @kernel(internal=True)
 def relinearise_scalar_laws(
-    kind: ScalarLaws, time: float, step: float, work: Workspace, system: LawRowSystem
+    kind: ScalarLaws, time: float, step: float, work: Workspace, system: RowSystem
 ) -> None:
     """Fit the laws to the rates found."""
     for i in range(kind.table.shape[0]):
@@ -199,7 +198,7 @@ def relinearise_scalar_laws(
 @implement(update_rows, ScalarLaws)
 @kernel(internal=True)
 def update_scalar_laws(
-    kind: ScalarLaws, time: float, step: float, work: Workspace, system: LawRowSystem
+    kind: ScalarLaws, time: float, step: float, work: Workspace, system: RowSystem
 ) -> None:
     """Carry the values over the step; energy lost."""
     for i in range(kind.table.shape[0]):
@@ -220,7 +219,7 @@ def update_scalar_laws(
 @implement(record_joints, ScalarLaws)
 @kernel(internal=True)
 def record_scalar_laws(
-    kind: ScalarLaws, time: float, work: Workspace, system: LawRowSystem, row: NDArray[np.float64]
+    kind: ScalarLaws, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
 ) -> None:
     """Force of a tabulated spring, length of one between points; energies of all laws."""
     for i in range(kind.table.shape[0]):

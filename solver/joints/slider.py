@@ -8,11 +8,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import Slider
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
@@ -50,7 +50,7 @@ CHANNELS = TRAVEL_CHANNELS
 BLOCK, POINT_A, POINT_B, X_A, Y_A, Z_A, X_B, Y_B, COLUMN, TRAVEL = range(10)
 
 
-class Sliders(NamedTuple):
+class Sliders(Arrays):
     """All sliders of a scene.
 
     Attributes
@@ -60,7 +60,7 @@ class Sliders(NamedTuple):
         markers of the recorded travel (3); shape (n, 12).
     """
 
-    table: NDArray[np.int64]
+    table: Ints2
 
 
 def pack(joints: Sequence[Slider], places: Sequence[JointPlace], book: MarkerBook) -> Sliders:

@@ -9,11 +9,11 @@ two directions m, n of a, square to e and to each other::
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import Cylindrical, SliderHinge, axes_about
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
@@ -56,7 +56,7 @@ CHANNELS = (*ANGLE_CHANNELS, *TRAVEL_CHANNELS)
 BLOCK, POINT_A, POINT_B, M_A, N_A, Z_A, X_B, Y_B, COLUMN, ANGLE, TRAVEL = (*range(10), 12)
 
 
-class SliderHinges(NamedTuple):
+class SliderHinges(Arrays):
     """All slider hinges and cylindrical joints of a scene.
 
     Attributes
@@ -68,8 +68,8 @@ class SliderHinges(NamedTuple):
         Whole turns, see `record_angle`; shape (n, 3).
     """
 
-    table: NDArray[np.int64]
-    state: NDArray[np.float64]
+    table: Ints2
+    state: Floats2
 
 
 def pack(

@@ -10,11 +10,10 @@ This is what a row of compliance ``1/k`` and relaxation time ``c/k`` does, so sp
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.interface import (
     DISSIPATED,
@@ -43,7 +42,7 @@ REST, STIFFNESS, DAMPING = range(3)
 VALUE, LOSS = range(2)
 
 
-class SpringRows(NamedTuple):
+class SpringRows(Arrays):
     """All linear springs and joint springs of a scene.
 
     Attributes
@@ -56,9 +55,9 @@ class SpringRows(NamedTuple):
         Last value of an angle [rad], to count its turns, and energy lost in the damper [J]; shape (n, 2).
     """
 
-    table: NDArray[np.int64]
-    values: NDArray[np.float64]
-    state: NDArray[np.float64]
+    table: Ints2
+    values: Floats2
+    state: Floats2
 
 
 @kernel(inline=True, internal=True)

@@ -12,11 +12,11 @@ has three rows of rank two. The stretch ``|r'|`` stays free.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import JointFrame
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
@@ -43,7 +43,7 @@ MOST = 4
 BLOCK, POINT_A, POINT_B, COLUMN, COUNT, PAIRS = range(6)
 
 
-class SquareJoints(NamedTuple):
+class SquareJoints(Arrays):
     """All such joints of a scene.
 
     Attributes
@@ -54,8 +54,8 @@ class SquareJoints(NamedTuple):
         Of each pair, shape (n, 4).
     """
 
-    table: NDArray[np.int64]
-    factors: NDArray[np.float64]
+    table: Ints2
+    factors: Floats2
 
 
 def pack(joints: Sequence[SquareJoint], places: Sequence[JointPlace], book: MarkerBook) -> SquareJoints:

@@ -6,11 +6,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.connections import Universal
@@ -37,10 +37,10 @@ LARGEST_COSINE = 0.9
 """Of the angle between the two axes at the start: the row vanishes when they are parallel."""
 
 
-class UniversalJoints(NamedTuple):
+class UniversalJoints(Arrays):
     """Block, point markers of a and b, direction markers z of a and of b, record column; shape (n, 6)."""
 
-    table: NDArray[np.int64]
+    table: Ints2
 
 
 def pack(joints: Sequence[Universal], places: Sequence[JointPlace], book: MarkerBook) -> UniversalJoints:

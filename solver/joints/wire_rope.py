@@ -14,11 +14,12 @@ shorter one slowly.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.interface import (
     DISSIPATED,
@@ -38,7 +39,7 @@ from heavylift.solver.joints.law_rows import RETURN, fit_law, put_law, put_resid
 from heavylift.solver.joints.rope_path import path_length
 from heavylift.solver.joints.row_writing import add_direction_row
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import PANEL, WIDTH, LawRowSystem
+from heavylift.solver.rows import PANEL, WIDTH, RowSystem
 
 __all__ = ["Ropes"]
 
@@ -49,7 +50,7 @@ TIME, SPEED, HAULED = range(3)
 FRESH, STRETCHED, REST, RATE, DRIFT, WINCH_WORK, LOSS, STATE_WIDTH = range(8)
 
 
-class Ropes(NamedTuple):
+class Ropes(Arrays):
     """All ropes of a scene.
 
     Attributes
@@ -73,13 +74,13 @@ class Ropes(NamedTuple):
         wraps of all places [rad]; flat.
     """
 
-    table: NDArray[np.int64]
-    places: NDArray[np.int64]
-    values: NDArray[np.float64]
-    winches: NDArray[np.float64]
-    path: NDArray[np.float64]
-    gradient: NDArray[np.float64]
-    state: NDArray[np.float64]
+    table: Ints2
+    places: Ints2
+    values: Floats2
+    winches: Floats2
+    path: Floats2
+    gradient: Floats2
+    state: Floats1
 
 
 @kernel(internal=True)
@@ -150,7 +151,7 @@ def _compare(kind: Ropes, i: int, length: float) -> None:
 @kernel(internal=True)
 def fill_rope_rows(kind: Ropes, with_residual: bool, work: Workspace, system: Any) -> None:
     """``dl/dc . J + dl/dn . J_n`` of every place on the side of its body."""
-    lanes = len(system.shape[1])
+    lanes = system.lanes
     for i in range(kind.table.shape[0]):
         length = _find_path(kind, i, work)
         block, count, first = kind.table[i, BLOCK], kind.table[i, ATTACHMENTS], kind.table[i, FIRST]
@@ -189,7 +190,7 @@ def _tension(
 @implement(set_targets, Ropes)
 @kernel(internal=True)
 def set_rope_targets(
-    kind: Ropes, time: float, step: float, at_midpoint: bool, work: Workspace, system: LawRowSystem
+    kind: Ropes, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowSystem
 ) -> None:
     """First guess: the rate of the last step."""
     if not at_midpoint:
@@ -201,7 +202,7 @@ def set_rope_targets(
 
 
 @kernel(inline=True, internal=True)
-def _rate(kind: Ropes, i: int, work: Workspace, system: LawRowSystem) -> float:
+def _rate(kind: Ropes, i: int, work: Workspace, system: RowSystem) -> float:
     """Rate of the path in the middle of the step [m/s]."""
     first = 2 * kind.table[i, BLOCK]
     return row_rate(system, first, first + kind.table[i, ATTACHMENTS], work.velocity)
@@ -209,7 +210,7 @@ def _rate(kind: Ropes, i: int, work: Workspace, system: LawRowSystem) -> float:
 
 @implement(relinearise, Ropes)
 @kernel(internal=True)
-def relinearise_ropes(kind: Ropes, time: float, step: float, work: Workspace, system: LawRowSystem) -> None:
+def relinearise_ropes(kind: Ropes, time: float, step: float, work: Workspace, system: RowSystem) -> None:
     """Fit the tensions to the rates found."""
     for i in range(kind.table.shape[0]):
         u = _rate(kind, i, work, system)
@@ -219,7 +220,7 @@ def relinearise_ropes(kind: Ropes, time: float, step: float, work: Workspace, sy
 
 @implement(update_rows, Ropes)
 @kernel(internal=True)
-def update_ropes(kind: Ropes, time: float, step: float, work: Workspace, system: LawRowSystem) -> None:
+def update_ropes(kind: Ropes, time: float, step: float, work: Workspace, system: RowSystem) -> None:
     """Carry the stretch over the step; works of winch and damper."""
     for i in range(kind.table.shape[0]):
         at = i * STATE_WIDTH
@@ -256,7 +257,7 @@ def _path_rate(kind: Ropes, i: int, work: Workspace) -> float:
 @implement(record_joints, Ropes)
 @kernel(internal=True)
 def record_ropes(
-    kind: Ropes, time: float, work: Workspace, system: LawRowSystem, row: NDArray[np.float64]
+    kind: Ropes, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
 ) -> None:
     """Tension, length of the path, unstretched length, drift, tension of each straight part."""
     for i in range(kind.table.shape[0]):

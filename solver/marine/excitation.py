@@ -12,11 +12,11 @@ X alone; its phase is part of the force and is kept here. Mean and slowly varyin
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2
 from heavylift.numerics.jit import kernel
 
 __all__ = [
@@ -33,7 +33,7 @@ _OMEGA, _KX, _KY, _PHASE, _AMPLITUDE = range(5)
 _FIRST, _INVERSE_SPACING, _CELLS, _PERIODIC = range(4)
 
 
-class SummedExcitation(NamedTuple):
+class SummedExcitation(Arrays):
     """Components of a sea and what they do to the hulls of a group; summed at every call.
 
     Attributes
@@ -54,15 +54,15 @@ class SummedExcitation(NamedTuple):
         Work space: cosine and sine of the components at one hull, shape (2, m).
     """
 
-    components: NDArray[np.float64]
-    table: NDArray[np.float64]
-    drift: NDArray[np.float64]
-    yaws: NDArray[np.float64]
-    ramp: NDArray[np.float64]
-    waves: NDArray[np.float64]
+    components: Floats2
+    table: Floats2
+    drift: Floats2
+    yaws: Floats2
+    ramp: Floats1
+    waves: Floats2
 
 
-class SeriesExcitation(NamedTuple):
+class SeriesExcitation(Arrays):
     """Excitation of hulls that keep place and heading, on a grid of times.
 
     Attributes
@@ -73,8 +73,8 @@ class SeriesExcitation(NamedTuple):
         Time of the first row [s], 1 / step [1/s]: shape (2,).
     """
 
-    values: NDArray[np.float64]
-    settings: NDArray[np.float64]
+    values: Floats2
+    settings: Floats1
 
 
 @kernel(inline=True, internal=True)

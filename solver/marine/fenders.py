@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.interface import (
@@ -35,7 +35,7 @@ POINT_A, NORMAL, POINT_B, COLUMN, FIRST, COUNT = range(6)
 START_ENERGY, STARTED = range(2)
 
 
-class Fenders(NamedTuple):
+class Fenders(Arrays):
     """All fenders of a scene.
 
     Attributes
@@ -54,12 +54,12 @@ class Fenders(NamedTuple):
         relative to the tip, world axes, row by row, symmetric and positive semidefinite; shape (n, 9).
     """
 
-    table: NDArray[np.int64]
-    values: NDArray[np.float64]
-    curves: NDArray[np.float64]
-    state: NDArray[np.float64]
-    tangents: NDArray[np.float64]
-    rate_tangents: NDArray[np.float64]
+    table: Ints2
+    values: Floats2
+    curves: Floats2
+    state: Floats2
+    tangents: Floats2
+    rate_tangents: Floats2
 
 
 def fender_markers(book: MarkerBook, fenders: Sequence[Fender]) -> list[tuple[int, int, int]]:

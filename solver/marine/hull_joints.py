@@ -99,7 +99,7 @@ def apply_inverse_of_hulls(kind: Hulls, at_midpoint: bool, system: Rows) -> None
 @kernel(internal=True)
 def _solve_panel(kind: Hulls, base: int, n: int, system: Rows, panel: int) -> None:
     """``L L^T X = G^T``, all rows of a joint at once."""
-    lanes = len(system.shape[1])
+    lanes = system.lanes
     G, factor = system.panels, kind.matrices
     out = G.shape[0] // 2 + panel
     for i in range(n):

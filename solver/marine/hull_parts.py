@@ -6,11 +6,12 @@ A scene without waves, or without memory, has empty tuples here, and compiles an
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats2, Ints1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
@@ -22,7 +23,17 @@ from heavylift.solver.marine.excitation import (
     sum_excitation,
 )
 from heavylift.solver.marine.hull_checks import check_places
-from heavylift.solver.marine.hulls import FINISH, HEADING, KNOWN, PLACE, START, STATE_WIDTH, WAVE, Hulls
+from heavylift.solver.marine.hulls import (
+    FINISH,
+    HEADING,
+    KNOWN,
+    PLACE,
+    START,
+    STATE_WIDTH,
+    WAVE,
+    Hulls,
+    Parts,
+)
 from heavylift.solver.marine.memory import (
     DirectMemory,
     ExponentialMemory,
@@ -60,55 +71,55 @@ SERIES_MOVED, SERIES_TURNED = 0.05, np.radians(0.1)
 """How far a start may move hulls whose wave forces are tabulated: metres and radians."""
 
 
-class ExponentialPart(NamedTuple):
+class ExponentialPart(Arrays):
     """Recursive memory of the hulls of a database: first coordinate, shape (1,), and its arrays."""
 
-    first: NDArray[np.int64]
+    first: Ints1
     memory: ExponentialMemory
 
 
-class DirectPart(NamedTuple):
+class DirectPart(Arrays):
     """Memory of the hulls of a database by convolution: first coordinate, shape (1,), and its arrays."""
 
-    first: NDArray[np.int64]
+    first: Ints1
     memory: DirectMemory
 
 
-class SummedPart(NamedTuple):
+class SummedPart(Arrays):
     """Forces of waves on moving hulls: first hull, shape (1,); places, shape (N, 3); their arrays."""
 
-    first: NDArray[np.int64]
-    place: NDArray[np.float64]
+    first: Ints1
+    place: Floats2
     excitation: SummedExcitation
 
 
-class SeriesPart(NamedTuple):
+class SeriesPart(Arrays):
     """Tabulated forces of waves: first hull, shape (1,); places and headings they hold for, (N, 3); their arrays."""
 
-    first: NDArray[np.int64]
-    held: NDArray[np.float64]
+    first: Ints1
+    held: Floats2
     excitation: SeriesExcitation
 
 
 @optional
 def begin_memory(
-    parts: Any, step: float, implicit: NDArray[np.float64], vectors: NDArray[np.float64]
+    parts: Parts, step: float, implicit: Floats2, vectors: Floats2
 ) -> None:
     """Memory: its force at the middle of the step, without the part of the velocity there, and that part."""
 
 
 @optional
-def keep_memory(parts: Any, vectors: NDArray[np.float64]) -> None:
+def keep_memory(parts: Parts, vectors: Floats2) -> None:
     """Memory: to the end of the step."""
 
 
 @optional
-def memory_now(parts: Any, vectors: NDArray[np.float64]) -> None:
+def memory_now(parts: Parts, vectors: Floats2) -> None:
     """Memory: its force at the carried state and the velocities in `FINISH`."""
 
 
 @optional
-def add_waves(parts: Any, time: float, stage: NDArray[np.float64], vectors: NDArray[np.float64]) -> None:
+def add_waves(parts: Parts, time: float, stage: Floats2, vectors: Floats2) -> None:
     """Waves: their forces at a time, at the places and headings of the stage."""
 
 

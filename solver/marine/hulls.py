@@ -13,13 +13,14 @@ joints see them as one body with 6 N velocities.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.rigid import ORIENTATION, POSITION
+from heavylift.solver.kinds import Table
 from heavylift.solver.marine.clipping import CLIP_WIDTH
 
 __all__ = ["Hulls", "start_filters"]
@@ -69,7 +70,11 @@ TANK_POINT, TANK_MASS, TANK_VELOCITY, TANK_SURFACE, TANK_START = 0, 3, 4, 7, 9
 TANK_WIDTH = 12
 
 
-class Hulls(NamedTuple):
+class Parts(Table):
+    """What a database brings: memories, or excitations, of hulls."""
+
+
+class Hulls(Arrays):
     """All hulls of a scene; columns are named at the top of this file.
 
     Attributes
@@ -104,34 +109,43 @@ class Hulls(NamedTuple):
         Undisturbed waves, for records: omega, kx, ky, phase, amplitude; shape (5, m).
     """
 
-    table: NDArray[np.int64]
-    constants: NDArray[np.float64]
-    frame: NDArray[np.float64]
-    markers: NDArray[np.int64]
-    sensors: NDArray[np.int64]
-    hulls: NDArray[np.int64]
-    groups: NDArray[np.int64]
-    water: NDArray[np.float64]
-    hull: NDArray[np.float64]
-    stage: NDArray[np.float64]
-    points: NDArray[np.float64]
-    triangles: NDArray[np.int64]
-    placed: NDArray[np.float64]
-    added_mass: NDArray[np.float64]
-    damping: NDArray[np.float64]
-    implicit: NDArray[np.float64]
-    vectors: NDArray[np.float64]
-    matrices: NDArray[np.float64]
-    tank_table: NDArray[np.int64]
-    tank_times: NDArray[np.float64]
-    tanks: NDArray[np.float64]
-    tangents: NDArray[np.float64]
-    rate_tangents: NDArray[np.float64]
-    line_ends: NDArray[np.int64]
-    state: NDArray[np.float64]
-    radiation: Any
-    excitation: Any
-    gauge: NDArray[np.float64]
+    kernel_modules: ClassVar[tuple[str, ...]] = (
+        "heavylift.solver.marine.hull_contours",
+        "heavylift.solver.marine.hull_joints",
+        "heavylift.solver.marine.hull_record",
+        "heavylift.solver.marine.hull_stage",
+        "heavylift.solver.marine.hulls_configuration",
+        "heavylift.solver.marine.hull_step",
+    )
+
+    table: Ints2
+    constants: Floats1
+    frame: Floats2
+    markers: Ints2
+    sensors: Ints2
+    hulls: Ints2
+    groups: Ints2
+    water: Floats1
+    hull: Floats2
+    stage: Floats2
+    points: Floats2
+    triangles: Ints2
+    placed: Floats2
+    added_mass: Floats2
+    damping: Floats2
+    implicit: Floats2
+    vectors: Floats2
+    matrices: Floats1
+    tank_table: Ints2
+    tank_times: Floats2
+    tanks: Floats2
+    tangents: Floats2
+    rate_tangents: Floats2
+    line_ends: Ints2
+    state: Floats1
+    radiation: Parts
+    excitation: Parts
+    gauge: Floats2
 
     def sharing_state(self) -> Hulls:
         """The same with the states of its parts as views of its own, which has been replaced."""

@@ -22,11 +22,11 @@ brings its own velocities at its start and its end.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.small import aligned
@@ -55,7 +55,7 @@ SERIES_BELOW = 0.5
 """Of the modulus of pole times step; above it the closed forms lose no digits."""
 
 
-class ExponentialMemory(NamedTuple):
+class ExponentialMemory(Arrays):
     """Memory of one group of n coordinates, K(t) = Re sum_p R_p exp(s_p t), one pole of each conjugate pair.
 
     Complex numbers are stored as all P real parts followed by all P imaginary parts.
@@ -83,18 +83,18 @@ class ExponentialMemory(NamedTuple):
         Coefficient of the velocity at the start of the step, shape (n, n).
     """
 
-    poles: NDArray[np.float64]
-    channels: NDArray[np.int64]
-    residues: NDArray[np.float64]
-    damping: NDArray[np.float64]
-    state: NDArray[np.float64]
-    coefficients: NDArray[np.float64]
-    step: NDArray[np.float64]
-    implicit: NDArray[np.float64]
-    explicit: NDArray[np.float64]
+    poles: Floats1
+    channels: Ints2
+    residues: Floats2
+    damping: Floats2
+    state: Floats2
+    coefficients: Floats2
+    step: Floats1
+    implicit: Floats2
+    explicit: Floats2
 
 
-class DirectMemory(NamedTuple):
+class DirectMemory(Arrays):
     """Memory of one group of n coordinates by convolution over the velocities of the last T steps.
 
     Attributes
@@ -115,14 +115,14 @@ class DirectMemory(NamedTuple):
         As in `ExponentialMemory`.
     """
 
-    channels: NDArray[np.int64]
-    middle: NDArray[np.float64]
-    now: NDArray[np.float64]
-    damping: NDArray[np.float64]
-    state: NDArray[np.float64]
-    step: NDArray[np.float64]
-    implicit: NDArray[np.float64]
-    explicit: NDArray[np.float64]
+    channels: Ints2
+    middle: Floats2
+    now: Floats2
+    damping: Floats2
+    state: Floats1
+    step: Floats1
+    implicit: Floats2
+    explicit: Floats2
 
 
 def pack_exponential_memory(
@@ -164,7 +164,7 @@ def pack_exponential_memory(
         raise InputError(
             f"{worst:.4g} 1/s does not decay", source="memory", key="poles", expected="negative real parts"
         )
-    channels = np.argwhere((R != 0.0).any(axis=0)).astype(np.int64).reshape(-1, 2)
+    channels = np.ascontiguousarray(np.argwhere((R != 0.0).any(axis=0)).reshape(-1, 2), dtype=np.int64)
     of_channels = R[:, channels[:, 0], channels[:, 1]].T
     return ExponentialMemory(
         poles=_copied(np.concatenate([s.real, s.imag])),
@@ -228,7 +228,7 @@ def pack_direct_memory(
     half = K[: per_half + 1]
     near = np.tensordot(first * (1.0 - part), half, 1)
     explicit = np.tensordot(first * part, half, 1)
-    channels = np.argwhere((K != 0.0).any(axis=0)).astype(np.int64).reshape(-1, 2)
+    channels = np.ascontiguousarray(np.argwhere((K != 0.0).any(axis=0)).reshape(-1, 2), dtype=np.int64)
     series = np.ascontiguousarray(K[:, channels[:, 0], channels[:, 1]].T)
     whole, part = _simpson(samples, step)
     weights = []

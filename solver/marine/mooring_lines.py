@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.connections import GROUND
@@ -74,7 +74,7 @@ LEAST_SPAN = 1e-7
 """Of the length: horizontal distance of the ends below which a line hangs straight down."""
 
 
-class MooringLines(NamedTuple):
+class MooringLines(Arrays):
     """All mooring lines of a scene.
 
     Attributes
@@ -96,14 +96,14 @@ class MooringLines(NamedTuple):
         (n, 4 + the width of a solution).
     """
 
-    ends: NDArray[np.int64]
-    table: NDArray[np.int64]
-    line: NDArray[np.float64]
-    sections: NDArray[np.float64]
-    limits: NDArray[np.float64]
-    state: NDArray[np.float64]
-    tangents: NDArray[np.float64]
-    scratch: NDArray[np.float64]
+    ends: Ints2
+    table: Ints2
+    line: Floats2
+    sections: Floats2
+    limits: Floats1
+    state: Floats2
+    tangents: Floats2
+    scratch: Floats2
 
 
 def line_markers(book: MarkerBook, lines: Sequence[MooringLine]) -> list[tuple[int, int]]:

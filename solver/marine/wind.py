@@ -7,11 +7,11 @@ their markers alone: a point and, for the heading, a direction.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.interface import (
     POINT,
@@ -95,7 +95,7 @@ LOWEST_GUST = 1.0
 Flow = tuple[float, float, float, float]
 
 
-class FluidLoads(NamedTuple):
+class FluidLoads(Arrays):
     """All loads of wind and current of a scene.
 
     Attributes
@@ -128,15 +128,15 @@ class FluidLoads(NamedTuple):
         it, of C_x A_x, C_y A_y [m2] and C_n A_y L [m3]; the last row only ends the last piece; shape (rows, 13).
     """
 
-    fields: NDArray[np.int64]
-    field_values: NDArray[np.float64]
-    profiles: NDArray[np.float64]
-    turns: NDArray[np.float64]
-    records: NDArray[np.float64]
-    flow: NDArray[np.float64]
-    loads: NDArray[np.int64]
-    load_values: NDArray[np.float64]
-    curves: NDArray[np.float64]
+    fields: Ints2
+    field_values: Floats2
+    profiles: Floats2
+    turns: Floats2
+    records: Floats1
+    flow: Floats2
+    loads: Ints2
+    load_values: Floats2
+    curves: Floats2
 
 
 @kernel(internal=True)

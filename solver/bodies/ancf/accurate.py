@@ -128,7 +128,7 @@ def free_mesh_acceleration(kind: Meshes, values: NDArray[np.float64], at: int, w
         if loaded:
             _add_loads(kind, body, work)
         add_gravity(kind, body, work, 1.0)
-        add_elastic_forces((kind,), body, MID_Q, RIGHT, -1.0)
+        add_elastic_forces(kind, body, MID_Q, RIGHT, -1.0)
         if kind.body[body, VISCOUS] > 0.0 or kind.body[body, STIFFNESS_DAMPING] > 0.0:
             _add_damping(kind, body, work)
         solve_forward(kind, body, MASS_SET)
@@ -161,8 +161,8 @@ def _add_damping(kind: Meshes, body: int, work: Workspace) -> None:
         begin = kind.table[body, FIRST_STRAIN]
         for i in range(begin, begin + kind.table[body, STRAINS]):
             kind.strains[SHAPE_STRAIN, i] = 0.0
-        add_strain_rates((kind,), body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
-        add_stress_forces((kind,), body, MID_Q, SHAPE_STRAIN, FORWARD, 1.0)
+        add_strain_rates(kind, body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
+        add_stress_forces(kind, body, MID_Q, SHAPE_STRAIN, FORWARD, 1.0)
     lost = 0.0
     for i in range(first, last):
         lost += force[i] * speed[i]
@@ -269,4 +269,4 @@ def store_mesh_state(
         kind.nodal[Q, i] = values[at + place + i]
         kind.nodal[V, i] = speed
     for body in range(kind.table.shape[0]):
-        find_strains((kind,), body, Q, STRAIN)
+        find_strains(kind, body, Q, STRAIN)

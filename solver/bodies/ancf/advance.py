@@ -57,9 +57,9 @@ def find_drift(kind: Meshes, body: int, step: float) -> None:
     for i in range(first, last):
         kind.nodal[TRIAL, i] = kind.nodal[Q, i] + step * kind.nodal[MID_V, i]
     copy_strains(kind, body, STRAIN, OLD_STRAIN)
-    add_strain_rates((kind,), body, MID_Q, MID_V, OLD_STRAIN, step)
-    find_strains((kind,), body, TRIAL, SHAPE_STRAIN)
-    measure_drift((kind,), body, OLD_STRAIN, SHAPE_STRAIN)
+    add_strain_rates(kind, body, MID_Q, MID_V, OLD_STRAIN, step)
+    find_strains(kind, body, TRIAL, SHAPE_STRAIN)
+    measure_drift(kind, body, OLD_STRAIN, SHAPE_STRAIN)
 
 
 @kernel(internal=True, reassociate=True)
@@ -87,13 +87,13 @@ def add_mesh_work(kind: Meshes, body: int, step: float, iterated: bool) -> None:
         for i in range(begin, begin + kind.table[body, STRAINS]):
             kind.strains[SHAPE_STRAIN, i] -= kind.strains[START_STRAIN, i]
         kind.body[body, ELASTIC_ENERGY] = 0.0
-        measure_strain_energy((kind,), body, SHAPE_STRAIN)
+        measure_strain_energy(kind, body, SHAPE_STRAIN)
         lost = 2.0 * stiff * kind.body[body, ELASTIC_ENERGY] / (step * step)
     elif stiff > 0.0:
         for i in range(begin, begin + kind.table[body, STRAINS]):
             kind.strains[SHAPE_STRAIN, i] = 0.0
-        add_strain_rates((kind,), body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
-        add_stress_forces((kind,), body, MID_Q, SHAPE_STRAIN, RIGHT, 1.0)
+        add_strain_rates(kind, body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
+        add_stress_forces(kind, body, MID_Q, SHAPE_STRAIN, RIGHT, 1.0)
     for i in range(first, last):
         lost += right[i] * speed[i]
     kind.body[body, DISSIPATED_WORK] += step * lost
@@ -107,7 +107,7 @@ def _advance_shape_strains(kind: Meshes, body: int) -> None:
     -----
     Without a change-over the strains are those of the shape: they are taken from it, so that rounding does not add up.
     """
-    find_strains((kind,), body, Q, SHAPE_STRAIN)
+    find_strains(kind, body, Q, SHAPE_STRAIN)
     first = kind.table[body, FIRST_STRAIN]
     keep = 1.0 - DECAY if kind.body[body, CHANGED_OVER] != 0.0 else 0.0
     for i in range(first, first + kind.table[body, STRAINS]):
@@ -134,12 +134,12 @@ def advance_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> N
         add_mesh_work(kind, body, step, iterated)
         if not iterated and scheme != EXPLICIT:
             # not those of the drift: joints to bodies that iterate have changed the velocities since
-            add_strain_rates((kind,), body, MID_Q, MID_V, STRAIN, step)
+            add_strain_rates(kind, body, MID_Q, MID_V, STRAIN, step)
         for i in range(first, last):
             q[i] += step * middle[i]
             acceleration[i] = rate * (middle[i] - v[i])
             v[i] = 2.0 * middle[i] - v[i]
         if scheme == EXPLICIT:
-            find_strains((kind,), body, Q, STRAIN)
+            find_strains(kind, body, Q, STRAIN)
         elif iterated:
             _advance_shape_strains(kind, body)

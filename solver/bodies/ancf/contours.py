@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from heavylift.contours.layout import COUNT_U, COUNT_V, NET
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
-from heavylift.solver.bodies.ancf.joints import apply_inverse_of_meshes, collect_impulses, take_impulses
+from heavylift.solver.bodies.ancf.joints import apply_inverse_of_meshes, take_impulses
 from heavylift.solver.bodies.ancf.kind import (
     ACCELERATION,
     BASE_PLACE,
@@ -59,7 +58,7 @@ from heavylift.solver.contact.generics import (
     pose_contours,
     put_contour_rows,
 )
-from heavylift.solver.contact.interface import aim_points, form_mesh_controls, refresh_panels, settle_points
+from heavylift.solver.contact.interface import aim_points, form_mesh_controls, settle_points
 from heavylift.solver.contact.kind import (
     CONTOUR,
     DIRECTIONS,
@@ -76,9 +75,9 @@ from heavylift.solver.contact.kind import (
     ContactRows,
 )
 from heavylift.solver.contact.kind import DOF as CONTOUR_DOF
-from heavylift.solver.interface import Workspace, add_row_impulses
-from heavylift.solver.kinds import implement, optional
-from heavylift.solver.rows import PANEL, WIDTH, LawRowSystem, Rows, RowSystem
+from heavylift.solver.interface import Workspace
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows import PANEL, WIDTH, joint_rows
 
 __all__ = ["body_with_points"]
 
@@ -95,25 +94,8 @@ def body_with_points(kind: Meshes, dof: int) -> int:
 # ---- the shape ----
 
 
-@optional
-def _form(
-    points: Any,
-    kind: Any,
-    dof: int,
-    row: int,
-    contour: NDArray[np.int64],
-    first_u: int,
-    last_u: int,
-    first_v: int,
-    last_v: int,
-    net: NDArray[np.float64],
-) -> None:
-    """`form_mesh_controls` of a row of `nodal`."""
-
-
-@implement(_form, MovingPoints)
 @kernel(internal=True)
-def _form_controls(
+def _form(
     moving: MovingPoints,
     kind: Meshes,
     dof: int,
@@ -125,6 +107,7 @@ def _form_controls(
     last_v: int,
     net: NDArray[np.float64],
 ) -> None:
+    """`form_mesh_controls` of a row of `nodal`."""
     body = body_with_points(kind, dof)
     if body < 0:
         return
@@ -190,23 +173,8 @@ def pose_mesh_contours(kind: Meshes, at_midpoint: bool, contacts: ContactRows) -
 # ---- moving points ----
 
 
-@optional
-def _aim(
-    points: Any,
-    kind: Any,
-    dof: int,
-    slot: int,
-    controls: NDArray[np.int64],
-    weights: NDArray[np.float64],
-    first: int,
-    count: int,
-) -> None:
-    """`aim_points` with weights from a place on."""
-
-
-@implement(_aim, MovingPoints)
 @kernel(internal=True)
-def _aim_point(
+def _aim(
     moving: MovingPoints,
     kind: Meshes,
     dof: int,
@@ -216,6 +184,7 @@ def _aim_point(
     first: int,
     count: int,
 ) -> None:
+    """`aim_points` with weights from a place on."""
     body = body_with_points(kind, dof)
     if body < 0:
         return
@@ -253,14 +222,9 @@ def aim_points_of_meshes(
     _aim(kind.moving, kind, dof, slot, controls, weights, 0, count)
 
 
-@optional
-def _settle(points: Any, kind: Any, systems: Any, at_midpoint: bool, work: Workspace) -> None:
-    """`settle_points` of a kind."""
-
-
-@implement(_settle, MovingPoints)
 @kernel(internal=True)
-def _settle_points(moving: MovingPoints, kind: Meshes, systems, at_midpoint: bool, work: Workspace) -> None:  # type: ignore[no-untyped-def]
+def _settle(moving: MovingPoints, kind: Meshes, systems, at_midpoint: bool, work: Workspace) -> None:  # type: ignore[no-untyped-def]
+    """`settle_points` of a kind."""
     take_impulses(kind, systems, CHANGE_OF_V)
     for body in range(kind.table.shape[0]):
         first, count = moving.bodies[body, FIRST_POINT], kind.table[body, MOVING]
@@ -281,7 +245,8 @@ def _settle_points(moving: MovingPoints, kind: Meshes, systems, at_midpoint: boo
             work.velocity[at], work.velocity[at + 1], work.velocity[at + 2] = x, y, z
             if not solved:
                 _add_pushes(moving, kind, body, i, work.velocity, at)
-    refresh_panels(systems, kind, at_midpoint)
+    for i in range(joint_rows(systems)):
+        apply_inverse_of_meshes(kind, at_midpoint, joint_rows(systems, i))
 
 
 @kernel(internal=True)
@@ -315,14 +280,6 @@ def _add_pushes(
 def settle_points_of_meshes(kind: Meshes, systems, at_midpoint: bool, work: Workspace) -> None:  # type: ignore[no-untyped-def]
     """From the right-hand side of the stage, forward-substituted, and from the impulses on bases and points."""
     _settle(kind.moving, kind, systems, at_midpoint, work)
-
-
-@implement(refresh_panels, RowSystem)
-@implement(refresh_panels, LawRowSystem)
-@kernel(internal=True)
-def refresh_panels_of_rows(system: Rows, body_kind: Meshes, at_midpoint: bool) -> None:
-    """All of them on the kind."""
-    apply_inverse_of_meshes(body_kind, at_midpoint, system)
 
 
 # ---- rows of contacts ----
@@ -360,21 +317,9 @@ def put_mesh_contour_rows(kind: Meshes, contacts: ContactRows, contact: int, cou
                 contacts.panels[panel + (3 + k) * lanes + r] = -slope
 
 
-@implement(add_row_impulses, ContactRows)
 @kernel(internal=True)
-def collect_contact_impulses(contacts: ContactRows, body_kind: Meshes, row: int) -> None:
-    """As of joints."""
-    collect_impulses(contacts, body_kind, row)
-
-
-@optional
-def _bound(points: Any, kind: Any, contacts: Any, step: float) -> None:
+def _bound(moving: MovingPoints, kind: Meshes, contacts: ContactRows, step: float) -> None:
     """`bound_motion` of a kind."""
-
-
-@implement(_bound, MovingPoints)
-@kernel(internal=True)
-def _bound_motion(moving: MovingPoints, kind: Meshes, contacts: ContactRows, step: float) -> None:
     for contour in range(contacts.contours.shape[0]):
         row = contacts.contours[contour]
         body = body_with_points(kind, row[CONTOUR_DOF]) if row[OWNER] == OF_MESH else -1

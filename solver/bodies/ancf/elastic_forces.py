@@ -140,5 +140,5 @@ def _add_exact(kind: FrameMeshes, body: int, q: int, force: int, factor: float) 
 def add_shell_elastic_forces(kind: ShellMeshes, body: int, q: int, force: int, factor: float) -> None:
     """Strains are left in row `SHAPE_STRAIN`."""
     add_matrix_products(kind, body, q, 0.0, q, factor, force)
-    find_strains((kind,), body, q, SHAPE_STRAIN)
-    add_stress_forces((kind,), body, q, SHAPE_STRAIN, force, factor)
+    find_strains(kind, body, q, SHAPE_STRAIN)
+    add_stress_forces(kind, body, q, SHAPE_STRAIN, force, factor)

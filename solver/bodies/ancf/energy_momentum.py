@@ -106,7 +106,7 @@ LOST = 1.0
 @kernel(internal=True)
 def _average_strains(kind: Meshes, body: int, step: float) -> None:
     """Strains whose stress acts in the step, into `OLD_STRAIN`: the mean of both ends, and the rate if damped."""
-    find_strains((kind,), body, TRIAL, SHAPE_STRAIN)
+    find_strains(kind, body, TRIAL, SHAPE_STRAIN)
     part = 0.5 + kind.body[body, STIFFNESS_DAMPING] / step
     first = kind.table[body, FIRST_STRAIN]
     for i in range(first, first + kind.table[body, STRAINS]):
@@ -149,7 +149,7 @@ def _write_residual(kind: Meshes, body: int, step: float, work: Workspace) -> No
         add_matrix_products(kind, body, MID_V, 0.0, MID_V, -half * stiff, RIGHT)
     _average_strains(kind, body, step)
     add_mean_stress_forces(
-        (kind,), body, Q, TRIAL, MID_Q, START_STRAIN, SHAPE_STRAIN, OLD_STRAIN, RIGHT, -half
+        kind, body, Q, TRIAL, MID_Q, START_STRAIN, SHAPE_STRAIN, OLD_STRAIN, RIGHT, -half
     )
     _add_base_impulses(kind, body, TRIAL)
 
@@ -161,7 +161,7 @@ def _refactor(kind: Meshes, body: int, step: float) -> None:
     viscous = 1.0 + half * kind.body[body, VISCOUS]
     stiff = half * (half + kind.body[body, STIFFNESS_DAMPING])
     start_step_matrix(kind, body, viscous, stiff)
-    add_stiffness((kind,), body, MID_Q, OLD_STRAIN, RIGHT, 0.0, stiff, half * half / stiff)
+    add_stiffness(kind, body, MID_Q, OLD_STRAIN, RIGHT, 0.0, stiff, half * half / stiff)
     clear_fixed(kind, body, STEP_SET)
     factor_set(kind, body, STEP_SET)
     forget_vectors(kind.moving, kind, body)
@@ -196,7 +196,7 @@ def iterate_meshes(kind: Meshes, bodies, systems, joints, work: Workspace, time:
         before = kind.body[body, CHANGE]
         if before < 0.0:
             kind.body[body, ITERATIONS] = 0.0
-            find_strains((kind,), body, Q, START_STRAIN)
+            find_strains(kind, body, Q, START_STRAIN)
         kind.body[body, ITERATIONS] += 1.0
         take_impulses(kind, systems, TRIAL)
         _write_residual(kind, body, step, work)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +38,7 @@ from heavylift.solver.contact.facet_interface import (
 from heavylift.solver.contact.facet_kind import OF_DOF, OF_POSE, OWN_POINT, POINTS, FacetSurfaces
 from heavylift.solver.contact.kind import DIRECTIONS, STEP_SHIFT, ContactRows
 from heavylift.solver.interface import Workspace
-from heavylift.solver.kinds import implement, optional
+from heavylift.solver.kinds import implement
 from heavylift.solver.rows import PANEL, WIDTH
 
 __all__: list[str] = []
@@ -93,16 +92,8 @@ def bound_points_of_meshes(
     contacts.poses[facets.rows[row, OF_POSE], STEP_SHIFT] = step * math.sqrt(fastest)
 
 
-@optional
-def _aim_at(
-    points: Any, kind: Any, body: int, facets: Any, row: int, slot: int, work: Workspace, at: int
-) -> None:
-    """A moving point becomes the touched point; its velocity into the workspace."""
-
-
-@implement(_aim_at, MovingPoints)
 @kernel(internal=True)
-def _aim_point_at(
+def _aim_at(
     moving: MovingPoints,
     kind: Meshes,
     body: int,
@@ -112,6 +103,7 @@ def _aim_point_at(
     work: Workspace,
     at: int,
 ) -> None:
+    """A moving point becomes the touched point; its velocity into the workspace."""
     shift, own = kind.table[body, FIRST_NODE] * len(kind.shape[1]), facets.rows[row, OWN_POINT]
     point = moving.bodies[body, FIRST_POINT] + slot
     begin = moving.points[point, ENTRIES]

@@ -31,7 +31,6 @@ from heavylift.solver.bodies.ancf.step import is_iterated
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back
 from heavylift.solver.interface import (
     Workspace,
-    add_row_impulses,
     apply_inverse,
     complete,
     end_velocity,
@@ -50,9 +49,8 @@ from heavylift.solver.rows import (
     PANEL,
     ROW_COLUMNS,
     WIDTH,
-    LawRowSystem,
     Rows,
-    RowSystem,
+    row_arrays,
 )
 
 __all__ = ["collect_impulses", "take_impulses"]
@@ -75,7 +73,7 @@ def attached_mesh(kind: Meshes, system: Rows, attachment: int) -> int:
 @kernel(internal=True)
 def apply_inverse_of_meshes(kind: Meshes, at_midpoint: bool, system: Rows) -> None:
     """``X = C G^T`` with ``C = J A^-1 J^T``, minus the blocks of the bases."""
-    lanes = len(system.shape[1])
+    lanes = system.lanes
     G, half = system.panels, system.panels.shape[0] // 2
     for i in range(system.attachments.shape[0]):
         body = attached_mesh(kind, system, i)
@@ -93,7 +91,7 @@ def apply_inverse_of_meshes(kind: Meshes, at_midpoint: bool, system: Rows) -> No
 @kernel(internal=True)
 def _add_compliance(kind: Meshes, body: int, which: int, system: Rows, panel: int, width: int) -> None:
     """Block by block; those off the diagonal serve both triangles."""
-    lanes = len(system.shape[1])
+    lanes = system.lanes
     G, half = system.panels, system.panels.shape[0] // 2
     rows, block_lanes = len(kind.shape[0]), len(kind.shape[1])
     begin = which * set_size(kind)
@@ -114,12 +112,10 @@ def _add_compliance(kind: Meshes, body: int, which: int, system: Rows, panel: in
                         G[to + r] -= value * G[of + r]
 
 
-@implement(add_row_impulses, RowSystem)
-@implement(add_row_impulses, LawRowSystem)
 @kernel(internal=True)
 def collect_impulses(system: Rows, body_kind: Meshes, row: int) -> None:
-    """Of all attachments on bodies of the kind; for any system of rows with the same arrays."""
-    lanes = len(system.shape[1])
+    """Subtract ``G^T`` times the impulses of a system from the places of the bases in a row of `nodal`."""
+    lanes = system.lanes
     for i in range(system.attachments.shape[0]):
         body = attached_mesh(body_kind, system, i)
         if body < 0:
@@ -147,7 +143,8 @@ def take_impulses(kind: Meshes, systems, row: int) -> None:  # type: ignore[no-u
         place = kind.bases[base, BASE_PLACE]
         for k in range(3):
             kind.nodal[row, place + k] = 0.0
-    add_row_impulses(systems, kind, row)
+    for i in range(row_arrays(systems)):
+        collect_impulses(row_arrays(systems, i), kind, row)
 
 
 @implement(complete, FrameMeshes)

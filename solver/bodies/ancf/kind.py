@@ -17,10 +17,13 @@ follow: `heavylift.solver.bodies.ancf.moving`.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
+from heavylift.numerics.lanes import block_shape
+
+if TYPE_CHECKING:
+    from heavylift.solver.bodies.ancf.moving import MovingPoints
 
 __all__ = ["FrameMeshes", "Meshes", "ShellMeshes"]
 
@@ -133,14 +136,11 @@ DEAD_LOAD, FOLLOWER_ELEMENT, FOLLOWER_NODE = range(3)
 STEP_SET, MASS_SET, CONSTANT_SET = range(3)
 
 
-class FrameMeshes(NamedTuple):
-    """All frames of a scene.
+class Meshes(Arrays):
+    """All frames, or all shells, of a scene.
 
     Attributes
     ----------
-    shape
-        Block shape for `heavylift.numerics.lanes`: 6 rows, 8 lanes. A node takes 8 places in a row of `nodal`: ``r``,
-        ``r'``, two of padding.
     table
         By body, see the columns; shape (bodies, 27).
     elements
@@ -166,50 +166,65 @@ class FrameMeshes(NamedTuple):
     bases, markers, sensors, loads
         See the columns.
     moving
-        The moving points of all bodies if there are any, else nothing: a scene without them compiles nothing of them.
+        The moving points of all bodies.
     """
 
-    shape: Any
-    table: NDArray[np.int64]
-    elements: NDArray[np.int64]
-    constants: NDArray[np.float64]
-    body: NDArray[np.float64]
-    nodal: NDArray[np.float64]
-    strains: NDArray[np.float64]
-    columns: NDArray[np.int64]
-    lower: NDArray[np.int64]
-    updates: NDArray[np.int64]
-    blocks: NDArray[np.float64]
-    clears: NDArray[np.int64]
-    base_blocks: NDArray[np.int64]
-    bases: NDArray[np.int64]
-    markers: NDArray[np.int64]
-    sensors: NDArray[np.int64]
-    loads: NDArray[np.int64]
-    moving: Any = ()
+    table: Ints2
+    elements: Ints2
+    constants: Floats1
+    body: Floats2
+    nodal: Floats2
+    strains: Floats2
+    columns: Ints2
+    lower: Ints2
+    updates: Ints1
+    blocks: Floats1
+    clears: Ints2
+    base_blocks: Ints2
+    bases: Ints2
+    markers: Ints2
+    sensors: Ints2
+    loads: Ints2
+    moving: MovingPoints
 
 
-class ShellMeshes(NamedTuple):
-    """All shells of a scene: fields of `FrameMeshes`, with 12 rows and 16 lanes: ``r``, ``r_x``, ``r_y``, ``r_xy``."""
+class FrameMeshes(Meshes):
+    """All frames of a scene: 6 rows, 8 lanes. A node takes 8 places in a row of `nodal`: ``r``, ``r'``, two of padding."""
 
-    shape: Any
-    table: NDArray[np.int64]
-    elements: NDArray[np.int64]
-    constants: NDArray[np.float64]
-    body: NDArray[np.float64]
-    nodal: NDArray[np.float64]
-    strains: NDArray[np.float64]
-    columns: NDArray[np.int64]
-    lower: NDArray[np.int64]
-    updates: NDArray[np.int64]
-    blocks: NDArray[np.float64]
-    clears: NDArray[np.int64]
-    base_blocks: NDArray[np.int64]
-    bases: NDArray[np.int64]
-    markers: NDArray[np.int64]
-    sensors: NDArray[np.int64]
-    loads: NDArray[np.int64]
-    moving: Any = ()
+    shape: ClassVar[Any] = block_shape(6)
+    kernel_modules: ClassVar[tuple[str, ...]] = (
+        "heavylift.solver.bodies.ancf.accurate",
+        "heavylift.solver.bodies.ancf.advance",
+        "heavylift.solver.bodies.ancf.contours",
+        "heavylift.solver.bodies.ancf.elastic_forces",
+        "heavylift.solver.bodies.ancf.energy_momentum",
+        "heavylift.solver.bodies.ancf.facets",
+        "heavylift.solver.bodies.ancf.frame_elements",
+        "heavylift.solver.bodies.ancf.joints",
+        "heavylift.solver.bodies.ancf.kind_configuration",
+        "heavylift.solver.bodies.ancf.record",
+        "heavylift.solver.bodies.ancf.stage",
+        "heavylift.solver.bodies.ancf.step",
+        "heavylift.solver.bodies.ancf.thesis",
+    )
 
 
-Meshes = FrameMeshes | ShellMeshes
+class ShellMeshes(Meshes):
+    """All shells of a scene: 12 rows, 16 lanes: ``r``, ``r_x``, ``r_y``, ``r_xy``."""
+
+    shape: ClassVar[Any] = block_shape(12)
+    kernel_modules: ClassVar[tuple[str, ...]] = (
+        "heavylift.solver.bodies.ancf.accurate",
+        "heavylift.solver.bodies.ancf.advance",
+        "heavylift.solver.bodies.ancf.contours",
+        "heavylift.solver.bodies.ancf.elastic_forces",
+        "heavylift.solver.bodies.ancf.energy_momentum",
+        "heavylift.solver.bodies.ancf.facets",
+        "heavylift.solver.bodies.ancf.joints",
+        "heavylift.solver.bodies.ancf.kind_configuration",
+        "heavylift.solver.bodies.ancf.record",
+        "heavylift.solver.bodies.ancf.shell_elements",
+        "heavylift.solver.bodies.ancf.stage",
+        "heavylift.solver.bodies.ancf.step",
+        "heavylift.solver.bodies.ancf.thesis",
+    )

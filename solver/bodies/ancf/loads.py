@@ -127,7 +127,7 @@ def gather_loads(kind: Meshes, q: int, work: Workspace) -> None:
                 for j in range(kind.table[body, NODES] * lanes):
                     load[begin + j] += factor * kind.constants[data + j]
             elif kind.loads[i, LOAD_TYPE] == FOLLOWER_ELEMENT:
-                add_follower_load((kind,), body, q, place, LOAD, data, factor)
+                add_follower_load(kind, body, q, place, LOAD, data, factor)
             else:
                 _add_node_follower(kind, q, place, data, factor)
     if kind.markers.shape[0] > 0:

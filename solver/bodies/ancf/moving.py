@@ -15,11 +15,10 @@ run over `Meshes.moving`, which is empty in scenes without moving points.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.block_pattern import LOWER, LOWER_COUNT, NODE, PIVOT
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import forward_pivot, subtract_forward
@@ -38,7 +37,6 @@ from heavylift.solver.bodies.ancf.kind import (
     RIGHT,
     Meshes,
 )
-from heavylift.solver.kinds import implement, optional
 from heavylift.solver.rows import PANEL, Rows
 
 __all__ = [
@@ -70,7 +68,7 @@ FIRST_POINT, COMPLIANCE, FIRST_CONTROL, MESH_COLUMNS = range(4)
 Vector = tuple[float, float, float]
 
 
-class MovingPoints(NamedTuple):
+class MovingPoints(Arrays):
     """Moving points of all frames or all shells of a scene.
 
     Attributes
@@ -95,17 +93,17 @@ class MovingPoints(NamedTuple):
         A control point of the shape of a mesh is a sum of nodal vectors; shapes (controls, 4).
     """
 
-    bodies: NDArray[np.int64]
-    points: NDArray[np.int64]
-    entries: NDArray[np.int64]
-    factors: NDArray[np.float64]
-    vectors: NDArray[np.float64]
-    paths: NDArray[np.int64]
-    compliance: NDArray[np.float64]
-    column_of: NDArray[np.int64]
-    marks: NDArray[np.int64]
-    control_places: NDArray[np.int64]
-    control_factors: NDArray[np.float64]
+    bodies: Ints2
+    points: Ints2
+    entries: Ints1
+    factors: Floats1
+    vectors: Floats1
+    paths: Ints1
+    compliance: Floats1
+    column_of: Ints1
+    marks: Ints1
+    control_places: Ints2
+    control_factors: Floats2
 
 
 @kernel(internal=True)
@@ -269,41 +267,26 @@ def point_response(moving: MovingPoints, kind: Meshes, point: int, body: int, wh
 # ---- what the step of a mesh calls: nothing for meshes without moving points ----
 
 
-@optional
-def release_points(points: Any, kind: Any, body: int) -> None:
-    """A stage ends: what contacts touch is not known any more."""
-
-
-@implement(release_points, MovingPoints)
 @kernel(internal=True)
-def _release_points(moving: MovingPoints, kind: Meshes, body: int) -> None:
+def release_points(moving: MovingPoints, kind: Meshes, body: int) -> None:
+    """A stage ends: what contacts touch is not known any more."""
     first = moving.bodies[body, FIRST_POINT]
     for i in range(first, first + kind.table[body, MOVING]):
         moving.points[i, LIVE] = 0
         moving.points[i, CURRENT] = -1
 
 
-@optional
-def forget_vectors(points: Any, kind: Any, body: int) -> None:
-    """A matrix has been factored anew."""
-
-
-@implement(forget_vectors, MovingPoints)
 @kernel(internal=True)
-def _forget_vectors(moving: MovingPoints, kind: Meshes, body: int) -> None:
+def forget_vectors(moving: MovingPoints, kind: Meshes, body: int) -> None:
+    """A matrix has been factored anew."""
     first = moving.bodies[body, FIRST_POINT]
     for i in range(first, first + kind.table[body, MOVING]):
         moving.points[i, CURRENT] = -1
 
 
-@optional
-def write_points(points: Any, kind: Any, body: int, row: int, to: NDArray[np.float64]) -> None:
-    """Values in a row of `nodal` behind those of the bases in a vector of velocities of the scene."""
-
-
-@implement(write_points, MovingPoints)
 @kernel(internal=True)
-def _write_points(moving: MovingPoints, kind: Meshes, body: int, row: int, to: NDArray[np.float64]) -> None:
+def write_points(moving: MovingPoints, kind: Meshes, body: int, row: int, to: NDArray[np.float64]) -> None:
+    """Values in a row of `nodal` behind those of the bases in a vector of velocities of the scene."""
     first = moving.bodies[body, FIRST_POINT]
     dof = kind.table[body, DOF] + 3 * kind.table[body, BASES]
     for i in range(kind.table[body, MOVING]):
@@ -312,14 +295,9 @@ def _write_points(moving: MovingPoints, kind: Meshes, body: int, row: int, to: N
             to[dof + 3 * i], to[dof + 3 * i + 1], to[dof + 3 * i + 2] = y[0], y[1], y[2]
 
 
-@optional
-def find_free_points(points: Any, kind: Any, body: int, which: int) -> None:
-    """After forward substitution of row `RIGHT`: ``-J A^-1 r`` into the places of the points, as of bases."""
-
-
-@implement(find_free_points, MovingPoints)
 @kernel(internal=True)
-def _find_free_points(moving: MovingPoints, kind: Meshes, body: int, which: int) -> None:
+def find_free_points(moving: MovingPoints, kind: Meshes, body: int, which: int) -> None:
+    """After forward substitution of row `RIGHT`: ``-J A^-1 r`` into the places of the points, as of bases."""
     first = moving.bodies[body, FIRST_POINT]
     prepare_points(moving, kind, body, which)
     for i in range(kind.table[body, MOVING]):
@@ -330,18 +308,11 @@ def _find_free_points(moving: MovingPoints, kind: Meshes, body: int, which: int)
         kind.nodal[RIGHT, place], kind.nodal[RIGHT, place + 1], kind.nodal[RIGHT, place + 2] = -x, -y, -z
 
 
-@optional
-def write_free_points(
-    points: Any, kind: Any, body: int, row: int, start: float, to: NDArray[np.float64]
-) -> None:
-    """``start`` times values in a row of `nodal`, minus the places of the points in row `RIGHT`, behind the bases."""
-
-
-@implement(write_free_points, MovingPoints)
 @kernel(internal=True)
-def _write_free_points(
+def write_free_points(
     moving: MovingPoints, kind: Meshes, body: int, row: int, start: float, to: NDArray[np.float64]
 ) -> None:
+    """``start`` times values in a row of `nodal`, minus the places of the points in row `RIGHT`, behind the bases."""
     first = moving.bodies[body, FIRST_POINT]
     dof = kind.table[body, DOF] + 3 * kind.table[body, BASES]
     for i in range(kind.table[body, MOVING]):
@@ -354,14 +325,9 @@ def _write_free_points(
         to[at + 2] = start * z - kind.nodal[RIGHT, place + 2]
 
 
-@optional
-def add_point_forces(points: Any, kind: Any, body: int, which: int) -> None:
-    """``Z p`` to the forward-substituted row `RIGHT`, with minus the impulses p in the places of the points."""
-
-
-@implement(add_point_forces, MovingPoints)
 @kernel(internal=True)
-def _add_point_forces(moving: MovingPoints, kind: Meshes, body: int, which: int) -> None:
+def add_point_forces(moving: MovingPoints, kind: Meshes, body: int, which: int) -> None:
+    """``Z p`` to the forward-substituted row `RIGHT`, with minus the impulses p in the places of the points."""
     rows, lanes = len(kind.shape[0]), len(kind.shape[1])
     first, length, Z = moving.bodies[body, FIRST_POINT], vector_length(kind, body), moving.vectors
     prepare_points(moving, kind, body, which)
@@ -380,14 +346,9 @@ def _add_point_forces(moving: MovingPoints, kind: Meshes, body: int, which: int)
                 )
 
 
-@optional
-def add_point_impulses(points: Any, kind: Any, body: int, row: int) -> None:
-    """``nodal[RIGHT] += J^T p``, with minus the impulses p in the places of the points of a row."""
-
-
-@implement(add_point_impulses, MovingPoints)
 @kernel(internal=True)
-def _add_point_impulses(moving: MovingPoints, kind: Meshes, body: int, row: int) -> None:
+def add_point_impulses(moving: MovingPoints, kind: Meshes, body: int, row: int) -> None:
+    """``nodal[RIGHT] += J^T p``, with minus the impulses p in the places of the points of a row."""
     for i in range(kind.table[body, MOVING]):
         point, place = moving.bodies[body, FIRST_POINT] + i, _place(kind, body, i)
         if moving.points[point, LIVE] == 0:
@@ -399,17 +360,12 @@ def _add_point_impulses(moving: MovingPoints, kind: Meshes, body: int, row: int)
                 kind.nodal[RIGHT, at + k] -= value * kind.nodal[row, place + k]
 
 
-@optional
-def add_point_compliance(points: Any, kind: Any, body: int, which: int, system: Any, attachment: int) -> None:
-    """The part of ``X = C G^T`` of an attachment that comes from the moving points: all but bases with bases."""
-
-
-@implement(add_point_compliance, MovingPoints)
 @kernel(internal=True)
-def _add_point_compliance(
+def add_point_compliance(
     moving: MovingPoints, kind: Meshes, body: int, which: int, system: Rows, attachment: int
 ) -> None:
-    lanes, block_lanes = len(system.shape[1]), len(kind.shape[1])
+    """The part of ``X = C G^T`` of an attachment that comes from the moving points: all but bases with bases."""
+    lanes, block_lanes = system.lanes, len(kind.shape[1])
     G, half, panel = system.panels, system.panels.shape[0] // 2, system.attachments[attachment, PANEL]
     bases, count = kind.table[body, BASES], kind.table[body, MOVING]
     first, length = moving.bodies[body, FIRST_POINT], vector_length(kind, body)

@@ -37,7 +37,7 @@ __all__ = ["pack_moving"]
 
 def pack_moving(
     bodies: Sequence[MeshBody], table: NDArray[np.int64], pattern: BlockPattern, lanes: int, per_node: int
-) -> tuple[MovingPoints]:
+) -> MovingPoints:
     """All moving points of a kind of meshes, none of them aimed at anything.
 
     Parameters
@@ -85,18 +85,16 @@ def pack_moving(
     nodes = int((table[:, NODES] + table[:, BASE_NODES]).sum())
     column_of = np.full(nodes, -1, dtype=np.int64)
     column_of[pattern.columns[:, NODE]] = np.arange(len(pattern.columns))
-    return (
-        MovingPoints(
-            bodies=rows,
-            points=np.vstack(points),
-            entries=np.zeros(entries, dtype=np.int64),
-            factors=np.zeros(entries),
-            vectors=aligned(vectors),
-            paths=np.zeros(paths, dtype=np.int64),
-            compliance=np.zeros(compliance),
-            column_of=column_of,
-            marks=np.zeros(nodes, dtype=np.int64),
-            control_places=np.ascontiguousarray(np.vstack(places)),
-            control_factors=np.ascontiguousarray(np.vstack(factors)),
-        ),
+    return MovingPoints(
+        bodies=rows,
+        points=np.vstack([np.zeros((0, POINT_COLUMNS), dtype=np.int64), *points]),
+        entries=np.zeros(entries, dtype=np.int64),
+        factors=np.zeros(entries),
+        vectors=aligned(vectors),
+        paths=np.zeros(paths, dtype=np.int64),
+        compliance=np.zeros(compliance),
+        column_of=column_of,
+        marks=np.zeros(nodes, dtype=np.int64),
+        control_places=np.vstack([np.zeros((0, 4), dtype=np.int64), *places]),
+        control_factors=np.vstack([np.zeros((0, 4)), *factors]),
     )

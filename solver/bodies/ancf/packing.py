@@ -278,7 +278,6 @@ class _Builder:
             at_nodes[:, : self.type.rows] = np.vstack(values)
         nodal[ACCELERATION] = 0.0
         kind = self.type.kind(
-            shape=self.shape,
             table=table,
             elements=np.ascontiguousarray(elements),
             constants=np.concatenate(self.constants),
@@ -295,9 +294,7 @@ class _Builder:
             markers=_sorted(self.markers),
             sensors=np.array(self.sensors, dtype=np.int64).reshape(-1, 6),
             loads=self.loads.table(),
-            moving=pack_moving(bodies, table, pattern, self.lanes, self.per_node)
-            if self.moving_count
-            else (),
+            moving=pack_moving(bodies, table, pattern, self.lanes, self.per_node),
         )
         _weigh(kind)
         return kind

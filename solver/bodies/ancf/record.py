@@ -116,9 +116,9 @@ def record_meshes(kind: Meshes, time: float, work: Workspace, row: NDArray[np.fl
             origin = 1.0 if vector == 0 else 0.0
             _write_rotated(kind, body, Q, vector, origin, row, column + vector * count)
         _write_rotated(kind, body, V, 0, 0.0, row, column + vectors * count)
-        record_elements((kind,), body, row, column + (vectors + 1) * count)
-        find_strains((kind,), body, Q, SHAPE_STRAIN)
-        measure_drift((kind,), body, STRAIN, SHAPE_STRAIN)
+        record_elements(kind, body, row, column + (vectors + 1) * count)
+        find_strains(kind, body, Q, SHAPE_STRAIN)
+        measure_drift(kind, body, STRAIN, SHAPE_STRAIN)
         row[kind.table[body, LAST_RESULT]] = kind.body[body, DRIFT]
     _write_sensors(kind, row)
 
@@ -175,7 +175,7 @@ def add_mesh_totals(kind: Meshes, work: Workspace) -> None:
         for i in range(first, last):
             bending += right[i] * q[i]
         R[ELASTIC_ENERGY] = 0.5 * bending
-        measure_strain_energy((kind,), body, STRAIN)
+        measure_strain_energy(kind, body, STRAIN)
         p1 = p2 = p3 = s1 = s2 = s3 = 0.0
         for node in range(first, last, lanes):
             for a in range(0, rows, 3):

@@ -56,7 +56,7 @@ def _write_elastic_forces(kind: Meshes, body: int, q: int, force: int) -> None:
     first, last = node_span(kind, body)
     for i in range(first, last):
         kind.nodal[force, i] = 0.0
-    add_elastic_forces((kind,), body, q, force, 1.0)
+    add_elastic_forces(kind, body, q, force, 1.0)
 
 
 @kernel(internal=True)

@@ -145,7 +145,7 @@ def add_gravity(kind: Meshes, body: int, work: Workspace, factor: float) -> None
 def start_meshes(kind: Meshes, time: float, work: Workspace) -> None:
     """Carried strains are those of the shape at the start; the explicit scheme learns what its steps may be."""
     for body in range(kind.table.shape[0]):
-        find_strains((kind,), body, Q, STRAIN)
+        find_strains(kind, body, Q, STRAIN)
         if kind.table[body, SCHEME] == EXPLICIT:
             start_power_iteration(kind, body)
             find_step_limit(kind, body, FIRST_ROUNDS)
@@ -205,9 +205,9 @@ def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
                 ahead[i] = kind.nodal[Q, i] + delay * kind.nodal[V, i]
             add_matrix_products(kind, body, V, -half * viscous, TRIAL, -half, RIGHT)
             copy_strains(kind, body, STRAIN, OLD_STRAIN)
-            add_strain_rates((kind,), body, MID_Q, V, OLD_STRAIN, delay)
+            add_strain_rates(kind, body, MID_Q, V, OLD_STRAIN, delay)
             start_step_matrix(kind, body, 1.0 + half * viscous, half * delay)
-            add_stiffness((kind,), body, MID_Q, OLD_STRAIN, RIGHT, -half, half * delay, 0.0)
+            add_stiffness(kind, body, MID_Q, OLD_STRAIN, RIGHT, -half, half * delay, 0.0)
             clear_fixed(kind, body, STEP_SET)
             factor_set(kind, body, STEP_SET)
             solve_forward(kind, body, STEP_SET)
@@ -222,15 +222,15 @@ def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
 def _add_explicit_forces(kind: Meshes, body: int, half: float) -> None:
     """Elastic and damping forces at the midpoint: the position form of the leapfrog."""
     viscous, stiff = kind.body[body, VISCOUS], kind.body[body, STIFFNESS_DAMPING]
-    add_elastic_forces((kind,), body, MID_Q, RIGHT, -half)
+    add_elastic_forces(kind, body, MID_Q, RIGHT, -half)
     if viscous > 0.0 or stiff > 0.0:
         add_matrix_products(kind, body, MID_V, -half * viscous, MID_V, -half * stiff, RIGHT)
     if stiff > 0.0:
         first = kind.table[body, FIRST_STRAIN]
         for i in range(first, first + kind.table[body, STRAINS]):
             kind.strains[SHAPE_STRAIN, i] = 0.0
-        add_strain_rates((kind,), body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
-        add_stress_forces((kind,), body, MID_Q, SHAPE_STRAIN, RIGHT, -half)
+        add_strain_rates(kind, body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
+        add_stress_forces(kind, body, MID_Q, SHAPE_STRAIN, RIGHT, -half)
 
 
 @implement(check, FrameMeshes)

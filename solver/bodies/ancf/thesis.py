@@ -54,11 +54,11 @@ def thesis_velocity_meshes(kind: Meshes, time: float, step: float, work: Workspa
             kind.nodal[MID_Q, i] = kind.nodal[Q, i]
         add_gravity(kind, body, work, step)
         add_matrix_products(kind, body, V, -step * viscous, Q, -step, RIGHT)
-        find_strains((kind,), body, Q, SHAPE_STRAIN)
+        find_strains(kind, body, Q, SHAPE_STRAIN)
         if stiff > 0.0:
             add_matrix_products(kind, body, V, 0.0, V, -step * stiff, RIGHT)
-            add_strain_rates((kind,), body, Q, V, SHAPE_STRAIN, stiff)
-        add_stress_forces((kind,), body, Q, SHAPE_STRAIN, RIGHT, -step)
+            add_strain_rates(kind, body, Q, V, SHAPE_STRAIN, stiff)
+        add_stress_forces(kind, body, Q, SHAPE_STRAIN, RIGHT, -step)
         solve_forward(kind, body, MASS_SET)
         write_free_bases(kind, body, V, 1.0, work)
 
@@ -87,4 +87,4 @@ def thesis_advance_meshes(kind: Meshes, time: float, step: float, work: Workspac
         for i in range(first, last):
             kind.nodal[V, i] = kind.nodal[MID_V, i]
             kind.nodal[Q, i] += step * kind.nodal[V, i]
-        find_strains((kind,), body, Q, STRAIN)
+        find_strains(kind, body, Q, STRAIN)

@@ -110,39 +110,39 @@ def matrix(kind: FrameMeshes) -> np.ndarray:
 
 @kernel
 def find_strains(kind, body, q, strain):
-    generics.find_strains((kind,), body, q, strain)
+    generics.find_strains(kind, body, q, strain)
 
 
 @kernel
 def add_strain_rates(kind, body, q, v, strain, factor):
-    generics.add_strain_rates((kind,), body, q, v, strain, factor)
+    generics.add_strain_rates(kind, body, q, v, strain, factor)
 
 
 @kernel
 def add_stress_forces(kind, body, q, strain, force, factor):
-    generics.add_stress_forces((kind,), body, q, strain, force, factor)
+    generics.add_stress_forces(kind, body, q, strain, force, factor)
 
 
 @kernel
 def add_stiffness(kind, body, q, strain, force, factor, scale, geometric):
-    generics.add_stiffness((kind,), body, q, strain, force, factor, scale, geometric)
+    generics.add_stiffness(kind, body, q, strain, force, factor, scale, geometric)
 
 
 @kernel
 def measure_strain_energy(kind, body, strain):
-    generics.measure_strain_energy((kind,), body, strain)
+    generics.measure_strain_energy(kind, body, strain)
 
 
 @kernel
 def measure_drift(kind, body, first, second):
-    generics.measure_drift((kind,), body, first, second)
+    generics.measure_drift(kind, body, first, second)
 
 
 @kernel
 def add_follower_load(kind, body, q, element, load, data, factor):
-    generics.add_follower_load((kind,), body, q, element, load, data, factor)
+    generics.add_follower_load(kind, body, q, element, load, data, factor)
 
 
 @kernel
 def record_elements(kind, body, row, column):
-    generics.record_elements((kind,), body, row, column)
+    generics.record_elements(kind, body, row, column)

@@ -170,17 +170,17 @@ def stiffness(kind: ShellMeshes) -> np.ndarray:
 
 @kernel
 def find(kind: ShellMeshes, body: int, q: int, strain: int) -> None:
-    find_strains((kind,), body, q, strain)
+    find_strains(kind, body, q, strain)
 
 
 @kernel
 def add_rates(kind: ShellMeshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
-    add_strain_rates((kind,), body, q, v, strain, factor)
+    add_strain_rates(kind, body, q, v, strain, factor)
 
 
 @kernel
 def add_forces(kind: ShellMeshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
-    add_stress_forces((kind,), body, q, strain, force, factor)
+    add_stress_forces(kind, body, q, strain, force, factor)
 
 
 @kernel
@@ -194,24 +194,24 @@ def add_both(
     scale: float,
     geometric: float,
 ) -> None:
-    add_stiffness((kind,), body, q, strain, force, factor, scale, geometric)
+    add_stiffness(kind, body, q, strain, force, factor, scale, geometric)
 
 
 @kernel
 def energy(kind: ShellMeshes, body: int, strain: int) -> None:
-    measure_strain_energy((kind,), body, strain)
+    measure_strain_energy(kind, body, strain)
 
 
 @kernel
 def drift(kind: ShellMeshes, body: int, first: int, second: int) -> None:
-    measure_drift((kind,), body, first, second)
+    measure_drift(kind, body, first, second)
 
 
 @kernel
 def follow(kind: ShellMeshes, body: int, q: int, number: int, load: int, data: int, factor: float) -> None:
-    add_follower_load((kind,), body, q, number, load, data, factor)
+    add_follower_load(kind, body, q, number, load, data, factor)
 
 
 @kernel
 def recorded(kind: ShellMeshes, body: int, row: np.ndarray, column: int) -> None:
-    record_elements((kind,), body, row, column)
+    record_elements(kind, body, row, column)

@@ -38,13 +38,13 @@ EXACT = [name for name, example in EXAMPLES.items() if example.body.model == "ex
 @kernel
 def add_mean_stress_forces(kind, factor):  # type: ignore[no-untyped-def]
     generics.add_mean_stress_forces(
-        (kind,), 0, Q, TRIAL, MID_Q, START_STRAIN, SHAPE_STRAIN, OLD_STRAIN, LOAD, factor
+        kind, 0, Q, TRIAL, MID_Q, START_STRAIN, SHAPE_STRAIN, OLD_STRAIN, LOAD, factor
     )
 
 
 @kernel
 def add_stress_forces(kind, factor):  # type: ignore[no-untyped-def]
-    generics.add_stress_forces((kind,), 0, MID_Q, OLD_STRAIN, LOAD, factor)
+    generics.add_stress_forces(kind, 0, MID_Q, OLD_STRAIN, LOAD, factor)
 
 
 @pytest.fixture(params=EXACT)

@@ -242,7 +242,7 @@ def test_joints_and_forces_act_through_material_points() -> None:
 
 @kernel
 def elastic_forces(kind: Any) -> None:
-    add_elastic_forces((kind,), 0, Q, LOAD, 1.0)
+    add_elastic_forces(kind, 0, Q, LOAD, 1.0)
 
 
 @pytest.mark.parametrize("shape", ["green-lagrange", "exact", "curved"])

@@ -169,7 +169,7 @@ def plain_stiffness(kind: Any) -> None:
     size = set_size(kind)
     for i in range(STEP_SET * size, STEP_SET * size + size):
         kind.blocks[i] = 0.0
-    add_stiffness((kind,), 0, MID_Q, SHAPE_STRAIN, RIGHT, 0.0, 1.0, 0.0)
+    add_stiffness(kind, 0, MID_Q, SHAPE_STRAIN, RIGHT, 0.0, 1.0, 0.0)
 
 
 @cache
@@ -298,7 +298,7 @@ def test_compliance_is_that_of_the_dense_matrix(name: str, at_midpoint: bool) ->
     spots = [SPOT, OTHER, (3, (0.9, 0.4)), (1, (1.0, 1.0))]
     M = model.matrices.mass.toarray()
     if at_midpoint:
-        begin((kind,), model.work, STEP)
+        begin(kind, model.work, STEP)
         blocks = kind.blocks.copy()
         plain_stiffness(kind)
         K = model.matrices.stiffness(kind.blocks).toarray()
@@ -307,7 +307,7 @@ def test_compliance_is_that_of_the_dense_matrix(name: str, at_midpoint: bool) ->
         M = (1.0 + half * body.viscous_damping) * M + half * (half + body.stiffness_damping) * K
     model.aim(0, OTHER)
     model.aim(1, spots[3])
-    invert((kind,), model.system(6), at_midpoint)
+    invert(kind, model.system(6), at_midpoint)
     model.aim(0, spots[2])  # to another element
     J = np.concatenate([model.jacobian(spot) for spot in spots])
     wanted = J @ np.linalg.solve(M, J.T)
@@ -317,7 +317,7 @@ def test_compliance_is_that_of_the_dense_matrix(name: str, at_midpoint: bool) ->
         lanes = len(system.shape[1])
         G = system.panels[: 12 * lanes].reshape(12, lanes)
         G[3 * block : 3 * block + 3, :3] = np.eye(3)
-        invert((kind,), system, at_midpoint)
+        invert(kind, system, at_midpoint)
         half_way = len(system.panels) // 2
         found[:, 3 * block : 3 * block + 3] = system.panels[half_way : half_way + 12 * lanes].reshape(12, -1)[
             :, :3
@@ -332,17 +332,17 @@ def test_velocities_are_those_of_the_material_point(name: str, scheme: str) -> N
     """Free ones at the midpoint, which all nodes get without rows; those of the nodes at the end of the step."""
     model = make(name, scheme)
     kind, work = model.kind, model.work
-    begin((kind,), work, STEP)
+    begin(kind, work, STEP)
     model.aim(1, SPOT)
-    settle((kind,), (), True, work)
+    settle(kind, (), True, work)
     velocity = work.velocity.copy()
-    go_on((kind,), STEP, work)
+    go_on(kind, STEP, work)
     J = model.jacobian(SPOT)
     size = np.abs(J @ model.row(MID_V)).max()
     np.testing.assert_allclose(velocity[9:], J @ model.row(MID_V), rtol=0.0, atol=1e-12 * size)
     np.testing.assert_allclose(velocity[9:], velocity[:3], rtol=0.0, atol=1e-12 * size)  # its base
     model.aim(0, OTHER)
-    settle((kind,), (), False, work)
+    settle(kind, (), False, work)
     np.testing.assert_allclose(work.velocity[6:9], model.jacobian(OTHER) @ model.row(V), rtol=1e-12)
 
 
@@ -357,18 +357,18 @@ def test_a_moving_point_is_as_good_as_a_base(name: str, scheme: str) -> None:
         kind, work = model.kind, model.work
         system = model.system(*columns)
         table = system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))
-        begin((kind,), work, STEP)
+        begin(kind, work, STEP)
         for at_midpoint in (True, False):
             table[:, IMPULSE] = 0.0
             table[:, TARGET, :3] = [[0.1, -0.2, 0.3], [-0.1, 0.4, 0.2]]
             if not at_midpoint:
-                end_velocities((kind,), STEP, work)
+                end_velocities(kind, STEP, work)
             model.aim(0, SPOT)
             model.aim(1, OTHER)
-            settle((kind,), (), at_midpoint, work)
-            invert((kind,), system, at_midpoint)
+            settle(kind, (), at_midpoint, work)
+            invert(kind, system, at_midpoint)
             solve(system, work)
-            spread((kind,), (system,), at_midpoint, work, STEP)
+            spread(kind, (system,), at_midpoint, work, STEP)
         found = [model.row(row).copy() for row in (Q, V)] + [table[:, IMPULSE, :3].copy()]
         np.testing.assert_allclose(model.jacobian(SPOT) @ found[1], work.velocity[:3], atol=1e-10)
         results.append(found)
@@ -391,11 +391,11 @@ def test_points_follow_rows_that_have_pushed_before(name: str) -> None:
     system = model.system(3)
     table = system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))
     table[:, TARGET, :3] = [0.1, -0.2, 0.3]
-    begin((kind,), work, STEP)
-    invert((kind,), system, True)
+    begin(kind, work, STEP)
+    invert(kind, system, True)
     solve(system, work)
     model.aim(1, SPOT)
-    settle((kind,), (system,), True, work)
+    settle(kind, (system,), True, work)
     np.testing.assert_allclose(work.velocity[9:], work.velocity[:3], rtol=1e-11)
     table[:, TARGET, :3] = [0.5, 0.2, 0.1]
     solve(system, work)

@@ -1,0 +1,309 @@
+"""Named groups of arrays that kernels take by their address.
+
+A kernel that is handed a tuple of thirty arrays gets some two hundred numbers, in each call. A group of class
+`Arrays` is handed over as one pointer to a block of words that never changes: for each field an address and the
+lengths of an array, a number, or the address of another group. Kernels read ``group.field`` as Python does; the
+compiler knows that the words are constant, so it loads each of them once.
+
+Field types are annotations: ``float``, ``int``, ``bool``, one of the array types below, another class of `Arrays`, or
+a `heavylift.solver.kinds.Table`. Class variables are constants that are known when a kernel is compiled.
+"""
+
+from __future__ import annotations
+
+import importlib
+import re
+import struct
+import sys
+import typing
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Any, Self, dataclass_transform
+
+import numpy as np
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.datamodel import models
+from numba.core.imputils import impl_ret_borrowed, lower_cast, lower_getattr_generic
+from numba.core.typeconv import Conversion
+from numba.core.typing.templates import AttributeTemplate, infer_getattr
+from numba.extending import NativeValue, register_model, typeof_impl, unbox
+from numba.np import numpy_support
+from numba.np.arrayobj import populate_array
+from numpy.typing import NDArray
+
+__all__ = [
+    "Arrays",
+    "Floats1",
+    "Floats2",
+    "Floats3",
+    "Ints1",
+    "Ints2",
+    "Pointer",
+    "Reference",
+    "array_type",
+    "declared_types",
+    "numba_type",
+    "rebuild_array",
+]
+
+Floats1 = Annotated[NDArray[np.float64], 1]
+Floats2 = Annotated[NDArray[np.float64], 2]
+Floats3 = Annotated[NDArray[np.float64], 3]
+Ints1 = Annotated[NDArray[np.int64], 1]
+Ints2 = Annotated[NDArray[np.int64], 2]
+
+WORD = ir.IntType(64)
+
+
+
+@dataclass_transform(frozen_default=True, eq_default=False)
+class Arrays:
+    """Base of all groups. A subclass lists its fields as a frozen dataclass does."""
+
+    _fields: typing.ClassVar[tuple[str, ...]] = ()
+
+    def __init_subclass__(cls) -> None:
+        """Make the constructor."""
+        super().__init_subclass__()
+        dataclass(frozen=True, eq=False)(cls)
+        cls._fields = tuple(field.name for field in fields(cls))  # type: ignore[arg-type]
+
+    def __iter__(self) -> Iterator[Any]:
+        """Values of the fields, in order."""
+        return (getattr(self, name) for name in self._fields)
+
+    def _replace(self, **changes: Any) -> Self:
+        """The same group with other values in some fields."""
+        return replace(self, **changes)  # type: ignore[type-var]
+
+    @property
+    def address(self) -> int:
+        """Address of the block of words that kernels read; made at the first use.
+
+        Raises
+        ------
+        TypeError
+            If a value is not what its annotation says.
+        """
+        block = self.__dict__.get("_block")
+        if block is None:
+            block = np.array(self._words(), dtype=np.int64)
+            object.__setattr__(self, "_block", block)
+        return int(block.ctypes.data)
+
+    def _words(self) -> list[int]:
+        words: list[int] = []
+        for name, (of_type, _) in layout(type(self)).items():
+            value = getattr(self, name)
+            if isinstance(of_type, types.Array):
+                fits = isinstance(value, np.ndarray) and value.ndim == of_type.ndim and value.flags.c_contiguous
+                if not fits or numpy_support.from_dtype(value.dtype) != of_type.dtype:
+                    found = (
+                        f"{value.dtype} {value.ndim}-d" if isinstance(value, np.ndarray) else type(value).__name__
+                    )
+                    raise TypeError(
+                        f"{type(self).__name__}.{name}: {found}, expected a contiguous array {of_type}"
+                    )
+                words += [value.ctypes.data, *value.shape]
+            elif isinstance(of_type, Pointer):
+                held = value if hasattr(value, "address") else of_type.wrap(value)
+                self.__dict__.setdefault("_held", []).append(held)
+                words.append(held.address)
+            elif of_type == types.float64:
+                words += struct.unpack("q", struct.pack("d", value))
+            else:
+                words.append(int(value))
+        return words
+
+
+class Pointer(types.Type):  # type: ignore[misc]
+    """Numba type of what is handed over by its address: it has an attribute `address`."""
+
+    def wrap(self, value: Any) -> Any:
+        """Something with an address from what has none.
+
+        Raises
+        ------
+        TypeError
+            If there is no such thing.
+        """
+        raise TypeError(f"{type(value).__name__}, expected {self}")
+
+
+class Reference(Pointer):
+    """Numba type of a group of arrays."""
+
+    def __init__(self, group: type[Arrays]) -> None:
+        self.group = group
+        super().__init__(name=f"{group.__module__}.{group.__qualname__}")
+
+    def can_convert_to(self, typingctx: Any, other: Any) -> Any:
+        """A subclass begins with the fields of its base."""
+        del typingctx
+        if isinstance(other, Reference) and issubclass(self.group, other.group):
+            return Conversion.exact if self.group is other.group else Conversion.safe
+        return None
+
+    def unify(self, typingctx: Any, other: Any) -> Any:
+        """Never."""
+        del typingctx
+        return self if self == other else None
+
+
+def array_type(annotation: Any) -> types.Array | None:
+    """Numba type of an array annotation of this module; None if it is none."""
+    if typing.get_origin(annotation) is not Annotated:
+        return None
+    array, dimensions = typing.get_args(annotation)[:2]
+    scalar = typing.get_args(typing.get_args(array)[1])[0]
+    return types.Array(numpy_support.from_dtype(np.dtype(scalar)), dimensions, "C")
+
+
+def numba_type(annotation: Any) -> Any:
+    """Numba type of the annotation of a field or parameter.
+
+    Raises
+    ------
+    TypeError
+        If kernels know no such type.
+    """
+    simple = {float: types.float64, int: types.int64, bool: types.boolean, None: types.none, type(None): types.none}
+    if annotation in simple:
+        return simple[annotation]
+    found = array_type(annotation)
+    if found is None and isinstance(annotation, type):
+        if issubclass(annotation, Arrays):
+            found = Reference(annotation)
+        elif hasattr(annotation, "numba_type"):
+            found = annotation.numba_type()
+    if found is None:
+        raise TypeError(f"{annotation!r}: expected a number, an array of known dimension, Arrays or a Table")
+    return found
+
+
+class _ImportedForTypes(dict[str, Any]):
+    """Names that a module imports for the type checker alone: groups of arrays refer to each other in circles."""
+
+    def __init__(self, module: Any) -> None:
+        super().__init__()
+        self._module = module
+
+    def __missing__(self, name: str) -> Any:
+        if name in vars(self._module):
+            raise KeyError(name)  # a name of the module itself
+        source = Path(self._module.__file__).read_text(encoding="utf-8")
+        for where, names in re.findall(r"^ +from ([\w.]+) import (\([^)]*\)|[^\n]*)", source, re.MULTILINE):
+            if re.search(rf"\b{name}\b", names):
+                return getattr(importlib.import_module(where), name)
+        raise KeyError(name)
+
+
+def declared_types(owner: Any) -> dict[str, Any]:
+    """Annotations of a class or function, resolved; also those whose names are imported for the type checker alone."""
+    found: dict[str, Any] = {}
+    for part in reversed(owner.__mro__) if isinstance(owner, type) else (owner,):
+        module = sys.modules[part.__module__]
+        names = _ImportedForTypes(module)
+        for name, text in vars(part).get("__annotations__", {}).items() if isinstance(part, type) else owner.__annotations__.items():
+            found[name] = eval(text, vars(module), names) if isinstance(text, str) else text  # noqa: S307  our own words
+    return found
+
+
+@cache
+def layout(group: type[Arrays]) -> dict[str, tuple[Any, int]]:
+    """Type and first word of each field."""
+    hints = declared_types(group)
+    made: dict[str, tuple[Any, int]] = {}
+    place = 0
+    for name in group._fields:  # noqa: SLF001
+        try:
+            of_type = numba_type(hints[name])
+        except TypeError as error:
+            raise TypeError(f"{group.__name__}.{name}: {error}") from None
+        made[name] = of_type, place
+        place += 1 + (of_type.ndim if isinstance(of_type, types.Array) else 0)
+    return made
+
+
+@register_model(Pointer)
+@register_model(Reference)
+class _PointerModel(models.PrimitiveModel):  # type: ignore[misc]
+    def __init__(self, manager: Any, of_type: Any) -> None:
+        super().__init__(manager, of_type, WORD.as_pointer())
+
+
+@typeof_impl.register(Arrays)
+def _type_of_group(value: Arrays, context: Any) -> Reference:
+    del context
+    return Reference(type(value))
+
+
+@unbox(Reference)
+def unbox_address(of_type: Any, value: Any, c: Any) -> NativeValue:
+    """Pointer of a Python object with an `address`."""
+    address = c.pyapi.object_getattr_string(value, "address")
+    number = c.pyapi.long_as_longlong(address)
+    c.pyapi.decref(address)
+    pointer = c.builder.inttoptr(number, WORD.as_pointer())
+    return NativeValue(pointer, is_error=cgutils.is_not_null(c.builder, c.pyapi.err_occurred()))
+
+
+@lower_cast(Reference, Reference)
+def _cast(context: Any, builder: Any, from_type: Any, to_type: Any, value: Any) -> Any:
+    del context, builder, from_type, to_type
+    return value
+
+
+@infer_getattr
+class _Fields(AttributeTemplate):  # type: ignore[misc]
+    key = Reference
+
+    def generic_resolve(self, reference: Any, name: str) -> Any:
+        """Type of a field or class variable."""
+        known = layout(reference.group)
+        if name in known:
+            return known[name][0]
+        constant = getattr(reference.group, name, None)
+        return None if constant is None else self.context.resolve_value_type(constant)
+
+
+def constant_word(builder: Any, pointer: Any, place: int) -> Any:
+    """A word of a block that never changes."""
+    at = builder.gep(pointer, [ir.Constant(WORD, place)], source_etype=WORD)
+    word = builder.load(at, typ=WORD)
+    word.set_metadata("invariant.load", builder.module.add_metadata([]))
+    return word
+
+
+def rebuild_array(context: Any, builder: Any, of_type: Any, words: list[Any]) -> Any:
+    """Array structure from an address and lengths."""
+    array = context.make_array(of_type)(context, builder)
+    itemsize = ir.Constant(WORD, context.get_abi_sizeof(context.get_data_type(of_type.dtype)))
+    data = builder.inttoptr(words[0], context.get_data_type(of_type.dtype).as_pointer())
+    strides = [itemsize]
+    for length in reversed(words[2:]):
+        strides.insert(0, builder.mul(strides[0], length))
+    populate_array(array, data=data, shape=words[1:], strides=strides, itemsize=itemsize, meminfo=None)
+    return array._getvalue()  # noqa: SLF001
+
+
+@lower_getattr_generic(Reference)
+def _field(context: Any, builder: Any, reference: Any, value: Any, name: str) -> Any:
+    known = layout(reference.group)
+    if name not in known:
+        constant = getattr(reference.group, name)
+        of_type = context.typing_context.resolve_value_type(constant)
+        return context.get_constant_generic(builder, of_type, constant)
+    of_type, place = known[name]
+    if isinstance(of_type, types.Array):
+        words = [constant_word(builder, value, place + i) for i in range(1 + of_type.ndim)]
+        return impl_ret_borrowed(context, builder, of_type, rebuild_array(context, builder, of_type, words))
+    word = constant_word(builder, value, place)
+    if isinstance(of_type, Pointer):
+        return builder.inttoptr(word, WORD.as_pointer())
+    if of_type == types.float64:
+        return builder.bitcast(word, ir.DoubleType())
+    return builder.trunc(word, ir.IntType(1)) if of_type == types.boolean else word

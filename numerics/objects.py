@@ -1,0 +1,411 @@
+"""Compiled code that belongs to no scene: object files, made once and loaded in a millisecond.
+
+A *unit* is a set of kernels with declared signatures: all that one kind of things does, or the loop of an integrator.
+It is compiled as a whole, each function once, into one object file whose name holds a digest of the sources that
+its kernels import, of the compiler and of the processor. So an edit compiles what it touches, and a scene that puts
+known kinds together anew compiles nothing. Files are written beside their place and renamed; one that is not whole, or
+cannot be written, costs time and nothing else.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import re
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache, update_wrapper
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import llvmlite.binding as llvm
+import numba
+import numpy as np
+from llvmlite import ir
+from numba.core import types
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.errors import NumbaError
+from numba.core.registry import cpu_target
+from numba.extending import typeof_impl
+
+from heavylift.numerics.arrays import WORD, Pointer, declared_types, numba_type, rebuild_array
+from heavylift.numerics.jit import PartLibrary, cache_root, kernel
+
+__all__ = ["Compiled", "Entry", "Unit", "compiled_units", "entry", "function_pointer_type", "load_unit", "native_words"]
+
+PACKAGE = Path(__file__).resolve().parent.parent
+"""Folder that holds the top-level folders of the sources."""
+
+MAGIC = b"heavylift object 1\n"
+
+IMPORT = re.compile(r"^(?:from (heavylift[\w.]*) import (\([^)]*\)|[^\n(]*)|import (heavylift[\w.]*))", re.MULTILINE)
+
+
+class CompileError(Exception):
+    """A kernel that does not compile: which one, of what, and where."""
+
+
+@dataclass(frozen=True)
+class Unit:
+    """What becomes one object file.
+
+    Attributes
+    ----------
+    name
+        Of the kind or the loop.
+    entries
+        Functions by symbol, each with the kernel, the types of its parameters and that of its result.
+    modules
+        Modules of the kernels; what they import decides when the unit is compiled anew.
+    """
+
+    name: str
+    entries: Mapping[str, tuple[Any, tuple[Any, ...], Any]]
+    modules: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """A unit in memory: addresses by symbol; seconds of CPU time that compiling took, 0 if it was loaded."""
+
+    addresses: Mapping[str, int]
+    seconds: float
+
+
+# ---- sources ----
+
+
+@cache
+def _source(module: str) -> tuple[bytes, tuple[str, ...]]:
+    """Content of a module, and the modules of this package that it imports when it is imported."""
+    path = PACKAGE.joinpath(*module.split(".")[1:])
+    file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    content = file.read_bytes()
+    found: list[str] = []
+    for whole, names, plain in IMPORT.findall(content.decode()):
+        found.append(whole or plain)
+        for name in re.findall(r"(\w+)(?: as \w+)?", names):
+            below = PACKAGE.joinpath(*whole.split(".")[1:], name)
+            if below.with_suffix(".py").is_file():
+                found.append(f"{whole}.{name}")
+    return content, tuple(found)
+
+
+@cache
+def _closure(modules: tuple[str, ...]) -> tuple[str, ...]:
+    """Modules with all that they import, sorted."""
+    seen: set[str] = set()
+    waiting = list(modules)
+    while waiting:
+        module = waiting.pop()
+        if module not in seen and module != "heavylift":
+            seen.add(module)
+            waiting += _source(module)[1]
+    return tuple(sorted(seen))
+
+
+@cache
+def _machine() -> bytes:
+    """Compiler and processor."""
+    return repr(
+        (
+            sys.version_info[:2],
+            numba.__version__,
+            llvmlite.__version__,
+            np.__version__,
+            llvm.get_process_triple(),
+            llvm.get_host_cpu_name(),
+            llvm.get_host_cpu_features().flatten(),
+        )
+    ).encode()
+
+
+@cache
+def _place(name: str, modules: tuple[str, ...]) -> Path:
+    digest = hashlib.blake2b(_machine(), digest_size=12)
+    for module in _closure(modules):
+        content = _source(module)[0]
+        digest.update(f"{module} {len(content)}\n".encode())
+        digest.update(content)
+    return cache_root() / "objects" / f"{name}-{digest.hexdigest()}.o"
+
+
+# ---- files ----
+
+
+def _read(path: Path) -> bytes | None:
+    """The object of a file; None if there is none or it is not whole."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return None
+    start = len(MAGIC) + 32
+    data = content[start:]
+    whole = content[: len(MAGIC)] == MAGIC and hashlib.blake2b(data, digest_size=32).digest() == content[len(MAGIC) : start]
+    return data if whole else None
+
+
+def _write(path: Path, data: bytes) -> None:
+    """Whole or not at all; a folder that cannot be written to is told once."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".", delete=False) as file:
+            file.write(MAGIC + hashlib.blake2b(data, digest_size=32).digest() + data)
+        Path(file.name).replace(path)
+    except OSError as error:
+        _warn_once(f"compiled kernels cannot be kept in {path.parent}: {error.strerror}")
+
+
+@cache
+def _warn_once(text: str) -> None:
+    print(f"heavylift: {text}", file=sys.stderr)  # noqa: T201  no results depend on it
+
+
+# ---- code ----
+
+
+def native_words(of_type: Any) -> list[ir.Type]:
+    """What a parameter becomes in the interface of a compiled function."""
+    if isinstance(of_type, types.Array):
+        return [WORD] * (1 + of_type.ndim)
+    if isinstance(of_type, Pointer):
+        return [WORD.as_pointer()]
+    return [ir.DoubleType()] if of_type == types.float64 else [WORD]
+
+
+def function_pointer_type(parameters: Iterable[Any], result: Any = types.none) -> ir.FunctionType:
+    """Type of a compiled function."""
+    out = ir.VoidType() if result == types.none else native_words(result)[0]
+    return ir.FunctionType(out, [word for one in parameters for word in native_words(one)])
+
+
+def to_words(context: Any, builder: Any, of_type: Any, value: Any) -> list[Any]:
+    """A value as the words of the interface."""
+    if isinstance(of_type, types.Array):
+        array = context.make_array(of_type)(context, builder, value)
+        lengths = [builder.extract_value(array.shape, i) for i in range(of_type.ndim)]
+        return [builder.ptrtoint(array.data, WORD), *lengths]
+    return [builder.zext(value, WORD)] if of_type == types.boolean else [value]
+
+
+def _from_words(context: Any, builder: Any, of_type: Any, words: list[Any]) -> Any:
+    if isinstance(of_type, types.Array):
+        return rebuild_array(context, builder, of_type, words)
+    return builder.trunc(words[0], ir.IntType(1)) if of_type == types.boolean else words[0]
+
+
+def _compile(unit: Unit) -> bytes:
+    """Object file of a unit.
+
+    Raises
+    ------
+    CompileError
+        Names the kernel, the unit, the file and the line.
+    """
+    context = cpu_target.target_context
+    codegen = context.codegen()
+    wrappers = codegen._create_empty_module(unit.name)  # noqa: SLF001
+    libraries: dict[Any, None] = {}
+    with global_compiler_lock:
+        for symbol, (dispatcher, parameters, result) in unit.entries.items():
+            try:
+                dispatcher.compile(parameters)
+            except NumbaError as error:
+                raise CompileError(_explain(symbol, unit, dispatcher, error)) from None
+            overload = dispatcher.overloads[tuple(parameters)]
+            made = overload.signature.return_type
+            if made != result and not (isinstance(made, types.Integer) and result == types.int64):
+                raise CompileError(f"{symbol} of {unit.name} returns {made}, expected {result}")
+            overload.library.parts(libraries)
+            function = ir.Function(wrappers, function_pointer_type(parameters, result), symbol)
+            builder = ir.IRBuilder(function.append_basic_block())
+            words = list(function.args)
+            values = []
+            for of_type in parameters:
+                count = len(native_words(of_type))
+                values.append(_from_words(context, builder, of_type, words[:count]))
+                words = words[count:]
+            called = context.declare_function(wrappers, overload.fndesc)
+            _, value = context.call_conv.call_function(builder, called, made, parameters, values)
+            if result == types.none:
+                builder.ret_void()
+            else:
+                builder.ret(to_words(context, builder, result, value)[0])
+        return _link(codegen, wrappers, libraries, set(unit.entries))
+
+
+def _link(codegen: Any, wrappers: Any, libraries: Iterable[Any], symbols: set[str]) -> bytes:
+    """All parts in one module, optimised once."""
+    whole = llvm.parse_assembly(str(wrappers))
+    whole.data_layout = codegen._data_layout  # noqa: SLF001
+    for library in libraries:
+        module = library.own_module() if isinstance(library, PartLibrary) else library._get_module_for_linking()  # noqa: SLF001
+        whole.link_in(module, preserve=True)
+    for value in (*whole.functions, *whole.global_variables):
+        if not value.is_declaration and value.name not in symbols:
+            value.linkage = "internal"
+    cheap, cheap_builder = codegen._module_pass_manager(slp_vectorize=False, cost="cheap")  # noqa: SLF001
+    cheap.run(whole, cheap_builder)
+    full, full_builder = codegen._module_pass_manager()  # noqa: SLF001
+    full.run(whole, full_builder)
+    whole.verify()
+    return bytes(codegen._tm.emit_object(whole))  # noqa: SLF001
+
+
+def _explain(symbol: str, unit: Unit, dispatcher: Any, error: Exception) -> str:
+    """One line of a page of type inference: the innermost place that the compiler names."""
+    text = str(error)
+    places = re.findall(r'File "([^"]+)", line (\d+)', text)
+    if places:
+        file, line = places[-1]
+    else:
+        file, line = dispatcher.py_func.__code__.co_filename, str(dispatcher.py_func.__code__.co_firstlineno)
+    reasons = [part.strip() for part in text.splitlines() if part.strip() and "\x1b" not in part]
+    said = next((part for part in reasons if not part.startswith(("Failed", "During", "File"))), type(error).__name__)
+    return f"{unit.name}: {symbol.rpartition('.')[2]} does not compile: {file}, line {line}: {said}"
+
+
+@cache
+def _engine() -> Any:
+    """The engine that all objects are loaded into; symbols of Numba's helpers are known once its context is there."""
+    _ = cpu_target.target_context
+    machine = llvm.Target.from_default_triple().create_target_machine(
+        cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), jit=True
+    )
+    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+
+
+_LOADED: dict[str, Compiled] = {}
+
+
+def compiled_units() -> Mapping[str, Compiled]:
+    """Units that this process has loaded or compiled, by name."""
+    return _LOADED
+
+
+def is_compiled(unit: Unit) -> bool:
+    """Whether there is a whole object file, or the unit is in memory."""
+    return unit.name in _LOADED or _read(_place(unit.name, unit.modules)) is not None
+
+
+def build_unit(unit: Unit) -> float:
+    """Compile a unit into its object file, whatever is there; returns the CPU time of this thread [s]."""
+    begin = time.thread_time()
+    data = _compile(unit)
+    _write(_place(unit.name, unit.modules), data)
+    return time.thread_time() - begin
+
+
+def load_unit(unit: Unit) -> Compiled:
+    """Addresses of a unit, compiled first if there is no object file."""
+    if unit.name not in _LOADED:
+        begin = time.thread_time()
+        path = _place(unit.name, unit.modules)
+        data = _read(path)
+        seconds = 0.0
+        if data is None:
+            data = _compile(unit)
+            _write(path, data)
+            seconds = time.thread_time() - begin
+        engine = _engine()
+        engine.add_object_file(llvm.ObjectFileRef.from_data(data))
+        engine.finalize_object()
+        addresses = {symbol: int(engine.get_function_address(symbol)) for symbol in unit.entries}
+        _LOADED[unit.name] = Compiled(addresses, seconds)
+    return _LOADED[unit.name]
+
+
+# ---- calls from Python ----
+
+
+def native_function(address: int, parameters: Iterable[Any], result: Any) -> Callable[..., Any]:
+    """A compiled function as a callable of Python values: arrays, numbers and what has an `address`."""
+    kinds = tuple(parameters)
+    codes: list[Any] = []
+    for of_type in kinds:
+        for word in native_words(of_type):
+            codes.append(ctypes.c_double if isinstance(word, ir.DoubleType) else ctypes.c_int64)
+    out = None if result == types.none else (ctypes.c_double if result == types.float64 else ctypes.c_int64)
+    call = ctypes.CFUNCTYPE(out, *codes)(address)
+
+    def function(*values: Any) -> Any:
+        if len(values) != len(kinds):
+            raise TypeError(f"{len(values)} arguments, expected {len(kinds)}")
+        words: list[Any] = []
+        kept: list[Any] = []
+        for of_type, value in zip(kinds, values, strict=True):
+            if isinstance(of_type, types.Array):
+                if value.ndim != of_type.ndim or not value.flags.c_contiguous:
+                    raise TypeError(f"array of shape {value.shape}, expected {of_type}")
+                words += [value.ctypes.data, *value.shape]
+            elif isinstance(of_type, Pointer):
+                if not hasattr(value, "address"):  # a plain tuple of kinds
+                    value = of_type.wrap(value)
+                    kept.append(value)
+                words.append(value.address)
+            else:
+                words.append(float(value) if of_type == types.float64 else int(value))
+        return call(*words)
+
+    return function
+
+
+def signature(function: Callable[..., Any]) -> tuple[tuple[Any, ...], Any]:
+    """Types of the parameters and of the result of a function, from its annotations.
+
+    Raises
+    ------
+    TypeError
+        Names the function and the parameter.
+    """
+    hints = declared_types(function)
+    result = numba_type(hints.pop("return", None))
+    parameters = []
+    for name in function.__code__.co_varnames[: function.__code__.co_argcount]:
+        try:
+            parameters.append(numba_type(hints[name]))
+        except (KeyError, TypeError) as error:
+            raise TypeError(f"{function.__module__}.{function.__qualname__}, {name}: {error}") from None
+    return tuple(parameters), result
+
+
+class Entry:
+    """A kernel with a declared signature that Python calls: compiled once, whatever the scene."""
+
+    def __init__(self, function: Callable[..., Any], convert: Callable[[Any, Any], Any] | None = None) -> None:
+        update_wrapper(self, function)
+        self.kernel = kernel(internal=True)(function)
+        self._call: Callable[..., Any] | None = None
+        self._convert = convert
+
+    @property
+    def unit(self) -> Unit:
+        """Of this function alone."""
+        function = self.kernel.py_func
+        name = f"{function.__module__.removeprefix('heavylift.')}.{function.__qualname__}"
+        return Unit(name, {name: (self.kernel, *signature(function))}, (function.__module__,))
+
+    def __call__(self, *values: Any) -> Any:
+        """Compile or load it at the first call."""
+        if self._call is None:
+            unit = self.unit
+            ((symbol, (_, parameters, result)),) = unit.entries.items()
+            self._parameters = parameters
+            self._call = native_function(load_unit(unit).addresses[symbol], parameters, result)
+        return self._call(*values)
+
+
+def entry(function: Callable[..., Any]) -> Entry:
+    """Declare a kernel that Python calls, with annotations that say all its types."""
+    return Entry(function)
+
+
+@typeof_impl.register(Entry)
+def _type_of_entry(value: Entry, context: Any) -> Any:
+    """Kernels call the kernel behind it."""
+    del context
+    return types.Dispatcher(value.kernel)
