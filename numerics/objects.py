@@ -28,6 +28,7 @@ import numpy as np
 from llvmlite import ir
 from numba.core import types
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError
 from numba.core.registry import cpu_target
 from numba.extending import typeof_impl
@@ -84,6 +85,8 @@ def _source(module: str) -> tuple[bytes, tuple[str, ...]]:
     """Content of a module, and the modules of this package that it imports when it is imported."""
     path = PACKAGE.joinpath(*module.split(".")[1:])
     file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    if not module.startswith("heavylift."):
+        file = Path(str(sys.modules[module].__file__))
     content = file.read_bytes()
     found: list[str] = []
     for whole, names, plain in IMPORT.findall(content.decode()):
@@ -376,11 +379,10 @@ def signature(function: Callable[..., Any]) -> tuple[tuple[Any, ...], Any]:
 class Entry:
     """A kernel with a declared signature that Python calls: compiled once, whatever the scene."""
 
-    def __init__(self, function: Callable[..., Any], convert: Callable[[Any, Any], Any] | None = None) -> None:
+    def __init__(self, function: Callable[..., Any]) -> None:
         update_wrapper(self, function)
         self.kernel = kernel(internal=True)(function)
         self._call: Callable[..., Any] | None = None
-        self._convert = convert
 
     @property
     def unit(self) -> Unit:
@@ -391,10 +393,11 @@ class Entry:
 
     def __call__(self, *values: Any) -> Any:
         """Compile or load it at the first call."""
+        if not isinstance(self.kernel, Dispatcher):
+            return self.kernel(*values)
         if self._call is None:
             unit = self.unit
             ((symbol, (_, parameters, result)),) = unit.entries.items()
-            self._parameters = parameters
             self._call = native_function(load_unit(unit).addresses[symbol], parameters, result)
         return self._call(*values)
 

@@ -1,54 +1,99 @@
-"""Generic functions: dispatch on the kinds of a tuple, in Python and in compiled code."""
+"""Verbs on tables of kinds, in Python and in compiled code, and what a kind has to have."""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numba
 import numpy as np
 import pytest
 
+from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.solver.kinds import generic, implement
+from heavylift.numerics.objects import CompileError, entry, load_unit
+from heavylift.solver.kinds import Members, Table, generic, implement, kind_unit, optional
+
+compiled_only = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs compiled kernels")
 
 
-class Weights(NamedTuple):
-    mass: np.ndarray
+class Things(Table):
+    """Of these tests."""
 
 
-class Springs(NamedTuple):
-    stiffness: np.ndarray
-    stretch: np.ndarray
+class Heavy(Arrays):
+    """All that has a mass."""
+
+    mass: Floats1
 
 
-class Ghosts(NamedTuple):
-    mass: np.ndarray
+class Weights(Heavy):
+    """A weight."""
+
+
+class Springs(Arrays):
+    """A spring."""
+
+    stiffness: Floats1
+    stretch: Floats1
+
+
+class Ghosts(Arrays):
+    """Does nothing."""
+
+    mass: Floats1
 
 
 @generic
-def pull(kinds: Any, step: float, total: np.ndarray) -> None:
+def pull(kinds: Things, step: float, backwards: bool, total: Floats1) -> None:
     """Add all forces times the step, and leave a trace of the order."""
 
 
-@implement(pull, Weights)
-@kernel
-def pull_weights(kind: Weights, step: float, total: np.ndarray) -> None:
+@optional
+def rest(kinds: Things, total: Floats1) -> None:
+    """Whoever rests adds one."""
+
+
+@implement(pull, Heavy)
+@kernel(internal=True)
+def pull_weights(kind: Heavy, step: float, backwards: bool, total: Floats1) -> None:
     for i in range(kind.mass.shape[0]):
-        total[0] += step * 10.0 * kind.mass[i]
+        total[0] += (-step if backwards else step) * 10.0 * kind.mass[i]
     total[1] = 10.0 * total[1] + 1.0
 
 
 @implement(pull, Springs)
-@kernel
-def pull_springs(kind: Springs, step: float, total: np.ndarray) -> None:
+@kernel(internal=True)
+def pull_springs(kind: Springs, step: float, backwards: bool, total: Floats1) -> None:
     for i in range(kind.stiffness.shape[0]):
-        total[0] += step * kind.stiffness[i] * kind.stretch[i]
+        total[0] += (-step if backwards else step) * kind.stiffness[i] * kind.stretch[i]
     total[1] = 10.0 * total[1] + 2.0
 
 
-@kernel
-def pull_compiled(kinds: tuple[Any, ...], step: float, total: np.ndarray) -> None:
-    pull(kinds, step, total)
+@implement(rest, Springs)
+@kernel(internal=True)
+def rest_springs(kind: Springs, total: Floats1) -> None:
+    total[0] += 1.0
+
+
+@entry
+def pull_compiled(kinds: Things, step: float, backwards: bool, total: Floats1) -> None:
+    pull(kinds, step, backwards, total)
+
+
+@entry
+def rest_compiled(kinds: Things, total: Floats1) -> None:
+    rest(kinds, total)
+
+
+heavy = Members(Things, Heavy)
+
+
+@entry
+def weigh(kinds: Things) -> float:
+    total = 0.0
+    for i in range(heavy(kinds)):
+        total += heavy(kinds, i).mass.sum()
+    return total
 
 
 WEIGHTS = Weights(np.array([1.0, 2.0]))
@@ -56,6 +101,7 @@ SPRINGS = Springs(np.array([4.0]), np.array([0.5]))
 
 
 @pytest.mark.parametrize("call", [pull, pull_compiled], ids=["python", "compiled"])
+@pytest.mark.parametrize("backwards", [False, True])
 @pytest.mark.parametrize(
     ("kinds", "expected"),
     [
@@ -65,22 +111,72 @@ SPRINGS = Springs(np.array([4.0]), np.array([0.5]))
         ((WEIGHTS, SPRINGS, WEIGHTS), [6.2, 121.0]),
     ],
 )
-def test_every_kind_is_served_in_order(call: Any, kinds: tuple[Any, ...], expected: list[float]) -> None:
+def test_every_kind_is_served_in_order(
+    call: Any, kinds: tuple[Any, ...], expected: list[float], backwards: bool
+) -> None:
     total = np.zeros(2)
-    call(kinds, 0.1, total)
-    np.testing.assert_allclose(total, expected)
+    call(Things(kinds), 0.1, backwards, total)
+    np.testing.assert_allclose(total, [-expected[0] if backwards else expected[0], expected[1]])
 
 
-def test_an_unknown_kind_is_named() -> None:
+@pytest.mark.parametrize("call", [rest, rest_compiled], ids=["python", "compiled"])
+def test_who_lacks_an_optional_verb_is_passed_over(call: Any) -> None:
+    total = np.zeros(1)
+    call(Things((WEIGHTS, SPRINGS, WEIGHTS, SPRINGS)), total)
+    assert total[0] == 2.0
+
+
+def test_members_of_a_base_are_found_in_kernels() -> None:
+    assert weigh(Things((SPRINGS, WEIGHTS, WEIGHTS))) == 6.0
+    assert weigh(Things(())) == 0.0
+
+
+def test_a_kind_without_a_needed_verb_is_named() -> None:
     with pytest.raises(TypeError, match="pull is not implemented for Ghosts"):
-        pull((WEIGHTS, Ghosts(np.ones(1))), 0.1, np.zeros(2))
+        pull(Things((WEIGHTS, Ghosts(np.ones(1)))), 0.1, False, np.zeros(2))
+    with pytest.raises(TypeError, match="pull is not implemented for Ghosts"):
+        pull_compiled(Things((Ghosts(np.ones(1)),)), 0.1, False, np.zeros(2))
 
 
-def test_an_unknown_kind_does_not_compile() -> None:
-    if numba.config.DISABLE_JIT:
-        pytest.skip("needs compiled kernels")
-    with pytest.raises((TypeError, numba.TypingError), match="Ghosts"):
-        pull_compiled((Ghosts(np.ones(1)),), 0.1, np.zeros(2))
+def test_a_kernel_with_other_parameters_than_its_verb_is_refused_at_import() -> None:
+    with pytest.raises(TypeError, match="forgetful takes 2 arguments, pull"):
+
+        @implement(pull, Ghosts)
+        @kernel(internal=True)
+        def forgetful(kind: Ghosts, step: float) -> None:
+            pass
+
+
+class Broken(Arrays):
+    """Does not compile."""
+
+    mass: Floats1
+
+
+@implement(rest, Broken)
+@kernel(internal=True)
+def rest_broken(kind: Broken, total: Floats1) -> None:
+    total[0] += kind.weight[0]
+
+
+@compiled_only
+def test_a_kernel_that_does_not_compile_is_named_with_file_and_line() -> None:
+    with pytest.raises(CompileError, match=r"Broken: rest does not compile: .*test_kinds.py, line \d+: .*weight"):
+        load_unit(kind_unit(Broken))
+
+
+@pytest.mark.parametrize(
+    ("mass", "found"),
+    [
+        (np.ones((2, 2)), "float64 2-d"),
+        (np.ones(2, dtype=np.int64), "int64 1-d"),
+        (np.ones(8)[::2], "float64 1-d"),
+        ([1.0], "list"),
+    ],
+)
+def test_arrays_that_kernels_would_misread_are_refused(mass: Any, found: str) -> None:
+    with pytest.raises(TypeError, match=rf"Weights\.mass: {found}, expected a contiguous array"):
+        _ = Weights(mass).address
 
 
 def test_the_docstring_is_the_contract() -> None:

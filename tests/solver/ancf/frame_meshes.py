@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.lanes import block_shape
 from heavylift.solver.bodies.ancf import elements as generics
 from heavylift.solver.bodies.ancf import frame_elements  # noqa: F401  implements the generic functions
 from heavylift.solver.bodies.ancf.frame_packing import (
@@ -33,6 +32,7 @@ from heavylift.solver.bodies.ancf.kind import (
     FrameMeshes,
     Q,
 )
+from tests.solver.groups import partly
 
 if TYPE_CHECKING:
     from heavylift.solver.meshes import FrameBody
@@ -63,9 +63,7 @@ def pack(body: FrameBody, *, swap: bool = False) -> FrameMeshes:
         elements[:, ELEMENT_BLOCKS + 2 * p + 1] = int(swap and i != j)
     table = np.zeros((1, TABLE_COLUMNS), dtype=np.int64)
     table[0, [NODES, ELEMENTS, STRAINS, CONSTANTS]] = nodes, count, strains.sum(), 0
-    unused = dict.fromkeys(FrameMeshes._fields, np.zeros((0, 6), dtype=np.int64))
     used = {
-        "shape": block_shape(6),
         "table": table,
         "elements": elements,
         "constants": np.concatenate(constants),
@@ -74,7 +72,7 @@ def pack(body: FrameBody, *, swap: bool = False) -> FrameMeshes:
         "strains": np.zeros((STRAIN_ROWS, int(strains.sum()))),
         "blocks": np.zeros(48 * 3 * count),
     }
-    kind = FrameMeshes(**(unused | used))
+    kind = partly(FrameMeshes, **used)
     put(kind, Q, start_coordinates(body).ravel())
     return kind
 

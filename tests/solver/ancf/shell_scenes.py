@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.lanes import block_shape
 from heavylift.solver.bodies.ancf import shell_elements  # noqa: F401  registers the kernels
 from heavylift.solver.bodies.ancf.elements import (
     add_follower_load,
@@ -42,6 +41,7 @@ from heavylift.solver.bodies.ancf.shell_packing import (
     strain_counts,
 )
 from heavylift.solver.meshes import ShellBody, ShellSection
+from tests.solver.groups import partly
 
 LANES, BLOCK = 16, 12 * 16
 
@@ -126,7 +126,6 @@ def pack(bodies: list[ShellBody], swaps: int = 0) -> ShellMeshes:
     nodal = np.zeros((NODAL_ROWS, nodes * LANES))
     nodal[Q].reshape(nodes, LANES)[:, :12] = np.vstack(start)
     given = {
-        "shape": block_shape(12),
         "table": table,
         "elements": np.array(elements),
         "constants": np.concatenate(constants),
@@ -135,8 +134,7 @@ def pack(bodies: list[ShellBody], swaps: int = 0) -> ShellMeshes:
         "strains": np.zeros((STRAIN_ROWS, strains)),
         "blocks": np.zeros(pairs * BLOCK),
     }
-    empty = np.zeros((0, 8), dtype=np.int64)
-    return ShellMeshes(**{name: given.get(name, empty) for name in ShellMeshes._fields})
+    return partly(ShellMeshes, **given)
 
 
 def put(kind: ShellMeshes, row: int, coordinates: np.ndarray) -> None:

@@ -1,0 +1,26 @@
+"""Groups of arrays for tests that need some of their fields only."""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+import numpy as np
+from numba.core import types
+from numba.np import numpy_support
+
+from heavylift.numerics.arrays import Arrays, Reference, layout
+
+G = TypeVar("G", bound=Arrays)
+
+
+def partly(group: type[G], **given: Any) -> G:
+    """A group with some fields as given, and nothing in the others."""
+    fields: dict[str, Any] = {}
+    for name, (of_type, _) in layout(group).items():
+        if isinstance(of_type, types.Array):
+            fields[name] = np.zeros((0,) * of_type.ndim, dtype=numpy_support.as_dtype(of_type.dtype))
+        elif isinstance(of_type, Reference):
+            fields[name] = partly(of_type.group)
+        else:
+            fields[name] = () if not isinstance(of_type, types.Number) else 0
+    return group(**(fields | given))
