@@ -1,4 +1,4 @@
-"""What every kind offers to the step: the generic functions, their arguments and the shared workspace.
+"""What every kind offers to the step: tables of kinds, the verbs they know, and the shared workspace.
 
 Coordinates of a body are its velocities ``U``: of a rigid frame the world velocity of the frame
 origin and the body-axis angular velocity, then the flexible coordinates. A *marker* is a vector
@@ -210,7 +210,9 @@ def correct(kinds: Bodies, step: float, work: Workspace) -> None:
 
 
 @optional
-def correct_rows(kinds: Bodies, systems: Systems, joints: Joints, work: Workspace, time: float, step: float) -> None:
+def correct_rows(
+    kinds: Bodies, systems: Systems, joints: Joints, work: Workspace, time: float, step: float
+) -> None:
     """Bodies that implement `correct`: call `solve_again`. A scene without them solves its rows once."""
 
 
@@ -362,9 +364,7 @@ def load_state(kinds: Bodies, values: Floats1, at: int, work: Workspace) -> None
 
 
 @optional
-def begin_stage(
-    kinds: Bodies, time: float, values: Floats1, at: int, rate: int, work: Workspace
-) -> None:
+def begin_stage(kinds: Bodies, time: float, values: Floats1, at: int, rate: int, work: Workspace) -> None:
     """Bodies: take the state vector at `at`, and fill the markers with rates and second rates.
 
     Prescribed motion is written into the state vector, the rates of the configuration into the vector at `rate`.
@@ -396,9 +396,7 @@ def displace(kinds: Bodies, values: Floats1, at: int, work: Workspace) -> None:
 
 
 @optional
-def complete_rates(
-    kinds: Bodies, values: Floats1, at: int, rate: int, second: int, work: Workspace
-) -> None:
+def complete_rates(kinds: Bodies, values: Floats1, at: int, rate: int, second: int, work: Workspace) -> None:
     """Bodies: rates of the configuration at a state vector, and second rates from these and the accelerations."""
 
 
@@ -408,16 +406,12 @@ def measure_error(kinds: Bodies, values: Floats1, fifth: int, third: int, work: 
 
 
 @optional
-def store_state(
-    kinds: Bodies, time: float, values: Floats1, at: int, rate: int, work: Workspace
-) -> None:
+def store_state(kinds: Bodies, time: float, values: Floats1, at: int, rate: int, work: Workspace) -> None:
     """Bodies: carried state, and velocities of the state vector, from a configuration and its rates."""
 
 
 @generic
-def survey(
-    kinds: Bodies, places: Floats1, inertia: Floats1, velocity: Floats1
-) -> None:
+def survey(kinds: Bodies, places: Floats1, inertia: Floats1, velocity: Floats1) -> None:
     """Bodies, in Python before the start: where they are, how heavy, how fast.
 
     Into the row of each body of `places`, shape (bodies, 8): its first velocity, the point [m] whose velocity

@@ -1,4 +1,4 @@
-"""Where everything lives: a scene of user objects becomes a tuple of kinds, a workspace and named channels."""
+"""Where everything lives: a scene of user objects becomes tables of kinds, a workspace and named channels."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Layout:
 
 
 def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> Layout:
-    """Turn a scene into kinds. A kind without members is not imported, not compiled and not run.
+    """Turn a scene into kinds. A kind without members is not imported and not run.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ from heavylift.solver.coordinates import attachments, first_dofs, inverse_masses
 from heavylift.solver.interface import FORCES
 from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.meshes import MeshBody
-from heavylift.solver.rows import Rows, RowSystem, classify_rows, pack_rows
+from heavylift.solver.rows import RowSystem, classify_rows, pack_rows
 from heavylift.solver.scene import AnyBody, Gravity, PointForce, Scene
 
 if TYPE_CHECKING:
@@ -143,7 +143,7 @@ def _pack(
     if scene.joints or laws is not None or scene.touches:
         inverse_mass = inverse_masses(ordered, bases)
         held: RowSystem | None = make_system(inverse_mass, packed.column) if scene.joints else None
-        made: Rows | None = held
+        made = held
         if laws is not None:
             from heavylift.solver.joints.law_system import extend_system
 

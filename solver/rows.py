@@ -30,11 +30,10 @@ from heavylift.solver.kinds import Members
 
 __all__ = [
     "REGULARISATION",
-    "Attachment",
     "SHAPES",
+    "Attachment",
     "RowArrays",
     "RowSystem",
-    "Rows",
     "classify_rows",
     "joint_rows",
     "pack_rows",
@@ -53,11 +52,8 @@ HUB_ATTACHMENTS = 12
 # columns of `rows`, one vector of lanes each
 RESIDUAL, TARGET, SOFTNESS, SCALE, COMPLIANCE, RELAXATION = range(6)
 IMPULSE, HALF_IMPULSE, REACTION, LAST_REACTION, SOLUTION = range(6, 11)
-RIGID, HOLD = (
-    11,
-    12,
-)  # what makes the violation of a rigid row 1 where a run has failed, 0 for others; softness
-# in the projection
+# what makes the violation of a rigid row 1 where a run has failed, 0 for others; softness in the projection
+RIGID, HOLD = 11, 12
 ROW_COLUMNS = 13
 
 # columns of `attachments`
@@ -86,7 +82,11 @@ class RowArrays(Arrays):
         Vectors of lanes, by node and column; flat.
     inverse_mass
         Of each velocity of a free rigid body [1/kg, 1/(kg m2)]; 0 where motion is prescribed.
+    shape
+        Block shape for `heavylift.numerics.lanes`: subclasses have one, which kernels know when they are compiled.
     """
+
+    shape: ClassVar[Any]
 
     lanes: int
     attachments: Ints2
@@ -96,12 +96,10 @@ class RowArrays(Arrays):
 
 
 class RowSystem(RowArrays):
-    """Rows of all joints and the factor of their system.
+    """Rows of all joints and the factor of their system; kernels are compiled for one of the `SHAPES`.
 
     Attributes
     ----------
-    shape
-        Block shape for `heavylift.numerics.lanes`, the same for all systems of one of the `SHAPES`.
     columns, lower, updates
         The factor, column by column in the order of elimination: pivots; node and place of the blocks
         below; places that each pair of them changes.
@@ -120,7 +118,6 @@ class RowSystem(RowArrays):
         Record column of the largest violation; the smallest pivot follows it.
     """
 
-    shape: ClassVar[Any] = None
     kernel_modules: ClassVar[tuple[str, ...]] = (
         "heavylift.solver.integrate.row_stage",
         "heavylift.solver.integrate.row_thesis",
@@ -141,16 +138,12 @@ class RowSystem(RowArrays):
 
 def _of_shape(rows: int) -> type[RowSystem]:
     """The kind of systems whose blocks have some rows: its kernels know them when they are compiled."""
-    made = type(f"RowSystem{rows}", (RowSystem,), {"shape": block_shape(rows), "__module__": __name__})
-    return made
+    return type(f"RowSystem{rows}", (RowSystem,), {"shape": block_shape(rows), "__module__": __name__})
 
 
 MOST_ROWS = 8
 SHAPES = {rows: _of_shape(rows) for rows in range(1, MOST_ROWS + 1)}
 """Kinds of systems by rows of a block."""
-
-Rows = RowArrays
-"""What joints and bodies see of a system: its lanes are a number."""
 
 row_arrays, joint_rows = Members(Systems, RowArrays), Members(Systems, RowSystem)
 """All systems with rows in a table, and those of joints."""
@@ -317,7 +310,7 @@ def _assembly(
     return np.array(rows, dtype=np.int64).reshape(-1, 6)
 
 
-def classify_rows(system: Rows) -> None:
+def classify_rows(system: RowArrays) -> None:
     """Tell rigid rows from those with compliance or a law, once both are known.
 
     Notes

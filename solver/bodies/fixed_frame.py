@@ -1,7 +1,7 @@
 """The kind of flexible bodies whose frame stands still: modal oscillators, reactions, nothing else.
 
 A clamped body has no inertia coupling, no velocity forces and a diagonal step matrix. It would run
-through the code of a floating frame too, but a scene should compile and execute only what it needs.
+through the code of a floating frame too, but a scene should execute only what it needs.
 The trapezoidal rule of the second-order step is, per mode::
 
     ( 1 + h^2/4 k + h/2 d ) qd_b = qd + h/2 ( Q - k q ),   q += h qd_b,   qd := 2 qd_b - qd

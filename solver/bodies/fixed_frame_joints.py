@@ -28,14 +28,14 @@ from heavylift.solver.interface import (
     write_velocity,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import Rows
+from heavylift.solver.rows import RowArrays
 
 __all__: list[str] = []
 
 
 @implement(apply_inverse, FixedFrameBodies)
 @kernel(internal=True)
-def apply_inverse_of_fixed_frames(kind: FixedFrameBodies, at_midpoint: bool, system: Rows) -> None:
+def apply_inverse_of_fixed_frames(kind: FixedFrameBodies, at_midpoint: bool, system: RowArrays) -> None:
     """Of the attachments of these bodies; at the end of the step the modal mass is one."""
     if not at_midpoint:
         for i in range(kind.modal.shape[1]):
@@ -48,7 +48,7 @@ def apply_inverse_of_fixed_frames(kind: FixedFrameBodies, at_midpoint: bool, sys
 
 @implement(gather_reactions, FixedFrameBodies)
 @kernel(internal=True)
-def gather_reactions_on_fixed_frames(kind: FixedFrameBodies, fresh: bool, system: Rows) -> None:
+def gather_reactions_on_fixed_frames(kind: FixedFrameBodies, fresh: bool, system: RowArrays) -> None:
     """The recorded reaction of the frame balances them."""
     gather_row_forces(kind, fresh, system)
 

@@ -96,8 +96,6 @@ SMALLEST_FRAME_SHARE = 0.1
 class FloatingFrameBodies(Arrays):
     """All floating-frame bodies of a scene; columns and rows are named at the top of this file.
 
-    Few arrays, because each one costs compile time in every function that a kind is handed to.
-
     Attributes
     ----------
     table

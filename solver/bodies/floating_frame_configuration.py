@@ -1,6 +1,6 @@
 """Flexible bodies before time starts: poses, modes and velocities read and set as vectors of the whole scene.
 
-These run in Python, a few hundred times at most; nothing here is compiled. They serve floating frames and fixed
+These run in Python, a few hundred times at most. They serve floating frames and fixed
 ones alike: what a frame that is not free has of its own are its modes.
 """
 

@@ -16,7 +16,6 @@ rotation of the frame plus the displacement of its node.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import add_multiple
@@ -70,6 +69,8 @@ from heavylift.solver.contact.generics import meet_again
 from heavylift.solver.integrate.row_solver import row_power
 from heavylift.solver.interface import (
     ERROR,
+    Joints,
+    Systems,
     Workspace,
     add_row_work,
     apply_inverse,
@@ -82,14 +83,14 @@ from heavylift.solver.interface import (
     write_velocity,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import PANEL, Rows
+from heavylift.solver.rows import PANEL, RowArrays
 
 __all__: list[str] = []
 
 
 @implement(apply_inverse, FloatingFrameBodies)
 @kernel(internal=True)
-def apply_inverse_of_floating_frames(kind: FloatingFrameBodies, at_midpoint: bool, system: Rows) -> None:
+def apply_inverse_of_floating_frames(kind: FloatingFrameBodies, at_midpoint: bool, system: RowArrays) -> None:
     """Of the attachments of these bodies."""
     for body in range(kind.table.shape[0]):
         _prepare(kind, body, at_midpoint)
@@ -126,7 +127,7 @@ def _prepare(kind: FloatingFrameBodies, body: int, at_midpoint: bool) -> None:
 
 @kernel(internal=True)
 def _apply_to_frame(
-    kind: FloatingFrameBodies, body: int, at_midpoint: bool, system: Rows, panel: int
+    kind: FloatingFrameBodies, body: int, at_midpoint: bool, system: RowArrays, panel: int
 ) -> None:
     """Frame rows of X, and what they add to the modal rows, which hold ``D^-1 m``."""
     if system.lanes == 1:
@@ -141,7 +142,7 @@ def _apply_to_frame(
 
 @kernel(internal=True)
 def _apply_of_lanes(  # type: ignore[no-untyped-def]
-    shape, kind: FloatingFrameBodies, body: int, at_midpoint: bool, system: Rows, panel: int
+    shape, kind: FloatingFrameBodies, body: int, at_midpoint: bool, system: RowArrays, panel: int
 ) -> None:
     G = system.panels
     lanes = len(shape[1])
@@ -185,7 +186,7 @@ def _apply_of_lanes(  # type: ignore[no-untyped-def]
 @implement(correct_rows, FloatingFrameBodies)
 @kernel(internal=True)
 def correct_rows_of_floating_frames(
-    kind: FloatingFrameBodies, systems: Any, joints: Any, work: Workspace, time: float, step: float
+    kind: FloatingFrameBodies, systems: Systems, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
     """`correct` has changed the velocities of these bodies."""
     solve_again(systems, joints, work, time, step)
@@ -195,7 +196,7 @@ def correct_rows_of_floating_frames(
 @implement(add_row_work, FloatingFrameBodies)
 @kernel(internal=True)
 def add_row_work_of_floating_frames(
-    kind: FloatingFrameBodies, weight: float, work: Workspace, system: Rows
+    kind: FloatingFrameBodies, weight: float, work: Workspace, system: RowArrays
 ) -> None:
     """A drive does the work that joints take out of its frame."""
     for i in range(system.attachments.shape[0]):
@@ -206,7 +207,7 @@ def add_row_work_of_floating_frames(
 
 @implement(gather_reactions, FloatingFrameBodies)
 @kernel(internal=True)
-def gather_reactions_on_floating_frames(kind: FloatingFrameBodies, fresh: bool, system: Rows) -> None:
+def gather_reactions_on_floating_frames(kind: FloatingFrameBodies, fresh: bool, system: RowArrays) -> None:
     """On driven frames, whose recorded reaction balances them."""
     gather_row_forces(kind, fresh, system)
 

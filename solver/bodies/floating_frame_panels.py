@@ -26,14 +26,22 @@ from heavylift.solver.rows import (
     REACTION,
     ROW_COLUMNS,
     WIDTH,
-    Rows,
+    RowArrays,
 )
 
-__all__ = ["LANES_1", "LANES_2", "LANES_4", "LANES_8", "attached_body", "gather_row_forces", "scale_modal_panel"]
+__all__ = [
+    "LANES_1",
+    "LANES_2",
+    "LANES_4",
+    "LANES_8",
+    "attached_body",
+    "gather_row_forces",
+    "scale_modal_panel",
+]
 
 
 @kernel(inline=True, internal=True)
-def attached_body(kind: FlexibleBodies, system: Rows, attachment: int) -> int:
+def attached_body(kind: FlexibleBodies, system: RowArrays, attachment: int) -> int:
     """Row of the body that an attachment is on, -1 if that is not of this kind. Velocities grow with the rows."""
     if system.attachments[attachment, HOLDER] != FACTORED:
         return -1
@@ -53,7 +61,7 @@ LANES_1, LANES_2, LANES_4, LANES_8 = (block_shape(lanes) for lanes in (1, 2, 4, 
 
 
 @kernel(internal=True)
-def scale_modal_panel(kind: FlexibleBodies, body: int, system: Rows, attachment: int) -> None:
+def scale_modal_panel(kind: FlexibleBodies, body: int, system: RowArrays, attachment: int) -> None:
     """Modal rows of X: those of G times the inverse diagonal of the modes; frame rows zero."""
     if system.lanes == 1:
         _scale_modal_panel(LANES_1, kind, body, system, attachment)
@@ -66,7 +74,7 @@ def scale_modal_panel(kind: FlexibleBodies, body: int, system: Rows, attachment:
 
 
 @kernel(internal=True)
-def _scale_modal_panel(shape, kind: FlexibleBodies, body: int, system: Rows, attachment: int) -> None:  # type: ignore[no-untyped-def]
+def _scale_modal_panel(shape, kind: FlexibleBodies, body: int, system: RowArrays, attachment: int) -> None:  # type: ignore[no-untyped-def]
     G = system.panels
     lanes = len(shape[1])
     n, first = kind.table[body, MODES], kind.table[body, MODAL]
@@ -81,7 +89,7 @@ def _scale_modal_panel(shape, kind: FlexibleBodies, body: int, system: Rows, att
 
 
 @kernel(internal=True)
-def gather_row_forces(kind: FlexibleBodies, fresh: bool, system: Rows) -> None:
+def gather_row_forces(kind: FlexibleBodies, fresh: bool, system: RowArrays) -> None:
     """Generalised forces ``G^T reaction`` of the rows on held bodies at the carried state."""
     lanes = system.lanes
     if fresh:

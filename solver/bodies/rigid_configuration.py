@@ -1,6 +1,6 @@
 """Rigid bodies before time starts: poses and velocities read and set as vectors of the whole scene.
 
-These run in Python, a few hundred times at most, on all bodies at once; nothing here is compiled.
+These run in Python, a few hundred times at most, on all bodies at once.
 """
 
 from __future__ import annotations

@@ -8,13 +8,13 @@ from heavylift.solver.integrate.row_solver import row_power
 from heavylift.solver.interface import Workspace, add_row_work, gather_reactions
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import DOF as FIRST_VELOCITY
-from heavylift.solver.rows import OWNER, PANEL, REACTION, ROW_COLUMNS, Rows
+from heavylift.solver.rows import OWNER, PANEL, REACTION, ROW_COLUMNS, RowArrays
 
 __all__: list[str] = []
 
 
 @kernel(internal=True)
-def _attached(kind: RigidBodies, system: Rows, attachment: int) -> int:
+def _attached(kind: RigidBodies, system: RowArrays, attachment: int) -> int:
     """Row of the body that an attachment is on, -1 if it is not of this kind or not held."""
     dof = system.attachments[attachment, FIRST_VELOCITY]
     body = (dof - kind.table[0, DOF]) // 6
@@ -25,7 +25,9 @@ def _attached(kind: RigidBodies, system: Rows, attachment: int) -> int:
 
 @implement(add_row_work, RigidBodies)
 @kernel(internal=True)
-def add_row_work_of_rigid_bodies(kind: RigidBodies, weight: float, work: Workspace, system: Rows) -> None:
+def add_row_work_of_rigid_bodies(
+    kind: RigidBodies, weight: float, work: Workspace, system: RowArrays
+) -> None:
     """A drive does the work that joints take out of its body."""
     for i in range(system.attachments.shape[0]):
         body = _attached(kind, system, i)
@@ -35,7 +37,7 @@ def add_row_work_of_rigid_bodies(kind: RigidBodies, weight: float, work: Workspa
 
 @implement(gather_reactions, RigidBodies)
 @kernel(internal=True)
-def gather_reactions_on_rigid_bodies(kind: RigidBodies, fresh: bool, system: Rows) -> None:
+def gather_reactions_on_rigid_bodies(kind: RigidBodies, fresh: bool, system: RowArrays) -> None:
     """Forces ``G^T reaction`` on held bodies at the carried state."""
     lanes = system.lanes
     if fresh:

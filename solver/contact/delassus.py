@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.generics import respond
 from heavylift.solver.contact.kind import ContactRows
+from heavylift.solver.interface import Systems
 from heavylift.solver.rows import (
     DIAGONAL,
     DOF,
@@ -65,7 +64,11 @@ def contact_rates(
 
 @kernel(internal=True)
 def assemble_delassus(
-    contacts: ContactRows, systems: Any, present: NDArray[np.int64], count: int, column: NDArray[np.float64]
+    contacts: ContactRows,
+    systems: Systems,
+    present: NDArray[np.int64],
+    count: int,
+    column: NDArray[np.float64],
 ) -> None:
     """``W = N (A^-1 - X S^-1 X^T) N^T`` of the contacts that are present, three rows each.
 

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from heavylift.contours.layout import DEGREE_U, DEGREE_V
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate
 from heavylift.solver.contact.generics import form_controls
 from heavylift.solver.contact.kind import ARM, DIRECTIONS, OF_GROUND, OF_RIGID, OWNER, ContactRows
+from heavylift.solver.interface import Bodies
 
 __all__ = ["form_span", "put_ball", "put_directions"]
 
 
 @kernel(internal=True)
-def form_span(contacts: ContactRows, bodies: Any, contour: int, span_u: int, span_v: int) -> None:
+def form_span(contacts: ContactRows, bodies: Bodies, contour: int, span_u: int, span_v: int) -> None:
     """Control points of one span in both directions."""
     row = contacts.contours[contour]
     if row[OWNER] != OF_RIGID and row[OWNER] != OF_GROUND:

@@ -9,7 +9,6 @@ may not pull: so what pushed a penetration out leaves no velocity behind.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact import layout as told
@@ -82,6 +81,9 @@ from heavylift.solver.interface import (
     SPLIT,
     STATUS_BLOCK,
     STATUS_OUTCOME,
+    Bodies,
+    Joints,
+    Systems,
     Workspace,
     add_row_work,
     apply_inverse,
@@ -120,7 +122,13 @@ def _is_new(contacts: ContactRows, c: int, step: float, velocity) -> bool:  # ty
 @implement(project_contacts, ContactRows)
 @kernel(internal=True)
 def project_contact_rows(
-    contacts: ContactRows, bodies: Any, rows: Any, joints: Any, work: Workspace, time: float, step: float
+    contacts: ContactRows,
+    bodies: Bodies,
+    rows: Systems,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    step: float,
 ) -> None:
     """With the factor of the joints at the end of the step, which have been solved without contacts.
 
@@ -153,7 +161,13 @@ def project_contact_rows(
 
 @kernel(internal=True)
 def _project(
-    contacts: ContactRows, bodies: Any, rows: Any, work: Workspace, step: float, smooth: bool, hits: bool
+    contacts: ContactRows,
+    bodies: Bodies,
+    rows: Systems,
+    work: Workspace,
+    step: float,
+    smooth: bool,
+    hits: bool,
 ) -> bool:
     """Impulses at the end of what is closed, and of what hits; false if they are not found.
 
@@ -254,7 +268,7 @@ def _book_impact(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -
 @implement(close_step, ContactRows)
 @kernel(internal=True)
 def close_contact_step(
-    contacts: ContactRows, all_systems: Any, bodies: Any, work: Workspace, step: float
+    contacts: ContactRows, all_systems: Systems, bodies: Bodies, work: Workspace, step: float
 ) -> None:
     """What stays closed, sums and forces of the step; after the bodies have taken their velocities."""
     add_row_work(bodies, 1.0, work, contacts)

@@ -9,7 +9,6 @@ whole step the rest of it goes on without restitution and without splitting: so 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.copying import copy_carried
@@ -80,7 +79,7 @@ from heavylift.solver.contact.mesh_interface import (
     search_surfaces,
 )
 from heavylift.solver.contact.stage import NEAR, impulse_row, looks_ahead
-from heavylift.solver.interface import SPLIT, Workspace, add_row_work
+from heavylift.solver.interface import SPLIT, Bodies, Workspace, add_row_work
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import DOF, HALF_IMPULSE, IMPULSE, WIDTH
 
@@ -116,7 +115,7 @@ def gap_tolerance(contacts: ContactRows, c: int, rate: float) -> float:
 
 @implement(before_advance, ContactRows)
 @kernel(internal=True)
-def before_contact_advance(contacts: ContactRows, bodies: Any, work: Workspace, step: float) -> None:
+def before_contact_advance(contacts: ContactRows, bodies: Bodies, work: Workspace, step: float) -> None:
     """Copy of the state; then what the contacts do at the velocities of the middle."""
     contacts.control[KNOWN] = contact_count(contacts)
     copy_carried(contacts, contacts.carried, contacts.saved)
@@ -189,7 +188,7 @@ def _shift(contacts: ContactRows, c: int, work: Workspace, step: float) -> float
 @implement(locate_ends, ContactRows)
 @kernel(internal=True)
 def locate_contact_ends(
-    contacts: ContactRows, bodies: Any, work: Workspace, time: float, step: float
+    contacts: ContactRows, bodies: Bodies, work: Workspace, time: float, step: float
 ) -> None:
     """Search where a gap may have closed; ask for a shorter step if one without compliance has."""
     posed = False
@@ -365,7 +364,9 @@ def go_back_to_copy(contacts: ContactRows) -> None:
 
 @implement(after_step, ContactRows)
 @kernel(internal=True)
-def after_contact_step(contacts: ContactRows, bodies: Any, work: Workspace, step: float, whole: bool) -> None:
+def after_contact_step(
+    contacts: ContactRows, bodies: Bodies, work: Workspace, step: float, whole: bool
+) -> None:
     """Brackets and counts belong to one step."""
     control = contacts.control
     if control[IMPACT] > 0.0:

@@ -1,6 +1,6 @@
 """What collisions ask of surfaces that deform, and those of the frames and shells under them.
 
-All functions are optional: scenes whose surfaces are rigid compile none of them.
+All verbs are optional.
 """
 
 from __future__ import annotations
@@ -51,7 +51,14 @@ def take_slots(facets: DeformingSurfaces, meshes: SurfacePairs, contacts: Contac
 
 
 @optional
-def touch_facets(facets: DeformingSurfaces, meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, work: Workspace, contact: int) -> None:
+def touch_facets(
+    facets: DeformingSurfaces,
+    meshes: SurfacePairs,
+    contacts: ContactRows,
+    bodies: Bodies,
+    work: Workspace,
+    contact: int,
+) -> None:
     """Rows of a contact of which a side deforms, after `meshes.touch` and the directions have been found."""
 
 
@@ -64,7 +71,9 @@ def form_surface_points(bodies: Bodies, facets: FacetSurfaces, row: int, first: 
 
 
 @optional
-def bound_surface_points(bodies: Bodies, facets: FacetSurfaces, row: int, contacts: ContactRows, step: float) -> None:
+def bound_surface_points(
+    bodies: Bodies, facets: FacetSurfaces, row: int, contacts: ContactRows, step: float
+) -> None:
     """`bound_facets` of one surface."""
 
 

@@ -1,4 +1,4 @@
-"""The kind of surfaces whose triangles deform with a frame or shell: in scenes without them nothing of it compiles."""
+"""The kind of surfaces whose triangles deform with a frame or shell."""
 
 from __future__ import annotations
 

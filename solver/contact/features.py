@@ -1,6 +1,6 @@
-"""What kinds of contact a scene has: only their code is compiled.
+"""What kinds of contact a scene has: only their code is executed.
 
-The tuple of features belongs to the contacts; `touch` and `weigh` walk it as the step walks the kinds of a scene.
+The table of features belongs to the contacts; `touch` and `weigh` walk it as the step walks the tables of a scene.
 """
 
 from __future__ import annotations
@@ -112,5 +112,7 @@ def touch(
 
 
 @optional
-def weigh(features: Features, contacts: ContactRows, bodies: Bodies, c: int, y1: float, y2: float, y3: float) -> None:
+def weigh(
+    features: Features, contacts: ContactRows, bodies: Bodies, c: int, y1: float, y2: float, y3: float
+) -> None:
     """Control points that the touched point is made of, and their weights, into the scratch arrays."""

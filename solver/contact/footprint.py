@@ -7,7 +7,6 @@ and the mean over it is again a weighted sum of few control points.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from heavylift.contours.basis import find_span, wrap
 from heavylift.contours.evaluate import surface_weights
@@ -42,6 +41,7 @@ from heavylift.solver.contact.kind import (
     WEIGHTS_AT,
     ContactRows,
 )
+from heavylift.solver.interface import Bodies
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
@@ -56,7 +56,7 @@ SHARES = (5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0)
 @implement(weigh, Footprints)
 @kernel(internal=True)
 def weigh_footprint(
-    feature: Footprints, contacts: ContactRows, bodies: Any, c: int, y1: float, y2: float, y3: float
+    feature: Footprints, contacts: ContactRows, bodies: Bodies, c: int, y1: float, y2: float, y3: float
 ) -> None:
     """Control points under the disc about the touched point, and their weights; lever and gap become means."""
     if contacts.values[c, FOOTPRINT] == 0.0:
@@ -117,7 +117,13 @@ def weigh_footprint(
 
 @kernel(internal=True)
 def _form_window(
-    contacts: ContactRows, bodies: Any, contour: int, low_u: float, high_u: float, low_v: float, high_v: float
+    contacts: ContactRows,
+    bodies: Bodies,
+    contour: int,
+    low_u: float,
+    high_u: float,
+    low_v: float,
+    high_v: float,
 ) -> None:
     """Control points of a range of parameters; all of them where it goes over a seam."""
     row, knots = contacts.contours[contour], contacts.constants

@@ -1,4 +1,4 @@
-"""What contacts ask of bodies and of other systems of rows: generic functions, all of them optional."""
+"""What contacts ask of bodies and of other systems of rows: verbs, all of them optional."""
 
 from __future__ import annotations
 
@@ -99,7 +99,9 @@ def meet_contacts(
 
 
 @optional
-def meet_again(systems: Systems, rows: Systems, joints: Joints, work: Workspace, time: float, step: float) -> None:
+def meet_again(
+    systems: Systems, rows: Systems, joints: Joints, work: Workspace, time: float, step: float
+) -> None:
     """Contacts: the same with the factors that are there, after free velocities have changed."""
 
 

@@ -199,7 +199,7 @@ class ContactRows(RowArrays):
     ----------
     features
         What kinds of contact there are.
-    shape, attachments, panels, rows, inverse_mass
+    lanes, attachments, panels, rows, inverse_mass
         As in the system of joints; block c and its attachments 2 c (contour) and 2 c + 1 (what touches) belong to
         contact c. Impulses push what touches along the normal.
     table, values, state
@@ -230,7 +230,7 @@ class ContactRows(RowArrays):
     reduced
         What the solver needs on the velocities of the touched bodies, if all of them are rigid.
     meshes
-        Pairs of surfaces of triangles, a tuple of one kind or none; their contacts come behind those of contours.
+        Pairs of surfaces of triangles: one kind or none; their contacts come behind those of contours.
     placed
         Of those pairs, carried: poses of the surfaces at the end of the last step; sums over contacts that are gone;
         number of contacts. Shape (n, 12).

@@ -6,8 +6,6 @@ flexible body are formed where they are needed.
 
 from __future__ import annotations
 
-from typing import Any
-
 from heavylift.contours.search_step import U, V
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate, rotate_back
@@ -42,13 +40,13 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.mesh_interface import touch_triangles
 from heavylift.solver.contact.slider_rows import put_slider_rows
-from heavylift.solver.interface import POINT, Workspace
+from heavylift.solver.interface import POINT, Bodies, Workspace
 
 __all__ = ["locate"]
 
 
 @kernel(internal=True)
-def locate(contacts: ContactRows, bodies: Any, c: int, cold: bool, work: Workspace) -> None:
+def locate(contacts: ContactRows, bodies: Bodies, c: int, cold: bool, work: Workspace) -> None:
     """Search, then gap, touched point and rows of a contact at the stage.
 
     Parameters

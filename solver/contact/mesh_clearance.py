@@ -51,19 +51,19 @@ class Clearances(Arrays):
     pose: Floats1
 
 
-def make_clearances(surfaces: CollisionSurfaces, wanted: list[bool]) -> tuple[Clearances, ...]:
-    """The kind in a tuple, which is empty if no pair asks for it."""
+def make_clearances(surfaces: CollisionSurfaces, wanted: list[bool]) -> list[Clearances]:
+    """The kind, if a pair asks for it."""
     if not any(wanted):
-        return ()
-    return (
+        return []
+    return [
         Clearances(
             wanted=np.array(wanted, dtype=np.int64),
             last=np.full(len(wanted), math.inf),
             stack=np.zeros(int(clearance_stack_size(surfaces))),
             found=np.zeros(6),
             pose=np.zeros(12),
-        ),
-    )
+        )
+    ]
 
 
 @implement(record_clearance, Clearances)

@@ -8,8 +8,6 @@ friction leaves no moment between them; of two bodies that deform each in its ow
 
 from __future__ import annotations
 
-from typing import Any
-
 from heavylift.contours.feature_gap import (
     EDGE_EDGE,
     EDGE_VERTEX,
@@ -59,7 +57,7 @@ from heavylift.solver.contact.mesh_kind import (
     SIDE_DOF,
     SurfacePairs,
 )
-from heavylift.solver.interface import Workspace
+from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
@@ -69,7 +67,7 @@ Vector = tuple[float, float, float]
 
 @implement(form_facets, FacetSurfaces)
 @kernel(internal=True)
-def form_facet_points(facets: FacetSurfaces, surfaces, bodies: Any) -> None:  # type: ignore[no-untyped-def]
+def form_facet_points(facets: FacetSurfaces, surfaces, bodies: Bodies) -> None:  # type: ignore[no-untyped-def]
     """Surface by surface."""
     for row in range(facets.rows.shape[0]):
         surface = facets.rows[row, OF_SURFACE]
@@ -79,7 +77,7 @@ def form_facet_points(facets: FacetSurfaces, surfaces, bodies: Any) -> None:  # 
 
 @implement(bound_facets, FacetSurfaces)
 @kernel(internal=True)
-def bound_facet_motion(facets: FacetSurfaces, contacts: ContactRows, bodies: Any, step: float) -> None:
+def bound_facet_motion(facets: FacetSurfaces, contacts: ContactRows, bodies: Bodies, step: float) -> None:
     """Surface by surface."""
     for row in range(facets.rows.shape[0]):
         bound_surface_points(bodies, facets, row, contacts, step)
@@ -87,7 +85,9 @@ def bound_facet_motion(facets: FacetSurfaces, contacts: ContactRows, bodies: Any
 
 @implement(take_slots, FacetSurfaces)
 @kernel(internal=True)
-def take_contact_slots(facets: FacetSurfaces, meshes: SurfacePairs, contacts: ContactRows, contact: int) -> None:
+def take_contact_slots(
+    facets: FacetSurfaces, meshes: SurfacePairs, contacts: ContactRows, contact: int
+) -> None:
     """The first one of the body that no other contact has."""
     pair = int(contacts.state[contact, PAIR])
     for side in range(2):
@@ -157,7 +157,13 @@ def _share_in_face(facets: FacetSurfaces, meshes: SurfacePairs, face: int, x: Ve
 
 @kernel(internal=True)
 def _share(
-    facets: FacetSurfaces, meshes: SurfacePairs, kind: int, feature: int, second: bool, surface: int, x: Vector
+    facets: FacetSurfaces,
+    meshes: SurfacePairs,
+    kind: int,
+    feature: int,
+    second: bool,
+    surface: int,
+    x: Vector,
 ) -> None:
     """Corners and shares of the touched point on one side, which is x in the axes of the surface."""
     own_face = FACE_VERTEX if second else VERTEX_FACE
@@ -176,7 +182,12 @@ def _share(
 @implement(touch_facets, FacetSurfaces)
 @kernel(internal=True)
 def touch_facet_contact(
-    facets: FacetSurfaces, meshes: SurfacePairs, contacts: ContactRows, bodies: Any, work: Workspace, contact: int
+    facets: FacetSurfaces,
+    meshes: SurfacePairs,
+    contacts: ContactRows,
+    bodies: Bodies,
+    work: Workspace,
+    contact: int,
 ) -> None:
     """Side by side, in place of what rigid bodies have there."""
     state, touch, scratch = contacts.state[contact], meshes.touch, contacts.scratch

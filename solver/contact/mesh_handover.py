@@ -75,7 +75,9 @@ def book_jump(contacts: ContactRows, c: int, gap: float) -> None:
 
 
 @kernel(internal=True)
-def goes_on(meshes: SurfacePairs, contacts: ContactRows, pair: int, i: int, moved: float) -> tuple[int, float]:
+def goes_on(
+    meshes: SurfacePairs, contacts: ContactRows, pair: int, i: int, moved: float
+) -> tuple[int, float]:
     """Contact that has left its face or edge where something was found, and the side it has there; -1 without.
 
     Parameters

@@ -1,4 +1,4 @@
-"""What contacts ask of pairs of surfaces of triangles: generic functions; without such pairs nothing is compiled."""
+"""What contacts ask of pairs of surfaces of triangles: verbs, all of them optional."""
 
 from __future__ import annotations
 
@@ -54,17 +54,23 @@ def bound_surfaces(meshes: Colliding, contacts: ContactRows, bodies: Bodies, ste
 
 
 @optional
-def touch_triangles(meshes: Colliding, contacts: ContactRows, bodies: Bodies, c: int, work: Workspace) -> None:
+def touch_triangles(
+    meshes: Colliding, contacts: ContactRows, bodies: Bodies, c: int, work: Workspace
+) -> None:
     """Gap, directions and rows of a contact at the stage."""
 
 
 @optional
-def search_surfaces(meshes: Colliding, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float) -> None:
+def search_surfaces(
+    meshes: Colliding, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float
+) -> None:
     """Contacts at the end of the step: those whose features have met on the way or are near, with gaps and rows."""
 
 
 @optional
-def find_first_contacts(meshes: Colliding, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float) -> None:
+def find_first_contacts(
+    meshes: Colliding, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float
+) -> None:
     """The same before time starts, with both ends of the step at the start."""
 
 

@@ -76,9 +76,9 @@ class SurfacePairs(Arrays):
     kept
         Contacts found in a step that is taken back, shape (nc, STATE_WIDTH).
     clearances
-        Pairs whose distance is recorded, a tuple of one kind or none.
+        Pairs whose distance is recorded: one kind or none.
     facets
-        Surfaces that deform, a tuple of one kind or none.
+        Surfaces that deform: one kind or none.
     """
 
     kernel_modules: ClassVar[tuple[str, ...]] = (

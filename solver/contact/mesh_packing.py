@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +15,7 @@ from heavylift.solver.bodies.rigid import principal_frame
 from heavylift.solver.connections import GROUND
 from heavylift.solver.contact.checks import check_law, check_motion
 from heavylift.solver.contact.facet_counts import count_slots, most_of
+from heavylift.solver.contact.facet_interface import DeformingSurfaces
 from heavylift.solver.contact.facet_kind import (
     FIRST_SLOT,
     LAST_SLOT,
@@ -48,6 +48,8 @@ from heavylift.solver.contact.kind import (
     STATE_WIDTH,
 )
 from heavylift.solver.contact.laws_packing import force_law, put_law
+from heavylift.solver.contact.mesh_clearance import make_clearances
+from heavylift.solver.contact.mesh_interface import Clearing, Colliding
 from heavylift.solver.contact.mesh_kind import (
     DEFORMS,
     FIRST,
@@ -80,7 +82,6 @@ from heavylift.solver.rows import Attachment
 from heavylift.solver.scene import RigidBody, Scene
 
 if TYPE_CHECKING:
-    from heavylift.contours.surface_pack import CollisionSurfaces
     from heavylift.preprocess.surfaces import TriangleSurface
     from heavylift.solver.bodies.ancf.facet_packing import FacetBook
     from heavylift.solver.collisions import Collision, CollisionSurface
@@ -95,6 +96,7 @@ EDGES_OF_PATCH = 1.5
 
 FOUND_AT_A_POINT = 4
 """Features that a search may find for each point of a surface that deforms: all of it may lie on something."""
+
 MOST_AT_ALL = 100_000
 """Contacts at once, of all collisions: each takes about a kilobyte."""
 
@@ -133,8 +135,6 @@ def pack_collisions(
     from heavylift.contours.patches import EXTREMES, patch_scratch_size
     from heavylift.contours.surface_pack import pack_surfaces
 
-    for module in ("mesh_search", "mesh_slots", "mesh_touch", "mesh_record", "mesh_facets"):
-        importlib.import_module(f"heavylift.solver.contact.{module}")
     by_name = {body.name: body for body in ordered}
     contours, poses, moved = [], [], []
     deforming: dict[int, FacetBook] = {}
@@ -216,11 +216,11 @@ def pack_collisions(
         slots=np.zeros(1 << (2 * most - 1).bit_length(), dtype=np.int64),
         chains=np.zeros(places, dtype=np.int64),
         kept=np.zeros((places, STATE_WIDTH)),
-        clearances=_clearances(packed, scene),
-        facets=_pack_facets(scene, deforming, dofs, first_pose) if deforming else (),
+        clearances=Clearing(make_clearances(packed, [one.clearance for one in scene.collisions])),
+        facets=DeformingSurfaces(_pack_facets(scene, deforming, dofs, first_pose)),
     )
     return PackedCollisions(
-        meshes=(meshes,),
+        meshes=Colliding((meshes,)),
         contours=np.array(contours, dtype=np.int64).reshape(-1, CONTOUR_COLUMNS),
         poses=np.array(poses).reshape(-1, POSE_WIDTH),
         placed=np.zeros((len(moved) + count + 1, 12)),
@@ -232,8 +232,10 @@ def pack_collisions(
 
 def _pack_facets(
     scene: Scene, deforming: Mapping[int, FacetBook], dofs: Mapping[str, int], first_pose: int
-) -> tuple[FacetSurfaces]:
-    """The kind of surfaces that deform."""
+) -> list[FacetSurfaces]:
+    """The kind of surfaces that deform, if there are any."""
+    if not deforming:
+        return []
     from heavylift.solver.contact.packing import count_moving
 
     slots, moving = count_slots(scene), count_moving(scene)
@@ -248,7 +250,7 @@ def _pack_facets(
         rows[k, FIRST_SLOT] = rows[k, LAST_SLOT] - slots.get(body, 0)
         point += len(book.counts)
     counts = np.concatenate([book.counts for book in deforming.values()])
-    return (
+    return [
         FacetSurfaces(
             rows=rows,
             row_of=row_of,
@@ -257,8 +259,8 @@ def _pack_facets(
             factors=np.concatenate([book.factors for book in deforming.values()]),
             corners=np.zeros(3, dtype=np.int64),
             shares=np.zeros(3),
-        ),
-    )
+        )
+    ]
 
 
 def _bodies(collision: Collision, scene: Scene) -> list[str]:
@@ -269,16 +271,6 @@ def _bodies(collision: Collision, scene: Scene) -> list[str]:
 def _extent(surface: TriangleSurface) -> float:
     """Largest extension, rounding included [m]."""
     return float(np.ptp(surface.points, axis=0).max()) + 2.0 * surface.radius
-
-
-def _clearances(packed: CollisionSurfaces, scene: Scene) -> tuple[Any, ...]:
-    """Nothing is imported if no collision asks for it."""
-    wanted = [collision.clearance for collision in scene.collisions]
-    if not any(wanted):
-        return ()
-    from heavylift.solver.contact.mesh_clearance import make_clearances
-
-    return make_clearances(packed, wanted)
 
 
 def _patch_size(surface: TriangleSurface) -> float:

@@ -216,7 +216,9 @@ def _weight(gap: float, reach: float) -> float:
 
 
 @kernel(internal=True)
-def share_stiffness(meshes: SurfacePairs, contacts: ContactRows, pair: int, patches: int, reach: float) -> None:
+def share_stiffness(
+    meshes: SurfacePairs, contacts: ContactRows, pair: int, patches: int, reach: float
+) -> None:
     """Contacts that touch share the stiffness of their patch equally; one that comes near takes its share by and by.
 
     So forces do not jump when it touches. What the others have stored more or less by that is booked as lost, and so is

@@ -8,7 +8,6 @@ face goes on with the face that was found beyond it.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from heavylift.contours.feature_pairs import find_contacts
 from heavylift.numerics.jit import kernel
@@ -80,7 +79,7 @@ from heavylift.solver.contact.mesh_sides import (
 from heavylift.solver.contact.mesh_slots import add_contact, surface_count
 from heavylift.solver.contact.mesh_table import enter, fill_table, look_up
 from heavylift.solver.contact.mesh_touch import relative_pose, touch_mesh_contact
-from heavylift.solver.interface import STATUS_BLOCK, STATUS_OUTCOME, Workspace
+from heavylift.solver.interface import STATUS_BLOCK, STATUS_OUTCOME, Bodies, Workspace
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
@@ -106,7 +105,7 @@ TOO_MANY_CONTACTS = int(Outcome.TOO_MANY_CONTACTS)
 @implement(search_surfaces, SurfacePairs)
 @kernel(internal=True)
 def search_mesh_surfaces(
-    meshes: SurfacePairs, contacts: ContactRows, bodies: Any, work: Workspace, step: float
+    meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float
 ) -> None:
     """All pairs, from the poses that are carried to those of the stage."""
     _search_all(meshes, contacts, bodies, work, step, False)
@@ -114,7 +113,7 @@ def search_mesh_surfaces(
 
 @kernel(internal=True)
 def _search_all(
-    meshes: SurfacePairs, contacts: ContactRows, bodies: Any, work: Workspace, step: float, first: bool
+    meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float, first: bool
 ) -> None:
     """The same; at the start what is a little inside is found too."""
     first_row = contacts.poses.shape[0] - surface_count(contacts, meshes)
@@ -145,7 +144,7 @@ def _search_all(
 @implement(find_first_contacts, SurfacePairs)
 @kernel(internal=True)
 def find_first_mesh_contacts(
-    meshes: SurfacePairs, contacts: ContactRows, bodies: Any, work: Workspace, step: float
+    meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float
 ) -> None:
     """What is near at the start; what touches and does not move is closed."""
     first_row = contacts.poses.shape[0] - surface_count(contacts, meshes)
@@ -166,7 +165,7 @@ def find_first_mesh_contacts(
 def _search_pair(
     meshes: SurfacePairs,
     contacts: ContactRows,
-    bodies: Any,
+    bodies: Bodies,
     pair: int,
     moved: float,
     step: float,
@@ -235,7 +234,7 @@ def _stop(contacts: ContactRows, pair: int, work: Workspace) -> None:
 
 @kernel(internal=True)
 def _follow_contacts(
-    meshes: SurfacePairs, contacts: ContactRows, bodies: Any, pair: int, size: float, work: Workspace
+    meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, pair: int, size: float, work: Workspace
 ) -> int:
     """Gaps and rows of the contacts of a pair; how many of the closed ones have left their face or edges."""
     lost = 0
@@ -251,7 +250,13 @@ def _follow_contacts(
 
 @kernel(internal=True)
 def _hand_over(
-    meshes: SurfacePairs, contacts: ContactRows, bodies: Any, pair: int, i: int, moved: float, work: Workspace
+    meshes: SurfacePairs,
+    contacts: ContactRows,
+    bodies: Bodies,
+    pair: int,
+    i: int,
+    moved: float,
+    work: Workspace,
 ) -> bool:
     """A contact that holds and has left its face or edge goes on with what was found there, its memory kept."""
     c, side = goes_on(meshes, contacts, pair, i, moved)
@@ -281,7 +286,7 @@ def _has_room(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> bool:
 def _add(
     meshes: SurfacePairs,
     contacts: ContactRows,
-    bodies: Any,
+    bodies: Bodies,
     pair: int,
     i: int,
     moved: float,

@@ -36,7 +36,9 @@ def enter(meshes: SurfacePairs, contacts: ContactRows, c: int) -> None:
 
 
 @kernel(internal=True)
-def look_up(meshes: SurfacePairs, contacts: ContactRows, pair: int, kind: int, feature: int, other: int) -> int:
+def look_up(
+    meshes: SurfacePairs, contacts: ContactRows, pair: int, kind: int, feature: int, other: int
+) -> int:
     """The contact with these features, -1 if there is none."""
     c = int(meshes.slots[_slot(meshes, pair, kind, feature, other)])
     while c >= 0:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from heavylift.contours.feature_gap import (
     EDGE_EDGE,
@@ -51,7 +50,7 @@ from heavylift.solver.contact.mesh_kind import (
     SECOND_POSE,
     SurfacePairs,
 )
-from heavylift.solver.interface import Workspace
+from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
 
 __all__ = ["relative_pose"]
@@ -78,7 +77,7 @@ def relative_pose(first, second, out, at: int) -> None:  # type: ignore[no-untyp
 
 @implement(pose_surfaces, SurfacePairs)
 @kernel(internal=True)
-def pose_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows, bodies: Any) -> None:
+def pose_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies) -> None:
     """Of all pairs."""
     form_facets(meshes.facets, meshes.surfaces, bodies)
     for pair in range(meshes.pairs.shape[0]):
@@ -88,7 +87,7 @@ def pose_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows, bodies: Any)
 
 @implement(bound_surfaces, SurfacePairs)
 @kernel(internal=True)
-def bound_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows, bodies: Any, step: float) -> None:
+def bound_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, step: float) -> None:
     """Those of frames and shells; others move with their contours."""
     bound_facets(meshes.facets, contacts, bodies, step)
 
@@ -144,7 +143,9 @@ def _keep_side(meshes: SurfacePairs, contacts: ContactRows, c: int, pair: int) -
 
 @implement(touch_triangles, SurfacePairs)
 @kernel(internal=True)
-def touch_mesh_contact(meshes: SurfacePairs, contacts: ContactRows, bodies: Any, c: int, work: Workspace) -> None:
+def touch_mesh_contact(
+    meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, c: int, work: Workspace
+) -> None:
     """Both bodies are pushed in one point, half way between their surfaces."""
     state, scratch, touch = contacts.state[c], contacts.scratch, meshes.touch
     pair = int(state[PAIR])

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.solver.contact.kind import CONTOUR_COLUMNS, POSE_WIDTH
+from heavylift.solver.contact.mesh_interface import Colliding
 
 __all__ = ["PackedCollisions", "no_collisions"]
 
@@ -20,7 +20,7 @@ class PackedCollisions:
     Attributes
     ----------
     meshes
-        The kind, in a tuple; empty without collisions.
+        The kind; empty without collisions.
     contours, poses
         Rows for the surfaces, behind those of the contours.
     placed
@@ -33,7 +33,7 @@ class PackedCollisions:
         Velocities that a side of a contact sees at most.
     """
 
-    meshes: tuple[Any, ...]
+    meshes: Colliding
     contours: NDArray[np.int64]
     poses: NDArray[np.float64]
     placed: NDArray[np.float64]
@@ -45,7 +45,7 @@ class PackedCollisions:
 def no_collisions() -> PackedCollisions:
     """Of scenes whose contacts are all with contours."""
     return PackedCollisions(
-        (),
+        Colliding(()),
         np.zeros((0, CONTOUR_COLUMNS), dtype=np.int64),
         np.zeros((0, POSE_WIDTH)),
         np.zeros((1, 12)),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -27,6 +26,7 @@ from heavylift.solver.contact.contour_packing import PackedContours, pack_contou
 from heavylift.solver.contact.features import (
     Curves,
     Deforming,
+    Features,
     Footprints,
     Primitives,
     Rings,
@@ -102,7 +102,7 @@ from heavylift.solver.meshes import MeshBody
 from heavylift.solver.rows import DIAGONAL, HOLDER, PANEL, PRESCRIBED, ROW_COLUMNS, SCALE, WIDTH, Attachment
 from heavylift.solver.rows import DOF as FIRST_VELOCITY
 from heavylift.solver.rows import OWNER as BLOCK
-from heavylift.solver.scene import FlexibleBody, RigidBody, Scene
+from heavylift.solver.scene import Scene
 
 if TYPE_CHECKING:
     from heavylift.solver.contact.packed_collisions import PackedCollisions
@@ -188,8 +188,6 @@ def pack_contacts(
     InputError
         What `check_contact` refuses.
     """
-    for module in _contour_modules(ordered):
-        importlib.import_module(f"heavylift.solver.{module}")
     packed = pack_contours(scene, ordered, dofs)
     if not scene.collisions:
         collided = no_collisions()
@@ -297,42 +295,20 @@ def _kind(
     )
 
 
-def _features(
-    packed: PackedContours, table: NDArray[np.int64], values: NDArray[np.float64]
-) -> tuple[Any, ...]:
-    """Kinds of contact that are there; only their code is imported."""
+def _features(packed: PackedContours, table: NDArray[np.int64], values: NDArray[np.float64]) -> Features:
+    """Kinds of contact that are there."""
     on_curve = np.array([packed.is_curve[i] for i in table[:, CONTOUR]], dtype=bool)
     deforms = packed.rows[table[:, CONTOUR], OWNER] >= OF_MODES
     counts = {
-        "touch_surface": (Surfaces, np.count_nonzero(~on_curve & (table[:, SHAPE] == POINT))),
-        "surface_weights": (SurfaceWeights, np.count_nonzero(~on_curve & deforms)),
-        "touch_curve": (Curves, np.count_nonzero(on_curve)),
-        "touch_ring": (Rings, np.count_nonzero(table[:, SHAPE] == CIRCLE)),
-        "touch_primitive": (Primitives, np.count_nonzero(table[:, SHAPE] == CONVEX)),
-        "search_start": (Deforming, np.count_nonzero(packed.samples.grids[:, POINTS_AT] == 0)),
-        "footprint": (Footprints, np.count_nonzero(values[:, FOOTPRINT] > 0.0)),
+        Surfaces: np.count_nonzero(~on_curve & (table[:, SHAPE] == POINT)),
+        SurfaceWeights: np.count_nonzero(~on_curve & deforms),
+        Curves: np.count_nonzero(on_curve),
+        Rings: np.count_nonzero(table[:, SHAPE] == CIRCLE),
+        Primitives: np.count_nonzero(table[:, SHAPE] == CONVEX),
+        Deforming: np.count_nonzero(packed.samples.grids[:, POINTS_AT] == 0),
+        Footprints: np.count_nonzero(values[:, FOOTPRINT] > 0.0),
     }
-    features = []
-    for module, (feature, count) in counts.items():
-        if count:
-            importlib.import_module(f"heavylift.solver.contact.{module}")
-            features.append(feature(int(count)))
-    return tuple(features)
-
-
-def _contour_modules(ordered: Sequence[AnyBody]) -> list[str]:
-    """Modules with what bodies do for contacts; those of kinds that are there."""
-    modules = []
-    if any(isinstance(body, RigidBody) for body in ordered):
-        modules.append("bodies.rigid_contours")
-    if any(hasattr(body, "hull") for body in ordered):
-        modules.append("marine.hull_contours")
-    if any(isinstance(body, FlexibleBody) for body in ordered):
-        modules.append("bodies.floating_frame_contours")
-    if any(isinstance(body, MeshBody) for body in ordered):
-        modules.append("bodies.ancf.contours")
-        modules.append("bodies.ancf.facets")
-    return modules
+    return Features(feature(members=int(count)) for feature, count in counts.items() if count)
 
 
 def _law(contact: Contact, of_curve: bool) -> tuple[int, int]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -42,7 +40,7 @@ from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.locate import locate
 from heavylift.solver.contact.mesh_interface import record_pairs, restore_contacts
 from heavylift.solver.integrate.row_stage import gather_rows, record_rows
-from heavylift.solver.interface import DISSIPATED, ELASTIC, Workspace, gather_reactions
+from heavylift.solver.interface import DISSIPATED, ELASTIC, Bodies, Joints, Workspace, gather_reactions
 from heavylift.solver.kinds import implement
 
 __all__ = ["CONTACT_CHANNELS"]
@@ -66,7 +64,7 @@ CONTACT_CHANNELS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
 @implement(gather_rows, ContactRows)
 @kernel(internal=True)
 def gather_contact_rows(
-    contacts: ContactRows, bodies: Any, joints: Any, work: Workspace, time: float
+    contacts: ContactRows, bodies: Bodies, joints: Joints, work: Workspace, time: float
 ) -> None:
     """The rows are still those of the end of the step; of what is far from touching only the gap is wanted."""
     restore_contacts(contacts.meshes, contacts)  # a state may have been restored since the last step
@@ -88,7 +86,7 @@ def gather_contact_rows(
 @implement(record_rows, ContactRows)
 @kernel(internal=True)
 def record_contacts(
-    contacts: ContactRows, joints: Any, work: Workspace, time: float, row: NDArray[np.float64]
+    contacts: ContactRows, joints: Joints, work: Workspace, time: float, row: NDArray[np.float64]
 ) -> None:
     """What the last step has left."""
     record_pairs(contacts.meshes, contacts, work, row)

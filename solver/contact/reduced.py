@@ -6,8 +6,6 @@ feel of each other through joints and ropes. The matrix of the contacts themselv
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +14,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.generics import respond
 from heavylift.solver.contact.kind import LARGEST_CONTROLS, ContactRows
 from heavylift.solver.contact.newton import solve_contacts_reduced
+from heavylift.solver.interface import Systems
 from heavylift.solver.rows import DOF, PANEL, WIDTH
 
 __all__ = ["DENSE", "Reduced", "assemble_reduced", "make_reduced", "solve_reduced"]
@@ -69,7 +68,7 @@ def make_reduced(contact_count: int, body_count: int, velocity_count: int) -> Re
 
 
 @kernel(internal=True)
-def assemble_reduced(contacts: ContactRows, systems: Any, count: int) -> None:
+def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> None:
     """Columns, blocks and matrix for the contacts that take part."""
     reduced = contacts.reduced
     for j in range(reduced.numbers[SIZE_AT]):

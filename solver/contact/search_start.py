@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from heavylift.contours.layout import COUNT_U, COUNT_V
 from heavylift.contours.samples import sample_points
 from heavylift.contours.search_cold import closest_point_cold
@@ -29,6 +27,7 @@ from heavylift.solver.contact.kind import (
     WEIGHTS_AT,
     ContactRows,
 )
+from heavylift.solver.interface import Bodies
 from heavylift.solver.kinds import implement
 
 __all__ = ["start_at_point"]
@@ -36,7 +35,7 @@ __all__ = ["start_at_point"]
 
 @implement(sample, Deforming)
 @kernel(internal=True)
-def sample_deforming(feature: Deforming, contacts: ContactRows, bodies: Any, contour: int) -> None:
+def sample_deforming(feature: Deforming, contacts: ContactRows, bodies: Bodies, contour: int) -> None:
     """Form all control points, then the samples; those of rigid contours stand still."""
     row, samples, net = contacts.contours[contour], contacts.samples, contacts.net
     if row[OWNER] == OF_RIGID or row[OWNER] == OF_GROUND:

@@ -7,7 +7,6 @@ touch into a rebound, because the end velocity of a step is twice that of the mi
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact import layout as told
@@ -66,6 +65,9 @@ from heavylift.solver.contact.search_end import judge_searches, mark_failure
 from heavylift.solver.integrate.row_solver import add_impulses
 from heavylift.solver.interface import (
     CHANGED,
+    Bodies,
+    Joints,
+    Systems,
     Workspace,
     apply_inverse,
     refactor_rows,
@@ -147,9 +149,9 @@ def _passes_by(contacts: ContactRows, c: int) -> bool:
 @kernel(internal=True)
 def meet_contacts_midpoint(
     contacts: ContactRows,
-    rows: Any,
-    bodies: Any,
-    joints: Any,
+    rows: Systems,
+    bodies: Bodies,
+    joints: Joints,
     work: Workspace,
     time: float,
     step: float,
@@ -201,7 +203,7 @@ def meet_contacts_midpoint(
 @implement(meet_again, ContactRows)
 @kernel(internal=True)
 def meet_contacts_again(
-    contacts: ContactRows, rows: Any, joints: Any, work: Workspace, time: float, step: float
+    contacts: ContactRows, rows: Systems, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
     """From the impulses that are there."""
     count = number_of(contacts, PRESENT_COUNT)
@@ -211,7 +213,13 @@ def meet_contacts_again(
 
 @kernel(internal=True)
 def _settle(
-    contacts: ContactRows, rows: Any, joints: Any, count: int, work: Workspace, time: float, step: float
+    contacts: ContactRows,
+    rows: Systems,
+    joints: Joints,
+    count: int,
+    work: Workspace,
+    time: float,
+    step: float,
 ) -> None:
     """Contacts, and laws of ropes and stops, until both stand."""
     for _ in range(CONTACT_ROUNDS):
@@ -232,7 +240,7 @@ def _on_velocities(contacts: ContactRows, count: int) -> bool:
 
 
 @kernel(internal=True)
-def assemble_response(contacts: ContactRows, systems: Any, count: int) -> None:
+def assemble_response(contacts: ContactRows, systems: Systems, count: int) -> None:
     """What the contacts that take part feel of each other."""
     if _on_velocities(contacts, count):
         assemble_reduced(contacts, systems, count)
@@ -390,7 +398,7 @@ def _tell(contacts: ContactRows, j: int, step: float, work: Workspace) -> None:
 
 @implement(refactor_rows, ContactRows)
 @kernel(internal=True)
-def refactor_contact_rows(contacts: Any, bodies: Any, joints: Any, work: Workspace) -> None:
+def refactor_contact_rows(contacts: ContactRows, bodies: Bodies, joints: Joints, work: Workspace) -> None:
     """The rows stay those of the predicted midpoint; the matrices of bodies have changed."""
     add_impulses(contacts, work.velocity, -1.0)
     apply_inverse(bodies, True, contacts)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from heavylift.contours.evaluate import surface_weights
 from heavylift.contours.search_step import U, V
 from heavylift.numerics.jit import kernel
@@ -20,6 +18,7 @@ from heavylift.solver.contact.kind import (
     WEIGHTS_AT,
     ContactRows,
 )
+from heavylift.solver.interface import Bodies
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
@@ -28,7 +27,7 @@ __all__: list[str] = []
 @implement(weigh, SurfaceWeights)
 @kernel(internal=True)
 def weigh_surface(
-    feature: SurfaceWeights, contacts: ContactRows, bodies: Any, c: int, y1: float, y2: float, y3: float
+    feature: SurfaceWeights, contacts: ContactRows, bodies: Bodies, c: int, y1: float, y2: float, y3: float
 ) -> None:
     """Control points of the span, and their weights."""
     contour = contacts.table[c, CONTOUR]

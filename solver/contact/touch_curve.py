@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from heavylift.contours.basis import find_span
 from heavylift.contours.evaluate import curve_point, curve_weights
@@ -46,7 +45,7 @@ from heavylift.solver.contact.kind import (
     ContactRows,
 )
 from heavylift.solver.contact.search_start import start_at_point
-from heavylift.solver.interface import Workspace
+from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
@@ -60,7 +59,7 @@ OFF = 1e-7
 def touch_curve(
     feature: Curves,
     contacts: ContactRows,
-    bodies: Any,
+    bodies: Bodies,
     c: int,
     cold: bool,
     y1: float,
@@ -83,7 +82,7 @@ def touch_curve(
 @implement(weigh, Curves)
 @kernel(internal=True)
 def weigh_curve(
-    feature: Curves, contacts: ContactRows, bodies: Any, c: int, y1: float, y2: float, y3: float
+    feature: Curves, contacts: ContactRows, bodies: Bodies, c: int, y1: float, y2: float, y3: float
 ) -> None:
     """Control points of the span, their weights in the point, and in the tangent if the offset turns with it."""
     contour = contacts.table[c, CONTOUR]
@@ -103,7 +102,7 @@ def weigh_curve(
 
 @kernel(internal=True)
 def _find_point(
-    contacts: ContactRows, bodies: Any, contour: int, u: float, y1: float, y2: float, y3: float
+    contacts: ContactRows, bodies: Bodies, contour: int, u: float, y1: float, y2: float, y3: float
 ) -> int:
     """Nearest point; control points are formed span by span as the search asks for them."""
     row, scratch = contacts.contours[contour], contacts.scratch

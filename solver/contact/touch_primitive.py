@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from heavylift.contours.basis import find_span
 from heavylift.contours.convex import SHAPE_WIDTH
 from heavylift.contours.layout import (
@@ -60,7 +58,7 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.search_end import note_search
 from heavylift.solver.contact.shape_rows import place_shape, put_touch
-from heavylift.solver.interface import Workspace
+from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
@@ -71,7 +69,7 @@ __all__: list[str] = []
 def touch_primitive(
     feature: Primitives,
     contacts: ContactRows,
-    bodies: Any,
+    bodies: Bodies,
     c: int,
     cold: bool,
     y1: float,

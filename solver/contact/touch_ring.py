@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from heavylift.contours.basis import find_span
 from heavylift.contours.convex import SHAPE_RADIUS, SHAPE_WIDTH
@@ -58,7 +57,7 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.search_end import note_search
 from heavylift.solver.contact.shape_rows import place_shape, put_touch
-from heavylift.solver.interface import Workspace
+from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
@@ -72,7 +71,7 @@ OFF = 1e-7
 def touch_ring(
     feature: Rings,
     contacts: ContactRows,
-    bodies: Any,
+    bodies: Bodies,
     c: int,
     cold: bool,
     y1: float,

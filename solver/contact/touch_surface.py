@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from heavylift.contours.basis import find_span
 from heavylift.contours.layout import (
@@ -45,7 +44,7 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.search_end import note_search
 from heavylift.solver.contact.search_start import start_at_point
-from heavylift.solver.interface import Workspace
+from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
@@ -59,7 +58,7 @@ OFF = 1e-7
 def touch_surface(
     feature: Surfaces,
     contacts: ContactRows,
-    bodies: Any,
+    bodies: Bodies,
     c: int,
     cold: bool,
     y1: float,
@@ -81,7 +80,7 @@ def touch_surface(
 
 @kernel(internal=True)
 def _find_point(
-    contacts: ContactRows, bodies: Any, contour: int, u: float, v: float, y1: float, y2: float, y3: float
+    contacts: ContactRows, bodies: Bodies, contour: int, u: float, v: float, y1: float, y2: float, y3: float
 ) -> int:
     """Nearest point; control points are formed span by span as the search asks for them."""
     row, scratch = contacts.contours[contour], contacts.scratch

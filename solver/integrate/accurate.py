@@ -15,7 +15,6 @@ loads and drives, behind which interpolation starts anew.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -120,7 +119,7 @@ def _evaluate(
     bodies: Bodies,
     forces: Forces,
     joints: Joints,
-    rows: Any,
+    rows: Systems,
     work: Workspace,
     integration: Integration,
     stage: int,
@@ -154,7 +153,7 @@ def _evaluate(
 
 @kernel(internal=True)
 def _project(
-    bodies: Bodies, joints: Joints, rows: Any, work: Workspace, integration: Integration, time: float
+    bodies: Bodies, joints: Joints, rows: Systems, work: Workspace, integration: Integration, time: float
 ) -> None:
     """Close the joints of the state at the end: one Newton step of positions, and velocities by the same factor."""
     values = integration.vectors
@@ -191,7 +190,13 @@ def _add_node(bodies: Bodies, work: Workspace, integration: Integration, time: f
 
 @kernel(internal=True)
 def _begin(
-    bodies: Bodies, forces: Forces, joints: Joints, rows: Any, work: Workspace, integration: Integration, time: float
+    bodies: Bodies,
+    forces: Forces,
+    joints: Joints,
+    rows: Systems,
+    work: Workspace,
+    integration: Integration,
+    time: float,
 ) -> None:
     """First node of the scene, closed, or first one behind a corner."""
     state, values = integration.state, integration.vectors
@@ -231,7 +236,7 @@ def _step(
     bodies: Bodies,
     forces: Forces,
     joints: Joints,
-    rows: Any,
+    rows: Systems,
     work: Workspace,
     integration: Integration,
     allowed: float,
@@ -335,7 +340,13 @@ def _known_until(state: NDArray[np.float64]) -> float:
 
 @kernel(internal=True)
 def _sample(
-    bodies: Bodies, forces: Forces, joints: Joints, rows: Any, work: Workspace, integration: Integration, time: float
+    bodies: Bodies,
+    forces: Forces,
+    joints: Joints,
+    rows: Systems,
+    work: Workspace,
+    integration: Integration,
+    time: float,
 ) -> None:
     """Carried state, works and reactions at a time between the last nodes."""
     state, values = integration.state, integration.vectors

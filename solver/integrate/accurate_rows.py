@@ -11,8 +11,6 @@ contradict each other and would lock the mechanism, and that distance is what th
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -107,8 +105,8 @@ def constrain(
 @kernel(inline=True, internal=True)
 def constrain_rows(
     system: RowSystem,
-    bodies: Any,
-    joints: Any,
+    bodies: Bodies,
+    joints: Joints,
     work: Workspace,
     time: float,
     solutions: float,
@@ -150,7 +148,9 @@ def find_displacement(systems: Systems, bodies: Bodies, joints: Joints, work: Wo
 
 @implement(find_displacement, RowSystem)
 @kernel(internal=True)
-def find_row_displacement(system: RowSystem, bodies: Any, joints: Any, work: Workspace, time: float) -> None:
+def find_row_displacement(
+    system: RowSystem, bodies: Bodies, joints: Joints, work: Workspace, time: float
+) -> None:
     """``G d = -g``; the targets of the velocities are kept for `correct_velocity`."""
     lanes = len(system.shape[1])
     width = ROW_COLUMNS * lanes

@@ -19,7 +19,15 @@ from heavylift.solver.integrate.accurate_rows import is_tree
 from heavylift.solver.integrate.combination import padded
 from heavylift.solver.integrate.dop853 import STAGES
 from heavylift.solver.integrate.row_stage import record_rows
-from heavylift.solver.interface import DISSIPATED, DRIVE_WORK, EXTERNAL_WORK, Systems, Workspace, begin_stage
+from heavylift.solver.interface import (
+    DISSIPATED,
+    DRIVE_WORK,
+    EXTERNAL_WORK,
+    Joints,
+    Systems,
+    Workspace,
+    begin_stage,
+)
 from heavylift.solver.kinds import Members, implement
 
 __all__ = ["Integration", "carried", "make_integration", "stiffness_seen", "watch_stability"]
@@ -150,7 +158,7 @@ def stiffness_seen(integration: Integration) -> bool:
 @implement(record_rows, Integration)
 @kernel(internal=True)
 def record_works(
-    integration: Integration, joints: Any, work: Workspace, time: float, row: NDArray[np.float64]
+    integration: Integration, joints: Joints, work: Workspace, time: float, row: NDArray[np.float64]
 ) -> None:
     """Works that were integrated with the motion, into the totals."""
     work.sums[EXTERNAL_WORK] += integration.state[WORKS]

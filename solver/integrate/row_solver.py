@@ -41,7 +41,8 @@ from heavylift.solver.rows import (
     TARGET,
     UPDATE,
     WIDTH,
-    Rows,
+    RowArrays,
+    RowSystem,
 )
 
 __all__ = [
@@ -57,7 +58,7 @@ __all__ = [
 
 
 @kernel(inline=True, internal=True)
-def assemble(system: Rows) -> None:
+def assemble(system: RowSystem) -> None:
     """``S = G A^-1 G^T + Z``; of rigid bodies from G and the inverse masses, of others from their X."""
     shape = system.shape
     rows, lanes = len(shape[0]), len(shape[1])
@@ -117,7 +118,7 @@ def assemble(system: Rows) -> None:
 
 
 @kernel(internal=True)
-def _assemble_hubs(system: Rows) -> None:
+def _assemble_hubs(system: RowSystem) -> None:
     """Pivots ``-A`` and couplings ``G`` of the bodies that stay in the system."""
     lanes = len(system.shape[1])
     for i in range(system.hubs.shape[0]):
@@ -135,7 +136,7 @@ def _assemble_hubs(system: Rows) -> None:
 
 
 @kernel(inline=True, internal=True)
-def factor_rows(system: Rows) -> None:
+def factor_rows(system: RowSystem) -> None:
     """Right-looking block factorisation ``S = L D L^T``."""
     shape = system.shape
     blocks = system.blocks
@@ -160,7 +161,7 @@ def factor_rows(system: Rows) -> None:
 
 
 @kernel(inline=True, internal=True)
-def subtract_rates(system: Rows, velocity: NDArray[np.float64]) -> None:
+def subtract_rates(system: RowSystem, velocity: NDArray[np.float64]) -> None:
     """``SOLUTION -= G U`` of all rows."""
     lanes = len(system.shape[1])
     for i in range(system.attachments.shape[0]):
@@ -177,7 +178,7 @@ def subtract_rates(system: Rows, velocity: NDArray[np.float64]) -> None:
 
 
 @kernel(inline=True, internal=True)
-def _substitute(system: Rows) -> None:
+def _substitute(system: RowSystem) -> None:
     """``SOLUTION := S^-1 SOLUTION``, forwards and backwards."""
     shape, rows = system.shape, system.rows
     lanes = len(shape[1])
@@ -205,7 +206,7 @@ def _substitute(system: Rows) -> None:
 
 
 @kernel(inline=True, internal=True)
-def _spread(system: Rows, velocity: NDArray[np.float64]) -> None:
+def _spread(system: RowSystem, velocity: NDArray[np.float64]) -> None:
     """``U += A^-1 G^T SOLUTION``; of hubs the solution has the velocities themselves."""
     shape, rows = system.shape, system.rows
     lanes = len(shape[1])
@@ -235,7 +236,7 @@ def _spread(system: Rows, velocity: NDArray[np.float64]) -> None:
 
 
 @kernel(inline=True, internal=True)
-def solve_rows(system: Rows, velocity: NDArray[np.float64]) -> None:
+def solve_rows(system: RowSystem, velocity: NDArray[np.float64]) -> None:
     """Impulses that bring the rows to their targets: added to those there are, and to the velocities.
 
     ``S dP = target - Z P - G U``: the same call starts, corrects by another factor, and refines.
@@ -259,7 +260,7 @@ def solve_rows(system: Rows, velocity: NDArray[np.float64]) -> None:
 
 
 @kernel(internal=True)
-def respond_rows(system: Rows, velocity: NDArray[np.float64]) -> None:
+def respond_rows(system: RowSystem, velocity: NDArray[np.float64]) -> None:
     """``U -= X S^-1 G U``: what the rows leave of a velocity that something else has caused; impulses stay."""
     width = ROW_COLUMNS * len(system.shape[1])
     for node in range(system.columns.shape[0]):
@@ -271,7 +272,7 @@ def respond_rows(system: Rows, velocity: NDArray[np.float64]) -> None:
 
 
 @kernel(internal=True)
-def add_impulses(system: Rows, velocity: NDArray[np.float64], factor: float) -> None:
+def add_impulses(system: RowArrays, velocity: NDArray[np.float64], factor: float) -> None:
     """``U += factor A^-1 G^T P`` with the impulses of all rows; bodies that are nodes of the system are left out."""
     lanes = len(system.shape[1])
     half = system.panels.shape[0] // 2
@@ -292,7 +293,7 @@ def add_impulses(system: Rows, velocity: NDArray[np.float64], factor: float) -> 
 
 
 @kernel(internal=True)
-def _subtract_wide_rows(system: Rows, out: int, panel: int, velocity, dof: int, count: int) -> None:  # type: ignore[no-untyped-def]
+def _subtract_wide_rows(system: RowSystem, out: int, panel: int, velocity, dof: int, count: int) -> None:  # type: ignore[no-untyped-def]
     """``out -= G^T u`` over any number of velocities."""
     lanes = len(system.shape[1])
     for k in range(count):
@@ -301,7 +302,7 @@ def _subtract_wide_rows(system: Rows, out: int, panel: int, velocity, dof: int, 
 
 
 @kernel(internal=True)
-def smallest_pivot(system: Rows) -> float:
+def smallest_pivot(system: RowSystem) -> float:
     """Smallest pivot of the last factor relative to the scale of its row: small near a singular position."""
     rows, lanes = len(system.shape[0]), len(system.shape[1])
     smallest = 1e300
@@ -318,7 +319,7 @@ def smallest_pivot(system: Rows) -> float:
 
 
 @kernel(internal=True)
-def row_power(system: Rows, attachment: int, velocity: NDArray[np.float64]) -> float:
+def row_power(system: RowArrays, attachment: int, velocity: NDArray[np.float64]) -> float:
     """``P . G u`` of one attachment over the six velocities of its frame."""
     lanes = system.lanes
     panel, dof = system.attachments[attachment, PANEL], system.attachments[attachment, DOF]

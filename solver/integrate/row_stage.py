@@ -7,8 +7,6 @@ without which closed loops fail and an inconsistent start rings for ever.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -72,7 +70,6 @@ from heavylift.solver.rows import (
     SCALE,
     SOFTNESS,
     TARGET,
-    Rows,
     RowSystem,
 )
 
@@ -84,7 +81,13 @@ NOT_CONVERGED, NOT_CLOSED = int(Outcome.NOT_CONVERGED), int(Outcome.NOT_CLOSED)
 
 @optional
 def solve_midpoint(
-    systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float, nominal: float
+    systems: Systems,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    step: float,
+    nominal: float,
 ) -> None:
     """Rows: velocities of the midpoint from free ones; the factor stays for `correct_impulses`."""
 
@@ -92,7 +95,13 @@ def solve_midpoint(
 @implement(solve_midpoint, RowSystem)
 @kernel(internal=True)
 def solve_midpoint_laws(
-    system: RowSystem, bodies: Any, joints: Any, work: Workspace, time: float, step: float, nominal: float
+    system: RowSystem,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    step: float,
+    nominal: float,
 ) -> None:
     """Newton iteration: solve, fit the laws to the velocities found, solve for the rest.
 
@@ -108,7 +117,7 @@ def solve_midpoint_laws(
 
 
 @kernel(internal=True)
-def fit_laws(system: RowSystem, joints: Any, work: Workspace, time: float, step: float) -> None:
+def fit_laws(system: RowSystem, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """Rounds of the Newton iteration, the first with the factor that is there."""
     for _ in range(LAW_ITERATIONS):
         solve_rows(system, work.velocity)
@@ -123,14 +132,14 @@ def fit_laws(system: RowSystem, joints: Any, work: Workspace, time: float, step:
 
 @implement(solve_again, RowSystem)
 @kernel(internal=True)
-def solve_laws_again(system: RowSystem, joints: Any, work: Workspace, time: float, step: float) -> None:
+def solve_laws_again(system: RowSystem, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """One solve more, it is incremental; and laws once more."""
     fit_laws(system, joints, work, time, step)
 
 
 @implement(refactor_rows, RowSystem)
 @kernel(internal=True)
-def refactor_row_system(system: Rows, bodies: Any, joints: Any, work: Workspace) -> None:
+def refactor_row_system(system: RowSystem, bodies: Bodies, joints: Joints, work: Workspace) -> None:
     """The impulses stay as they are, and act along the new rows.
 
     Notes
@@ -152,7 +161,13 @@ def refactor_row_system(system: Rows, bodies: Any, joints: Any, work: Workspace)
 
 @kernel(internal=True)
 def _start_midpoint(
-    system: Rows, bodies: Any, joints: Any, work: Workspace, time: float, step: float, nominal: float
+    system: RowSystem,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    step: float,
+    nominal: float,
 ) -> None:
     """Rows of the midpoint with targets and softness. Positions are corrected over the nominal step."""
     lanes = len(system.shape[1])
@@ -172,7 +187,7 @@ def _start_midpoint(
 
 
 @kernel(internal=True)
-def _aim_compliant(system: Rows, at: int, step: float, nominal: float) -> None:
+def _aim_compliant(system: RowSystem, at: int, step: float, nominal: float) -> None:
     """Targets and softness of a block with physical compliance or relaxation; laws replace them."""
     lanes = len(system.shape[1])
     for r in range(lanes):
@@ -189,7 +204,9 @@ def _aim_compliant(system: Rows, at: int, step: float, nominal: float) -> None:
 
 
 @kernel(internal=True)
-def end_step(systems: Any, bodies: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+def end_step(
+    systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
+) -> None:
     """End of the step: velocities projected onto the rigid rows there, impacts, reactions of the step.
 
     With `work.control[SPLIT]` set an impact lies within the step, or contacts were not found at its end: then all
@@ -207,13 +224,17 @@ def end_step(systems: Any, bodies: Any, joints: Any, work: Workspace, time: floa
 
 
 @optional
-def end_rows(systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float) -> None:
+def end_rows(
+    systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
+) -> None:
     """Rows: what they carry over the step; end velocities, markers there."""
 
 
 @implement(end_rows, RowSystem)
 @kernel(internal=True)
-def end_row_system(system: Rows, bodies: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+def end_row_system(
+    system: RowSystem, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
+) -> None:
     """Impulses of the midpoint are halves of those of the step."""
     lanes = len(system.shape[1])
     update_rows(joints, time, step, work, system)
@@ -227,13 +248,17 @@ def end_row_system(system: Rows, bodies: Any, joints: Any, work: Workspace, time
 
 
 @optional
-def solve_end(systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float) -> None:
+def solve_end(
+    systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
+) -> None:
     """Rows: project the velocities onto the rigid rows at the end of the step."""
 
 
 @implement(solve_end, RowSystem)
 @kernel(internal=True)
-def solve_end_rows(system: Rows, bodies: Any, joints: Any, work: Workspace, time: float, step: float) -> None:
+def solve_end_rows(
+    system: RowSystem, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
+) -> None:
     """One factorisation more, of the rigid rows with the mass alone."""
     lanes = len(system.shape[1])
     fill_rows(joints, True, work, system)
@@ -257,7 +282,9 @@ def close_step(systems: Systems, all_systems: Systems, bodies: Bodies, work: Wor
 
 @implement(close_step, RowSystem)
 @kernel(internal=True)
-def close_row_step(system: Rows, all_systems: Any, bodies: Any, work: Workspace, step: float) -> None:
+def close_row_step(
+    system: RowSystem, all_systems: Systems, bodies: Bodies, work: Workspace, step: float
+) -> None:
     """Forces of the step from all its impulses."""
     lanes = len(system.shape[1])
     add_row_work(bodies, 1.0, work, system)
@@ -280,14 +307,14 @@ def close_row_step(system: Rows, all_systems: Any, bodies: Any, work: Workspace,
 
 @implement(respond, RowSystem)
 @kernel(internal=True)
-def respond_row_system(system: Rows, velocity: NDArray[np.float64]) -> None:
+def respond_row_system(system: RowSystem, velocity: NDArray[np.float64]) -> None:
     """By the factor that is there."""
     respond_rows(system, velocity)
 
 
 @implement(follow, RowSystem)
 @kernel(internal=True)
-def follow_laws(system: RowSystem, joints: Any, work: Workspace, time: float, step: float) -> None:
+def follow_laws(system: RowSystem, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """One solve more, it is incremental; and laws fitted again if contacts have moved them."""
     solve_rows(system, work.velocity)
     work.control[CHANGED] = 0.0
@@ -301,13 +328,13 @@ def follow_laws(system: RowSystem, joints: Any, work: Workspace, time: float, st
 
 @implement(follow_end, RowSystem)
 @kernel(internal=True)
-def follow_row_end(system: Rows, work: Workspace) -> None:
+def follow_row_end(system: RowSystem, work: Workspace) -> None:
     """One solve more with the factor of the projection."""
     solve_rows(system, work.velocity)
 
 
 @kernel(internal=True)
-def _check_closed(system: Rows, work: Workspace) -> None:
+def _check_closed(system: RowSystem, work: Workspace) -> None:
     """Refuse a step that leaves a joint apart, or anything that is not a number."""
     lanes = len(system.shape[1])
     for node in range(system.attachments.shape[0] // 2):
@@ -327,7 +354,9 @@ def gather_rows(systems: Systems, bodies: Bodies, joints: Joints, work: Workspac
 
 @implement(gather_rows, RowSystem)
 @kernel(internal=True)
-def gather_row_system(system: Rows, bodies: Any, joints: Any, work: Workspace, time: float) -> None:
+def gather_row_system(
+    system: RowSystem, bodies: Bodies, joints: Joints, work: Workspace, time: float
+) -> None:
     """With their forces on bodies that are held."""
     fill_rows(joints, True, work, system)
     set_targets(joints, time, 1.0, False, work, system)  # drives are violated by their value at this time
@@ -342,7 +371,7 @@ def record_rows(systems: Systems, joints: Joints, work: Workspace, time: float, 
 @implement(record_rows, RowSystem)
 @kernel(internal=True)
 def record_row_system(
-    system: Rows, joints: Any, work: Workspace, time: float, row: NDArray[np.float64]
+    system: RowSystem, joints: Joints, work: Workspace, time: float, row: NDArray[np.float64]
 ) -> None:
     """Largest violation of a rigid row, and smallest pivot of the last projection."""
     lanes = len(system.shape[1])

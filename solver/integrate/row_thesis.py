@@ -10,8 +10,6 @@ where a joint says less.
 
 from __future__ import annotations
 
-from typing import Any
-
 from heavylift.numerics.jit import kernel
 from heavylift.solver.integrate.row_solver import assemble, factor_rows, solve_rows, subtract_rates
 from heavylift.solver.interface import (
@@ -49,7 +47,9 @@ def start_thesis(systems: Systems, bodies: Bodies, joints: Joints, work: Workspa
 
 @implement(start_thesis, RowSystem)
 @kernel(internal=True)
-def start_thesis_rows(system: RowSystem, bodies: Any, joints: Any, work: Workspace, step: float) -> None:
+def start_thesis_rows(
+    system: RowSystem, bodies: Bodies, joints: Joints, work: Workspace, step: float
+) -> None:
     """Markers are filled at the carried state."""
     rows, lanes = len(system.shape[0]), len(system.shape[1])
     blocks = system.attachments.shape[0] // 2
@@ -84,7 +84,7 @@ def solve_thesis(systems: Systems, bodies: Bodies, work: Workspace, step: float)
 
 @implement(solve_thesis, RowSystem)
 @kernel(internal=True)
-def solve_thesis_rows(system: RowSystem, bodies: Any, work: Workspace, step: float) -> None:
+def solve_thesis_rows(system: RowSystem, bodies: Bodies, work: Workspace, step: float) -> None:
     """One linear solve."""
     rows, lanes = len(system.shape[0]), len(system.shape[1])
     apply_inverse(bodies, False, system)

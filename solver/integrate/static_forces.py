@@ -35,7 +35,6 @@ from heavylift.solver.rows import (
     SCALE,
     SOFTNESS,
     TARGET,
-    Rows,
     RowSystem,
 )
 
@@ -60,7 +59,7 @@ def fit_rows(systems: Systems, joints: Joints, work: Workspace, time: float, ste
 
 @implement(fit_rows, RowSystem)
 @kernel(internal=True)
-def fit_rows_at_rest(system: Rows, joints: Joints, work: Workspace, time: float, step: float) -> None:
+def fit_rows_at_rest(system: RowSystem, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """As at the midpoint of a very small step, without regularisation."""
     rows, lanes = len(system.shape[0]), len(system.shape[1])
     fill_rows(joints, True, work, system)

@@ -15,7 +15,7 @@ from heavylift.solver.joints.packing import JointPlace, MarkerBook, point_marker
 from heavylift.solver.joints.reactions import write_reaction
 from heavylift.solver.joints.row_writing import difference, put_point_rows, residuals, write_point_bias
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import RowSystem
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["ROTATIONAL", "BallJoints", "pack"]
 
@@ -39,7 +39,7 @@ def pack(joints: Sequence[Ball], places: Sequence[JointPlace], book: MarkerBook)
 
 @implement(fill_rows, BallJoints)
 @kernel(internal=True)
-def fill_ball_rows(kind: BallJoints, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+def fill_ball_rows(kind: BallJoints, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """``p_b - p_a``."""
     for j in range(kind.table.shape[0]):
         block, point_a, point_b, _ = kind.table[j]
@@ -52,7 +52,7 @@ def fill_ball_rows(kind: BallJoints, with_residual: bool, work: Workspace, syste
 
 @implement(fill_bias, BallJoints)
 @kernel(internal=True)
-def fill_ball_bias(kind: BallJoints, time: float, work: Workspace, system: RowSystem) -> None:
+def fill_ball_bias(kind: BallJoints, time: float, work: Workspace, system: RowArrays) -> None:
     """Centripetal accelerations of the points."""
     for j in range(kind.table.shape[0]):
         block, point_a, point_b, _ = kind.table[j]
@@ -62,7 +62,7 @@ def fill_ball_bias(kind: BallJoints, time: float, work: Workspace, system: RowSy
 @implement(record_joints, BallJoints)
 @kernel(internal=True)
 def record_balls(
-    kind: BallJoints, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+    kind: BallJoints, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """Reaction on b."""
     for j in range(kind.table.shape[0]):

@@ -7,7 +7,6 @@ is exactly the power of the forces on the markers. On a direction marker e a for
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
@@ -38,6 +37,7 @@ from heavylift.solver.joints.row_writing import (
     travel_row,
     vector,
 )
+from heavylift.solver.rows import RowArrays
 
 __all__ = [
     "ANGLE",
@@ -119,7 +119,7 @@ def coordinate_rate(work: Workspace, coordinate: int, a: int, b: int, c: int) ->
 
 @kernel(internal=True)
 def coordinate_row(
-    system: Any, block: int, work: Workspace, coordinate: int, a: int, b: int, c: int
+    system: RowArrays, block: int, work: Workspace, coordinate: int, a: int, b: int, c: int
 ) -> float:
     """Write its derivative as the first row of a block; the scalar."""
     if coordinate == DISTANCE:

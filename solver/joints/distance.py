@@ -32,7 +32,7 @@ from heavylift.solver.joints.row_writing import (
     targets,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import RowSystem
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["ROTATIONAL", "Distances", "pack"]
 
@@ -101,7 +101,7 @@ def _line(work: Workspace, point_a: int, point_b: int) -> tuple[float, Vector]:
 
 @implement(fill_rows, Distances)
 @kernel(internal=True)
-def fill_distance_rows(kind: Distances, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+def fill_distance_rows(kind: Distances, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
         block, point_a, point_b, _ = kind.table[j]
@@ -114,7 +114,7 @@ def fill_distance_rows(kind: Distances, with_residual: bool, work: Workspace, sy
 
 @implement(fill_bias, Distances)
 @kernel(internal=True)
-def fill_distance_bias(kind: Distances, time: float, work: Workspace, system: RowSystem) -> None:
+def fill_distance_bias(kind: Distances, time: float, work: Workspace, system: RowArrays) -> None:
     """``gamma = e . b + (|r'|^2 - (e . r')^2) / |r|`` with the second rate b of ``r = p_b - p_a``."""
     for j in range(kind.table.shape[0]):
         block, point_a, point_b, _ = kind.table[j]
@@ -129,7 +129,7 @@ def fill_distance_bias(kind: Distances, time: float, work: Workspace, system: Ro
 @implement(record_joints, Distances)
 @kernel(internal=True)
 def record_distances(
-    kind: Distances, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+    kind: Distances, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """Reaction on b: along the line, positive if it pushes."""
     for j in range(kind.table.shape[0]):

@@ -39,7 +39,7 @@ from heavylift.solver.joints.packing import JointPlace, MarkerBook
 from heavylift.solver.joints.reactions import ANGLE_STATE, REACTION_WIDTH, add_torque
 from heavylift.solver.joints.row_writing import angle_bias, angle_row, near_angle, residuals, targets
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import RowSystem
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["CHANNELS", "ROTATIONAL", "DrivenHinges", "pack"]
 
@@ -81,7 +81,7 @@ def pack(joints: Sequence[Hinge], places: Sequence[JointPlace], book: MarkerBook
 @implement(fill_rows, DrivenHinges)
 @kernel(internal=True)
 def fill_driven_hinge_rows(
-    kind: DrivenHinges, with_residual: bool, work: Workspace, system: RowSystem
+    kind: DrivenHinges, with_residual: bool, work: Workspace, system: RowArrays
 ) -> None:
     """Rows of the hinge and of its angle."""
     fill_hinge_rows(kind, with_residual, work, system)
@@ -96,7 +96,7 @@ def fill_driven_hinge_rows(
 @implement(set_targets, DrivenHinges)
 @kernel(internal=True)
 def aim_driven_hinges(
-    kind: DrivenHinges, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowSystem
+    kind: DrivenHinges, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowArrays
 ) -> None:
     """Follow the profile."""
     for j in range(kind.table.shape[0]):
@@ -106,7 +106,7 @@ def aim_driven_hinges(
 
 @implement(fill_bias, DrivenHinges)
 @kernel(internal=True)
-def fill_driven_hinge_bias(kind: DrivenHinges, time: float, work: Workspace, system: RowSystem) -> None:
+def fill_driven_hinge_bias(kind: DrivenHinges, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms and the prescribed acceleration."""
     fill_hinge_bias(kind, time, work, system)
     for j in range(kind.table.shape[0]):
@@ -118,7 +118,7 @@ def fill_driven_hinge_bias(kind: DrivenHinges, time: float, work: Workspace, sys
 @implement(record_joints, DrivenHinges)
 @kernel(internal=True)
 def record_driven_hinges(
-    kind: DrivenHinges, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+    kind: DrivenHinges, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """As a hinge, with the torque and the work of the drive."""
     record_hinges(kind, time, work, system, row)

@@ -39,7 +39,7 @@ from heavylift.solver.joints.slider import (
     record_sliders,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import RowSystem
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["CHANNELS", "ROTATIONAL", "DrivenSliders", "pack"]
 
@@ -79,7 +79,7 @@ def pack(joints: Sequence[Slider], places: Sequence[JointPlace], book: MarkerBoo
 @implement(fill_rows, DrivenSliders)
 @kernel(internal=True)
 def fill_driven_slider_rows(
-    kind: DrivenSliders, with_residual: bool, work: Workspace, system: RowSystem
+    kind: DrivenSliders, with_residual: bool, work: Workspace, system: RowArrays
 ) -> None:
     """Rows of the slider and of its travel."""
     fill_slider_rows(kind, with_residual, work, system)
@@ -94,7 +94,7 @@ def fill_driven_slider_rows(
 @implement(set_targets, DrivenSliders)
 @kernel(internal=True)
 def aim_driven_sliders(
-    kind: DrivenSliders, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowSystem
+    kind: DrivenSliders, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowArrays
 ) -> None:
     """Follow the profile."""
     for j in range(kind.table.shape[0]):
@@ -104,7 +104,7 @@ def aim_driven_sliders(
 
 @implement(fill_bias, DrivenSliders)
 @kernel(internal=True)
-def fill_driven_slider_bias(kind: DrivenSliders, time: float, work: Workspace, system: RowSystem) -> None:
+def fill_driven_slider_bias(kind: DrivenSliders, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms and the prescribed acceleration."""
     fill_slider_bias(kind, time, work, system)
     for j in range(kind.table.shape[0]):
@@ -116,7 +116,7 @@ def fill_driven_slider_bias(kind: DrivenSliders, time: float, work: Workspace, s
 @implement(record_joints, DrivenSliders)
 @kernel(internal=True)
 def record_driven_sliders(
-    kind: DrivenSliders, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+    kind: DrivenSliders, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """As a slider, with the force and the work of the drive."""
     record_sliders(kind, time, work, system, row)

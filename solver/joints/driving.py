@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.solver.drive import pack_profile, profile_value
 from heavylift.solver.joints.row_writing import residuals, targets
-from heavylift.solver.rows import LAST_REACTION, ROW_COLUMNS, RowSystem
+from heavylift.solver.rows import LAST_REACTION, ROW_COLUMNS, RowArrays
 from heavylift.solver.scene import Profile
 
 __all__ = ["DRIVE_STATE", "PRESCRIBED", "aim", "drive_work", "pack_profiles"]
@@ -38,7 +38,7 @@ def pack_profiles(
 
 @kernel(internal=True)
 def aim(
-    system: RowSystem,
+    system: RowArrays,
     block: int,
     row: int,
     profiles: NDArray[np.float64],
@@ -64,12 +64,12 @@ def aim(
 
 
 @kernel(internal=True)
-def drive_work(system: RowSystem, block: int, row: int, state: NDArray[np.float64]) -> float:
+def drive_work(system: RowArrays, block: int, row: int, state: NDArray[np.float64]) -> float:
     """Work of the drive up to now [J]: in each step, force in the middle times advance."""
     return state[WORK] + _last_reaction(system, block, row) * state[ADVANCE]
 
 
 @kernel(inline=True, internal=True)
-def _last_reaction(system: RowSystem, block: int, row: int) -> float:
+def _last_reaction(system: RowArrays, block: int, row: int) -> float:
     """Reaction in the middle of the last step."""
     return system.rows[(block * ROW_COLUMNS + LAST_REACTION) * system.lanes + row]

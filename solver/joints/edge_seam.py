@@ -38,7 +38,7 @@ from heavylift.solver.joints.row_writing import (
     write_point_bias,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import PANEL, WIDTH, RowSystem
+from heavylift.solver.rows import PANEL, WIDTH, RowArrays
 
 __all__ = ["EdgeSeams", "pack"]
 
@@ -86,7 +86,7 @@ def pack(joints: Sequence[EdgeSeam], places: Sequence[JointPlace], book: MarkerB
 
 @kernel(internal=True)
 def _put_scaled_rows(
-    system: RowSystem, attachment: int, first: int, work: Workspace, marker: int, factor: float
+    system: RowArrays, attachment: int, first: int, work: Workspace, marker: int, factor: float
 ) -> None:
     """``factor J[m]`` as three rows."""
     lanes = system.lanes
@@ -99,7 +99,7 @@ def _put_scaled_rows(
 
 @implement(fill_rows, EdgeSeams)
 @kernel(internal=True)
-def fill_seam_rows(kind: EdgeSeams, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+def fill_seam_rows(kind: EdgeSeams, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
         entry, f = kind.table[j], kind.factors[j]
@@ -135,7 +135,7 @@ def fill_seam_rows(kind: EdgeSeams, with_residual: bool, work: Workspace, system
 
 @implement(fill_bias, EdgeSeams)
 @kernel(internal=True)
-def fill_seam_bias(kind: EdgeSeams, time: float, work: Workspace, system: RowSystem) -> None:
+def fill_seam_bias(kind: EdgeSeams, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms."""
     for j in range(kind.table.shape[0]):
         entry, f = kind.table[j], kind.factors[j]
@@ -155,7 +155,7 @@ def fill_seam_bias(kind: EdgeSeams, time: float, work: Workspace, system: RowSys
 @implement(record_joints, EdgeSeams)
 @kernel(internal=True)
 def record_seams(
-    kind: EdgeSeams, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+    kind: EdgeSeams, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """Reaction on b at the node: force, and the moment of what pulls at its slopes."""
     for j in range(kind.table.shape[0]):

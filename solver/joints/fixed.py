@@ -28,7 +28,7 @@ from heavylift.solver.joints.row_writing import (
     write_point_bias,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import RowSystem
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["ROTATIONAL", "FixedJoints", "pack"]
 
@@ -58,7 +58,7 @@ def pack(joints: Sequence[FixedJoint], places: Sequence[JointPlace], book: Marke
 
 @implement(fill_rows, FixedJoints)
 @kernel(internal=True)
-def fill_fixed_rows(kind: FixedJoints, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+def fill_fixed_rows(kind: FixedJoints, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
         block, point_a, point_b, x_a, z_a, x_b, y_b, _ = kind.table[j]
@@ -75,7 +75,7 @@ def fill_fixed_rows(kind: FixedJoints, with_residual: bool, work: Workspace, sys
 
 @implement(fill_bias, FixedJoints)
 @kernel(internal=True)
-def fill_fixed_bias(kind: FixedJoints, time: float, work: Workspace, system: RowSystem) -> None:
+def fill_fixed_bias(kind: FixedJoints, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms."""
     for j in range(kind.table.shape[0]):
         block, point_a, point_b, x_a, z_a, x_b, y_b, _ = kind.table[j]
@@ -89,7 +89,7 @@ def fill_fixed_bias(kind: FixedJoints, time: float, work: Workspace, system: Row
 @implement(record_joints, FixedJoints)
 @kernel(internal=True)
 def record_fixed_joints(
-    kind: FixedJoints, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+    kind: FixedJoints, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """Reaction on b."""
     for j in range(kind.table.shape[0]):

@@ -37,7 +37,7 @@ from heavylift.solver.joints.row_writing import (
     write_point_bias,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import RowSystem
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["ROTATIONAL", "FrameWelds", "pack"]
 
@@ -90,7 +90,7 @@ def _normals(kind: FrameWelds, j: int, t: Vector) -> tuple[Vector, Vector, float
 
 @implement(fill_rows, FrameWelds)
 @kernel(internal=True)
-def fill_weld_rows(kind: FrameWelds, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+def fill_weld_rows(kind: FrameWelds, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows from the markers; the normals turn with ``r'_a``, which turns ``r'_b`` with it."""
     for j in range(kind.table.shape[0]):
         block, point_a, point_b, tangent_a, tangent_b, _ = kind.table[j]
@@ -112,7 +112,7 @@ def fill_weld_rows(kind: FrameWelds, with_residual: bool, work: Workspace, syste
 
 @implement(fill_bias, FrameWelds)
 @kernel(internal=True)
-def fill_weld_bias(kind: FrameWelds, time: float, work: Workspace, system: RowSystem) -> None:
+def fill_weld_bias(kind: FrameWelds, time: float, work: Workspace, system: RowArrays) -> None:
     """Second rate of ``n . (r'_b - c r'_a)`` on closed joints, c the ratio of the two."""
     for j in range(kind.table.shape[0]):
         block, point_a, point_b, tangent_a, tangent_b, _ = kind.table[j]
@@ -133,7 +133,7 @@ def fill_weld_bias(kind: FrameWelds, time: float, work: Workspace, system: RowSy
 @implement(record_joints, FrameWelds)
 @kernel(internal=True)
 def record_welds(
-    kind: FrameWelds, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+    kind: FrameWelds, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """Reaction on b."""
     for j in range(kind.table.shape[0]):

@@ -42,7 +42,7 @@ from heavylift.solver.joints.row_writing import (
     write_point_bias,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import RowSystem
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["CHANNELS", "ROTATIONAL", "Hinges", "pack"]
 
@@ -85,7 +85,7 @@ def pack(joints: Sequence[Hinge], places: Sequence[JointPlace], book: MarkerBook
 
 @implement(fill_rows, Hinges)
 @kernel(internal=True)
-def fill_hinge_rows(kind: Hinges, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+def fill_hinge_rows(kind: Hinges, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
@@ -102,7 +102,7 @@ def fill_hinge_rows(kind: Hinges, with_residual: bool, work: Workspace, system: 
 
 @implement(fill_bias, Hinges)
 @kernel(internal=True)
-def fill_hinge_bias(kind: Hinges, time: float, work: Workspace, system: RowSystem) -> None:
+def fill_hinge_bias(kind: Hinges, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
@@ -115,7 +115,7 @@ def fill_hinge_bias(kind: Hinges, time: float, work: Workspace, system: RowSyste
 @implement(record_joints, Hinges)
 @kernel(internal=True)
 def record_hinges(
-    kind: Hinges, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+    kind: Hinges, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """Reaction on b, angle."""
     for j in range(kind.table.shape[0]):

@@ -26,7 +26,7 @@ from heavylift.solver.rows import (
     SOFTNESS,
     TARGET,
     WIDTH,
-    Rows,
+    RowArrays,
 )
 
 __all__ = [
@@ -55,7 +55,7 @@ FITTED = 1e-13
 
 
 @kernel(inline=True, internal=True)
-def row_rate(system: Rows, first: int, last: int, velocity: NDArray[np.float64]) -> float:
+def row_rate(system: RowArrays, first: int, last: int, velocity: NDArray[np.float64]) -> float:
     """``G v`` of the first row of the attachments first ... last - 1."""
     lanes = system.lanes
     u = 0.0
@@ -67,24 +67,24 @@ def row_rate(system: Rows, first: int, last: int, velocity: NDArray[np.float64])
 
 
 @kernel(inline=True, internal=True)
-def _row(system: Rows, block: int, column: int) -> int:
+def _row(system: RowArrays, block: int, column: int) -> int:
     return (block * ROW_COLUMNS + column) * system.lanes
 
 
 @kernel(inline=True, internal=True)
-def put_residual(system: Rows, block: int, value: float) -> None:
+def put_residual(system: RowArrays, block: int, value: float) -> None:
     """Residual of the first row of a block."""
     system.rows[_row(system, block, RESIDUAL)] = value
 
 
 @kernel(inline=True, internal=True)
-def law_impulse(system: Rows, block: int) -> float:
+def law_impulse(system: RowArrays, block: int) -> float:
     """Impulse of the first row of a block in the stage."""
     return system.rows[_row(system, block, IMPULSE)]
 
 
 @kernel(internal=True)
-def put_law(system: Rows, block: int, h: float, u: float, force: float, slope: float) -> None:
+def put_law(system: RowArrays, block: int, h: float, u: float, force: float, slope: float) -> None:
     """Fit the first row of a block to a force and its derivative at a rate u."""
     softest = FREE_SOFTNESS * system.rows[_row(system, block, SCALE)]
     softness, target = softest, -0.5 * h * force * softest
@@ -95,7 +95,7 @@ def put_law(system: Rows, block: int, h: float, u: float, force: float, slope: f
 
 
 @kernel(internal=True)
-def put_stick(system: Rows, block: int) -> None:
+def put_stick(system: RowArrays, block: int) -> None:
     """Make the first row of a block a rigid one whose rate is zero."""
     system.rows[_row(system, block, SOFTNESS)] = REGULARISATION * system.rows[_row(system, block, SCALE)]
     system.rows[_row(system, block, TARGET)] = 0.0
@@ -103,7 +103,7 @@ def put_stick(system: Rows, block: int) -> None:
 
 @kernel(internal=True)
 def fit_law(
-    system: Rows, block: int, h: float, u: float, force: float, slope: float, work: Workspace
+    system: RowArrays, block: int, h: float, u: float, force: float, slope: float, work: Workspace
 ) -> None:
     """As `put_law`, if impulse and row do not fit the law yet; counts it."""
     softness, target = _row(system, block, SOFTNESS), _row(system, block, TARGET)

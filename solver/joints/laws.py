@@ -44,7 +44,7 @@ Entries = list[tuple[str, str, tuple[str, ...]]]
 
 @dataclass
 class PackedLaws:
-    """Kinds for the tuple of joints and for that of forces, the blocks of their rows, whether any is fitted."""
+    """Kinds for the tables of joints and of forces, the blocks of their rows, whether any is fitted."""
 
     joints: list[Any] = field(default_factory=list)
     forces: list[Any] = field(default_factory=list)

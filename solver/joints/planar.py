@@ -27,7 +27,7 @@ from heavylift.solver.joints.row_writing import (
     travel_row,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import RowSystem
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["ROTATIONAL", "PlanarJoints", "pack"]
 
@@ -56,7 +56,7 @@ def pack(joints: Sequence[Planar], places: Sequence[JointPlace], book: MarkerBoo
 
 @implement(fill_rows, PlanarJoints)
 @kernel(internal=True)
-def fill_planar_rows(kind: PlanarJoints, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+def fill_planar_rows(kind: PlanarJoints, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
         block, point_a, point_b, z_a, x_b, y_b, _ = kind.table[j]
@@ -70,7 +70,7 @@ def fill_planar_rows(kind: PlanarJoints, with_residual: bool, work: Workspace, s
 
 @implement(fill_bias, PlanarJoints)
 @kernel(internal=True)
-def fill_planar_bias(kind: PlanarJoints, time: float, work: Workspace, system: RowSystem) -> None:
+def fill_planar_bias(kind: PlanarJoints, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms."""
     for j in range(kind.table.shape[0]):
         block, point_a, point_b, z_a, x_b, y_b, _ = kind.table[j]
@@ -83,7 +83,7 @@ def fill_planar_bias(kind: PlanarJoints, time: float, work: Workspace, system: R
 @implement(record_joints, PlanarJoints)
 @kernel(internal=True)
 def record_planar_joints(
-    kind: PlanarJoints, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+    kind: PlanarJoints, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """Reaction on b."""
     for j in range(kind.table.shape[0]):

@@ -17,7 +17,7 @@ from heavylift.solver.joints.row_writing import (
     travel_rate,
     vector,
 )
-from heavylift.solver.rows import REACTION, ROW_COLUMNS, RowSystem
+from heavylift.solver.rows import REACTION, ROW_COLUMNS, RowArrays
 
 __all__ = [
     "ANGLE_CHANNELS",
@@ -46,7 +46,7 @@ ANGLE_STATE = 3
 
 
 @view
-def reactions(system: RowSystem, block: int) -> NDArray[np.float64]:
+def reactions(system: RowArrays, block: int) -> NDArray[np.float64]:
     """Reactions of the rows of a block at the end of the last step [N] or [N m], a view."""
     lanes = system.lanes
     begin = (block * ROW_COLUMNS + REACTION) * lanes
@@ -54,7 +54,7 @@ def reactions(system: RowSystem, block: int) -> NDArray[np.float64]:
 
 
 @kernel(internal=True)
-def write_reaction(system: RowSystem, block: int, row: NDArray[np.float64], column: int) -> None:
+def write_reaction(system: RowArrays, block: int, row: NDArray[np.float64], column: int) -> None:
     """Force on b of three point rows; the moment, after it, is set to zero."""
     force = reactions(system, block)
     for k in range(3):
@@ -71,7 +71,7 @@ def clear_reaction(row: NDArray[np.float64], column: int) -> None:
 
 @kernel(internal=True)
 def add_force(
-    system: RowSystem,
+    system: RowArrays,
     block: int,
     index: int,
     work: Workspace,
@@ -87,7 +87,7 @@ def add_force(
 
 @kernel(internal=True)
 def add_moment(
-    system: RowSystem,
+    system: RowArrays,
     block: int,
     index: int,
     work: Workspace,
@@ -106,7 +106,7 @@ def add_moment(
 
 @kernel(internal=True)
 def add_pull(
-    system: RowSystem,
+    system: RowArrays,
     block: int,
     index: int,
     factor: float,
@@ -124,7 +124,7 @@ def add_pull(
 
 @kernel(internal=True)
 def add_torque(
-    system: RowSystem,
+    system: RowArrays,
     block: int,
     index: int,
     work: Workspace,

@@ -123,7 +123,7 @@ def pack_joints(
         groups.setdefault(joint_module(joint), []).append((joint, column))
     kinds: list[Any] = []
     ordered: list[tuple[Joint, tuple[bool, ...]]] = []
-    # in an order of their own, so that scenes with the same kinds share compiled code
+    # in an order of their own, whatever that of the scene
     for module in sorted(groups, key=lambda module: module.__name__):
         members = groups[module]
         places = [

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel, view
 from heavylift.solver.interface import POINT, POINT_BIAS, POINT_VELOCITY, Workspace
-from heavylift.solver.rows import PANEL, RESIDUAL, ROW_COLUMNS, TARGET, WIDTH, RowSystem
+from heavylift.solver.rows import PANEL, RESIDUAL, ROW_COLUMNS, TARGET, WIDTH, RowArrays
 
 __all__ = [
     "Vector",
@@ -90,7 +90,7 @@ def dot(a: Vector, b: Vector) -> float:
 
 
 @view
-def residuals(system: RowSystem, block: int) -> NDArray[np.float64]:
+def residuals(system: RowArrays, block: int) -> NDArray[np.float64]:
     """Residuals of the rows of a block, a view."""
     lanes = system.lanes
     begin = (block * ROW_COLUMNS + RESIDUAL) * lanes
@@ -98,7 +98,7 @@ def residuals(system: RowSystem, block: int) -> NDArray[np.float64]:
 
 
 @view
-def targets(system: RowSystem, block: int) -> NDArray[np.float64]:
+def targets(system: RowArrays, block: int) -> NDArray[np.float64]:
     """Targets of the rows of a block, a view."""
     lanes = system.lanes
     begin = (block * ROW_COLUMNS + TARGET) * lanes
@@ -107,7 +107,7 @@ def targets(system: RowSystem, block: int) -> NDArray[np.float64]:
 
 @kernel(inline=True, internal=True)
 def put_point_rows(
-    system: RowSystem, attachment: int, first: int, work: Workspace, marker: int, sign: float
+    system: RowArrays, attachment: int, first: int, work: Workspace, marker: int, sign: float
 ) -> None:
     """Write ``sign J[m]`` as three rows: the components of a point along the world axes."""
     lanes = system.lanes
@@ -134,7 +134,7 @@ def _put_product(
 
 @kernel(inline=True, internal=True)
 def put_direction_row(
-    system: RowSystem, attachment: int, row: int, work: Workspace, marker: int, c: Vector
+    system: RowArrays, attachment: int, row: int, work: Workspace, marker: int, c: Vector
 ) -> None:
     """Write ``c . J[m]`` as one row."""
     begin = system.attachments[attachment, PANEL] + row
@@ -152,7 +152,7 @@ def _add_product(
 
 @kernel(inline=True, internal=True)
 def add_direction_row(
-    system: RowSystem, attachment: int, row: int, work: Workspace, marker: int, c: Vector
+    system: RowArrays, attachment: int, row: int, work: Workspace, marker: int, c: Vector
 ) -> None:
     """Add ``c . J[m]`` to one row."""
     begin = system.attachments[attachment, PANEL] + row
@@ -161,7 +161,7 @@ def add_direction_row(
 
 
 @kernel(internal=True)
-def write_point_bias(system: RowSystem, block: int, work: Workspace, point_a: int, point_b: int) -> None:
+def write_point_bias(system: RowArrays, block: int, work: Workspace, point_a: int, point_b: int) -> None:
     """First three targets of `fill_bias`: minus the second rate of ``p_b - p_a``."""
     target, gamma = targets(system, block), minus(bias(work, point_b), bias(work, point_a))
     for k in range(3):
@@ -169,7 +169,7 @@ def write_point_bias(system: RowSystem, block: int, work: Workspace, point_a: in
 
 
 @kernel(inline=True, internal=True)
-def square_row(system: RowSystem, block: int, row: int, work: Workspace, a: int, b: int) -> float:
+def square_row(system: RowArrays, block: int, row: int, work: Workspace, a: int, b: int) -> float:
     """Row and value of ``c . e``: direction markers c on side a, e on side b."""
     c, e = vector(work, a), vector(work, b)
     put_direction_row(system, 2 * block, row, work, a, e)
@@ -195,7 +195,7 @@ def travel(work: Workspace, point_a: int, point_b: int, axis: int) -> float:
 
 @kernel(inline=True, internal=True)
 def travel_row(
-    system: RowSystem, block: int, row: int, work: Workspace, point_a: int, point_b: int, axis: int
+    system: RowArrays, block: int, row: int, work: Workspace, point_a: int, point_b: int, axis: int
 ) -> float:
     """Row and value of the travel."""
     e, r = vector(work, axis), difference(work, point_a, point_b)
@@ -239,7 +239,7 @@ def near_angle(angle: float, expected: float) -> float:
 
 @kernel(inline=True, internal=True)
 def angle_row(
-    system: RowSystem, block: int, row: int, work: Workspace, x_a: int, x_b: int, y_b: int
+    system: RowArrays, block: int, row: int, work: Workspace, x_a: int, x_b: int, y_b: int
 ) -> float:
     """Row and value of `hinge_angle`; exact also where the z axes differ.
 

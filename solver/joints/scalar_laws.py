@@ -45,7 +45,7 @@ from heavylift.solver.joints.law_rows import (
 )
 from heavylift.solver.joints.row_writing import near_angle
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import RowSystem
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["FRICTION", "SPRING", "STATE_WIDTH", "STOP", "ScalarLaws"]
 
@@ -116,7 +116,7 @@ def _law(kind: ScalarLaws, i: int, u: float, h: float) -> tuple[float, float, fl
 
 @implement(fill_rows, ScalarLaws)
 @kernel(internal=True)
-def fill_scalar_rows(kind: ScalarLaws, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+def fill_scalar_rows(kind: ScalarLaws, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows; drift of the carried values."""
     for i in range(kind.table.shape[0]):
         _, coordinate, block, a, b, c, _, _, _ = kind.table[i]
@@ -126,14 +126,14 @@ def fill_scalar_rows(kind: ScalarLaws, with_residual: bool, work: Workspace, sys
 
 
 @kernel(inline=True, internal=True)
-def _rate(kind: ScalarLaws, i: int, work: Workspace, system: RowSystem) -> float:
+def _rate(kind: ScalarLaws, i: int, work: Workspace, system: RowArrays) -> float:
     """Rate of a row at the velocity of the stage."""
     first = 2 * kind.table[i, BLOCK]
     return row_rate(system, first, first + 2, work.velocity)
 
 
 @kernel(internal=True)
-def _put_friction(kind: ScalarLaws, i: int, h: float, system: RowSystem) -> None:
+def _put_friction(kind: ScalarLaws, i: int, h: float, system: RowArrays) -> None:
     """Row of the present branch."""
     block, branch = kind.table[i, BLOCK], kind.state[i, BRANCH]
     if branch == 0.0:
@@ -145,7 +145,7 @@ def _put_friction(kind: ScalarLaws, i: int, h: float, system: RowSystem) -> None
 @implement(set_targets, ScalarLaws)
 @kernel(internal=True)
 def set_scalar_targets(
-    kind: ScalarLaws, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowSystem
+    kind: ScalarLaws, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowArrays
 ) -> None:
     """First guess: rate and branch of the last step. At its end friction sticks as in the middle."""
     for i in range(kind.table.shape[0]):
@@ -166,7 +166,7 @@ def set_scalar_targets(
 @implement(relinearise, ScalarLaws)
 @kernel(internal=True)
 def relinearise_scalar_laws(
-    kind: ScalarLaws, time: float, step: float, work: Workspace, system: RowSystem
+    kind: ScalarLaws, time: float, step: float, work: Workspace, system: RowArrays
 ) -> None:
     """Fit the laws to the rates found."""
     for i in range(kind.table.shape[0]):
@@ -198,7 +198,7 @@ def relinearise_scalar_laws(
 @implement(update_rows, ScalarLaws)
 @kernel(internal=True)
 def update_scalar_laws(
-    kind: ScalarLaws, time: float, step: float, work: Workspace, system: RowSystem
+    kind: ScalarLaws, time: float, step: float, work: Workspace, system: RowArrays
 ) -> None:
     """Carry the values over the step; energy lost."""
     for i in range(kind.table.shape[0]):
@@ -219,7 +219,7 @@ def update_scalar_laws(
 @implement(record_joints, ScalarLaws)
 @kernel(internal=True)
 def record_scalar_laws(
-    kind: ScalarLaws, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+    kind: ScalarLaws, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """Force of a tabulated spring, length of one between points; energies of all laws."""
     for i in range(kind.table.shape[0]):

@@ -40,7 +40,7 @@ from heavylift.solver.joints.row_writing import (
     travel_row,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import RowSystem
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["CHANNELS", "ROTATIONAL", "Sliders", "pack"]
 
@@ -81,7 +81,7 @@ def pack(joints: Sequence[Slider], places: Sequence[JointPlace], book: MarkerBoo
 
 @implement(fill_rows, Sliders)
 @kernel(internal=True)
-def fill_slider_rows(kind: Sliders, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+def fill_slider_rows(kind: Sliders, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
@@ -98,7 +98,7 @@ def fill_slider_rows(kind: Sliders, with_residual: bool, work: Workspace, system
 
 @implement(fill_bias, Sliders)
 @kernel(internal=True)
-def fill_slider_bias(kind: Sliders, time: float, work: Workspace, system: RowSystem) -> None:
+def fill_slider_bias(kind: Sliders, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
@@ -113,7 +113,7 @@ def fill_slider_bias(kind: Sliders, time: float, work: Workspace, system: RowSys
 @implement(record_joints, Sliders)
 @kernel(internal=True)
 def record_sliders(
-    kind: Sliders, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+    kind: Sliders, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """Reaction on b, travel."""
     for j in range(kind.table.shape[0]):

@@ -46,7 +46,7 @@ from heavylift.solver.joints.row_writing import (
     travel_row,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import RowSystem
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["CHANNELS", "ROTATIONAL", "SliderHinges", "pack"]
 
@@ -95,7 +95,7 @@ def pack(
 @implement(fill_rows, SliderHinges)
 @kernel(internal=True)
 def fill_slider_hinge_rows(
-    kind: SliderHinges, with_residual: bool, work: Workspace, system: RowSystem
+    kind: SliderHinges, with_residual: bool, work: Workspace, system: RowArrays
 ) -> None:
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
@@ -112,7 +112,7 @@ def fill_slider_hinge_rows(
 
 @implement(fill_bias, SliderHinges)
 @kernel(internal=True)
-def fill_slider_hinge_bias(kind: SliderHinges, time: float, work: Workspace, system: RowSystem) -> None:
+def fill_slider_hinge_bias(kind: SliderHinges, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
@@ -126,7 +126,7 @@ def fill_slider_hinge_bias(kind: SliderHinges, time: float, work: Workspace, sys
 @implement(record_joints, SliderHinges)
 @kernel(internal=True)
 def record_slider_hinges(
-    kind: SliderHinges, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+    kind: SliderHinges, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """Reaction on b, angle, travel."""
     for j in range(kind.table.shape[0]):

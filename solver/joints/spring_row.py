@@ -33,7 +33,7 @@ from heavylift.solver.joints.coordinate import (
 from heavylift.solver.joints.law_rows import put_residual, row_rate
 from heavylift.solver.joints.row_writing import near_angle
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import RowSystem
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["SpringRows"]
 
@@ -71,7 +71,7 @@ def _whole(kind: SpringRows, i: int, q: float) -> float:
 
 @implement(fill_rows, SpringRows)
 @kernel(internal=True)
-def fill_spring_rows(kind: SpringRows, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+def fill_spring_rows(kind: SpringRows, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows; elongations as residuals."""
     for i in range(kind.table.shape[0]):
         coordinate, block, a, b, c, _ = kind.table[i]
@@ -83,7 +83,7 @@ def fill_spring_rows(kind: SpringRows, with_residual: bool, work: Workspace, sys
 @implement(update_rows, SpringRows)
 @kernel(internal=True)
 def update_spring_rows(
-    kind: SpringRows, time: float, step: float, work: Workspace, system: RowSystem
+    kind: SpringRows, time: float, step: float, work: Workspace, system: RowArrays
 ) -> None:
     """What the dampers take."""
     for i in range(kind.table.shape[0]):
@@ -95,7 +95,7 @@ def update_spring_rows(
 @implement(record_joints, SpringRows)
 @kernel(internal=True)
 def record_spring_rows(
-    kind: SpringRows, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+    kind: SpringRows, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """Force that resists the elongation, and the length of springs between points."""
     for i in range(kind.table.shape[0]):

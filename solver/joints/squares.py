@@ -35,7 +35,7 @@ from heavylift.solver.joints.row_writing import (
     write_point_bias,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import RowSystem
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["SquareJoints", "pack"]
 
@@ -79,7 +79,7 @@ def _marker(book: MarkerBook, body: str, frame: JointFrame, vector: NDArray[np.f
 
 @implement(fill_rows, SquareJoints)
 @kernel(internal=True)
-def fill_square_rows(kind: SquareJoints, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+def fill_square_rows(kind: SquareJoints, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
@@ -100,7 +100,7 @@ def fill_square_rows(kind: SquareJoints, with_residual: bool, work: Workspace, s
 
 @implement(fill_bias, SquareJoints)
 @kernel(internal=True)
-def fill_square_bias(kind: SquareJoints, time: float, work: Workspace, system: RowSystem) -> None:
+def fill_square_bias(kind: SquareJoints, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
@@ -114,7 +114,7 @@ def fill_square_bias(kind: SquareJoints, time: float, work: Workspace, system: R
 @implement(record_joints, SquareJoints)
 @kernel(internal=True)
 def record_square_joints(
-    kind: SquareJoints, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+    kind: SquareJoints, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """Reaction on b."""
     for j in range(kind.table.shape[0]):

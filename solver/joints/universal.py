@@ -27,7 +27,7 @@ from heavylift.solver.joints.row_writing import (
     write_point_bias,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import RowSystem
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["ROTATIONAL", "UniversalJoints", "pack"]
 
@@ -70,7 +70,7 @@ def pack(joints: Sequence[Universal], places: Sequence[JointPlace], book: Marker
 @implement(fill_rows, UniversalJoints)
 @kernel(internal=True)
 def fill_universal_rows(
-    kind: UniversalJoints, with_residual: bool, work: Workspace, system: RowSystem
+    kind: UniversalJoints, with_residual: bool, work: Workspace, system: RowArrays
 ) -> None:
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
@@ -86,7 +86,7 @@ def fill_universal_rows(
 
 @implement(fill_bias, UniversalJoints)
 @kernel(internal=True)
-def fill_universal_bias(kind: UniversalJoints, time: float, work: Workspace, system: RowSystem) -> None:
+def fill_universal_bias(kind: UniversalJoints, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms."""
     for j in range(kind.table.shape[0]):
         block, point_a, point_b, z_a, z_b, _ = kind.table[j]
@@ -97,7 +97,7 @@ def fill_universal_bias(kind: UniversalJoints, time: float, work: Workspace, sys
 @implement(record_joints, UniversalJoints)
 @kernel(internal=True)
 def record_universal_joints(
-    kind: UniversalJoints, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+    kind: UniversalJoints, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """Reaction on b."""
     for j in range(kind.table.shape[0]):

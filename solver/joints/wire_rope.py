@@ -14,7 +14,6 @@ shorter one slowly.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +38,7 @@ from heavylift.solver.joints.law_rows import RETURN, fit_law, put_law, put_resid
 from heavylift.solver.joints.rope_path import path_length
 from heavylift.solver.joints.row_writing import add_direction_row
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import PANEL, WIDTH, RowSystem
+from heavylift.solver.rows import PANEL, WIDTH, RowArrays
 
 __all__ = ["Ropes"]
 
@@ -149,7 +148,7 @@ def _compare(kind: Ropes, i: int, length: float) -> None:
 
 @implement(fill_rows, Ropes)
 @kernel(internal=True)
-def fill_rope_rows(kind: Ropes, with_residual: bool, work: Workspace, system: Any) -> None:
+def fill_rope_rows(kind: Ropes, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """``dl/dc . J + dl/dn . J_n`` of every place on the side of its body."""
     lanes = system.lanes
     for i in range(kind.table.shape[0]):
@@ -190,7 +189,7 @@ def _tension(
 @implement(set_targets, Ropes)
 @kernel(internal=True)
 def set_rope_targets(
-    kind: Ropes, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowSystem
+    kind: Ropes, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowArrays
 ) -> None:
     """First guess: the rate of the last step."""
     if not at_midpoint:
@@ -202,7 +201,7 @@ def set_rope_targets(
 
 
 @kernel(inline=True, internal=True)
-def _rate(kind: Ropes, i: int, work: Workspace, system: RowSystem) -> float:
+def _rate(kind: Ropes, i: int, work: Workspace, system: RowArrays) -> float:
     """Rate of the path in the middle of the step [m/s]."""
     first = 2 * kind.table[i, BLOCK]
     return row_rate(system, first, first + kind.table[i, ATTACHMENTS], work.velocity)
@@ -210,7 +209,7 @@ def _rate(kind: Ropes, i: int, work: Workspace, system: RowSystem) -> float:
 
 @implement(relinearise, Ropes)
 @kernel(internal=True)
-def relinearise_ropes(kind: Ropes, time: float, step: float, work: Workspace, system: RowSystem) -> None:
+def relinearise_ropes(kind: Ropes, time: float, step: float, work: Workspace, system: RowArrays) -> None:
     """Fit the tensions to the rates found."""
     for i in range(kind.table.shape[0]):
         u = _rate(kind, i, work, system)
@@ -220,7 +219,7 @@ def relinearise_ropes(kind: Ropes, time: float, step: float, work: Workspace, sy
 
 @implement(update_rows, Ropes)
 @kernel(internal=True)
-def update_ropes(kind: Ropes, time: float, step: float, work: Workspace, system: RowSystem) -> None:
+def update_ropes(kind: Ropes, time: float, step: float, work: Workspace, system: RowArrays) -> None:
     """Carry the stretch over the step; works of winch and damper."""
     for i in range(kind.table.shape[0]):
         at = i * STATE_WIDTH
@@ -257,7 +256,7 @@ def _path_rate(kind: Ropes, i: int, work: Workspace) -> float:
 @implement(record_joints, Ropes)
 @kernel(internal=True)
 def record_ropes(
-    kind: Ropes, time: float, work: Workspace, system: RowSystem, row: NDArray[np.float64]
+    kind: Ropes, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """Tension, length of the path, unstretched length, drift, tension of each straight part."""
     for i in range(kind.table.shape[0]):

@@ -42,7 +42,7 @@ from heavylift.solver.marine.hulls import (
     WAVE,
     Hulls,
 )
-from heavylift.solver.rows import DOF, PANEL, Rows
+from heavylift.solver.rows import DOF, PANEL, RowArrays
 
 __all__: list[str] = []
 
@@ -74,7 +74,7 @@ def check_hulls(kind: Hulls, step: float, work: Workspace) -> None:
 
 @implement(apply_inverse, Hulls)
 @kernel(internal=True)
-def apply_inverse_of_hulls(kind: Hulls, at_midpoint: bool, system: Rows) -> None:
+def apply_inverse_of_hulls(kind: Hulls, at_midpoint: bool, system: RowArrays) -> None:
     """Of the attachments on these bodies; at the end of the step by the mass alone, which is factored here."""
     last = kind.table[kind.table.shape[0] - 1, BODY_DOF]
     if not at_midpoint:
@@ -97,7 +97,7 @@ def apply_inverse_of_hulls(kind: Hulls, at_midpoint: bool, system: Rows) -> None
 
 
 @kernel(internal=True)
-def _solve_panel(kind: Hulls, base: int, n: int, system: Rows, panel: int) -> None:
+def _solve_panel(kind: Hulls, base: int, n: int, system: RowArrays, panel: int) -> None:
     """``L L^T X = G^T``, all rows of a joint at once."""
     lanes = system.lanes
     G, factor = system.panels, kind.matrices

@@ -129,7 +129,11 @@ def pack_hulls(
 
     added_mass, radiation, excitation, part_state = pack_parts(bodies, sea, step, notes)
     kind = Hulls(
-        *rigid,
+        table=rigid.table,
+        constants=rigid.constants,
+        frame=rigid.frame,
+        markers=rigid.markers,
+        sensors=rigid.sensors,
         hulls=rows,
         groups=np.array(group_rows, dtype=np.int64),
         water=np.array([sea.water.density * sea.water.gravity, sea.water.gravity, sea.water.level]),

@@ -1,11 +1,11 @@
 """What a database brings to hulls: memory of radiated waves and forces of incoming ones, as parts of their kind.
 
-A scene without waves, or without memory, has empty tuples here, and compiles and runs nothing of them.
+A scene without waves, or without memory, has empty tables here, and runs nothing of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -102,9 +102,7 @@ class SeriesPart(Arrays):
 
 
 @optional
-def begin_memory(
-    parts: Parts, step: float, implicit: Floats2, vectors: Floats2
-) -> None:
+def begin_memory(parts: Parts, step: float, implicit: Floats2, vectors: Floats2) -> None:
     """Memory: its force at the middle of the step, without the part of the velocity there, and that part."""
 
 
@@ -219,7 +217,7 @@ def add_series_waves(
 
 def pack_parts(
     bodies: Sequence[FloatingBody], sea: Sea, step: float, notes: list[str]
-) -> tuple[NDArray[np.float64], tuple[Any, ...], tuple[Any, ...], NDArray[np.float64]]:
+) -> tuple[NDArray[np.float64], Parts, Parts, NDArray[np.float64]]:
     """Added mass of all hulls, memory and excitation of each database, and the states of the memories, flat.
 
     Raises
@@ -242,7 +240,7 @@ def pack_parts(
         if sea.waves is not None:
             excitations.append(_excitation(radiation, bodies, first, sea))
     states = [np.ravel(part.memory.state) for part in memories]
-    return added_mass, tuple(memories), tuple(excitations), np.concatenate([np.zeros(0), *states])
+    return added_mass, Parts(memories), Parts(excitations), np.concatenate([np.zeros(0), *states])
 
 
 def _consistent_added_mass(database: HydrodynamicDatabase) -> NDArray[np.float64]:
@@ -337,7 +335,7 @@ def _check_water(radiation: Radiation, sea: Sea) -> None:
         )
 
 
-def check_series(bodies: Sequence[Any]) -> None:
+def check_series(bodies: Iterable[Any]) -> None:
     """Refuse a series of wave forces for a place that hulls have been moved from before the start.
 
     Raises
@@ -371,4 +369,4 @@ def share_part_states(kind: Hulls) -> Hulls:
         view = kind.state[at : at + old.size].reshape(old.shape)
         parts.append(part._replace(memory=part.memory._replace(state=view)))
         at += old.size
-    return kind._replace(radiation=tuple(parts))
+    return kind._replace(radiation=Parts(parts))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,6 +21,8 @@ from heavylift.solver.bodies.rigid_stage import orientation_of, stage_rotation
 from heavylift.solver.bodies.rigid_step import advance_rigid_bodies, finish_rigid_bodies
 from heavylift.solver.contact.generics import meet_again
 from heavylift.solver.interface import (
+    Joints,
+    Systems,
     Workspace,
     advance,
     correct,
@@ -176,7 +176,7 @@ def _pose_at(kind: Hulls, hull: int, step: float, velocity: NDArray[np.float64],
 @implement(correct_rows, Hulls)
 @kernel(internal=True)
 def correct_rows_of_hulls(
-    kind: Hulls, systems: Any, joints: Any, work: Workspace, time: float, step: float
+    kind: Hulls, systems: Systems, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
     """`correct` has changed the velocities of these bodies."""
     solve_again(systems, joints, work, time, step)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from heavylift.solver.bodies.rigid import NUMBER
+from heavylift.solver.interface import Bodies
 from heavylift.solver.marine.clipping import VOLUME
 from heavylift.solver.marine.hulls import CLIP, HEADING, LEAST_VOLUME, WAVE
 
 __all__ = ["left_because"]
 
 
-def left_because(bodies: tuple[Any, ...], number: int) -> tuple[str, str]:
+def left_because(bodies: Bodies, number: int) -> tuple[str, str]:
     """What happened, and what may help.
 
     Parameters

@@ -104,7 +104,7 @@ class Hulls(Arrays):
     state
         Carried, flat: `STATE_WIDTH` numbers a hull, the lag of the velocity of each tank (3), the states of the parts.
     radiation, excitation
-        Parts that a database brings; empty tuples without one.
+        Parts that a database brings; empty without one.
     gauge
         Undisturbed waves, for records: omega, kx, ky, phase, amplitude; shape (5, m).
     """

@@ -1,4 +1,4 @@
-"""Hulls before time starts: poses, velocities and forces at rest as vectors of the whole scene; nothing is compiled."""
+"""Hulls before time starts: poses, velocities and forces at rest as vectors of the whole scene, in Python."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a type of ANCF element offers: generic functions over all elements of one body.
+"""What a type of ANCF element offers: verbs over all elements of one body.
 
 Rows are those of `nodal` and `strains`; the body is its row of `table`. Forces are added in the places of
 the nodes, stiffness to the blocks of the step matrix, both without regard to fixed coordinates. None of them but
@@ -7,11 +7,10 @@ the nodes, stiffness to the blocks of the step matrix, both without regard to fi
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.solver.bodies.ancf.kind import Meshes
 from heavylift.solver.kinds import generic
 
 __all__ = [
@@ -29,23 +28,23 @@ __all__ = [
 
 
 @generic
-def find_strains(kinds: Any, body: int, q: int, strain: int) -> None:
+def find_strains(kinds: Meshes, body: int, q: int, strain: int) -> None:
     """``strains[strain] = e(q)`` with the coordinates of row `q`."""
 
 
 @generic
-def add_strain_rates(kinds: Any, body: int, q: int, v: int, strain: int, factor: float) -> None:
+def add_strain_rates(kinds: Meshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
     """``strains[strain] += factor B(q) v``."""
 
 
 @generic
-def add_stress_forces(kinds: Any, body: int, q: int, strain: int, force: int, factor: float) -> None:
+def add_stress_forces(kinds: Meshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
     """``nodal[force] += factor B(q)^T C strains[strain]``."""
 
 
 @generic
 def add_mean_stress_forces(
-    kinds: Any,
+    kinds: Meshes,
     body: int,
     q_start: int,
     q_end: int,
@@ -64,13 +63,13 @@ def add_mean_stress_forces(
 
 
 @generic
-def add_elastic_forces(kinds: Any, body: int, q: int, force: int, factor: float) -> None:
+def add_elastic_forces(kinds: Meshes, body: int, q: int, force: int, factor: float) -> None:
     """``nodal[force] += factor (B^T C e(q) + K_b q)`` in one pass; row `SHAPE_STRAIN` is scratch."""
 
 
 @generic
 def add_stiffness(
-    kinds: Any, body: int, q: int, strain: int, force: int, factor: float, scale: float, geometric: float
+    kinds: Meshes, body: int, q: int, strain: int, force: int, factor: float, scale: float, geometric: float
 ) -> None:
     """Both in one pass: `add_stress_forces`, and ``scale (B^T C B + geometric G)`` into the blocks of the step set.
 
@@ -79,12 +78,12 @@ def add_stiffness(
 
 
 @generic
-def measure_strain_energy(kinds: Any, body: int, strain: int) -> None:
+def measure_strain_energy(kinds: Meshes, body: int, strain: int) -> None:
     """``body[ELASTIC_ENERGY] += e^T C e / 2`` with the strains of a row."""
 
 
 @generic
-def measure_drift(kinds: Any, body: int, first: int, second: int) -> None:
+def measure_drift(kinds: Meshes, body: int, first: int, second: int) -> None:
     """Largest difference of the strains [1] of two rows into `DRIFT`, its element of the body into `DRIFT_ELEMENT`.
 
     Curvatures count with half the height of the section.
@@ -93,11 +92,11 @@ def measure_drift(kinds: Any, body: int, first: int, second: int) -> None:
 
 @generic
 def add_follower_load(
-    kinds: Any, body: int, q: int, element: int, load: int, data: int, factor: float
+    kinds: Meshes, body: int, q: int, element: int, load: int, data: int, factor: float
 ) -> None:
     """``nodal[load] += factor`` times the load of an element at the coordinates `q`, data from `constants[data]` on."""
 
 
 @generic
-def record_elements(kinds: Any, body: int, row: NDArray[np.float64], column: int) -> None:
+def record_elements(kinds: Meshes, body: int, row: NDArray[np.float64], column: int) -> None:
     """Section forces and stresses of the carried coordinates into a record from a column on."""

@@ -148,9 +148,7 @@ def _write_residual(kind: Meshes, body: int, step: float, work: Workspace) -> No
     if stiff > 0.0:
         add_matrix_products(kind, body, MID_V, 0.0, MID_V, -half * stiff, RIGHT)
     _average_strains(kind, body, step)
-    add_mean_stress_forces(
-        kind, body, Q, TRIAL, MID_Q, START_STRAIN, SHAPE_STRAIN, OLD_STRAIN, RIGHT, -half
-    )
+    add_mean_stress_forces(kind, body, Q, TRIAL, MID_Q, START_STRAIN, SHAPE_STRAIN, OLD_STRAIN, RIGHT, -half)
     _add_base_impulses(kind, body, TRIAL)
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.ancf.kind import ELEMENT_BLOCKS
+from heavylift.solver.bodies.ancf.kind import ELEMENT_BLOCKS, Meshes
 
 __all__ = [
     "AXIAL_POINTS",
@@ -82,7 +82,7 @@ FrameElement = tuple[Vector, Vector, Vector]
 
 
 @kernel(inline=True, internal=True)
-def load_element(kind: Any, e: int, row: int) -> FrameElement:
+def load_element(kind: Meshes, e: int, row: int) -> FrameElement:
     """What the derivatives along an element need of a row of `nodal`."""
     x = kind.nodal
     i, j = kind.elements[e, 0], kind.elements[e, 1]
@@ -160,7 +160,7 @@ def transpose(m: Full) -> Full:
 
 
 @kernel(inline=True, internal=True)
-def put_forces(kind: Any, e: int, row: int, fa: Vector, fb: Vector, fc: Vector) -> None:
+def put_forces(kind: Meshes, e: int, row: int, fa: Vector, fb: Vector, fc: Vector) -> None:
     """Add the forces on ``r_2 - r_1``, ``r'_1`` and ``r'_2`` to a row of `nodal`."""
     x = kind.nodal
     i, j = kind.elements[e, 0], kind.elements[e, 1]
@@ -181,7 +181,7 @@ def _put_matrix(blocks: Any, at: int, f: float, m: Full) -> None:
 
 @kernel(inline=True, internal=True)
 def put_stiffness(
-    kind: Any, e: int, aa: Symmetric, ab: Full, ac: Full, bb: Symmetric, bc: Full, cc: Symmetric
+    kind: Meshes, e: int, aa: Symmetric, ab: Full, ac: Full, bb: Symmetric, bc: Full, cc: Symmetric
 ) -> None:
     """Add the stiffness against ``r_2 - r_1``, ``r'_1`` and ``r'_2`` to the blocks of the pairs of nodes."""
     blocks, elements = kind.blocks, kind.elements

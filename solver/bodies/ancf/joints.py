@@ -49,7 +49,7 @@ from heavylift.solver.rows import (
     PANEL,
     ROW_COLUMNS,
     WIDTH,
-    Rows,
+    RowArrays,
     row_arrays,
 )
 
@@ -57,7 +57,7 @@ __all__ = ["collect_impulses", "take_impulses"]
 
 
 @kernel(internal=True)
-def attached_mesh(kind: Meshes, system: Rows, attachment: int) -> int:
+def attached_mesh(kind: Meshes, system: RowArrays, attachment: int) -> int:
     """Row of the body that an attachment is on, -1 if that is not of this kind. Velocities grow with the rows."""
     if system.attachments[attachment, HOLDER] != FACTORED or system.attachments[attachment, WIDTH] == 0:
         return -1
@@ -71,7 +71,7 @@ def attached_mesh(kind: Meshes, system: Rows, attachment: int) -> int:
 @implement(apply_inverse, FrameMeshes)
 @implement(apply_inverse, ShellMeshes)
 @kernel(internal=True)
-def apply_inverse_of_meshes(kind: Meshes, at_midpoint: bool, system: Rows) -> None:
+def apply_inverse_of_meshes(kind: Meshes, at_midpoint: bool, system: RowArrays) -> None:
     """``X = C G^T`` with ``C = J A^-1 J^T``, minus the blocks of the bases."""
     lanes = system.lanes
     G, half = system.panels, system.panels.shape[0] // 2
@@ -89,7 +89,7 @@ def apply_inverse_of_meshes(kind: Meshes, at_midpoint: bool, system: Rows) -> No
 
 
 @kernel(internal=True)
-def _add_compliance(kind: Meshes, body: int, which: int, system: Rows, panel: int, width: int) -> None:
+def _add_compliance(kind: Meshes, body: int, which: int, system: RowArrays, panel: int, width: int) -> None:
     """Block by block; those off the diagonal serve both triangles."""
     lanes = system.lanes
     G, half = system.panels, system.panels.shape[0] // 2
@@ -113,7 +113,7 @@ def _add_compliance(kind: Meshes, body: int, which: int, system: Rows, panel: in
 
 
 @kernel(internal=True)
-def collect_impulses(system: Rows, body_kind: Meshes, row: int) -> None:
+def collect_impulses(system: RowArrays, body_kind: Meshes, row: int) -> None:
     """Subtract ``G^T`` times the impulses of a system from the places of the bases in a row of `nodal`."""
     lanes = system.lanes
     for i in range(system.attachments.shape[0]):

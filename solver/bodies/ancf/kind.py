@@ -167,7 +167,11 @@ class Meshes(Arrays):
         See the columns.
     moving
         The moving points of all bodies.
+    shape
+        Block shape for `heavylift.numerics.lanes`, which is known when a kernel is compiled.
     """
+
+    shape: ClassVar[Any]
 
     table: Ints2
     elements: Ints2
@@ -189,7 +193,7 @@ class Meshes(Arrays):
 
 
 class FrameMeshes(Meshes):
-    """All frames of a scene: 6 rows, 8 lanes. A node takes 8 places in a row of `nodal`: ``r``, ``r'``, two of padding."""
+    """All frames of a scene: 6 rows, 8 lanes: ``r``, ``r'``, two of padding in a row of `nodal`."""
 
     shape: ClassVar[Any] = block_shape(6)
     kernel_modules: ClassVar[tuple[str, ...]] = (

@@ -37,7 +37,7 @@ from heavylift.solver.bodies.ancf.kind import (
     RIGHT,
     Meshes,
 )
-from heavylift.solver.rows import PANEL, Rows
+from heavylift.solver.rows import PANEL, RowArrays
 
 __all__ = [
     "MovingPoints",
@@ -362,7 +362,7 @@ def add_point_impulses(moving: MovingPoints, kind: Meshes, body: int, row: int) 
 
 @kernel(internal=True)
 def add_point_compliance(
-    moving: MovingPoints, kind: Meshes, body: int, which: int, system: Rows, attachment: int
+    moving: MovingPoints, kind: Meshes, body: int, which: int, system: RowArrays, attachment: int
 ) -> None:
     """The part of ``X = C G^T`` of an attachment that comes from the moving points: all but bases with bases."""
     lanes, block_lanes = system.lanes, len(kind.shape[1])
