@@ -1,4 +1,4 @@
-"""From the sections of a flexible body to its finite-element model and reduced body."""
+"""From the sections of a flexible body to its finite-element model."""
 
 from __future__ import annotations
 
@@ -13,16 +13,14 @@ from heavylift.pipeline.case_geometry import BoxGroup, FaceGroup, PlaneGroup
 from heavylift.pipeline.storage import replacing
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping
     from pathlib import Path
 
     from numpy.typing import ArrayLike, NDArray
 
-    from heavylift.modal.reduced import ReducedBody
     from heavylift.pipeline.case import Case
-    from heavylift.pipeline.case_bodies import FlexibleBodySection, ModesSection
+    from heavylift.pipeline.case_bodies import FlexibleBodySection
     from heavylift.pipeline.case_geometry import FourFilesGeometry, Group
-    from heavylift.pipeline.storage import OutputFolder
     from heavylift.preprocess.exchange import FourFileData
     from heavylift.preprocess.groups import NodeSelector
     from heavylift.preprocess.mesh import Mesh
@@ -31,9 +29,9 @@ if TYPE_CHECKING:
 __all__ = [
     "assemble_model",
     "check_on_body",
+    "four_files",
+    "in_body",
     "model_properties",
-    "reduce_model",
-    "reduced_properties",
     "write_vtu",
 ]
 
@@ -43,9 +41,9 @@ def assemble_model(case: Case, name: str, body: FlexibleBodySection) -> FEModel:
     from heavylift.preprocess.elasticity import assemble
     from heavylift.preprocess.model import Material
 
-    with _in_case(case, name):
+    with in_body(case, name):
         if body.geometry.type == "four_files":
-            return _four_files(case, body.geometry).model
+            return four_files(case, body.geometry).model
         assert body.material is not None
         mesh = _mesh(case, name, body)
         if body.geometry.type == "blocks" and body.mesh.formulation == "reduced":
@@ -65,7 +63,7 @@ _CASE_KEYS = (
 
 
 @contextlib.contextmanager
-def _in_case(case: Case, name: str, model_name: str = "") -> Iterator[None]:
+def in_body(case: Case, name: str, model_name: str = "") -> Iterator[None]:
     """Say of errors that name only the body, or a group of it, where in the case file they stand."""
     try:
         yield
@@ -222,7 +220,8 @@ def _selectors(groups: Mapping[str, Group]) -> list[NodeSelector]:
     return selectors
 
 
-def _four_files(case: Case, geometry: FourFilesGeometry) -> FourFileData:
+def four_files(case: Case, geometry: FourFilesGeometry) -> FourFileData:
+    """Matrices, mesh and shapes that another program has written."""
     from dataclasses import replace
 
     from heavylift.preprocess.exchange import read_four_files
@@ -268,118 +267,3 @@ def write_vtu(path: Path, model: FEModel) -> None:
     )
     with replacing(path) as temporary:
         mesh.write(temporary, file_format="vtu")
-
-
-def reduce_model(
-    case: Case, body: FlexibleBodySection, model: FEModel, folder: OutputFolder
-) -> tuple[ReducedBody, tuple[float, float, float]]:
-    """Reduced body of a model that is in a folder, and the origin of its frame in coordinates of the geometry [m]."""
-    name = next(name for name, other in case.bodies.items() if other is body)
-    with _in_case(case, name, model.name):
-        for index, point in enumerate(body.modes.static_points):
-            key = f"modes.static_points.{index}"
-            elements = None if model.mesh is None else model.mesh.elements
-            check_on_body(point, model.nodes, elements, source=case.file, key=key)
-        return _reduce(case, name, body, model, folder)
-
-
-def _reduce(
-    case: Case, name: str, body: FlexibleBodySection, model: FEModel, folder: OutputFolder
-) -> tuple[ReducedBody, tuple[float, float, float]]:
-    from heavylift.modal import bases
-    from heavylift.modal.eigen import eigenmodes
-    from heavylift.modal.flexibility import Flexibility
-    from heavylift.modal.reduction import reduce_body
-
-    options = body.modes
-    clamped = _nodes_of(model, options.clamp, "clamp")
-    static_loads = _loads(options, model, clamped)
-    if options.attach and not options.patches:
-        from heavylift.pipeline.case_contact_modes import contour_loads
-
-        static_loads += contour_loads(case, name, model, folder, fixed_nodes=clamped)
-    origin = np.zeros(3)
-    if body.frame.origin == "centre_of_mass":
-        row_sum = np.asarray(model.mass.sum(axis=0)).ravel()
-        origin = row_sum @ model.nodes / row_sum.sum()
-    if options.basis == "stored":
-        assert body.geometry.type == "four_files"
-        shapes = _four_files(case, body.geometry).modes
-        chosen = [number - 1 for number in options.select] or list(range(shapes.shape[1]))
-        if max(chosen) >= shapes.shape[1]:
-            raise InputError(
-                f"asks for shape {max(chosen) + 1}",
-                source=case.file,
-                key="modes.select",
-                expected=f"numbers up to {shapes.shape[1]}, the stored shapes",
-            )
-        basis = bases.Basis(shapes[:, chosen], tuple(f"stored {number + 1}" for number in chosen))
-        flexibility = Flexibility(model, clamped) if options.has_static else None
-    elif options.basis == "craig_bampton":
-        interface = _nodes_of(model, options.interface, "interface")
-        basis = bases.craig_bampton(model, interface, options.count, fixed_nodes=clamped)
-        flexibility = Flexibility(model, clamped) if options.has_static else None
-    else:
-        flexibility = Flexibility(model, clamped)
-        parts = []
-        if options.count:
-            modes = eigenmodes(model, options.count, flexibility=flexibility)
-            parts.append(bases.eigenmode_basis(modes, options.select or None))
-        if options.basis == "krylov":
-            parts += [bases.moment_matching(flexibility, loads, options.order) for loads in static_loads]
-        basis = sum(parts[1:], start=parts[0])
-    if flexibility is not None and options.basis != "krylov":
-        for loads in static_loads:
-            basis += bases.static_vectors(flexibility, loads)
-    reduced = reduce_body(
-        model,
-        basis.vectors,
-        basis.labels,
-        fixed_nodes=clamped,
-        origin=origin,
-        mean_axis=body.frame.motion == "free",
-    )
-    return reduced, tuple(float(x) for x in origin)  # type: ignore[return-value]
-
-
-def _nodes_of(model: FEModel, groups: Sequence[str], key: str) -> NDArray[np.int64]:
-    """Nodes of some groups together."""
-    for group in groups:
-        if group not in model.node_groups:
-            known = ", ".join(sorted(model.node_groups)) or "none"
-            raise InputError(
-                f"group {group!r} does not exist", key=f"modes.{key}", expected=f"one of: {known}"
-            )
-    parts = [model.node_groups[group] for group in groups]
-    return np.unique(np.concatenate(parts)).astype(np.int64) if parts else np.empty(0, dtype=np.int64)
-
-
-def _loads(options: ModesSection, model: FEModel, clamped: NDArray[np.int64]) -> list[Any]:
-    """Static loads of the points, groups and contact patches of a reduction."""
-    from heavylift.modal import bases
-    from heavylift.pipeline.case_contact_modes import patch_load
-
-    loads = []
-    if options.static_points:
-        nearest = {
-            int(np.argmin(((model.nodes - point) ** 2).sum(axis=1))): None for point in options.static_points
-        }
-        loads.append(bases.point_loads(model, list(nearest), options.static_directions))
-    for group in options.static_groups:
-        nodes = _nodes_of(model, [group], "static_groups")
-        loads.append(bases.patch_loads(model, nodes, options.static_directions, name=group))
-    for index, patch in enumerate(options.patches):
-        members = _nodes_of(model, [patch.on], f"patches.{index}.on")
-        loads.append(patch_load(model, patch, members, fixed_nodes=clamped, key=f"modes.patches.{index}"))
-    return loads
-
-
-def reduced_properties(reduced: ReducedBody) -> dict[str, Any]:
-    """Numbers of a reduced body for its manifest."""
-    return {
-        "vector_count": reduced.mode_count,
-        "frequencies_hz": [float(f) for f in reduced.frequencies],
-        "largest_residual": float(reduced.residuals.max()),
-        "orthogonality": reduced.orthogonality,
-        "dropped": list(reduced.dropped) or None,
-    }

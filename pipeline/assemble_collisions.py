@@ -13,7 +13,7 @@ from heavylift.solver.contacts import HertzLaw, HuntCrossleyLaw, LinearLaw, Rigi
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from heavylift.pipeline.assemble_connections import Side
+    from heavylift.pipeline.assemble_sides import Side
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_collisions import Collision
     from heavylift.pipeline.storage import OutputFolder

@@ -13,9 +13,9 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
-from heavylift.pipeline.assemble_connections import located
 from heavylift.pipeline.assemble_mesh_shapes import read_points
 from heavylift.pipeline.case_contours import BandContourSection, SurfaceContourSection
+from heavylift.pipeline.case_places import located
 from heavylift.pipeline.model_io import read_model
 from heavylift.solver import contacts as c
 from heavylift.solver.meshes import FrameBody
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.contours.neutral import NeutralContour
-    from heavylift.pipeline.assemble_connections import Side
+    from heavylift.pipeline.assemble_sides import Side
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_contacts import Contact, Shape, TurnSection
     from heavylift.pipeline.case_contours import (

@@ -1,4 +1,4 @@
-"""From the hulls and databases of a case to what the solver integrates, and to panels for a database."""
+"""From the hulls of a case to what the solver integrates, and to panels for a database."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.assemble_connections import located
-from heavylift.pipeline.assemble_sea import water_of
 from heavylift.pipeline.assemble_surfaces import stored_surface
+from heavylift.pipeline.assemble_water import water_of
+from heavylift.pipeline.case_places import located
 from heavylift.solver import seas
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.pipeline.assemble_connections import Side
+    from heavylift.pipeline.assemble_sides import Side
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_hulls import HullSection
     from heavylift.pipeline.storage import OutputFolder
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "assemble_hulls",
-    "assemble_radiation",
     "frame_origin",
     "hull_surface",
     "hull_tanks",
@@ -68,33 +67,6 @@ def assemble_hulls(case: Case, sides: Mapping[str, Side], folder: OutputFolder) 
                     else section.open_deck - float(side.origin[2]),
                 )
             )
-    return tuple(found)
-
-
-def assemble_radiation(case: Case, folder: OutputFolder) -> tuple[seas.Radiation, ...]:
-    """Databases of a case."""
-    from heavylift.pipeline.stage_hydrodynamics import stored_database
-
-    found = []
-    for name, section in case.databases.items():
-        with located(case, f"databases.{name}"):
-            database = stored_database(case, name, folder)
-            if database.body_count != len(section.hulls):
-                raise InputError(
-                    f"{len(section.hulls)} hulls for a database of {database.body_count}",
-                    key="hulls",
-                    expected=f"one for each of {', '.join(database.bodies)}",
-                )
-        found.append(
-            seas.Radiation(
-                bodies=section.hulls,
-                database=database,
-                memory=section.memory,
-                memory_length=section.memory_length,
-                fit_error=section.fit_error,
-                drift=section.drift,
-            )
-        )
     return tuple(found)
 
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.assemble_connections import located
+from heavylift.pipeline.case_places import located
 from heavylift.solver.marine.moorings import Fender, LineSection, MooringLine
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from heavylift.pipeline.assemble_connections import Side
+    from heavylift.pipeline.assemble_sides import Side
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_lines import MooringLineSection
 

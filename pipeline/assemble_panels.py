@@ -10,7 +10,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble_hulls import frame_origin, hull_surface, upright_position
 from heavylift.pipeline.assemble_scene import assemble_rigid
-from heavylift.pipeline.assemble_sea import water_of
+from heavylift.pipeline.assemble_water import water_of
 from heavylift.preprocess.bem_inputs import BemInputs
 from heavylift.preprocess.hull_panels import HullPanels, box_panels, hydrostatics, surface_panels
 from heavylift.preprocess.surface_refinement import refined_triangles

@@ -14,16 +14,15 @@ from heavylift.pipeline.assemble_connections import (
     assemble_joints,
     assemble_loads,
     assemble_ropes,
-    located,
-    make_profile,
-    start_sides,
 )
 from heavylift.pipeline.assemble_contacts import assemble_contacts, assemble_contours
 from heavylift.pipeline.assemble_edges import joints_of_edge
 from heavylift.pipeline.assemble_meshes import assemble_frame, assemble_shell, check_on_mesh, check_pulleys
+from heavylift.pipeline.assemble_sides import make_profile, start_sides
+from heavylift.pipeline.assemble_water import has_sea
 from heavylift.pipeline.case_bodies import FlexibleBodySection
 from heavylift.pipeline.case_joints import EdgeJointSection
-from heavylift.pipeline.case_sea import has_sea
+from heavylift.pipeline.case_places import located
 from heavylift.pipeline.model_io import read_header, read_model, read_reduced
 from heavylift.solver import scene as s
 from heavylift.solver.connections import EdgeClamp, EdgeHinge
@@ -36,7 +35,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from heavylift.modal.reduced import ReducedBody
-    from heavylift.pipeline.assemble_connections import Side
+    from heavylift.pipeline.assemble_sides import Side
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_bodies import (
         Frame,

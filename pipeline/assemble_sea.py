@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.pipeline.assemble_connections import located
 from heavylift.pipeline.assemble_lines import assemble_fenders, assemble_lines
-from heavylift.pipeline.case_sea import has_sea, sea_gravity
+from heavylift.pipeline.assemble_water import has_sea, water_of
+from heavylift.pipeline.case_places import located
 from heavylift.pipeline.case_waves import ELEVATION_COLUMNS, SPECTRUM_COLUMNS
 from heavylift.pipeline.case_wind import COEFFICIENT_COLUMNS
 from heavylift.pipeline.columns import read_columns
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.pipeline.assemble_connections import Side
+    from heavylift.pipeline.assemble_sides import Side
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_waves import JonswapWaves, PiersonMoskowitzWaves, SpectrumWaves, Waves
     from heavylift.pipeline.case_wind import CoefficientLoadSection, WindSection
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
         WindField,
     )
 
-__all__ = ["assemble_sea", "make_waves", "sea_provenance", "water_of"]
+__all__ = ["assemble_sea", "make_waves", "sea_provenance"]
 
 
 def assemble_sea(case: Case, sides: Mapping[str, Side], folder: OutputFolder) -> seas.Sea | None:
@@ -62,7 +62,8 @@ def assemble_sea(case: Case, sides: Mapping[str, Side], folder: OutputFolder) ->
     hulls: tuple[seas.Hull, ...] = ()
     radiation: tuple[seas.Radiation, ...] = ()
     if case.hulls:
-        from heavylift.pipeline.assemble_hulls import assemble_hulls, assemble_radiation
+        from heavylift.pipeline.assemble_databases import assemble_radiation
+        from heavylift.pipeline.assemble_hulls import assemble_hulls
 
         hulls, radiation = assemble_hulls(case, sides, folder), assemble_radiation(case, folder)
     return seas.Sea(
@@ -78,18 +79,6 @@ def assemble_sea(case: Case, sides: Mapping[str, Side], folder: OutputFolder) ->
         loads=_loads(case, sides),
         lines=assemble_lines(case, sides),
         fenders=assemble_fenders(case, sides),
-    )
-
-
-def water_of(case: Case) -> seas.Water:
-    """Still water of a case."""
-    if case.sea is None:
-        return seas.Water(gravity=sea_gravity(case))
-    return seas.Water(
-        density=case.sea.density,
-        gravity=sea_gravity(case),
-        level=case.sea.level,
-        depth=case.sea.water_depth,
     )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
-from heavylift.pipeline.assemble_connections import located
+from heavylift.pipeline.case_places import located
 from heavylift.pipeline.provenance import surface_digest
 from heavylift.pipeline.storage import replacing
 
@@ -31,7 +31,14 @@ if TYPE_CHECKING:
     from heavylift.pipeline.storage import OutputFolder
     from heavylift.preprocess.surfaces import TriangleSurface
 
-__all__ = ["StoredSurface", "make_surface", "read_surface_file", "stored_surface", "write_surface_file"]
+__all__ = [
+    "StoredSurface",
+    "magnitude_warnings",
+    "make_surface",
+    "read_surface_file",
+    "stored_surface",
+    "write_surface_file",
+]
 
 _SCALES = {"m": 1.0, "mm": 1e-3}
 _COUNTS = ("points", "triangles", "edges", "open_edges", "junction_edges", "reversed_triangles", "watertight")
@@ -219,3 +226,16 @@ def _of_file(file: str) -> Iterator[None]:
     except InputError as error:
         place = f"{file}: {error.key}: " if error.key else f"{file}: "
         raise InputError(place + error.problem, key="file", expected=error.expected) from None
+
+
+def magnitude_warnings(case: Case, surfaces: dict[str, StoredSurface]) -> list[str]:
+    """What looks like a file in millimetres among surfaces that may touch, with their boxes; each once."""
+    from heavylift.preprocess.surface_report import check_magnitudes
+
+    found: dict[str, None] = {}
+    for _, (a, b) in case.collided.values():
+        if a in surfaces and b in surfaces:
+            text = check_magnitudes(a, surfaces[a].surface, b, surfaces[b].surface)
+            if text:
+                found[text] = None
+    return list(found)

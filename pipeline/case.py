@@ -161,7 +161,17 @@ class Case(Section):
     @model_validator(mode="after")
     def _fits_the_sea(self) -> "Case":
         """What floats, blows and holds fits together."""
-        check_sea(self)
+        check_sea(
+            self.sea,
+            gravity=self.gravity,
+            simulate=self.simulate,
+            surfaces=self.surfaces,
+            hulls=self.hulls,
+            databases=self.databases,
+            tanks=self.tanks,
+            fluid_loads=self.fluid_loads,
+            lines=self.lines,
+        )
         return self
 
     @model_validator(mode="after")

@@ -1,4 +1,4 @@
-"""Tables of a case file that describe bodies: modes, frame, initial state, rigid bodies."""
+"""Tables of a case file that describe bodies: frame, initial state, rigid bodies."""
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
@@ -6,23 +6,20 @@ from itertools import pairwise
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
 from pydantic import (
-    BeforeValidator,
     Field,
-    StringConstraints,
     ValidationInfo,
     WithJsonSchema,
     field_validator,
     model_validator,
 )
 
-from heavylift.pipeline.case_contact_modes import ContactDirections, ContactPatchSection
 from heavylift.pipeline.case_geometry import Geometry, MaterialSection, MeshSection
 from heavylift.pipeline.case_inertia import Inertia
+from heavylift.pipeline.case_modes import ModesSection
 from heavylift.pipeline.fields import (
     AngularVelocityVector,
     Direction,
     LengthVector,
-    Name,
     Positive,
     Quantity,
     Section,
@@ -40,102 +37,20 @@ __all__ = [
     "FreeFrame",
     "HarmonicSection",
     "InitialSection",
-    "ModesSection",
     "ProfileSection",
     "RigidBodySection",
     "RigidInitialSection",
 ]
 
 T = TypeVar("T")
-Index = Annotated[int, Field(ge=1, strict=True)]
 Length = Annotated[float, Quantity("length")]
 Angle = Annotated[float, Quantity("angle")]
-DampingRatio = Annotated[float, Quantity("number", minimum=0.0, maximum=1.0, closed=True)]
-
-
-def _listed(value: Any) -> Any:
-    """A single value as a list of one."""
-    return value if isinstance(value, (list, tuple)) else [value]
 
 
 ModalValues = Annotated[
     tuple[float, ...], WithJsonSchema({"type": "array", "items": quantity_schema()}, mode="validation")
 ]
 """Numbers in SI or strings whose unit depends on the scaling of the mode shapes."""
-
-
-class ModesSection(Section):
-    """Reduction of a finite-element model to a few deformation shapes."""
-
-    basis: Literal["eigenmodes", "craig_bampton", "krylov", "stored"] = "eigenmodes"
-    """``eigenmodes``; ``craig_bampton``: constraint modes of `interface` and modes with it held; ``krylov``:
-    moment-matching vectors of the static loads; ``stored``: the shapes of geometry ``four_files``."""
-    count: Annotated[int, Field(ge=0, strict=True)] = 0
-    """Number of eigenmodes: needed for ``eigenmodes``, with held interface for ``craig_bampton``."""
-    clamp: tuple[Name, ...] = ()
-    """Groups of nodes that are held; none gives the modes of the free body."""
-    select: tuple[Index, ...] = ()
-    """One-based numbers of the eigenmodes or stored shapes that are kept; all if empty."""
-    interface: tuple[Name, ...] = ()
-    """For ``craig_bampton``: groups of the nodes where other bodies are attached."""
-    static_points: tuple[LengthVector, ...] = ()
-    """Points [m], in coordinates of the geometry; unit loads on the nearest nodes add static vectors."""
-    static_groups: tuple[Name, ...] = ()
-    """Groups on each of which unit loads, spread evenly, add static vectors."""
-    static_directions: Annotated[str, StringConstraints(pattern="^x?y?z?$", min_length=1)] = "xyz"
-    """Directions of the unit loads."""
-    attach: Literal["contour"] | None = None
-    """``"contour"``: static vectors for forces on the nodes of all contours of the body, or of `patches`."""
-    attach_directions: ContactDirections | None = None
-    """Of these forces: ``"normal"`` (default on surfaces), or some of x, y, z (default on curves: all three)."""
-    patches: tuple[ContactPatchSection, ...] = ()
-    """With `attach`: where the surface may be touched, in place of the contours."""
-    order: Index = 1
-    """For ``krylov``: number of blocks of vectors K^-1 b, K^-1 M K^-1 b, ..."""
-    damping_ratio: Annotated[
-        tuple[DampingRatio, ...],
-        BeforeValidator(_listed, json_schema_input_type=DampingRatio | list[DampingRatio]),
-    ] = (0.0,)
-    """Of critical: one number, or a list with one number a vector of the basis."""
-    stiffness_damping: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.0
-    """Damping matrix over stiffness matrix [s], added to `damping_ratio`: half of this times omega, of critical."""
-
-    @model_validator(mode="after")
-    def _fits(self) -> "ModesSection":
-        if self.basis == "eigenmodes" and self.count == 0:
-            reject("no 'count'", "the number of eigenmodes, 1 or more")
-        if self.basis in {"eigenmodes", "craig_bampton"} and max(self.select, default=0) > self.count:
-            reject(f"'select' asks for mode {max(self.select)}", f"numbers up to count = {self.count}")
-        if len(set(self.select)) < len(self.select):
-            reject(f"'select' = {list(self.select)} repeats a mode", "each mode once")
-        if self.basis == "craig_bampton" and not self.interface:
-            reject("basis 'craig_bampton' without 'interface'", "at least one group as interface")
-        if self.basis != "craig_bampton" and self.interface:
-            reject(f"'interface' with basis {self.basis!r}", "basis 'craig_bampton'")
-        if self.basis == "krylov" and not self.has_static:
-            reject("basis 'krylov' without loads", "'static_points', 'static_groups' or 'attach'")
-        for key in ("patches", "attach_directions"):
-            if getattr(self, key) and self.attach is None:
-                reject(f"{key!r} without 'attach'", 'attach = "contour"', key="attach")
-        if self.patches and self.attach_directions:
-            reject(
-                "'attach_directions' with 'patches'", "'directions' of each patch", key="attach_directions"
-            )
-        if self.basis not in {"eigenmodes", "stored"} and self.select:
-            reject(f"'select' with basis {self.basis!r}", "basis 'eigenmodes' or 'stored'")
-        return self
-
-    @property
-    def has_static(self) -> bool:
-        """Whether static loads are given."""
-        return bool(self.static_points or self.static_groups or self.attach)
-
-    @property
-    def vector_count(self) -> int | None:
-        """Vectors of the basis, if the case file tells; static vectors may turn out to be dependent."""
-        if self.basis != "eigenmodes" or self.has_static:
-            return None
-        return len(self.select) or self.count
 
 
 class HarmonicSection(Section, Generic[T]):

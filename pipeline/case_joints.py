@@ -2,7 +2,6 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-import math
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
@@ -20,6 +19,7 @@ from heavylift.pipeline.fields import (
     Section,
     SideName,
     UniqueName,
+    is_parallel,
     reject,
 )
 
@@ -43,11 +43,7 @@ __all__ = [
     "TravelLimitsSection",
     "UniversalJointSection",
     "check_sides",
-    "is_parallel",
 ]
-
-PARALLEL = 1e-9
-"""Sine of the angle below which two directions are parallel."""
 
 Sides = tuple[SideName, SideName]
 Pair = tuple[LengthVector, LengthVector]
@@ -178,12 +174,6 @@ class AxisJointSection(PlacedJointSection):
                 key="reference",
             )
         return self
-
-
-def is_parallel(a: tuple[float, float, float], b: tuple[float, float, float]) -> bool:
-    """Whether two directions, neither zero, are parallel."""
-    across = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-    return math.hypot(*across) <= PARALLEL * math.hypot(*a) * math.hypot(*b)
 
 
 def _shown(vector: tuple[float, float, float]) -> str:

@@ -9,7 +9,6 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from heavylift.pipeline.case_geometry import BoxGroup
-from heavylift.pipeline.case_joints import is_parallel
 from heavylift.pipeline.fields import (
     Direction,
     InFolder,
@@ -18,6 +17,7 @@ from heavylift.pipeline.fields import (
     Positive,
     Quantity,
     Section,
+    is_parallel,
     refuse_unknown,
     reject,
 )

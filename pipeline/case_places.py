@@ -1,4 +1,4 @@
-"""Where in a case file the things stand that the solver names."""
+"""Where in a case file the things stand that the solver names, or that are being assembled."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case import Case
 
-__all__ = ["in_case", "places"]
+__all__ = ["in_case", "located", "places"]
 
 
 def places(case: Case) -> dict[str, str]:
@@ -61,3 +61,15 @@ def _placed(error: InputError, known: dict[str, str], case: Case) -> InputError:
         key = "simulate" if error.source == "simulation" else error.source
         problem = f"{error.key}: {problem}" if error.key else problem
     return InputError(problem, source=case.file, key=key, expected=error.expected)
+
+
+@contextlib.contextmanager
+def located(case: Case, key: str) -> Iterator[None]:
+    """Name the place in the case file in errors that know it not."""
+    try:
+        yield
+    except InputError as error:
+        if error.source and str(case.folder) in str(error.source):
+            raise
+        place = case.place(f"{key}.{error.key}".removesuffix("."))
+        raise InputError(error.problem, source=case.file, key=place, expected=error.expected) from None

@@ -3,18 +3,21 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 import math
-from typing import TYPE_CHECKING, Annotated, Literal
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Literal
 
 from pydantic import field_validator, model_validator
 
+from heavylift.pipeline.case_hulls import DatabaseSection, HullSection, TankSection
+from heavylift.pipeline.case_lines import MooringLineSection
+from heavylift.pipeline.case_sections import GravitySection
+from heavylift.pipeline.case_simulate import SimulateSection
+from heavylift.pipeline.case_surfaces import SurfaceSection
 from heavylift.pipeline.case_waves import Waves, check_wave, one_or_many
-from heavylift.pipeline.case_wind import CurrentSection, WindSection
+from heavylift.pipeline.case_wind import CurrentSection, FluidLoad, WindSection
 from heavylift.pipeline.fields import Positive, Quantity, Section, refuse_unknown, reject
 
-if TYPE_CHECKING:
-    from heavylift.pipeline.case import Case
-
-__all__ = ["STANDARD_GRAVITY", "SeaSection", "check_sea", "has_sea", "sea_gravity"]
+__all__ = ["STANDARD_GRAVITY", "SeaSection", "check_sea"]
 
 STANDARD_GRAVITY = 9.80665
 """[m/s^2], of water in a case without gravity."""
@@ -67,68 +70,59 @@ class SeaSection(Section):
         return self
 
 
-def has_sea(case: "Case") -> bool:
-    """Whether there is anything of water, air or mooring in a case."""
-    return case.sea is not None or bool(case.lines or case.fenders)
-
-
-def sea_gravity(case: "Case") -> float:
-    """Gravity of the water [m/s^2]: its own, or that of the case."""
-    if case.sea is not None and case.sea.gravity is not None:
-        return case.sea.gravity
-    if case.gravity is not None and any(case.gravity.acceleration):
-        return math.hypot(*case.gravity.acceleration)
-    return STANDARD_GRAVITY
-
-
-def check_sea(case: "Case") -> None:
-    """Reject what does not fit together."""
-    tables = ("hulls", "databases", "tanks", "fluid_loads")
-    given = next((key for key in tables if getattr(case, key)), None)
-    if case.sea is None:
+def check_sea(
+    sea: SeaSection | None,
+    *,
+    gravity: GravitySection | None,
+    simulate: SimulateSection | None,
+    surfaces: Sequence[SurfaceSection],
+    hulls: Mapping[str, HullSection],
+    databases: Mapping[str, DatabaseSection],
+    tanks: Sequence[TankSection],
+    fluid_loads: Sequence[FluidLoad],
+    lines: Sequence[MooringLineSection],
+) -> None:
+    """Reject tables of a case that do not fit together."""
+    tables = {"hulls": hulls, "databases": databases, "tanks": tanks, "fluid_loads": fluid_loads}
+    given = next((key for key, table in tables.items() if table), None)
+    if sea is None:
         if given is not None:
             reject(f"[{given}] without [sea]", "a [sea] table, which may be empty", key=given)
-        first = next((i for i, line in enumerate(case.lines) if line.on_seabed), None)
+        first = next((i for i, line in enumerate(lines) if line.on_seabed), None)
         if first is not None:
             reject(
                 "'on_seabed' without [sea]", "a depth in [sea], or 'seabed'", key=f"lines.{first}.on_seabed"
             )
         return
-    for index, line in enumerate(case.lines):
-        if line.on_seabed and case.sea.depth is None:
+    for index, line in enumerate(lines):
+        if line.on_seabed and sea.depth is None:
             reject(
                 "'on_seabed' in deep water", "'depth' in [sea], or 'seabed'", key=f"lines.{index}.on_seabed"
             )
-    if case.hulls:
-        _check_weight(case)
-        _check_hulls(case)
-    _check_databases(case)
-    if (
-        case.sea.excitation == "series"
-        and case.sea.waves
-        and (case.simulate is None or not case.simulate.duration)
-    ):
+    if hulls:
+        _check_weight(sea.gravity, gravity)
+        _check_hulls(hulls, surfaces)
+    _check_databases(databases, hulls, simulate)
+    if sea.excitation == "series" and sea.waves and (simulate is None or not simulate.duration):
         reject("'series' without a duration to tabulate", "'summed', or a duration", key="sea.excitation")
 
 
-def _check_weight(case: "Case") -> None:
+def _check_weight(own: float | None, gravity: GravitySection | None) -> None:
     """Water and bodies have one weight, which points down."""
-    assert case.sea is not None
-    x, y, z = (0.0, 0.0, 0.0) if case.gravity is None else case.gravity.acceleration
+    x, y, z = (0.0, 0.0, 0.0) if gravity is None else gravity.acceleration
     if x or y or z >= 0.0:
-        problem = "no [gravity]" if case.gravity is None else f"{[x, y, z]} m/s^2"
+        problem = "no [gravity]" if gravity is None else f"{[x, y, z]} m/s^2"
         reject(f"{problem} in a case with hulls", "gravity along -z", key="gravity")
-    own = case.sea.gravity
     if own is not None and abs(own + z) > SAME_GRAVITY * own:
         reject(
             f"{own:g} m/s^2, bodies have {-z:g} m/s^2", "the same, or no 'gravity' here", key="sea.gravity"
         )
 
 
-def _check_hulls(case: "Case") -> None:
+def _check_hulls(hulls: Mapping[str, HullSection], surfaces: Sequence[SurfaceSection]) -> None:
     """Surfaces of hulls are on their bodies."""
-    owners = {surface.name: surface.body for surface in case.surfaces}
-    for name, hull in case.hulls.items():
+    owners = {surface.name: surface.body for surface in surfaces}
+    for name, hull in hulls.items():
         if hull.surface is None:
             continue
         own = [surface for surface, body in owners.items() if body == name]
@@ -141,10 +135,14 @@ def _check_hulls(case: "Case") -> None:
             )
 
 
-def _check_databases(case: "Case") -> None:
+def _check_databases(
+    databases: Mapping[str, DatabaseSection],
+    hulls: Mapping[str, HullSection],
+    simulate: SimulateSection | None,
+) -> None:
     """Every hull has one database at most; one that is computed has surfaces; steps are fixed for convolution."""
     taken: dict[str, str] = {}
-    for name, database in case.databases.items():
+    for name, database in databases.items():
         for index, hull in enumerate(database.hulls):
             if hull in taken:
                 reject(
@@ -153,13 +151,13 @@ def _check_databases(case: "Case") -> None:
                     key=f"databases.{name}.hulls.{index}",
                 )
             taken[hull] = name
-            if database.compute is not None and case.hulls[hull].surface is None:
+            if database.compute is not None and hulls[hull].surface is None:
                 reject(
                     f"{hull!r} has no surface to compute it from",
                     "'surface' of the hull, or a database in a file",
                     key=f"databases.{name}.compute",
                 )
-        if database.memory == "direct" and case.simulate is not None and case.simulate.step is None:
+        if database.memory == "direct" and simulate is not None and simulate.step is None:
             reject(
                 "'direct' without a fixed step",
                 "'step' in [simulate], or 'exponentials'",

@@ -13,7 +13,7 @@ from heavylift.pipeline.signals import scaled_unit
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from heavylift.pipeline.command_statistics import ColumnStatistics
+    from heavylift.pipeline.column_statistics import ColumnStatistics
     from heavylift.pipeline.statistics import GumbelFit
 
 __all__ = ["gumbel_plots", "spectrum_plots"]

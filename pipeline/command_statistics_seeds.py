@@ -7,6 +7,7 @@ import shutil
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.pipeline.column_statistics import LEAST_RUNS
 from heavylift.pipeline.storage import OutputFolder, StopError
 
 if TYPE_CHECKING:
@@ -18,9 +19,6 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results import Results
 
 __all__ = ["seed_keys", "simulate_seeds"]
-
-LEAST_RUNS = 3
-"""For a distribution of extremes."""
 
 
 def seed_keys(case: Case) -> dict[str, int]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
@@ -50,6 +51,7 @@ __all__ = [
     "SideName",
     "UniqueName",
     "VelocityVector",
+    "is_parallel",
     "quantity_schema",
     "refuse_unknown",
     "reject",
@@ -60,6 +62,8 @@ GROUND = "ground"
 """Name of the world as a side of a joint, spring or rope."""
 TAG = "type "
 """Beginning of the tags that `type_tag` gives."""
+PARALLEL = 1e-9
+"""Sine of the angle below which two directions are parallel."""
 _SHOWN = 20  # names of a list in a message at most
 
 
@@ -270,6 +274,12 @@ def _nonzero(axis: tuple[float, float, float]) -> tuple[float, float, float]:
     if not any(axis):
         reject("a direction of length zero", "three numbers that are not all zero")
     return axis
+
+
+def is_parallel(a: tuple[float, float, float], b: tuple[float, float, float]) -> bool:
+    """Whether two directions, neither zero, are parallel."""
+    across = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    return math.hypot(*across) <= PARALLEL * math.hypot(*a) * math.hypot(*b)
 
 
 def _unique_check(name: str, info: ValidationInfo) -> str:

@@ -40,7 +40,7 @@ STAGE_SOURCES = {
         "contours",
         "pipeline/assemble.py",
         "pipeline/assemble_contacts.py",
-        "pipeline/case_contact_modes.py",
+        "pipeline/assemble_modes.py",
         "pipeline/model_io.py",
         "pipeline/stages.py",
     ),
@@ -50,12 +50,16 @@ STAGE_SOURCES = {
         "pipeline/assemble_collisions.py",
         "pipeline/assemble_contacts.py",
         "pipeline/assemble_connections.py",
+        "pipeline/assemble_databases.py",
+        "pipeline/assemble_edges.py",
         "pipeline/assemble_hulls.py",
         "pipeline/assemble_lines.py",
-        "pipeline/assemble_sea.py",
         "pipeline/assemble_mesh_shapes.py",
         "pipeline/assemble_meshes.py",
         "pipeline/assemble_scene.py",
+        "pipeline/assemble_sea.py",
+        "pipeline/assemble_sides.py",
+        "pipeline/assemble_water.py",
         "pipeline/advance.py",
         "pipeline/mesh_results.py",
         "pipeline/stage_simulate.py",
@@ -65,8 +69,10 @@ STAGE_SOURCES = {
     "hydrodynamics": (
         "numerics",
         "preprocess",
+        "pipeline/assemble_databases.py",
         "pipeline/assemble_hulls.py",
         "pipeline/assemble_panels.py",
+        "pipeline/assemble_water.py",
         "pipeline/stage_hydrodynamics.py",
     ),
     "contour nodes": ("contours/face_grid.py", "contours/node_matrix.py", "pipeline/assemble_contacts.py"),
@@ -286,8 +292,7 @@ def report_digest(case: Case, folder: OutputFolder) -> str:
     if case.surfaces:
         found["surfaces"] = [_identity(folder.surface(surface.name)) for surface in case.surfaces]
     if case.databases:
-        names = (f"{name}.nc" for name in case.databases)
-        found["hydrodynamics"] = [_identity(folder.stage("mesh") / name) for name in names]
+        found["hydrodynamics"] = [_identity(folder.database(name)) for name in case.databases]
     references = {entry.file: digest_file(case.folder / entry.file) for entry in case.reference}
     return _digest(
         "report",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
@@ -14,6 +13,7 @@ from heavylift.pipeline.report_bodies import body_sections
 from heavylift.pipeline.report_collisions import collision_sections
 from heavylift.pipeline.report_contacts import contact_sections
 from heavylift.pipeline.report_document import (
+    Album,
     Document,
     Section,
     Table,
@@ -43,43 +43,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.log import Log
 
-__all__ = ["Album", "write_report"]
-
-
-@dataclass
-class Album:
-    """Pictures and animations of one report: written to its folder as they come, kept for the HTML file.
-
-    Attributes
-    ----------
-    folder
-        Folder of the report.
-    pictures
-        File name to content.
-    """
-
-    folder: Path
-    pictures: dict[str, bytes] = field(default_factory=dict)
-
-    def add(self, name: str, content: bytes) -> str:
-        """Write a PNG; returns its file name, `name` with unusual characters replaced and made unique."""
-        path = self.path(name, ".png")
-        with replacing(path) as temporary:
-            temporary.write_bytes(content)
-        return self.take(path)
-
-    def path(self, name: str, suffix: str) -> Path:
-        """Path of a file that is yet to be written, with a name as `add` makes it."""
-        stem = re.sub(r"[^A-Za-z0-9_-]+", "_", name) or "picture"
-        file, number = f"{stem}{suffix}", 2
-        while file in self.pictures:
-            file, number = f"{stem}_{number}{suffix}", number + 1
-        return self.folder / file
-
-    def take(self, path: Path) -> str:
-        """Take up a file that has been written at a path from `path`; returns its name."""
-        self.pictures[path.name] = path.read_bytes()
-        return path.name
+__all__ = ["write_report"]
 
 
 def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) -> list[Path]:

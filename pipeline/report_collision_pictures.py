@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.picture_render import Renderer
-    from heavylift.pipeline.report import Album
+    from heavylift.pipeline.report_document import Album
     from heavylift.pipeline.results import Results
     from heavylift.pipeline.storage import OutputFolder
 

@@ -1,4 +1,4 @@
-"""A report as a tree of sections, tables and figures, and its two forms: Markdown and one HTML file."""
+"""A report as a tree of sections, tables and figures, the album of its pictures, and its forms: Markdown and HTML."""
 
 from __future__ import annotations
 
@@ -8,10 +8,24 @@ from dataclasses import dataclass, field, replace
 from html import escape
 from typing import TYPE_CHECKING
 
+from heavylift.pipeline.storage import replacing
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
-__all__ = ["Document", "Facts", "Figure", "Section", "Table", "Text", "Verdict", "to_html", "to_markdown"]
+__all__ = [
+    "Album",
+    "Document",
+    "Facts",
+    "Figure",
+    "Section",
+    "Table",
+    "Text",
+    "Verdict",
+    "to_html",
+    "to_markdown",
+]
 
 
 @dataclass(frozen=True)
@@ -76,6 +90,42 @@ class Document:
     title: str
     subtitle: str
     sections: tuple[Section, ...] = field(default=())
+
+
+@dataclass
+class Album:
+    """Pictures and animations of one report: written to its folder as they come, kept for the HTML file.
+
+    Attributes
+    ----------
+    folder
+        Folder of the report.
+    pictures
+        File name to content.
+    """
+
+    folder: Path
+    pictures: dict[str, bytes] = field(default_factory=dict)
+
+    def add(self, name: str, content: bytes) -> str:
+        """Write a PNG; returns its file name, `name` with unusual characters replaced and made unique."""
+        path = self.path(name, ".png")
+        with replacing(path) as temporary:
+            temporary.write_bytes(content)
+        return self.take(path)
+
+    def path(self, name: str, suffix: str) -> Path:
+        """Path of a file that is yet to be written, with a name as `add` makes it."""
+        stem = re.sub(r"[^A-Za-z0-9_-]+", "_", name) or "picture"
+        file, number = f"{stem}{suffix}", 2
+        while file in self.pictures:
+            file, number = f"{stem}_{number}{suffix}", number + 1
+        return self.folder / file
+
+    def take(self, path: Path) -> str:
+        """Take up a file that has been written at a path from `path`; returns its name."""
+        self.pictures[path.name] = path.read_bytes()
+        return path.name
 
 
 def to_markdown(document: Document) -> str:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.pipeline.case import Case
-    from heavylift.pipeline.report import Album
+    from heavylift.pipeline.report_document import Album
     from heavylift.pipeline.storage import OutputFolder
 
 __all__ = ["history_section", "load_finite_results", "provenance_section", "run_ending", "run_section"]

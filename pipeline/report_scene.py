@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.picture_render import Renderer
     from heavylift.pipeline.picture_run import MeshRun
     from heavylift.pipeline.picture_scene import ScenePainter
-    from heavylift.pipeline.report import Album
+    from heavylift.pipeline.report_document import Album
     from heavylift.pipeline.results import Results
     from heavylift.pipeline.storage import OutputFolder
     from heavylift.solver.meshes import FrameBody, ShellBody

@@ -21,7 +21,7 @@ _NONE = "–"
 
 def sea_sections(case: Case, stages: OutputFolder, results: Results | None) -> list[Section]:
     """Tables of what water and air do in a case; none for a case without them."""
-    from heavylift.pipeline.case_sea import has_sea
+    from heavylift.pipeline.assemble_water import has_sea
 
     if not has_sea(case):
         return []
@@ -36,7 +36,7 @@ def sea_sections(case: Case, stages: OutputFolder, results: Results | None) -> l
 
 
 def _water(case: Case) -> list[tuple[str, str]]:
-    from heavylift.pipeline.case_sea import sea_gravity
+    from heavylift.pipeline.assemble_water import sea_gravity
 
     sea = case.sea
     assert sea is not None
@@ -162,7 +162,7 @@ def _hulls(case: Case, stages: OutputFolder) -> list[Table | Text]:
 
 def _databases(case: Case, stages: OutputFolder) -> list[Table]:
     """What the mesh stage found of the databases."""
-    from heavylift.pipeline.stage_hydrodynamics import database_manifest
+    from heavylift.pipeline.assemble_databases import database_manifest
 
     items, rows = database_manifest(stages), []
     for name, section in case.databases.items():

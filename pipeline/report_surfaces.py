@@ -94,8 +94,7 @@ def _law(section: Any) -> str:
 
 def surface_sections(case: Case, stages: OutputFolder) -> list[Section]:
     """What the mesh stage found of the surfaces, and warnings of sizes; nothing of what has not been made."""
-    from heavylift.pipeline.assemble_surfaces import read_surface_file
-    from heavylift.pipeline.stage_surfaces import magnitude_warnings
+    from heavylift.pipeline.assemble_surfaces import magnitude_warnings, read_surface_file
 
     found: dict[str, StoredSurface] = {}
     for surface in case.surfaces:

@@ -9,35 +9,27 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.pipeline.assemble_connections import located
+from heavylift.pipeline.assemble_databases import (
+    database_manifest,
+    read_database_source,
+    stored_database,
+)
+from heavylift.pipeline.case_places import located
 from heavylift.pipeline.provenance import database_digest, source_digest, versions
-from heavylift.pipeline.storage import read_json, replacing, write_json
+from heavylift.pipeline.storage import replacing, write_json
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_hulls import DatabaseSection
-    from heavylift.pipeline.stages import Work
-    from heavylift.pipeline.storage import OutputFolder
+    from heavylift.pipeline.stage_work import Work
     from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
 
-__all__ = ["database_file", "database_manifest", "make_databases", "read_database_source", "stored_database"]
-
-MANIFEST = "hydrodynamics.json"
+__all__ = ["make_databases"]
 
 _KEYS = {"omega": "frequencies", "panel size": "panel_size", "headings": "headings"}
 """Keys of a computation by what its errors call them."""
-
-
-def database_file(folder: OutputFolder, name: str) -> Path:
-    """Where the mesh stage stores a database."""
-    return folder.stage("mesh") / f"{name}.nc"
-
-
-def database_manifest(folder: OutputFolder) -> dict[str, Any]:
-    """What the mesh stage says of the databases, by name; empty if it has not run."""
-    return dict((read_json(folder.stage("mesh") / MANIFEST) or {}).get("items", {}))
 
 
 def make_databases(work: Work) -> tuple[bool, float, dict[str, Any]]:
@@ -49,13 +41,13 @@ def make_databases(work: Work) -> tuple[bool, float, dict[str, Any]]:
         Whether all were there, CPU time that making them took, now or before [s], and by name what is in the manifest.
     """
     case, folder, log = work.case, work.folder, work.log
-    manifest_file = folder.stage("mesh") / MANIFEST
+    manifest_file = folder.database_manifest
     if not case.databases and not manifest_file.is_file():
         return True, 0.0, {}
     items = {name: item for name, item in database_manifest(folder).items() if name in case.databases}
     skipped = True
     for name, section in case.databases.items():
-        file, digest = database_file(folder, name), database_digest(case, section)
+        file, digest = folder.database(name), database_digest(case, section)
         item = items.get(name, {})
         if "mesh" not in work.force and item.get("digest") == digest:
             if file.is_file() and file.stat().st_size == item["size"]:
@@ -107,81 +99,11 @@ def _write_manifest(file: Path, case: Case, items: dict[str, Any]) -> None:
     )
 
 
-def stored_database(case: Case, name: str, folder: OutputFolder) -> HydrodynamicDatabase:
-    """Database of a case as its output folder has it; one of a file is read anew if it is absent or of other inputs.
-
-    Raises
-    ------
-    InputError
-        If one that has to be computed is not there, or a file cannot be read.
-    """
-    from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
-
-    section, file = case.databases[name], database_file(folder, name)
-    item = database_manifest(folder).get(name, {})
-    if file.is_file() and item.get("digest") == database_digest(case, section):
-        return replace(read_netcdf(file), source=str(item["properties"]["source"]))
-    if section.file is not None:
-        return _named(read_database_source(case, section), section)
-    raise InputError(
-        "has not been computed for these inputs",
-        key="compute",
-        expected="a database in the output folder; make it with `heavylift mesh CASE`",
-    )
-
-
-def read_database_source(case: Case, section: DatabaseSection) -> HydrodynamicDatabase:
-    """Database from the file that a case names.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or is no database that can be true.
-    """
-    assert section.file is not None
-    path = case.folder / section.file
-    points = None if section.reference_points is None else np.array(section.reference_points)
-    if section.file_format == "netcdf":
-        from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
-
-        return read_netcdf(path, time_convention=section.time_convention or "", reference_points=points)
-    if section.file_format == "bemio":
-        from heavylift.preprocess.bemio_files import read_bemio
-
-        return read_bemio(path, reference_points=points, symmetric=bool(section.symmetric))
-    from heavylift.pipeline.assemble_sea import water_of
-
-    water = water_of(case)
-    if section.file_format == "wamit-out":
-        from heavylift.preprocess.wamit_listing import read_wamit_out
-
-        return read_wamit_out(
-            path,
-            density=water.density,
-            bodies=section.hulls,
-            symmetric=bool(section.symmetric),
-            forces=section.forces or "diffraction",
-        )
-    from heavylift.preprocess.wamit_files import read_wamit
-
-    return read_wamit(
-        path,
-        length=section.length_scale or 1.0,
-        density=water.density,
-        gravity=water.gravity,
-        depth=water.depth,
-        reference_points=np.zeros((len(section.hulls), 3)) if points is None else points,
-        bodies=section.hulls,
-        first_column=section.first_column or "period",
-        symmetric=bool(section.symmetric),
-    )
-
-
 def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDatabase:
     """Database from its file, or computed; written to the output folder."""
-    file = database_file(work.folder, name)
+    file = work.folder.database(name)
     if section.compute is None:
-        database = _named(read_database_source(work.case, section), section)
+        database = read_database_source(work.case, section)
         _write(file, database, "")
         return database
     from heavylift.pipeline.assemble_panels import bem_inputs
@@ -216,11 +138,6 @@ def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDataba
             raise InputError(error.problem, key=f"compute.{key}", expected=error.expected) from None
     _write(file, database, digest)
     return database
-
-
-def _named(database: HydrodynamicDatabase, section: DatabaseSection) -> HydrodynamicDatabase:
-    """A database that is called by its file in the case folder, wherever that is."""
-    return replace(database, source=str(section.file))
 
 
 def _write(file: Path, database: HydrodynamicDatabase, digest: str) -> None:

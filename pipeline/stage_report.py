@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline.provenance import report_digest, source_digest, versions
-from heavylift.pipeline.stages import StageReport
+from heavylift.pipeline.stage_work import StageReport
 from heavylift.pipeline.storage import read_json, write_json
 
 if TYPE_CHECKING:
-    from heavylift.pipeline.stages import Work
+    from heavylift.pipeline.stage_work import Work
 
 __all__ = ["report_stage"]
 

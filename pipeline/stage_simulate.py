@@ -14,12 +14,12 @@ from heavylift.pipeline.mesh_results import mesh_shape, save_meshes
 from heavylift.pipeline.provenance import simulate_digest, source_digest, versions
 from heavylift.pipeline.results import ChannelInfo, load_results, merge_segments
 from heavylift.pipeline.segments import remove_segments
-from heavylift.pipeline.stages import StageReport
+from heavylift.pipeline.stage_work import StageReport
 from heavylift.pipeline.storage import StopError, read_json, write_json
 
 if TYPE_CHECKING:
     from heavylift.pipeline.mesh_results import MeshShape
-    from heavylift.pipeline.stages import Work
+    from heavylift.pipeline.stage_work import Work
     from heavylift.solver.simulation import Simulation
 
 __all__ = ["simulate_stage"]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline.assemble_surfaces import (
     StoredSurface,
+    magnitude_warnings,
     make_surface,
     read_surface_file,
     write_surface_file,
@@ -20,10 +21,9 @@ from heavylift.pipeline.storage import read_json, replacing, write_json
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from heavylift.pipeline.case import Case
-    from heavylift.pipeline.stages import Work
+    from heavylift.pipeline.stage_work import Work
 
-__all__ = ["magnitude_warnings", "make_surfaces", "surface_words"]
+__all__ = ["make_surfaces"]
 
 
 def make_surfaces(work: Work) -> tuple[bool, float, dict[str, Any]]:
@@ -64,7 +64,7 @@ def make_surfaces(work: Work) -> tuple[bool, float, dict[str, Any]]:
                 "cpu_s": time.process_time() - begin,
                 "properties": made[name].report,
             }
-            log.say(f"mesh: {name}: {surface_words(found['properties'])}; {found['cpu_s']:.2f} s CPU")
+            log.say(f"mesh: {name}: {_words(found['properties'])}; {found['cpu_s']:.2f} s CPU")
         items[name] = found
         write_json(
             manifest_file,
@@ -84,20 +84,7 @@ def make_surfaces(work: Work) -> tuple[bool, float, dict[str, Any]]:
     return skipped, sum(item["cpu_s"] for item in items.values()), items
 
 
-def magnitude_warnings(case: Case, surfaces: dict[str, StoredSurface]) -> list[str]:
-    """What looks like a file in millimetres among surfaces that may touch, with their boxes; each once."""
-    from heavylift.preprocess.surface_report import check_magnitudes
-
-    found: dict[str, None] = {}
-    for _, (a, b) in case.collided.values():
-        if a in surfaces and b in surfaces:
-            text = check_magnitudes(a, surfaces[a].surface, b, surfaces[b].surface)
-            if text:
-                found[text] = None
-    return list(found)
-
-
-def surface_words(report: dict[str, Any]) -> str:
+def _words(report: dict[str, Any]) -> str:
     """Counts of a surface in a line."""
     if not report["edges"]:
         return f"round, radius {report['radius']:.6g} m"

@@ -6,7 +6,7 @@ import contextlib
 import os
 import shutil
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from heavylift.numerics.outcome import InputError, InputErrors, Outcome
 from heavylift.pipeline.lock import locked
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.provenance import mesh_digest, modes_digest, source_digest, versions
+from heavylift.pipeline.stage_work import StageReport, Work
 from heavylift.pipeline.storage import OutputFolder, StopError, read_json, replacing, write_json
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_bodies import FlexibleBodySection
 
-__all__ = ["STAGES", "RunReport", "StageReport", "load_changed_case", "run_case"]
+__all__ = ["STAGES", "RunReport", "load_changed_case", "run_case"]
 
 STAGES = ("mesh", "modes", "simulate", "report")
 
@@ -39,32 +40,6 @@ REPORTED = {
     Outcome.TOO_MANY_CONTACTS,
 }
 """Ends of a simulation that leave results worth a report; after the others there is no disk, or no wish."""
-
-
-@dataclass(frozen=True)
-class StageReport:
-    """How one stage ended.
-
-    Attributes
-    ----------
-    stage
-        One of `STAGES`.
-    outcome, message
-        How it ended, and why if it did not complete.
-    skipped
-        Whether everything was there already.
-    cpu_s
-        CPU time that making the outputs took, now or before [s].
-    details
-        Numbers that the stage reports, as in its manifest.
-    """
-
-    stage: str
-    outcome: Outcome
-    skipped: bool
-    cpu_s: float
-    message: str = ""
-    details: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -100,35 +75,6 @@ class RunReport:
     def stage(self, name: str) -> StageReport | None:
         """Report of one stage, if it was reached."""
         return next((stage for stage in self.stages if stage.stage == name), None)
-
-
-@dataclass
-class Work:
-    """What the stages of one run share.
-
-    Attributes
-    ----------
-    case, folder, log
-        The case, where its outputs go, and who is told.
-    force
-        Stages that are made again even if they are current.
-    reuse
-        Other output folders whose meshes and modes are taken if their inputs are the same.
-    models
-        Finite-element models that are in memory already.
-    """
-
-    case: Case
-    folder: OutputFolder
-    log: Log
-    force: frozenset[str] = frozenset()
-    reuse: tuple[OutputFolder, ...] = ()
-    models: dict[str, Any] = field(default_factory=dict)
-
-    @property
-    def flexible(self) -> dict[str, FlexibleBodySection]:
-        """The bodies that have meshes and modes."""
-        return {name: body for name, body in self.case.bodies.items() if body.type == "flexible"}
 
 
 def run_case(
@@ -321,7 +267,7 @@ def modes_stage(work: Work) -> StageReport:
     """Finite-element models to reduced bodies."""
 
     def make(name: str, body: FlexibleBodySection, header: dict[str, Any]) -> dict[str, Any]:
-        from heavylift.pipeline.assemble import reduce_model, reduced_properties
+        from heavylift.pipeline.assemble_modes import reduce_model, reduced_properties
         from heavylift.pipeline.model_io import read_model, write_reduced
 
         model = work.models.pop(name, None) or read_model(work.folder.model(name))

@@ -71,6 +71,15 @@ class OutputFolder:
         """Manifest of the surfaces."""
         return self.root / "mesh" / "surfaces.json"
 
+    def database(self, name: str) -> Path:
+        """Hydrodynamic database."""
+        return self.root / "mesh" / f"{name}.nc"
+
+    @property
+    def database_manifest(self) -> Path:
+        """Manifest of the hydrodynamic databases."""
+        return self.root / "mesh" / "hydrodynamics.json"
+
     def reduced(self, body: str) -> Path:
         """Reduced body."""
         return self.root / "modes" / f"{body}.h5"

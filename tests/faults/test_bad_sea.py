@@ -13,7 +13,8 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, run_case
-from heavylift.pipeline.assemble_hulls import assemble_radiation, hull_surface, resting_position
+from heavylift.pipeline.assemble_databases import assemble_radiation
+from heavylift.pipeline.assemble_hulls import hull_surface, resting_position
 from heavylift.pipeline.assemble_lines import assemble_lines
 from heavylift.pipeline.assemble_sea import make_waves
 from heavylift.pipeline.storage import OutputFolder
@@ -253,8 +254,8 @@ def test_a_leaking_hull_and_one_that_is_inside_out(folder):
 
 
 def test_a_line_shorter_than_its_span_is_refused_at_the_start(folder):
-    from heavylift.pipeline.assemble_connections import start_sides
     from heavylift.pipeline.assemble_scene import assemble_rigid
+    from heavylift.pipeline.assemble_sides import start_sides
     from heavylift.solver.marine.mooring_lines import pack_mooring_lines
 
     case = load_case(folder, ["lines.0.fairlead_tension=", "lines.0.sections.0.length=150 m"])
@@ -268,8 +269,8 @@ def test_a_line_shorter_than_its_span_is_refused_at_the_start(folder):
 
 
 def test_a_tension_that_no_length_gives(folder):
-    from heavylift.pipeline.assemble_connections import start_sides
     from heavylift.pipeline.assemble_scene import assemble_rigid
+    from heavylift.pipeline.assemble_sides import start_sides
 
     case = load_case(folder, ["lines.0.fairlead_tension=1 kN"])
     barge, origin = assemble_rigid("barge", case.bodies["barge"])

@@ -13,15 +13,16 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, run_case
-from heavylift.pipeline.assemble_connections import start_sides
+from heavylift.pipeline.assemble_databases import database_manifest, stored_database
 from heavylift.pipeline.assemble_hulls import hull_surface, linear_restoring, resting_position
 from heavylift.pipeline.assemble_scene import assemble_rigid
-from heavylift.pipeline.assemble_sea import assemble_sea, make_waves, sea_provenance, water_of
+from heavylift.pipeline.assemble_sea import assemble_sea, make_waves, sea_provenance
+from heavylift.pipeline.assemble_sides import start_sides
+from heavylift.pipeline.assemble_water import water_of
 from heavylift.pipeline.case_hulls import DatabaseSection, HullSection
 from heavylift.pipeline.case_sea import SeaSection
 from heavylift.pipeline.quantities import Quantities
 from heavylift.pipeline.report_sea import sea_sections
-from heavylift.pipeline.stage_hydrodynamics import database_manifest, stored_database
 from heavylift.pipeline.storage import OutputFolder
 from heavylift.preprocess.surface_refinement import refined_triangles
 from heavylift.solver.seas import Hull, Radiation, Water

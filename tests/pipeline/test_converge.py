@@ -15,7 +15,8 @@ from heavylift.pipeline.convergence import (
     study_table,
 )
 from heavylift.pipeline.log import Log
-from heavylift.pipeline.stages import RunReport, StageReport
+from heavylift.pipeline.stage_work import StageReport
+from heavylift.pipeline.stages import RunReport
 from heavylift.pipeline.storage import OutputFolder
 
 

@@ -14,10 +14,10 @@ import pytest
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case
 from heavylift.pipeline.cli import app
+from heavylift.pipeline.column_statistics import chosen_columns, column_statistics
 from heavylift.pipeline.command_hydrostatics import linear_figures
 from heavylift.pipeline.command_lines import line_ends, section_masses
 from heavylift.pipeline.command_rao import response_in_trains, separate_modes
-from heavylift.pipeline.command_statistics import chosen_columns, column_statistics
 from heavylift.pipeline.command_statistics_seeds import seed_keys
 from heavylift.pipeline.results import ChannelInfo, Results
 from heavylift.solver.connections import GROUND

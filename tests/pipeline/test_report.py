@@ -17,7 +17,16 @@ from heavylift.pipeline.case import load_case
 from heavylift.pipeline.model_io import write_model, write_reduced
 from heavylift.pipeline.report import write_report
 from heavylift.pipeline.report_bodies import body_sections
-from heavylift.pipeline.report_document import Document, Facts, Section, Table, Text, to_html, to_markdown
+from heavylift.pipeline.report_document import (
+    Album,
+    Document,
+    Facts,
+    Section,
+    Table,
+    Text,
+    to_html,
+    to_markdown,
+)
 from heavylift.pipeline.results import FORMAT
 from heavylift.pipeline.storage import OutputFolder, write_json
 from heavylift.preprocess.mesh import Mesh
@@ -356,7 +365,7 @@ def test_the_contact_sheet_is_limited(case, tmp_path, wanted, drawn_count):
     )
     modes = tuple(range(1, wanted + 1))
     asked = case.model_copy(update={"report": case.report.model_copy(update={"modes": modes})})
-    figures = _mode_figures(asked, "bar", many, Sheets(), report.Album(tmp_path))
+    figures = _mode_figures(asked, "bar", many, Sheets(), Album(tmp_path))
     assert figures[0].caption == f"The first {drawn_count} of 40 shapes of bar."
 
 
