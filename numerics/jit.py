@@ -23,6 +23,8 @@ from numba.core import event
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import register_pass
+from numba.core.ir import Arg, Expr
+from numba.core.lowering import Lower
 from numba.core.typed_passes import NativeLowering
 
 __all__ = [
@@ -155,11 +157,57 @@ class PartLibrary(JITCodeLibrary):
         return self._linked
 
 
+class _PartLower(Lower):
+    """Writes the fields of groups of arrays that are arguments once, where the function begins.
+
+    They never change, see `heavylift.numerics.arrays`, and Numba's words for an array structure are many.
+    """
+
+    def pre_lower(self) -> None:
+        """Remember where the function begins."""
+        super().pre_lower()
+        self._beginning = self.builder.basic_block
+        self._fields: dict[Any, Any] = {}
+
+    def lower_expr(self, resty: Any, expr: Any) -> Any:
+        """A field of an argument, or of a field of one, from where the function begins."""
+        if expr.op == "getattr" and hasattr(self.typeof(expr.value.name), "group"):
+            found = self._field(expr)
+            if found is not None:
+                return found
+        return super().lower_expr(resty, expr)
+
+    def _field(self, expr: Any) -> Any:
+        """Value of a field; None if it belongs to no argument."""
+        try:
+            owner = self.func_ir.get_definition(expr.value)
+        except KeyError:
+            return None
+        if isinstance(owner, Arg):
+            key: Any = (owner.index,)
+        elif isinstance(owner, Expr) and owner.op == "getattr":
+            base = self._field(owner) if hasattr(self.typeof(owner.value.name), "group") else None
+            if base is None:
+                return None
+            key = (id(base),)
+        else:
+            return None
+        key += (expr.attr,)
+        if key not in self._fields:
+            of_type = self.typeof(expr.value.name)
+            with self.builder.goto_block(self._beginning):
+                value = self.fnargs[owner.index] if isinstance(owner, Arg) else base
+                read = self.context.get_getattr(of_type, expr.attr)
+                self._fields[key] = read(self.context, self.builder, of_type, value, expr.attr)
+        return self._fields[key]
+
+
 @register_pass(mutates_CFG=True, analysis_only=False)
 class _LowerPart(NativeLowering):
     """Writes code without compiling it."""
 
     _name = "lower_part"
+    lowering_class = _PartLower
 
     def run_pass(self, state: Any) -> bool:
         """Into a library of parts."""
@@ -177,15 +225,40 @@ class _LowerPart(NativeLowering):
 class PartCompiler(CompilerBase):
     """Numba's passes with `_LowerPart` as the last but one."""
 
+    unused: frozenset[str] = frozenset()
+
     def define_pipelines(self) -> list[Any]:
         """Of the usual ones only that without Python objects."""
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
         passes.passes = [
             (_LowerPart, text) if pass_class is NativeLowering else (pass_class, text)
             for pass_class, text in passes.passes
+            if pass_class.__name__ not in self.unused
         ]
         passes.finalize()
         return [passes]
+
+
+UNUSED_PASSES = frozenset(
+    {
+        "AnnotateTypes",
+        "DumpParforDiagnostics",
+        "FindLiterallyCalls",
+        "InlineClosureLikes",
+        "LiteralUnroll",
+        "MakeFunctionToJitFunction",
+        "NopythonRewrites",
+        "RewriteDynamicRaises",
+        "WithLifting",
+    }
+)
+"""Passes of Numba for what internal kernels do not contain: closures, expressions of whole arrays, exceptions."""
+
+
+class InternalCompiler(PartCompiler):
+    """The same without passes for what internal kernels do not contain."""
+
+    unused = UNUSED_PASSES
 
 
 @overload
@@ -219,35 +292,42 @@ def kernel(
 
     def decorate(python_function: F) -> F:
         flags = set(ROUNDING_FLAGS | {"reassoc"}) if reassociate else set(ROUNDING_FLAGS)
-        directory = cache_directory()
-        with _numba_cache_directory(directory):
-            compiled = numba.njit(
-                # without our folder Numba would cache beside the sources, where stale code can load
-                cache=not internal and os.access(directory, os.W_OK),
+
+        def compiled_by(pipeline: type[CompilerBase] | None, *, cached: bool) -> Any:
+            return numba.njit(
+                cache=cached,
                 error_model="numpy",
                 fastmath=flags,
                 forceinline=inline,
-                no_cpython_wrapper=internal,
+                no_cpython_wrapper=pipeline is not None,
                 _nrt=not internal,
                 no_cfunc_wrapper=True,
-                **({"pipeline_class": PartCompiler} if internal else {}),
+                **({} if pipeline is None else {"pipeline_class": pipeline}),
             )(python_function)
+
+        if internal:
+            compiled = compiled_by(InternalCompiler, cached=False)
+            called = compiled
+        else:
+            directory = cache_directory()
+            with _numba_cache_directory(directory):
+                # without our folder Numba would cache beside the sources, where stale code can load
+                compiled = compiled_by(None, cached=os.access(directory, os.W_OK))
+            called = compiled_by(PartCompiler, cached=False)
         if compiled is not python_function:
             update_wrapper(compiled, python_function)
-            _type_constants_as_variables(compiled)
+            _call_from_kernels(compiled, called)
         return compiled
 
     return decorate if function is None else decorate(function)
 
 
-def _type_constants_as_variables(dispatcher: Any) -> None:
-    """Let calls with a literal argument use the same machine code as all others.
+def _call_from_kernels(dispatcher: Any, called: Any) -> None:
+    """Let kernels that call a kernel use a part of their own code, the same for literal arguments as for all others.
 
     Numba would compile a kernel once more for each literal that it is called with, and all that it calls.
     """
-    resolve = getattr(dispatcher, "get_call_template", None)
-    if resolve is None:  # the interpreter instead of the compiler, for debugging
-        return
+    resolve = called.get_call_template
 
     def get_call_template(args: Any, kws: Any) -> Any:
         return resolve(
@@ -256,6 +336,9 @@ def _type_constants_as_variables(dispatcher: Any) -> None:
         )
 
     dispatcher.get_call_template = get_call_template
+    if called is not dispatcher:
+        dispatcher.get_overload = called.get_overload
+        dispatcher.part = called
 
 
 def view(function: F) -> F:

@@ -9,13 +9,14 @@ cannot be written, costs time and nothing else.
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import hashlib
 import re
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, update_wrapper
 from pathlib import Path
@@ -40,6 +41,8 @@ __all__ = ["Compiled", "Entry", "Unit", "compiled_units", "entry", "function_poi
 
 PACKAGE = Path(__file__).resolve().parent.parent
 """Folder that holds the top-level folders of the sources."""
+
+NUMBERS = (types.Number, types.Boolean)
 
 MAGIC = b"heavylift object 1\n"
 
@@ -201,6 +204,36 @@ def _from_words(context: Any, builder: Any, of_type: Any, words: list[Any]) -> A
     return builder.trunc(words[0], ir.IntType(1)) if of_type == types.boolean else words[0]
 
 
+@contextlib.contextmanager
+def _remembered_answers() -> Iterator[None]:
+    """Remember what Numba finds out thousands of times in a unit: types of operators on numbers, sizes of LLVM types."""
+    context_class, function_class = type(cpu_target.target_context), types.functions.BaseFunction
+    resolve, size_of = function_class.get_call_type, context_class.get_abi_sizeof
+    known: dict[Any, Any] = {}
+    sizes: dict[str, int] = {}
+
+    def get_call_type(self: Any, context: Any, arguments: Any, named: Any) -> Any:
+        plain = not named and all(isinstance(one, NUMBERS) and not isinstance(one, types.Literal) for one in arguments)
+        if not plain:
+            return resolve(self, context, arguments, named)
+        key = self, arguments
+        if key not in known:
+            known[key] = resolve(self, context, arguments, named)
+        return known[key]
+
+    def get_abi_sizeof(self: Any, of_type: Any) -> int:
+        name = str(of_type)
+        if name not in sizes:
+            sizes[name] = size_of(self, of_type)
+        return sizes[name]
+
+    function_class.get_call_type, context_class.get_abi_sizeof = get_call_type, get_abi_sizeof
+    try:
+        yield
+    finally:
+        function_class.get_call_type, context_class.get_abi_sizeof = resolve, size_of
+
+
 def _compile(unit: Unit) -> bytes:
     """Object file of a unit.
 
@@ -213,8 +246,9 @@ def _compile(unit: Unit) -> bytes:
     codegen = context.codegen()
     wrappers = codegen._create_empty_module(unit.name)  # noqa: SLF001
     libraries: dict[Any, None] = {}
-    with global_compiler_lock:
+    with global_compiler_lock, _remembered_answers():
         for symbol, (dispatcher, parameters, result) in unit.entries.items():
+            dispatcher = getattr(dispatcher, "part", dispatcher)
             try:
                 dispatcher.compile(parameters)
             except NumbaError as error:
