@@ -13,7 +13,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.scene import Profile
+from heavylift.solver.scene_bodies import GROUND, Profile
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,9 +44,6 @@ __all__ = [
     "axes_about",
     "frame_in_body",
 ]
-
-GROUND = "ground"
-"""Name of the world as a side of a joint, rope or spring; no body may take it."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import exponential_quaternion, quaternion_product, rotate_by_quaternion
 from heavylift.numerics.small import cross
-from heavylift.solver.scene import Driven, Profile
+from heavylift.solver.scene_bodies import Driven, Profile
 
 __all__ = ["DRIVE_HEAD", "drive_pose", "drive_velocity", "pack_drive", "pack_profile", "profile_value"]
 

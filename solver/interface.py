@@ -8,13 +8,9 @@ kind of body is behind them.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Floats3, Ints1
-from heavylift.solver.kinds import Table, generic, optional
-
-if TYPE_CHECKING:
-    from heavylift.solver.rows import RowArrays
+from heavylift.solver.kinds import Members, Table, generic, optional
+from heavylift.solver.rows import RowArrays, RowSystem
 
 __all__ = [
     "ACCELERATIONS",
@@ -80,6 +76,7 @@ __all__ = [
     "free_acceleration",
     "gather_reactions",
     "iterate",
+    "joint_rows",
     "load_state",
     "measure_error",
     "move",
@@ -90,6 +87,7 @@ __all__ = [
     "record_joints",
     "refactor_rows",
     "relinearise",
+    "row_arrays",
     "set_targets",
     "set_velocity",
     "solve_again",
@@ -141,6 +139,10 @@ class Joints(Table):
 
 class Systems(Table):
     """Systems of rows of a scene: that of the joints, that of the contacts, what an integrator carries."""
+
+
+row_arrays, joint_rows = Members(Systems, RowArrays), Members(Systems, RowSystem)
+"""All systems with rows in a table, and those of joints."""
 
 
 class Workspace(Arrays):

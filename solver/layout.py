@@ -185,7 +185,7 @@ def _moving(scene: Scene) -> dict[str, int]:
     """Points of frames and shells that contacts touch."""
     if not scene.touches:
         return {}
-    from heavylift.solver.contact.packing import count_moving
+    from heavylift.solver.contact.facet_counts import count_moving
 
     return count_moving(scene)
 

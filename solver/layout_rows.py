@@ -11,7 +11,7 @@ import numpy as np
 from heavylift.solver.channels import Channel, add_channels
 from heavylift.solver.coordinates import attachments, first_dofs, inverse_masses, inverse_scales
 from heavylift.solver.interface import FORCES
-from heavylift.solver.joints.packing import MarkerBook
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.meshes import MeshBody
 from heavylift.solver.rows import RowSystem, classify_rows, pack_rows
 from heavylift.solver.scene import AnyBody, Gravity, PointForce, Scene

@@ -13,11 +13,12 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.channels import Channel, add_channels
 from heavylift.solver.connections import GROUND
-from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.marine.hull_checks import check_sea
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.meshes import MeshBody
 from heavylift.solver.scene import AnyBody, Gravity, Scene
-from heavylift.solver.seas import FloatingBody, Sea, floating_bodies
+from heavylift.solver.scene_bodies import Free, RigidBody
+from heavylift.solver.seas import FloatingBody, Hull, Sea
 
 __all__ = ["PackedSea", "float_bodies", "pack_sea"]
 
@@ -67,7 +68,7 @@ def float_bodies(scene: Scene) -> Scene:
         return scene
     check_sea(sea)
     _check_direct(scene, sea)
-    hulls = floating_bodies(scene.bodies, sea)
+    hulls = _floating_bodies(scene.bodies, sea)
     for tank in sea.tanks:
         if tank.body not in hulls:
             raise InputError(
@@ -91,6 +92,60 @@ def float_bodies(scene: Scene) -> Scene:
             )
     others = tuple(body for body in scene.bodies if body.name not in hulls)
     return replace(scene, bodies=(*others, *hulls.values()))
+
+
+def _floating_bodies(bodies: tuple[AnyBody, ...], sea: Sea) -> dict[str, FloatingBody]:
+    """Bodies that float, by name; those that interact follow each other.
+
+    Raises
+    ------
+    InputError
+        If a hull names a body that cannot float, twice, or a database one that is not a hull.
+    """
+    by_name = {body.name: body for body in bodies}
+    hulls: dict[str, Hull] = {}
+    for hull in sea.hulls:
+        body = by_name.get(hull.body)
+        if not isinstance(body, RigidBody) or hull.body in hulls:
+            problem = "floats already" if hull.body in hulls else "is no rigid body"
+            raise InputError(
+                f"{hull.body!r} {problem}", source="hulls", key="body", expected="a rigid body, once"
+            )
+        if not isinstance(body.motion, Free):
+            raise InputError(
+                f"the motion of {hull.body!r} is prescribed",
+                source="hulls",
+                key="body",
+                expected="a free body; a fixed joint to the ground holds it",
+            )
+        hulls[hull.body] = hull
+    groups: list[tuple[str, ...]] = []
+    taken: set[str] = set()
+    for radiation in sea.radiation:
+        names = radiation.bodies
+        wrong = [name for name in names if name not in hulls or name in taken]
+        if wrong or len(set(names)) != len(names):
+            raise InputError(
+                f"{(wrong or names)[0]!r} is no hull, or has a database already",
+                source="radiation",
+                key="bodies",
+                expected=f"each of {', '.join(hulls)} at most once",
+            )
+        if len(names) != radiation.database.body_count:
+            raise InputError(
+                f"{len(names)} bodies for a database of {radiation.database.body_count}",
+                source=radiation.database.source,
+                key="bodies",
+                expected=f"one a body of the database: {', '.join(radiation.database.bodies)}",
+            )
+        taken |= set(names)
+        groups.append(names)
+    groups += [(name,) for name in hulls if name not in taken]
+    return {
+        name: FloatingBody(**vars(by_name[name]), hull=hulls[name], group=names)
+        for names in groups
+        for name in names
+    }
 
 
 def _check_direct(scene: Scene, sea: Sea) -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from heavylift.solver.scene import Free
+from heavylift.solver.scene_bodies import Free
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -25,8 +25,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1, Ints1, Ints2
 from heavylift.numerics.elimination import eliminate
 from heavylift.numerics.lanes import block_shape
-from heavylift.solver.interface import Systems
-from heavylift.solver.kinds import Members
 
 __all__ = [
     "REGULARISATION",
@@ -35,9 +33,7 @@ __all__ = [
     "RowArrays",
     "RowSystem",
     "classify_rows",
-    "joint_rows",
     "pack_rows",
-    "row_arrays",
 ]
 
 REGULARISATION = 1e-7
@@ -144,9 +140,6 @@ def _of_shape(rows: int) -> type[RowSystem]:
 MOST_ROWS = 8
 SHAPES = {rows: _of_shape(rows) for rows in range(1, MOST_ROWS + 1)}
 """Kinds of systems by rows of a block."""
-
-row_arrays, joint_rows = Members(Systems, RowArrays), Members(Systems, RowSystem)
-"""All systems with rows in a table, and those of joints."""
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from heavylift.numerics.outcome import InputError
-from heavylift.solver.scene import Free, RigidBody
+from heavylift.solver.scene_bodies import RigidBody
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,9 +18,8 @@ if TYPE_CHECKING:
     from heavylift.solver.marine.moorings import Fender, MooringLine
     from heavylift.solver.marine.wave_trains import WaveTrains
     from heavylift.solver.marine.wind_loads import CoefficientLoad, CurrentField, DragElement, WindField
-    from heavylift.solver.scene import AnyBody
 
-__all__ = ["FloatingBody", "Hull", "LinearRestoring", "Radiation", "Sea", "Tank", "Water", "floating_bodies"]
+__all__ = ["FloatingBody", "Hull", "LinearRestoring", "Radiation", "Sea", "Tank", "Water"]
 
 
 @dataclass(frozen=True)
@@ -215,57 +213,3 @@ class FloatingBody(RigidBody):
 
     hull: Hull = field(default_factory=lambda: Hull(body="", restoring=None))
     group: tuple[str, ...] = ()
-
-
-def floating_bodies(bodies: tuple[AnyBody, ...], sea: Sea) -> dict[str, FloatingBody]:
-    """Bodies that float, by name; those that interact follow each other.
-
-    Raises
-    ------
-    InputError
-        If a hull names a body that cannot float, twice, or a database one that is not a hull.
-    """
-    by_name = {body.name: body for body in bodies}
-    hulls: dict[str, Hull] = {}
-    for hull in sea.hulls:
-        body = by_name.get(hull.body)
-        if not isinstance(body, RigidBody) or hull.body in hulls:
-            problem = "floats already" if hull.body in hulls else "is no rigid body"
-            raise InputError(
-                f"{hull.body!r} {problem}", source="hulls", key="body", expected="a rigid body, once"
-            )
-        if not isinstance(body.motion, Free):
-            raise InputError(
-                f"the motion of {hull.body!r} is prescribed",
-                source="hulls",
-                key="body",
-                expected="a free body; a fixed joint to the ground holds it",
-            )
-        hulls[hull.body] = hull
-    groups: list[tuple[str, ...]] = []
-    taken: set[str] = set()
-    for radiation in sea.radiation:
-        names = radiation.bodies
-        wrong = [name for name in names if name not in hulls or name in taken]
-        if wrong or len(set(names)) != len(names):
-            raise InputError(
-                f"{(wrong or names)[0]!r} is no hull, or has a database already",
-                source="radiation",
-                key="bodies",
-                expected=f"each of {', '.join(hulls)} at most once",
-            )
-        if len(names) != radiation.database.body_count:
-            raise InputError(
-                f"{len(names)} bodies for a database of {radiation.database.body_count}",
-                source=radiation.database.source,
-                key="bodies",
-                expected=f"one a body of the database: {', '.join(radiation.database.bodies)}",
-            )
-        taken |= set(names)
-        groups.append(names)
-    groups += [(name,) for name in hulls if name not in taken]
-    return {
-        name: FloatingBody(**vars(by_name[name]), hull=hulls[name], group=names)
-        for names in groups
-        for name in names
-    }

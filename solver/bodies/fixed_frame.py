@@ -87,7 +87,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import BodyMarkers
-from heavylift.solver.scene import FlexibleBody
+from heavylift.solver.scene_bodies import FlexibleBody
 
 __all__ = ["FixedFrameBodies", "pack_fixed_frames"]
 

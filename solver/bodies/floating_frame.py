@@ -28,7 +28,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.small import aligned
 from heavylift.solver.drive import pack_drive
 from heavylift.solver.markers import BodyMarkers, pack_markers
-from heavylift.solver.scene import Driven, Fixed, FlexibleBody, Free
+from heavylift.solver.scene_bodies import Driven, Fixed, FlexibleBody, Free
 
 __all__ = ["FixedFrameBodies", "FlexibleBodies", "FloatingFrameBodies", "pack_floating_frames", "pack_shape"]
 

@@ -23,7 +23,7 @@ from heavylift.numerics.rotation import quaternion_from_matrix, rotation_matrix
 from heavylift.solver.bodies.floating_frame import DRIVEN, FIXED, FREE
 from heavylift.solver.drive import pack_drive
 from heavylift.solver.markers import BodyMarkers, pack_markers
-from heavylift.solver.scene import Driven, Fixed, Free, RigidBody
+from heavylift.solver.scene_bodies import Driven, Fixed, Free, RigidBody
 
 __all__ = ["RigidBodies", "RigidFrames", "pack_rigid_bodies", "principal_frame"]
 

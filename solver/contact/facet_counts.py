@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from heavylift.solver.contact.interface import moving_points
 from heavylift.solver.meshes import MeshBody
 
 if TYPE_CHECKING:
     from heavylift.solver.collisions import Collision
     from heavylift.solver.scene import Scene
 
-__all__ = ["MOST_ON_MESHES", "count_slots", "most_of"]
+__all__ = ["MOST_ON_MESHES", "count_moving", "count_slots", "most_of"]
 
 MOST_ON_MESHES = 64
 """Contacts at once of a collision with a frame or shell: each is a vector over all nodes in every step."""
@@ -35,4 +36,19 @@ def count_slots(scene: Scene) -> dict[str, int]:
     for collision in scene.collisions:
         for name in _mesh_sides(collision, scene):
             counts[name] = counts.get(name, 0) + most_of(collision, scene)
+    return counts
+
+
+def count_moving(scene: Scene) -> dict[str, int]:
+    """Contacts on each frame and shell: each touches a point of its own that moves, those of contours first."""
+    on = {contour.name: contour for contour in scene.contours}
+    meshes = {body.name for body in scene.bodies if isinstance(body, MeshBody)}
+    counts: dict[str, int] = {}
+    for contact in scene.contacts:
+        contour = on.get(contact.contour)
+        if contour is not None and contour.body in meshes:
+            counts[contour.body] = counts.get(contour.body, 0) + moving_points(contour)
+    if scene.collisions:
+        for name, count in count_slots(scene).items():
+            counts[name] = counts.get(name, 0) + count
     return counts

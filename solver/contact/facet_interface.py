@@ -5,17 +5,13 @@ All verbs are optional.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from heavylift.contours.surface_pack import CollisionSurfaces
 from heavylift.numerics.arrays import Floats2
+from heavylift.solver.contact.facet_kind import FacetSurfaces
+from heavylift.solver.contact.kind import ContactRows
+from heavylift.solver.contact.mesh_kind import DeformingSurfaces, SurfacePairs
 from heavylift.solver.interface import Bodies, Workspace
-from heavylift.solver.kinds import Table, optional
-
-if TYPE_CHECKING:
-    from heavylift.contours.surface_pack import CollisionSurfaces
-    from heavylift.solver.contact.facet_kind import FacetSurfaces
-    from heavylift.solver.contact.kind import ContactRows
-    from heavylift.solver.contact.mesh_kind import SurfacePairs
+from heavylift.solver.kinds import optional
 
 __all__ = [
     "bound_facets",
@@ -26,10 +22,6 @@ __all__ = [
     "take_slots",
     "touch_facets",
 ]
-
-
-class DeformingSurfaces(Table):
-    """The surfaces of triangles that deform, a kind or none."""
 
 
 # ---- of the surfaces ----

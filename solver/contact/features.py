@@ -5,14 +5,12 @@ The table of features belongs to the contacts; `touch` and `weigh` walk it as th
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from heavylift.numerics.arrays import Arrays
+from heavylift.solver.contact.kind import ContactRows, Features
 from heavylift.solver.interface import Bodies, Workspace
-from heavylift.solver.kinds import Table, optional
-
-if TYPE_CHECKING:
-    from heavylift.solver.contact.kind import ContactRows
+from heavylift.solver.kinds import optional
 
 __all__ = [
     "Curves",
@@ -26,10 +24,6 @@ __all__ = [
     "touch",
     "weigh",
 ]
-
-
-class Features(Table):
-    """What kinds of contact a scene has."""
 
 
 class Surfaces(Arrays):

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from heavylift.numerics.arrays import Floats1
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.interface import Bodies, Joints, Systems, Workspace
 from heavylift.solver.kinds import optional
-
-if TYPE_CHECKING:
-    from heavylift.solver.contact.kind import ContactRows
 
 __all__ = [
     "after_step",

@@ -8,19 +8,15 @@ system of the joints, so they serve both with the same functions.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from heavylift.contours.layout import CONTOUR_WIDTH
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.lanes import block_shape
+from heavylift.solver.kinds import Table
 from heavylift.solver.rows import RowArrays
 
-if TYPE_CHECKING:
-    from heavylift.solver.contact.features import Features
-    from heavylift.solver.contact.mesh_interface import Colliding
-    from heavylift.solver.contact.reduced import Reduced
-
-__all__ = ["ContactRows", "Samples"]
+__all__ = ["Colliding", "ContactRows", "Features", "Reduced", "Samples"]
 
 # columns of `table`: a row is a contact
 CONTOUR, SHAPE, LAW, CENTRE, AXES, COLUMN, FORCE_LAW, EVENTS, SLOT, PRIMITIVE_KIND, TABLE_WIDTH = range(11)
@@ -163,6 +159,18 @@ step that an impact was first seen in [s]; trials since the last whole step; con
 work of rows that look ahead in the middle of the step [J]."""
 
 
+DENSE = 4
+"""Contacts up to which their own matrix is formed where all bodies are rigid."""
+
+
+class Features(Table):
+    """What kinds of contact a scene has."""
+
+
+class Colliding(Table):
+    """Pairs of surfaces of triangles, a kind or none."""
+
+
 class Samples(Arrays):
     """A grid of points on every contour, from which a search begins when nothing is known.
 
@@ -190,6 +198,33 @@ class Samples(Arrays):
     across: Floats2
     distances: Floats1
     angles: Floats1
+
+
+class Reduced(Arrays):
+    """What the solver is told of contacts between rigid bodies; columns are velocities of touched bodies.
+
+    Attributes
+    ----------
+    ends, blocks
+        Of each contact that takes part, shapes (nc, 4) and (nc, 36), see `solve_contacts_reduced`.
+    matrix
+        B, shape (n, n).
+    start, found
+        Velocities without and with impulses, shape (n,).
+    columns, velocities
+        Column of each velocity of the scene, -1 if it is not touched; velocity of each column.
+    numbers
+        How many columns there are.
+    """
+
+    ends: Ints2
+    blocks: Floats2
+    matrix: Floats2
+    start: Floats1
+    found: Floats1
+    columns: Ints1
+    velocities: Ints1
+    numbers: Ints1
 
 
 class ContactRows(RowArrays):

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from heavylift.numerics.arrays import Floats1
+from heavylift.solver.contact.kind import Colliding, ContactRows
+from heavylift.solver.contact.mesh_kind import Clearing, SurfacePairs
 from heavylift.solver.interface import Bodies, Workspace
-from heavylift.solver.kinds import Table, optional
-
-if TYPE_CHECKING:
-    from heavylift.solver.contact.kind import ContactRows
-    from heavylift.solver.contact.mesh_kind import SurfacePairs
+from heavylift.solver.kinds import optional
 
 __all__ = [
     "bound_surfaces",
@@ -25,14 +21,6 @@ __all__ = [
     "search_surfaces",
     "touch_triangles",
 ]
-
-
-class Colliding(Table):
-    """Pairs of surfaces of triangles, a kind or none."""
-
-
-class Clearing(Table):
-    """Pairs whose distance is recorded, a kind or none."""
 
 
 @optional

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from heavylift.contours.pair_list import PairLists
 from heavylift.contours.surface_pack import CollisionSurfaces
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
+from heavylift.solver.kinds import Table
 
-if TYPE_CHECKING:
-    from heavylift.solver.contact.facet_interface import DeformingSurfaces
-    from heavylift.solver.contact.mesh_interface import Clearing
-
-__all__ = ["SurfacePairs"]
+__all__ = ["Clearing", "DeformingSurfaces", "SurfacePairs"]
 
 # columns of `pairs`
 FIRST, SECOND, FIRST_POSE, SECOND_POSE, PAIR_LAW, PAIR_FORCE_LAW, PAIR_EVENTS, METHOD, PAIR_COLUMN = range(9)
@@ -45,6 +42,14 @@ FOUND_TIME, FOUND_SIDE, FOUND_GAP, FOUND_NUMBERS = range(4)
 
 # what `gap_of_features` leaves in `touch`
 NORMAL_AT, POINT_AT, OTHER_AT, BESIDE_AT, TOUCH_NUMBERS = 0, 3, 6, 9, 10
+
+
+class Clearing(Table):
+    """Pairs whose distance is recorded, a kind or none."""
+
+
+class DeformingSurfaces(Table):
+    """The surfaces of triangles that deform, a kind or none."""
 
 
 class SurfacePairs(Arrays):

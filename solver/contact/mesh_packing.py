@@ -14,8 +14,7 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.rigid import principal_frame
 from heavylift.solver.connections import GROUND
 from heavylift.solver.contact.checks import check_law, check_motion
-from heavylift.solver.contact.facet_counts import count_slots, most_of
-from heavylift.solver.contact.facet_interface import DeformingSurfaces
+from heavylift.solver.contact.facet_counts import count_moving, count_slots, most_of
 from heavylift.solver.contact.facet_kind import (
     FIRST_SLOT,
     LAST_SLOT,
@@ -46,10 +45,10 @@ from heavylift.solver.contact.kind import (
     ROTATION,
     SIZE,
     STATE_WIDTH,
+    Colliding,
 )
 from heavylift.solver.contact.laws_packing import force_law, put_law
 from heavylift.solver.contact.mesh_clearance import make_clearances
-from heavylift.solver.contact.mesh_interface import Clearing, Colliding
 from heavylift.solver.contact.mesh_kind import (
     DEFORMS,
     FIRST,
@@ -73,6 +72,8 @@ from heavylift.solver.contact.mesh_kind import (
     SIDE_COLUMNS,
     SIDE_WIDTH,
     TOUCH_NUMBERS,
+    Clearing,
+    DeformingSurfaces,
     SurfacePairs,
 )
 from heavylift.solver.contact.packed_collisions import PackedCollisions
@@ -236,8 +237,6 @@ def _pack_facets(
     """The kind of surfaces that deform, if there are any."""
     if not deforming:
         return []
-    from heavylift.solver.contact.packing import count_moving
-
     slots, moving = count_slots(scene), count_moving(scene)
     rows = np.zeros((len(deforming), ROW_COLUMNS), dtype=np.int64)
     row_of = np.full(len(scene.surfaces), -1, dtype=np.int64)

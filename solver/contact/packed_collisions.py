@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.contact.kind import CONTOUR_COLUMNS, POSE_WIDTH
-from heavylift.solver.contact.mesh_interface import Colliding
+from heavylift.solver.contact.kind import CONTOUR_COLUMNS, POSE_WIDTH, Colliding
 
 __all__ = ["PackedCollisions", "no_collisions"]
 

@@ -26,7 +26,6 @@ from heavylift.solver.contact.contour_packing import PackedContours, pack_contou
 from heavylift.solver.contact.features import (
     Curves,
     Deforming,
-    Features,
     Footprints,
     Primitives,
     Rings,
@@ -47,6 +46,7 @@ from heavylift.solver.contact.kind import (
     CONVEX,
     COUNT,
     CURVE,
+    DENSE,
     DOF,
     EVENTS,
     EXTENT,
@@ -79,11 +79,12 @@ from heavylift.solver.contact.kind import (
     VALUE_WIDTH,
     WATCHED,
     ContactRows,
+    Features,
+    Reduced,
 )
 from heavylift.solver.contact.laws_packing import force_law, put_law
 from heavylift.solver.contact.newton import workspace_length
 from heavylift.solver.contact.packed_collisions import no_collisions
-from heavylift.solver.contact.reduced import DENSE, make_reduced
 from heavylift.solver.contacts import (
     BilateralLaw,
     BoxShape,
@@ -97,8 +98,7 @@ from heavylift.solver.contacts import (
     SphereShape,
 )
 from heavylift.solver.interface import FORCES
-from heavylift.solver.joints.packing import MarkerBook
-from heavylift.solver.meshes import MeshBody
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import DIAGONAL, HOLDER, PANEL, PRESCRIBED, ROW_COLUMNS, SCALE, WIDTH, Attachment
 from heavylift.solver.rows import DOF as FIRST_VELOCITY
 from heavylift.solver.rows import OWNER as BLOCK
@@ -108,7 +108,7 @@ if TYPE_CHECKING:
     from heavylift.solver.contact.packed_collisions import PackedCollisions
     from heavylift.solver.scene import AnyBody
 
-__all__ = ["contact_markers", "count_moving", "pack_contacts"]
+__all__ = ["contact_markers", "pack_contacts"]
 
 ROWS = 3
 
@@ -119,23 +119,6 @@ class ContactMarkers:
 
     centre: int
     axes: int
-
-
-def count_moving(scene: Scene) -> dict[str, int]:
-    """Contacts on each frame and shell: each touches a point of its own that moves, those of contours first."""
-    on = {contour.name: contour for contour in scene.contours}
-    meshes = {body.name for body in scene.bodies if isinstance(body, MeshBody)}
-    counts: dict[str, int] = {}
-    for contact in scene.contacts:
-        contour = on.get(contact.contour)
-        if contour is not None and contour.body in meshes:
-            counts[contour.body] = counts.get(contour.body, 0) + moving_points(contour)
-    if scene.collisions:
-        from heavylift.solver.contact.facet_counts import count_slots
-
-        for name, count in count_slots(scene).items():
-            counts[name] = counts.get(name, 0) + count
-    return counts
 
 
 def contact_markers(scene: Scene, book: MarkerBook) -> list[ContactMarkers]:
@@ -259,7 +242,7 @@ def _kind(
     behind[FIRST_BLOCK], behind[ALL_RIGID] = block_count, int(rigid_only)
     behind[COUNT] = behind[OF_CONTOURS] = of_contours
     bodies = len({side.dof for side in sides if side.width} | set(collided.contours[:, DOF]) - {-1})
-    reduced = make_reduced(*((count, bodies, len(inverse_mass)) if rigid_only else (0, 0, 0)))
+    reduced = _reduced(*((count, bodies, len(inverse_mass)) if rigid_only else (0, 0, 0)))
     size = max(3 * own, len(reduced.start))
     control = np.zeros(CONTROL_WIDTH)
     control[WATCHED] = control[JOINS] = -1.0
@@ -292,6 +275,21 @@ def _kind(
         placed=collided.placed,
         carried=np.zeros(0),
         saved=np.zeros(0),
+    )
+
+
+def _reduced(contact_count: int, body_count: int, velocity_count: int) -> Reduced:
+    """Room for some contacts on some rigid bodies; none of either where contacts are not solved so."""
+    size = 6 * body_count
+    return Reduced(
+        ends=np.zeros((contact_count, 4), dtype=np.int64),
+        blocks=np.zeros((contact_count, 36)),
+        matrix=np.zeros((size, size)),
+        start=np.zeros(size),
+        found=np.zeros(size),
+        columns=np.full(velocity_count, -1, dtype=np.int64),
+        velocities=np.zeros(size, dtype=np.int64),
+        numbers=np.zeros(1, dtype=np.int64),
     )
 
 

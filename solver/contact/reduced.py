@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.generics import respond
 from heavylift.solver.contact.kind import LARGEST_CONTROLS, ContactRows
@@ -17,54 +16,9 @@ from heavylift.solver.contact.newton import solve_contacts_reduced
 from heavylift.solver.interface import Systems
 from heavylift.solver.rows import DOF, PANEL, WIDTH
 
-__all__ = ["DENSE", "Reduced", "assemble_reduced", "make_reduced", "solve_reduced"]
-
-DENSE = 4
-"""Contacts up to which their own matrix is formed."""
+__all__ = ["assemble_reduced", "solve_reduced"]
 
 SIZE_AT = 0
-
-
-class Reduced(Arrays):
-    """What the solver is told; columns are velocities of touched bodies.
-
-    Attributes
-    ----------
-    ends, blocks
-        Of each contact that takes part, shapes (nc, 4) and (nc, 36), see `solve_contacts_reduced`.
-    matrix
-        B, shape (n, n).
-    start, found
-        Velocities without and with impulses, shape (n,).
-    columns, velocities
-        Column of each velocity of the scene, -1 if it is not touched; velocity of each column.
-    numbers
-        How many columns there are.
-    """
-
-    ends: Ints2
-    blocks: Floats2
-    matrix: Floats2
-    start: Floats1
-    found: Floats1
-    columns: Ints1
-    velocities: Ints1
-    numbers: Ints1
-
-
-def make_reduced(contact_count: int, body_count: int, velocity_count: int) -> Reduced:
-    """Room for some contacts on some rigid bodies; none of either where contacts are not solved so."""
-    size = 6 * body_count
-    return Reduced(
-        ends=np.zeros((contact_count, 4), dtype=np.int64),
-        blocks=np.zeros((contact_count, 36)),
-        matrix=np.zeros((size, size)),
-        start=np.zeros(size),
-        found=np.zeros(size),
-        columns=np.full(velocity_count, -1, dtype=np.int64),
-        velocities=np.zeros(size, dtype=np.int64),
-        numbers=np.zeros(1, dtype=np.int64),
-    )
 
 
 @kernel(internal=True)

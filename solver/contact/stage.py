@@ -27,6 +27,7 @@ from heavylift.solver.contact.kind import (
     COMPLIANT,
     CURVE,
     DAMPING,
+    DENSE,
     END_GAP,
     EVENTS,
     EXPONENT,
@@ -60,7 +61,7 @@ from heavylift.solver.contact.laws import hunt_crossley_damping
 from heavylift.solver.contact.locate import locate
 from heavylift.solver.contact.mesh_interface import pose_surfaces, restore_contacts
 from heavylift.solver.contact.newton import solve_contacts
-from heavylift.solver.contact.reduced import DENSE, assemble_reduced, solve_reduced
+from heavylift.solver.contact.reduced import assemble_reduced, solve_reduced
 from heavylift.solver.contact.search_end import judge_searches, mark_failure
 from heavylift.solver.integrate.row_solver import add_impulses
 from heavylift.solver.interface import (

@@ -24,8 +24,7 @@ from heavylift.solver.integrate.relaxation import relax
 from heavylift.solver.integrate.settling import settle
 from heavylift.solver.integrate.start_rows import StartRows, plural
 from heavylift.solver.integrate.static_newton import Progress, stiffness
-from heavylift.solver.integrate.static_problem import unstable_count
-from heavylift.solver.integrate.statics import Equilibrium
+from heavylift.solver.integrate.static_problem import Equilibrium, unstable_count
 
 __all__ = ["find_mesh_equilibrium", "relax_to_equilibrium"]
 

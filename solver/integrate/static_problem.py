@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "Balance",
+    "Equilibrium",
     "Factor",
     "StaticProblem",
     "factorise",
@@ -89,6 +90,31 @@ class StaticProblem(Protocol):
 
     def tangent(self, factor: float, multipliers: NDArray[np.float64]) -> Any:
         """K, sparse by columns."""
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """What was found.
+
+    Attributes
+    ----------
+    residual
+        Norm of the force that is left, relative to that of the loads.
+    iterations
+        Stiffness matrices that were made.
+    moved
+        Largest displacement of a body [m].
+    stable
+        Whether all other positions nearby have a higher potential, neutral ones apart; None if not known.
+    text
+        In a sentence.
+    """
+
+    residual: float
+    iterations: int
+    moved: float
+    stable: bool | None
+    text: str
 
 
 @dataclass(frozen=True)

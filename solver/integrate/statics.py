@@ -13,7 +13,6 @@ not stable, e.g. a pendulum upside down, the softest direction gives a push, and
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -23,8 +22,9 @@ from heavylift.numerics.outcome import InputError
 from heavylift.solver.integrate.consistent_start import close_positions, close_velocities, project_start
 from heavylift.solver.integrate.start_rows import StartRows
 from heavylift.solver.integrate.static_forces import StaticForces
+from heavylift.solver.integrate.static_problem import Equilibrium
 
-__all__ = ["Equilibrium", "find_equilibrium"]
+__all__ = ["find_equilibrium"]
 
 BALANCED = 1e-8
 """Residual force relative to the loads that counts as equilibrium; steps go on below it while they help."""
@@ -46,31 +46,6 @@ PUSH = 0.03
 
 DENSE = 600
 """Velocities up to which stability is read from all eigenvalues."""
-
-
-@dataclass(frozen=True)
-class Equilibrium:
-    """What was found.
-
-    Attributes
-    ----------
-    residual
-        Norm of the force that is left, relative to that of the loads.
-    iterations
-        Stiffness matrices that were made.
-    moved
-        Largest displacement of a body [m].
-    stable
-        Whether all other positions nearby have a higher potential, neutral ones apart; None if not known.
-    text
-        In a sentence.
-    """
-
-    residual: float
-    iterations: int
-    moved: float
-    stable: bool | None
-    text: str
 
 
 def find_equilibrium(rows: StartRows) -> Equilibrium:

@@ -11,10 +11,11 @@ from heavylift.numerics.arrays import Arrays, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import Ball
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints.packing import JointPlace, MarkerBook, point_markers
+from heavylift.solver.joints.packing import JointPlace, point_markers
 from heavylift.solver.joints.reactions import write_reaction
 from heavylift.solver.joints.row_writing import difference, put_point_rows, residuals, write_point_bias
 from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
 __all__ = ["ROTATIONAL", "BallJoints", "pack"]

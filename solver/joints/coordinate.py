@@ -21,7 +21,7 @@ from heavylift.solver.connections import (
     Spring,
 )
 from heavylift.solver.interface import POINT_FORCE, Workspace
-from heavylift.solver.joints.packing import MarkerBook, angle_markers, travel_markers
+from heavylift.solver.joints.packing import angle_markers, travel_markers
 from heavylift.solver.joints.row_writing import (
     Vector,
     angle_row,
@@ -37,6 +37,7 @@ from heavylift.solver.joints.row_writing import (
     travel_row,
     vector,
 )
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
 __all__ = [

@@ -18,7 +18,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.connections import Distance
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints.packing import JointPlace, MarkerBook, point_markers
+from heavylift.solver.joints.packing import JointPlace, point_markers
 from heavylift.solver.joints.reactions import clear_reaction, reactions
 from heavylift.solver.joints.row_writing import (
     Vector,
@@ -32,6 +32,7 @@ from heavylift.solver.joints.row_writing import (
     targets,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
 __all__ = ["ROTATIONAL", "Distances", "pack"]

@@ -35,10 +35,11 @@ from heavylift.solver.joints.hinge import (
     fill_hinge_rows,
     record_hinges,
 )
-from heavylift.solver.joints.packing import JointPlace, MarkerBook
+from heavylift.solver.joints.packing import JointPlace
 from heavylift.solver.joints.reactions import ANGLE_STATE, REACTION_WIDTH, add_torque
 from heavylift.solver.joints.row_writing import angle_bias, angle_row, near_angle, residuals, targets
 from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
 __all__ = ["CHANNELS", "ROTATIONAL", "DrivenHinges", "pack"]

@@ -25,7 +25,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.joints import slider
 from heavylift.solver.joints.driving import PRESCRIBED, aim, drive_work, pack_profiles
-from heavylift.solver.joints.packing import JointPlace, MarkerBook
+from heavylift.solver.joints.packing import JointPlace
 from heavylift.solver.joints.reactions import add_force
 from heavylift.solver.joints.row_writing import residuals, targets, travel_bias, travel_row
 from heavylift.solver.joints.slider import (
@@ -39,6 +39,7 @@ from heavylift.solver.joints.slider import (
     record_sliders,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
 __all__ = ["CHANNELS", "ROTATIONAL", "DrivenSliders", "pack"]

@@ -16,7 +16,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.drive import pack_profile, profile_value
 from heavylift.solver.joints.row_writing import residuals, targets
 from heavylift.solver.rows import LAST_REACTION, ROW_COLUMNS, RowArrays
-from heavylift.solver.scene import Profile
+from heavylift.solver.scene_bodies import Profile
 
 __all__ = ["DRIVE_STATE", "PRESCRIBED", "aim", "drive_work", "pack_profiles"]
 

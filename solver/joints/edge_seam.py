@@ -21,7 +21,7 @@ from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.mesh_rows import EdgeSeam
-from heavylift.solver.joints.packing import JointPlace, MarkerBook, point_markers
+from heavylift.solver.joints.packing import JointPlace, point_markers
 from heavylift.solver.joints.reactions import add_pull, write_reaction
 from heavylift.solver.joints.row_writing import (
     add_direction_row,
@@ -38,6 +38,7 @@ from heavylift.solver.joints.row_writing import (
     write_point_bias,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import PANEL, WIDTH, RowArrays
 
 __all__ = ["EdgeSeams", "pack"]

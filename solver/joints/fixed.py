@@ -16,7 +16,7 @@ from heavylift.numerics.arrays import Arrays, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import FixedJoint
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints.packing import JointPlace, MarkerBook, point_markers, refuse_opposite
+from heavylift.solver.joints.packing import JointPlace, point_markers, refuse_opposite
 from heavylift.solver.joints.reactions import add_moment, write_reaction
 from heavylift.solver.joints.row_writing import (
     difference,
@@ -28,6 +28,7 @@ from heavylift.solver.joints.row_writing import (
     write_point_bias,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
 __all__ = ["ROTATIONAL", "FixedJoints", "pack"]

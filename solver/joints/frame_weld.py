@@ -21,7 +21,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.mesh_rows import FrameWeld
-from heavylift.solver.joints.packing import JointPlace, MarkerBook, point_markers
+from heavylift.solver.joints.packing import JointPlace, point_markers
 from heavylift.solver.joints.reactions import add_pull, write_reaction
 from heavylift.solver.joints.row_writing import (
     Vector,
@@ -37,6 +37,7 @@ from heavylift.solver.joints.row_writing import (
     write_point_bias,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
 __all__ = ["ROTATIONAL", "FrameWelds", "pack"]

@@ -17,13 +17,7 @@ from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import Hinge
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints.packing import (
-    JointPlace,
-    MarkerBook,
-    angle_markers,
-    point_markers,
-    refuse_opposite,
-)
+from heavylift.solver.joints.packing import JointPlace, angle_markers, point_markers, refuse_opposite
 from heavylift.solver.joints.reactions import (
     ANGLE_CHANNELS,
     ANGLE_STATE,
@@ -42,6 +36,7 @@ from heavylift.solver.joints.row_writing import (
     write_point_bias,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
 __all__ = ["CHANNELS", "ROTATIONAL", "Hinges", "pack"]

@@ -25,7 +25,8 @@ from heavylift.solver.joints.coordinate import (
     spring_markers,
 )
 from heavylift.solver.joints.law_system import LawBlock
-from heavylift.solver.joints.packing import MarkerBook, start_frames
+from heavylift.solver.joints.packing import start_frames
+from heavylift.solver.markers import MarkerBook
 
 if TYPE_CHECKING:
     from heavylift.solver.rows import Attachment

@@ -25,7 +25,8 @@ from heavylift.solver.connections import (
 )
 from heavylift.solver.joints.edges import expand_edge
 from heavylift.solver.joints.mesh_rows import FrameWeld, Square, SquareJoint
-from heavylift.solver.joints.packing import JointPlace, MarkerBook, start_frames
+from heavylift.solver.joints.packing import JointPlace, start_frames
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.meshes import FrameBody, MeshBody
 from heavylift.solver.scene import AnyBody, Scene
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +12,12 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.connections import GROUND, Joint, JointFrame, SliderHinge
 from heavylift.solver.interface import ROWS
-from heavylift.solver.markers import BodyMarkers
-from heavylift.solver.scene import AnyBody, Driven
+from heavylift.solver.markers import MarkerBook
+from heavylift.solver.scene import AnyBody
+from heavylift.solver.scene_bodies import Driven
 
 __all__ = [
     "JointPlace",
-    "MarkerBook",
     "angle_markers",
     "point_markers",
     "refuse_opposite",
@@ -44,71 +44,6 @@ class JointPlace:
     block: int
     column: int
     frames: tuple[JointFrame, JointFrame]
-
-
-@dataclass
-class MarkerBook:
-    """Numbers the markers of a scene.
-
-    Attributes
-    ----------
-    count
-        Markers so far.
-    fixed
-        Those on the ground: number and vector; their Jacobians stay zero.
-    """
-
-    count: int = 0
-    fixed: list[tuple[int, NDArray[np.float64]]] = field(default_factory=list)
-    _bodies: dict[str, list[tuple[int, NDArray[np.float64], bool, int, NDArray[np.float64], int]]] = field(
-        default_factory=dict
-    )
-
-    def point(self, body: str, point: NDArray[np.float64], level: int = ROWS) -> int:
-        """Number of a new material point [m], in the frame of the body or in the world."""
-        return self._add(body, point, False, level, point)
-
-    def direction(
-        self,
-        body: str,
-        direction: NDArray[np.float64],
-        level: int = ROWS,
-        *,
-        at: NDArray[np.float64],
-    ) -> int:
-        """Number of a new unit direction at a material point [m], in the frame of the body or in the world."""
-        return self._add(body, direction, True, level, at)
-
-    def slope(self, body: str, vector: int, level: int = ROWS, *, at: NDArray[np.float64]) -> int:
-        """Number of a new slope of a frame or shell at a material point [m]: vector 1, 2 ... of its nodes."""
-        return self._add(body, np.zeros(3), True, level, at, vector)
-
-    def _add(
-        self,
-        body: str,
-        given: NDArray[np.float64],
-        direction: bool,
-        level: int,
-        at: NDArray[np.float64],
-        slope: int = 0,
-    ) -> int:
-        number, entry = self.count, np.array(given, dtype=np.float64)
-        if body == GROUND:
-            self.fixed.append((number, entry))
-        else:
-            place = np.array(at, dtype=np.float64)
-            self._bodies.setdefault(body, []).append((number, entry, direction, level, place, slope))
-        self.count += 1
-        return number
-
-    def of(self, bodies: Sequence[str]) -> list[BodyMarkers]:
-        """Markers of each of some bodies."""
-        return [
-            BodyMarkers(*map(tuple, zip(*self._bodies[name], strict=True)))
-            if name in self._bodies
-            else BodyMarkers()
-            for name in bodies
-        ]
 
 
 def point_markers(book: MarkerBook, joint: Joint, level: int = ROWS) -> tuple[int, int]:

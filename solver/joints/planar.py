@@ -16,7 +16,7 @@ from heavylift.numerics.arrays import Arrays, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import Planar
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints.packing import JointPlace, MarkerBook, point_markers, refuse_opposite
+from heavylift.solver.joints.packing import JointPlace, point_markers, refuse_opposite
 from heavylift.solver.joints.reactions import add_force, add_moment, clear_reaction
 from heavylift.solver.joints.row_writing import (
     residuals,
@@ -27,6 +27,7 @@ from heavylift.solver.joints.row_writing import (
     travel_row,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
 __all__ = ["ROTATIONAL", "PlanarJoints", "pack"]

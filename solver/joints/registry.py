@@ -22,7 +22,8 @@ from heavylift.solver.connections import (
     Universal,
 )
 from heavylift.solver.joints.mesh_rows import EdgeSeam, FrameWeld, SquareJoint
-from heavylift.solver.joints.packing import JointPlace, MarkerBook, start_frames
+from heavylift.solver.joints.packing import JointPlace, start_frames
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import COMPLIANCE, RELAXATION, RIGID, ROW_COLUMNS, Attachment, RowSystem, pack_rows
 
 if TYPE_CHECKING:

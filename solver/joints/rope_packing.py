@@ -20,9 +20,10 @@ from heavylift.solver.connections import (
 )
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.law_system import LawBlock
-from heavylift.solver.joints.packing import MarkerBook, start_frames
+from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.joints.rope_path import GRADIENT_WIDTH, PLACE_WIDTH, START_WRAP, path_length
 from heavylift.solver.joints.wire_rope import FRESH, REST, STATE_WIDTH, STRETCHED, Ropes
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import Attachment
 from heavylift.solver.scene import AnyBody
 

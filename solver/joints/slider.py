@@ -16,13 +16,7 @@ from heavylift.numerics.arrays import Arrays, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import Slider
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints.packing import (
-    JointPlace,
-    MarkerBook,
-    point_markers,
-    refuse_opposite,
-    travel_markers,
-)
+from heavylift.solver.joints.packing import JointPlace, point_markers, refuse_opposite, travel_markers
 from heavylift.solver.joints.reactions import (
     REACTION_WIDTH,
     TRAVEL_CHANNELS,
@@ -40,6 +34,7 @@ from heavylift.solver.joints.row_writing import (
     travel_row,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
 __all__ = ["CHANNELS", "ROTATIONAL", "Sliders", "pack"]

@@ -19,7 +19,6 @@ from heavylift.solver.connections import Cylindrical, SliderHinge, axes_about
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import (
     JointPlace,
-    MarkerBook,
     angle_markers,
     point_markers,
     refuse_opposite,
@@ -46,6 +45,7 @@ from heavylift.solver.joints.row_writing import (
     travel_row,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
 __all__ = ["CHANNELS", "ROTATIONAL", "SliderHinges", "pack"]

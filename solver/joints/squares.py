@@ -21,7 +21,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import JointFrame
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.mesh_rows import SquareJoint
-from heavylift.solver.joints.packing import JointPlace, MarkerBook, point_markers
+from heavylift.solver.joints.packing import JointPlace, point_markers
 from heavylift.solver.joints.reactions import add_pull, write_reaction
 from heavylift.solver.joints.row_writing import (
     difference,
@@ -35,6 +35,7 @@ from heavylift.solver.joints.row_writing import (
     write_point_bias,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
 __all__ = ["SquareJoints", "pack"]

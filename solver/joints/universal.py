@@ -15,7 +15,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.connections import Universal
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints.packing import JointPlace, MarkerBook, point_markers
+from heavylift.solver.joints.packing import JointPlace, point_markers
 from heavylift.solver.joints.reactions import add_moment, write_reaction
 from heavylift.solver.joints.row_writing import (
     difference,
@@ -27,6 +27,7 @@ from heavylift.solver.joints.row_writing import (
     write_point_bias,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
 __all__ = ["ROTATIONAL", "UniversalJoints", "pack"]

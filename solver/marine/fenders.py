@@ -22,9 +22,9 @@ from heavylift.solver.interface import (
     record_forces,
 )
 from heavylift.solver.joints.law_forces import mean_force, spring_force
-from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.kinds import implement
 from heavylift.solver.marine.moorings import Fender
+from heavylift.solver.markers import MarkerBook
 
 __all__ = ["FENDER_CHANNELS", "Fenders", "fender_markers", "pack_fenders"]
 

@@ -31,7 +31,6 @@ from heavylift.solver.marine.hulls import (
     START,
     STATE_WIDTH,
     WAVE,
-    Hulls,
     Parts,
 )
 from heavylift.solver.marine.memory import (
@@ -61,7 +60,6 @@ __all__ = [
     "keep_memory",
     "memory_now",
     "pack_parts",
-    "share_part_states",
 ]
 
 FIT_STEP, SHORTEST_FIT, SHORTEST_MEMORY = 0.1, 60.0, 40.0
@@ -358,15 +356,3 @@ def check_series(bodies: Iterable[Any]) -> None:
                         key="excitation",
                         expected="'summed', or a start at the place that the series of waves is made for",
                     )
-
-
-def share_part_states(kind: Hulls) -> Hulls:
-    """States of the memories as views of the state of their kind, where a checkpoint finds them."""
-    at = STATE_WIDTH * len(kind.table) + 3 * len(kind.tank_table)
-    parts = []
-    for part in kind.radiation:
-        old = part.memory.state
-        view = kind.state[at : at + old.size].reshape(old.shape)
-        parts.append(part._replace(memory=part.memory._replace(state=view)))
-        at += old.size
-    return kind._replace(radiation=Parts(parts))

@@ -149,9 +149,14 @@ class Hulls(Arrays):
 
     def sharing_state(self) -> Hulls:
         """The same with the states of its parts as views of its own, which has been replaced."""
-        from heavylift.solver.marine.hull_parts import share_part_states
-
-        return share_part_states(self)
+        at = STATE_WIDTH * len(self.table) + 3 * len(self.tank_table)
+        parts = []
+        for part in self.radiation:
+            old = part.memory.state
+            view = self.state[at : at + old.size].reshape(old.shape)
+            parts.append(part._replace(memory=part.memory._replace(state=view)))
+            at += old.size
+        return self._replace(radiation=Parts(parts))
 
 
 def start_filters(kind: Hulls) -> None:

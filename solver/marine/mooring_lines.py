@@ -25,7 +25,6 @@ from heavylift.solver.interface import (
     begin_record,
     record_forces,
 )
-from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.kinds import implement
 from heavylift.solver.marine.catenary import (
     BRANCH,
@@ -41,6 +40,7 @@ from heavylift.solver.marine.catenary import (
 )
 from heavylift.solver.marine.catenary_line import pack_sections
 from heavylift.solver.marine.moorings import MooringLine, check_sections
+from heavylift.solver.markers import MarkerBook
 
 __all__ = [
     "EXTRA",

@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.channels import XYZ
 from heavylift.solver.interface import FORCES
-from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.marine.wind_spectrum import (
     HIGHEST_FREQUENCY,
     HOUR,
@@ -33,6 +32,7 @@ from heavylift.solver.marine.wind_spectrum import (
     wind_components,
     wind_record,
 )
+from heavylift.solver.markers import MarkerBook
 
 __all__ = [
     "AIR_DENSITY",

@@ -17,38 +17,33 @@ from heavylift.solver.bodies.ancf.kind import (
     BASES,
     CHANGE,
     CHANGE_OF_V,
+    COMPLIANCE,
+    CURRENT,
     DOF,
+    ENTRIES,
+    ENTRY_COUNT,
     EXPLICIT,
     FIRST_BASE,
+    FIRST_CONTROL,
     FIRST_NODE,
+    FIRST_POINT,
     FORWARD,
+    LIVE,
     MASS_SET,
     MID_Q,
     MID_V,
     MOVING,
     SCHEME,
     STEP_SET,
+    VECTORS,
     FrameMeshes,
     Meshes,
+    MovingPoints,
     Q,
     ShellMeshes,
     V,
 )
-from heavylift.solver.bodies.ancf.moving import (
-    COMPLIANCE,
-    CURRENT,
-    ENTRIES,
-    ENTRY_COUNT,
-    FIRST_CONTROL,
-    FIRST_POINT,
-    LIVE,
-    VECTORS,
-    MovingPoints,
-    point_response,
-    point_value,
-    prepare_points,
-    vector_length,
-)
+from heavylift.solver.bodies.ancf.moving import point_response, point_value, prepare_points, vector_length
 from heavylift.solver.bodies.ancf.step import is_iterated
 from heavylift.solver.bodies.ancf.substitution import node_span
 from heavylift.solver.contact.generics import (
@@ -75,9 +70,9 @@ from heavylift.solver.contact.kind import (
     ContactRows,
 )
 from heavylift.solver.contact.kind import DOF as CONTOUR_DOF
-from heavylift.solver.interface import Workspace
+from heavylift.solver.interface import Workspace, joint_rows
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import PANEL, WIDTH, joint_rows
+from heavylift.solver.rows import PANEL, WIDTH
 
 __all__ = ["body_with_points"]
 

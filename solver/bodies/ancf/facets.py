@@ -11,25 +11,23 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.bodies.ancf.contours import body_with_points
 from heavylift.solver.bodies.ancf.kind import (
+    CURRENT,
     DOF,
+    ENTRIES,
+    ENTRY_COUNT,
     FIRST_NODE,
+    FIRST_POINT,
+    LIVE,
     MID_Q,
     MID_V,
     MOVING,
     FrameMeshes,
     Meshes,
+    MovingPoints,
     ShellMeshes,
     V,
 )
-from heavylift.solver.bodies.ancf.moving import (
-    CURRENT,
-    ENTRIES,
-    ENTRY_COUNT,
-    FIRST_POINT,
-    LIVE,
-    MovingPoints,
-    point_value,
-)
+from heavylift.solver.bodies.ancf.moving import point_value
 from heavylift.solver.contact.facet_interface import (
     bound_surface_points,
     form_surface_points,

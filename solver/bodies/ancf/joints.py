@@ -34,6 +34,7 @@ from heavylift.solver.interface import (
     apply_inverse,
     complete,
     end_velocity,
+    row_arrays,
     set_velocity,
     write_velocity,
 )
@@ -50,7 +51,6 @@ from heavylift.solver.rows import (
     ROW_COLUMNS,
     WIDTH,
     RowArrays,
-    row_arrays,
 )
 
 __all__ = ["collect_impulses", "take_impulses"]

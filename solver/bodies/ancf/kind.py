@@ -17,15 +17,12 @@ follow: `heavylift.solver.bodies.ancf.moving`.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.lanes import block_shape
 
-if TYPE_CHECKING:
-    from heavylift.solver.bodies.ancf.moving import MovingPoints
-
-__all__ = ["FrameMeshes", "Meshes", "ShellMeshes"]
+__all__ = ["FrameMeshes", "Meshes", "MovingPoints", "ShellMeshes"]
 
 # columns of `table`, by body
 (
@@ -134,6 +131,55 @@ DEAD_LOAD, FOLLOWER_ELEMENT, FOLLOWER_NODE = range(3)
 
 # sets of blocks in `blocks`
 STEP_SET, MASS_SET, CONSTANT_SET = range(3)
+
+
+# columns of `points` of the moving points
+ENTRIES, ENTRY_COUNT, VECTORS, PATH, PATH_COUNT, LIVE, CURRENT, FRESH, POINT_COLUMNS = range(9)
+"""First of its entries and their number; place of its three vectors; first of the columns of the factor in which these
+are not zero, and their number; 1 between aiming and the end of the stage; set of blocks that the vectors belong to, -1
+for none; 1 while its compliance is missing."""
+
+# columns of `bodies` of the moving points
+FIRST_POINT, COMPLIANCE, FIRST_CONTROL, MESH_COLUMNS = range(4)
+"""First moving point; place of the matrix of all of them; first control point of the shape."""
+
+
+class MovingPoints(Arrays):
+    """Moving points of all frames or all shells of a scene.
+
+    Attributes
+    ----------
+    bodies
+        By body, see the columns; shape (bodies, 3).
+    points
+        By moving point, bodies in order, see the columns; shape (n, 8).
+    entries, factors
+        A point is a sum of nodal vectors: their places in a row of `nodal`, and factors.
+    vectors
+        ``Z``: three vectors over the nodes and base nodes of the body, of each point; flat.
+    paths
+        Columns of the factor, flat.
+    compliance
+        ``J A^-1 J^T`` of all points of a body, by rows, of each body; flat.
+    column_of
+        Column of each node, -1 of base nodes.
+    marks
+        Scratch, 1 for nodes that the substitution has reached.
+    control_places, control_factors
+        A control point of the shape of a mesh is a sum of nodal vectors; shapes (controls, 4).
+    """
+
+    bodies: Ints2
+    points: Ints2
+    entries: Ints1
+    factors: Floats1
+    vectors: Floats1
+    paths: Ints1
+    compliance: Floats1
+    column_of: Ints1
+    marks: Ints1
+    control_places: Ints2
+    control_factors: Floats2
 
 
 class Meshes(Arrays):

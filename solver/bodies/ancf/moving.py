@@ -18,7 +18,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.block_pattern import LOWER, LOWER_COUNT, NODE, PIVOT
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import forward_pivot, subtract_forward
@@ -27,20 +26,30 @@ from heavylift.solver.bodies.ancf.kind import (
     BASE_NODES,
     BASE_PLACE,
     BASES,
+    COMPLIANCE,
+    CURRENT,
     DOF,
+    ENTRIES,
+    ENTRY_COUNT,
     FIRST_BASE,
     FIRST_NODE,
+    FIRST_POINT,
     FREE,
+    FRESH,
     LAST_COLUMN,
+    LIVE,
     MOVING,
     NODES,
+    PATH,
+    PATH_COUNT,
     RIGHT,
+    VECTORS,
     Meshes,
+    MovingPoints,
 )
 from heavylift.solver.rows import PANEL, RowArrays
 
 __all__ = [
-    "MovingPoints",
     "add_point_compliance",
     "add_point_forces",
     "add_point_impulses",
@@ -55,55 +64,7 @@ __all__ = [
     "write_points",
 ]
 
-# columns of `points`
-ENTRIES, ENTRY_COUNT, VECTORS, PATH, PATH_COUNT, LIVE, CURRENT, FRESH, POINT_COLUMNS = range(9)
-"""First of its entries and their number; place of its three vectors; first of the columns of the factor in which these
-are not zero, and their number; 1 between aiming and the end of the stage; set of blocks that the vectors belong to, -1
-for none; 1 while its compliance is missing."""
-
-# columns of `bodies`
-FIRST_POINT, COMPLIANCE, FIRST_CONTROL, MESH_COLUMNS = range(4)
-"""First moving point; place of the matrix of all of them; first control point of the shape."""
-
 Vector = tuple[float, float, float]
-
-
-class MovingPoints(Arrays):
-    """Moving points of all frames or all shells of a scene.
-
-    Attributes
-    ----------
-    bodies
-        By body, see the columns; shape (bodies, 3).
-    points
-        By moving point, bodies in order, see the columns; shape (n, 8).
-    entries, factors
-        A point is a sum of nodal vectors: their places in a row of `nodal`, and factors.
-    vectors
-        ``Z``: three vectors over the nodes and base nodes of the body, of each point; flat.
-    paths
-        Columns of the factor, flat.
-    compliance
-        ``J A^-1 J^T`` of all points of a body, by rows, of each body; flat.
-    column_of
-        Column of each node, -1 of base nodes.
-    marks
-        Scratch, 1 for nodes that the substitution has reached.
-    control_places, control_factors
-        A control point of the shape of a mesh is a sum of nodal vectors; shapes (controls, 4).
-    """
-
-    bodies: Ints2
-    points: Ints2
-    entries: Ints1
-    factors: Floats1
-    vectors: Floats1
-    paths: Ints1
-    compliance: Floats1
-    column_of: Ints1
-    marks: Ints1
-    control_places: Ints2
-    control_factors: Floats2
 
 
 @kernel(internal=True)

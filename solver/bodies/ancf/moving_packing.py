@@ -11,25 +11,23 @@ from heavylift.numerics.block_pattern import NODE, BlockPattern
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.ancf.kind import (
     BASE_NODES,
-    FIRST_COLUMN,
-    FIRST_NODE,
-    LAST_COLUMN,
-    MOVING,
-    NODES,
-)
-from heavylift.solver.bodies.ancf.mesh_contour import control_vectors
-from heavylift.solver.bodies.ancf.moving import (
     COMPLIANCE,
     CURRENT,
     ENTRIES,
+    FIRST_COLUMN,
     FIRST_CONTROL,
+    FIRST_NODE,
     FIRST_POINT,
+    LAST_COLUMN,
     MESH_COLUMNS,
+    MOVING,
+    NODES,
     PATH,
     POINT_COLUMNS,
     VECTORS,
     MovingPoints,
 )
+from heavylift.solver.bodies.ancf.mesh_contour import control_vectors
 from heavylift.solver.meshes import MeshBody
 
 __all__ = ["pack_moving"]
