@@ -22,7 +22,20 @@ from heavylift.numerics.rotation import exponential_quaternion, quaternion_produ
 from heavylift.numerics.small import cross
 from heavylift.solver.scene_bodies import Driven, Profile
 
-__all__ = ["DRIVE_HEAD", "drive_pose", "drive_velocity", "pack_drive", "pack_profile", "profile_value"]
+__all__ = [
+    "DRIVEN",
+    "DRIVE_HEAD",
+    "FIXED",
+    "FREE",
+    "drive_pose",
+    "drive_velocity",
+    "pack_drive",
+    "pack_profile",
+    "profile_value",
+]
+
+FREE, FIXED, DRIVEN = range(3)
+"""How a frame moves, in the tables of kinds."""
 
 DRIVE_HEAD = 17
 """Numbers before the profiles: axis 3, pivot 3, start position 3, start quaternion 4, profile starts 4."""

@@ -118,8 +118,7 @@ class RowSystem(RowArrays):
         "heavylift.solver.integrate.row_stage",
         "heavylift.solver.integrate.row_thesis",
         "heavylift.solver.integrate.accurate_rows",
-        "heavylift.solver.integrate.static_forces",
-        "heavylift.solver.bodies.ancf.joints",
+        "heavylift.solver.integrate.rows_at_rest",
     )
 
     columns: Ints2

@@ -15,7 +15,7 @@ which are evaluated once a step, stacked as one matrix, and carried with the sta
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -26,7 +26,7 @@ from heavylift.modal.reduced import ReducedBody
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.small import aligned
-from heavylift.solver.drive import pack_drive
+from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
 from heavylift.solver.markers import BodyMarkers, pack_markers
 from heavylift.solver.scene_bodies import Driven, Fixed, FlexibleBody, Free
 
@@ -34,7 +34,6 @@ __all__ = ["FixedFrameBodies", "FlexibleBodies", "FloatingFrameBodies", "pack_fl
 
 # columns of `table`; starts are places in `constants`
 MODES, MODAL, DOF, SHAPE, MOTION, DRIVE, COLUMN, NUMBER = range(8)
-FREE, FIXED, DRIVEN = range(3)
 
 # columns of `frame`: the carried state of the reference frame ...
 POSITION = 0  # frame origin, world [m]
@@ -313,7 +312,7 @@ def _check_free_modes(name: str, integrals: ShapeIntegrals) -> None:
         )
 
 
-def _marker_shapes(reduced: ReducedBody):  # type: ignore[no-untyped-def]
+def _marker_shapes(reduced: ReducedBody) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
     """Return a function from a body-frame point to (undeformed position, 3 nf mode shape entries)."""
 
     def shapes(point: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -18,13 +18,11 @@ from heavylift.solver.bodies.floating_frame import (
     DAMPING,
     DOF,
     DRIVE,
-    DRIVEN,
     END_ROTATION,
     FIRST_MOMENT,
     FORCE,
     FOUND,
     FRAME_RHS,
-    FREE,
     LAG,
     LOAD,
     MID_POSE,
@@ -59,7 +57,7 @@ from heavylift.solver.bodies.floating_frame_inertia import (
 )
 from heavylift.solver.bodies.floating_frame_shape import lag_scale, product_columns, shape_of, stage_rotation
 from heavylift.solver.bodies.floating_frame_stage import update_products
-from heavylift.solver.drive import drive_pose
+from heavylift.solver.drive import DRIVEN, FREE, drive_pose
 from heavylift.solver.interface import (
     FIELD,
     STATUS_BODY,

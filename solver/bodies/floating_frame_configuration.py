@@ -14,7 +14,6 @@ from heavylift.solver.bodies.floating_frame import (
     ACCELERATION,
     AT_END,
     DOF,
-    FREE,
     LAG,
     MODAL,
     MODES,
@@ -39,6 +38,7 @@ from heavylift.solver.bodies.floating_frame import (
     FloatingFrameBodies,
     Q,
 )
+from heavylift.solver.drive import FREE
 from heavylift.solver.interface import (
     FIELD,
     FORCES,

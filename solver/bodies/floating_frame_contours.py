@@ -30,10 +30,9 @@ from heavylift.solver.bodies.floating_frame import (
     Q,
 )
 from heavylift.solver.bodies.floating_frame import DOF as BODY_DOF
-from heavylift.solver.bodies.floating_frame import FIXED as FRAME_FIXED
 from heavylift.solver.bodies.floating_frame_stage import stage_at_state
 from heavylift.solver.contact.contour_rows import put_frame_rows
-from heavylift.solver.contact.generics import (
+from heavylift.solver.contact.interface import (
     bound_motion,
     forget_accelerations,
     form_controls,
@@ -58,6 +57,7 @@ from heavylift.solver.contact.kind import (
     WEIGHTS_AT,
     ContactRows,
 )
+from heavylift.solver.drive import FIXED as FRAME_FIXED
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import PANEL

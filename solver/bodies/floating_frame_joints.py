@@ -16,6 +16,7 @@ rotation of the frame plus the displacement of its node.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import add_multiple
@@ -26,10 +27,8 @@ from heavylift.solver.bodies.floating_frame import (
     AT_END,
     AT_Q,
     DOF,
-    DRIVEN,
     END_ROTATION,
     FACTOR,
-    FREE,
     INVERSE,
     MID_RATE,
     MID_SPIN,
@@ -65,7 +64,8 @@ from heavylift.solver.bodies.floating_frame_panels import (
 )
 from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of, stage_rotation
 from heavylift.solver.bodies.floating_frame_stage import factor_frame
-from heavylift.solver.contact.generics import meet_again
+from heavylift.solver.contact.system_interface import meet_again
+from heavylift.solver.drive import DRIVEN, FREE
 from heavylift.solver.integrate.row_solver import row_power
 from heavylift.solver.interface import (
     ERROR,
@@ -141,8 +141,8 @@ def _apply_to_frame(
 
 
 @kernel(internal=True)
-def _apply_of_lanes(  # type: ignore[no-untyped-def]
-    shape, kind: FloatingFrameBodies, body: int, at_midpoint: bool, system: RowArrays, panel: int
+def _apply_of_lanes(
+    shape: Any, kind: FloatingFrameBodies, body: int, at_midpoint: bool, system: RowArrays, panel: int
 ) -> None:
     G = system.panels
     lanes = len(shape[1])

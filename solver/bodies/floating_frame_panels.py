@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import add_multiple, block_shape
 from heavylift.solver.bodies.floating_frame import (
     DOF,
-    FREE,
     INVERSE,
     JOINT_FORCE,
     JOINT_LOAD,
@@ -15,6 +16,7 @@ from heavylift.solver.bodies.floating_frame import (
     MOTION,
     FlexibleBodies,
 )
+from heavylift.solver.drive import FREE
 from heavylift.solver.rows import (
     DOF as FIRST_VELOCITY,
 )
@@ -74,7 +76,9 @@ def scale_modal_panel(kind: FlexibleBodies, body: int, system: RowArrays, attach
 
 
 @kernel(internal=True)
-def _scale_modal_panel(shape, kind: FlexibleBodies, body: int, system: RowArrays, attachment: int) -> None:  # type: ignore[no-untyped-def]
+def _scale_modal_panel(
+    shape: Any, kind: FlexibleBodies, body: int, system: RowArrays, attachment: int
+) -> None:
     G = system.panels
     lanes = len(shape[1])
     n, first = kind.table[body, MODES], kind.table[body, MODAL]

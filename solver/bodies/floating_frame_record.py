@@ -14,10 +14,8 @@ from heavylift.solver.bodies.floating_frame import (
     COLUMN,
     DAMPING,
     DRIVE,
-    DRIVEN,
     FIRST_MOMENT,
     FORCE,
-    FREE,
     LOAD,
     MODAL,
     MODES,
@@ -51,7 +49,7 @@ from heavylift.solver.bodies.floating_frame_markers import (
 )
 from heavylift.solver.bodies.floating_frame_shape import shape_of, stage_rotation
 from heavylift.solver.bodies.floating_frame_stage import stage_at_state
-from heavylift.solver.drive import drive_pose, drive_velocity
+from heavylift.solver.drive import DRIVEN, FREE, drive_pose, drive_velocity
 from heavylift.solver.interface import (
     ANGULAR_MOMENTUM as TOTAL_ANGULAR_MOMENTUM,
 )

@@ -15,7 +15,6 @@ from heavylift.solver.bodies.floating_frame import (
     FACTOR,
     FIRST_MOMENT,
     FRAME_RHS,
-    FREE,
     INERTIA,
     INVERSE,
     MID_POSITION,
@@ -43,6 +42,7 @@ from heavylift.solver.bodies.floating_frame import (
 from heavylift.solver.bodies.floating_frame_inertia import deformed_inertia, stacked_products
 from heavylift.solver.bodies.floating_frame_markers import write_markers
 from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of, stage_rotation
+from heavylift.solver.drive import FREE
 from heavylift.solver.interface import (
     Workspace,
     fill_markers,

@@ -44,13 +44,11 @@ from heavylift.solver.bodies.floating_frame import (
     DAMPING,
     DOF,
     DRIVE,
-    DRIVEN,
     DRIVEN_VELOCITY,
     FACTOR,
     FIRST_MOMENT,
     FORCE,
     FRAME_RHS,
-    FREE,
     INVERSE,
     LAG,
     LOAD,
@@ -92,7 +90,7 @@ from heavylift.solver.bodies.floating_frame_inertia import (
 from heavylift.solver.bodies.floating_frame_markers import gather_marker_forces
 from heavylift.solver.bodies.floating_frame_shape import lag_scale, product_columns, shape_of, stage_rotation
 from heavylift.solver.bodies.floating_frame_stage import clear_velocity, factor_frame, solve_stage
-from heavylift.solver.drive import drive_pose, drive_velocity
+from heavylift.solver.drive import DRIVEN, FREE, drive_pose, drive_velocity
 from heavylift.solver.interface import (
     FIELD,
     Workspace,

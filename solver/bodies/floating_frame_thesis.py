@@ -21,12 +21,10 @@ from heavylift.solver.bodies.floating_frame import (
     DAMPING,
     DOF,
     DRIVE,
-    DRIVEN,
     FACTOR,
     FIRST_MOMENT,
     FORCE,
     FRAME_RHS,
-    FREE,
     INVERSE,
     LOAD,
     MODAL,
@@ -62,7 +60,7 @@ from heavylift.solver.bodies.floating_frame_stage import (
     solve_stage,
     stage_at_state,
 )
-from heavylift.solver.drive import drive_pose, drive_velocity
+from heavylift.solver.drive import DRIVEN, FREE, drive_pose, drive_velocity
 from heavylift.solver.interface import (
     FIELD,
     Workspace,

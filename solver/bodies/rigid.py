@@ -11,7 +11,7 @@ carries the spatial angular momentum ``L = R I w``, so no gyroscopic torque is e
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import quaternion_from_matrix, rotation_matrix
-from heavylift.solver.bodies.floating_frame import DRIVEN, FIXED, FREE
-from heavylift.solver.drive import pack_drive
+from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
 from heavylift.solver.markers import BodyMarkers, pack_markers
 from heavylift.solver.scene_bodies import Driven, Fixed, Free, RigidBody
 
@@ -191,7 +190,9 @@ def _principal_axes(body: RigidBody) -> tuple[NDArray[np.float64], NDArray[np.fl
     return moments, axes
 
 
-def _marker_data(axes: NDArray[np.float64], centre: NDArray[np.float64]):  # type: ignore[no-untyped-def]
+def _marker_data(
+    axes: NDArray[np.float64], centre: NDArray[np.float64]
+) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
     """Return a function from a body-frame point to its principal coordinates."""
 
     def principal(point: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -23,9 +23,7 @@ from heavylift.solver.bodies.rigid import (
     ACCELERATION,
     ANGULAR_MOMENTUM,
     DOF,
-    DRIVEN,
     FORCE,
-    FREE,
     MASS,
     MID_POSITION,
     MID_ROTATION,
@@ -44,6 +42,7 @@ from heavylift.solver.bodies.rigid import (
     RigidBodies,
 )
 from heavylift.solver.bodies.rigid_stage import gather_marker_forces, prescribe
+from heavylift.solver.drive import DRIVEN, FREE
 from heavylift.solver.interface import (
     DRIVE_WORK,
     ERROR,

@@ -8,7 +8,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.bodies.floating_frame import FREE
 from heavylift.solver.bodies.rigid import (
     ACCELERATION,
     DOF,
@@ -23,6 +22,7 @@ from heavylift.solver.bodies.rigid import (
     VELOCITY,
     RigidBodies,
 )
+from heavylift.solver.drive import FREE
 from heavylift.solver.interface import (
     FIELD,
     FORCES,

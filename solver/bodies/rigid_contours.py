@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.floating_frame import FREE
 from heavylift.solver.bodies.rigid import (
     ACCELERATION,
     DOF,
@@ -18,7 +17,7 @@ from heavylift.solver.bodies.rigid import (
     RigidBodies,
 )
 from heavylift.solver.contact.contour_rows import put_frame_rows
-from heavylift.solver.contact.generics import (
+from heavylift.solver.contact.interface import (
     bound_motion,
     forget_accelerations,
     pose_contours,
@@ -35,6 +34,7 @@ from heavylift.solver.contact.kind import (
     ContactRows,
 )
 from heavylift.solver.contact.kind import DOF as FIRST_VELOCITY
+from heavylift.solver.drive import FREE
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.rigid import DOF, DRIVEN, FREE, JOINT_FORCE, MOTION, WORK, RigidBodies
+from heavylift.solver.bodies.rigid import DOF, JOINT_FORCE, MOTION, WORK, RigidBodies
+from heavylift.solver.drive import DRIVEN, FREE
 from heavylift.solver.integrate.row_solver import row_power
 from heavylift.solver.interface import Workspace, add_row_work, gather_reactions
 from heavylift.solver.kinds import implement

@@ -13,9 +13,7 @@ from heavylift.solver.bodies.rigid import (
     AXES,
     CENTRE,
     COLUMN,
-    DRIVEN,
     FORCE,
-    FREE,
     JOINT_FORCE,
     MASS,
     MOMENT,
@@ -34,6 +32,7 @@ from heavylift.solver.bodies.rigid_stage import (
     stage_at_state,
     stage_rotation,
 )
+from heavylift.solver.drive import DRIVEN, FREE
 from heavylift.solver.interface import (
     ANGULAR_MOMENTUM as TOTAL_ANGULAR_MOMENTUM,
 )

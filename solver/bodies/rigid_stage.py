@@ -16,7 +16,6 @@ from heavylift.solver.bodies.rigid import (
     AXES,
     CENTRE,
     DRIVE,
-    DRIVEN,
     END,
     FORCE,
     MASS,
@@ -39,7 +38,7 @@ from heavylift.solver.bodies.rigid import (
     RigidBodies,
     RigidFrames,
 )
-from heavylift.solver.drive import drive_pose, drive_velocity
+from heavylift.solver.drive import DRIVEN, drive_pose, drive_velocity
 from heavylift.solver.interface import (
     ACCELERATIONS,
     FIELD,

@@ -13,10 +13,7 @@ from heavylift.solver.bodies.rigid import (
     ANGULAR_MOMENTUM,
     ARC,
     DOF,
-    DRIVEN,
-    FIXED,
     FORCE,
-    FREE,
     INVERSE_MASS,
     INVERSE_PRINCIPAL,
     MEAN,
@@ -44,6 +41,7 @@ from heavylift.solver.bodies.rigid_stage import (
     stage_at_state,
     stage_rotation,
 )
+from heavylift.solver.drive import DRIVEN, FIXED, FREE
 from heavylift.solver.interface import (
     ERROR,
     FIELD,

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.generics import respond
 from heavylift.solver.contact.kind import ContactRows
+from heavylift.solver.contact.system_interface import respond
 from heavylift.solver.interface import Systems
 from heavylift.solver.rows import (
     DIAGONAL,

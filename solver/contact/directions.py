@@ -5,7 +5,7 @@ from __future__ import annotations
 from heavylift.contours.layout import DEGREE_U, DEGREE_V
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate
-from heavylift.solver.contact.generics import form_controls
+from heavylift.solver.contact.interface import form_controls
 from heavylift.solver.contact.kind import ARM, DIRECTIONS, OF_GROUND, OF_RIGID, OWNER, ContactRows
 from heavylift.solver.interface import Bodies
 

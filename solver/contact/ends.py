@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact import layout as told
 from heavylift.solver.contact.counts import contact_count, set_number
 from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.events import CLOSE, MOST_EVENTS, SHORTEST, gap_tolerance
-from heavylift.solver.contact.generics import follow_end, project_contacts
 from heavylift.solver.contact.kind import (
     BILATERAL,
     CLOSED,
@@ -75,6 +77,7 @@ from heavylift.solver.contact.stage import (
     softness_of,
     solve_present,
 )
+from heavylift.solver.contact.system_interface import follow_end, project_contacts
 from heavylift.solver.integrate.row_stage import close_step
 from heavylift.solver.interface import (
     LAST_STEP,
@@ -107,7 +110,7 @@ STICKING = 1e-9
 
 
 @kernel(internal=True)
-def _is_new(contacts: ContactRows, c: int, step: float, velocity) -> bool:  # type: ignore[no-untyped-def]
+def _is_new(contacts: ContactRows, c: int, step: float, velocity: NDArray[np.float64]) -> bool:
     """Whether an open contact without compliance closes at the end of this step."""
     state = contacts.state[c]
     if state[CLOSED] > 0.0 or contacts.table[c, LAW] == COMPLIANT:

@@ -14,16 +14,12 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.copying import copy_carried
 from heavylift.solver.contact.counts import contact_count, number_of, set_number
 from heavylift.solver.contact.delassus import contact_rates
-from heavylift.solver.contact.generics import (
-    after_step,
-    before_advance,
+from heavylift.solver.contact.interface import (
     bound_motion,
     forget_accelerations,
-    go_back,
-    locate_ends,
     pose_contours,
+    settle_points,
 )
-from heavylift.solver.contact.interface import settle_points
 from heavylift.solver.contact.kind import (
     AXES,
     CENTRE,
@@ -79,6 +75,7 @@ from heavylift.solver.contact.mesh_interface import (
     search_surfaces,
 )
 from heavylift.solver.contact.stage import NEAR, impulse_row, looks_ahead
+from heavylift.solver.contact.system_interface import after_step, before_advance, go_back, locate_ends
 from heavylift.solver.interface import SPLIT, Bodies, Workspace, add_row_work
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import DOF, HALF_IMPULSE, IMPULSE, WIDTH

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from heavylift.solver.contact.interface import moving_points
 from heavylift.solver.meshes import MeshBody
 
 if TYPE_CHECKING:
     from heavylift.solver.collisions import Collision
+    from heavylift.solver.contacts import Contour
     from heavylift.solver.scene import Scene
 
-__all__ = ["MOST_ON_MESHES", "count_moving", "count_slots", "most_of"]
+__all__ = ["MOST_ON_MESHES", "count_moving", "count_slots", "most_of", "moving_points"]
 
 MOST_ON_MESHES = 64
 """Contacts at once of a collision with a frame or shell: each is a vector over all nodes in every step."""
@@ -37,6 +37,14 @@ def count_slots(scene: Scene) -> dict[str, int]:
         for name in _mesh_sides(collision, scene):
             counts[name] = counts.get(name, 0) + most_of(collision, scene)
     return counts
+
+
+def moving_points(contour: Contour) -> int:
+    """Moving points that each contact on a contour of a frame or shell takes.
+
+    A point beside a curve, on a band or a cylinder, moves with the tangent as well, which is the second one.
+    """
+    return 2 if contour.radius > 0.0 or contour.width > 0.0 else 1
 
 
 def count_moving(scene: Scene) -> dict[str, int]:

@@ -25,7 +25,7 @@ from heavylift.contours.search_step import BORDER, FLAGS, U, V
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.contact.features import Footprints, weigh
-from heavylift.solver.contact.generics import form_controls
+from heavylift.solver.contact.interface import form_controls
 from heavylift.solver.contact.kind import (
     CONTOUR,
     CONTROL_COUNT,

@@ -1,6 +1,6 @@
-"""What contacts ask of frames and shells: the spline of their own shape, and points that move over it.
+"""What contacts ask of bodies: verbs, all of them optional.
 
-Contacts touch a frame or shell through *moving points*, three velocities each behind those of the bases of the body,
+Contacts touch a frame or shell, the spline of its own shape, through *moving points*, three velocities each behind those of the bases of the body,
 in the axes of its nodal coordinates: those of the body as it was placed, which stand still. A vector v there is ``R v``
 in the world, a point x is at ``R x + o``, with orientation and position of the body.
 
@@ -11,19 +11,54 @@ An aim lasts for the stage: `factor` and `advance` forget it. So at each stage a
 from __future__ import annotations
 
 from heavylift.numerics.arrays import Floats1, Floats2, Ints1
-from heavylift.solver.contacts import Contour
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.interface import Bodies, Systems, Workspace
 from heavylift.solver.kinds import optional
 
-__all__ = ["aim_points", "form_mesh_controls", "moving_points", "settle_points"]
+__all__ = [
+    "aim_points",
+    "bound_motion",
+    "forget_accelerations",
+    "form_controls",
+    "form_mesh_controls",
+    "pose_contours",
+    "put_contour_rows",
+    "settle_points",
+]
 
 
-def moving_points(contour: Contour) -> int:
-    """Moving points that each contact on a contour of a frame or shell takes.
+@optional
+def pose_contours(kinds: Bodies, at_midpoint: bool, contacts: ContactRows) -> None:
+    """Bodies: rotation and origin of their contours at the stage, which the markers have been filled for."""
 
-    A point beside a curve, on a band or a cylinder, moves with the tangent as well, which is the second one.
+
+@optional
+def form_controls(
+    kinds: Bodies, contacts: ContactRows, contour: int, first_u: int, last_u: int, first_v: int, last_v: int
+) -> None:
+    """Bodies whose contours deform: control points of a window, both ends included, in the axes of the contour."""
+
+
+@optional
+def put_contour_rows(kinds: Bodies, contacts: ContactRows, contact: int, count: int) -> None:
+    """Bodies: rows of a contact on the side of their contour, minus the rates of the touched point.
+
+    The touched point is the weighted sum of `count` control points plus an offset; places and weights, directions of
+    the rows, lever and slopes stand in the scratch arrays of the contacts.
     """
-    return 2 if contour.radius > 0.0 or contour.width > 0.0 else 1
+
+
+@optional
+def bound_motion(kinds: Bodies, contacts: ContactRows, step: float, work: Workspace) -> None:
+    """Bodies: how far any point of a contour moves in the step at the velocity of the stage, at most, into its pose."""
+
+
+@optional
+def forget_accelerations(kinds: Bodies) -> None:
+    """Bodies: after an impact the differences of the last step say nothing of the next."""
+
+
+# ---- of frames and shells ----
 
 
 @optional

@@ -10,7 +10,7 @@ from heavylift.contours.search_step import U, V
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate, rotate_back
 from heavylift.solver.contact.features import sample, touch, weigh
-from heavylift.solver.contact.generics import put_contour_rows
+from heavylift.solver.contact.interface import put_contour_rows
 from heavylift.solver.contact.kind import (
     AT_U,
     AT_V,

@@ -16,6 +16,7 @@ from heavylift.contours.feature_gap import (
     VERTEX_FACE,
 )
 from heavylift.contours.surface_layout import CORNER_A, FIRST_POINT
+from heavylift.contours.surface_pack import CollisionSurfaces
 from heavylift.contours.surface_refit import refit_surface
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate_back
@@ -67,7 +68,7 @@ Vector = tuple[float, float, float]
 
 @implement(form_facets, FacetSurfaces)
 @kernel(internal=True)
-def form_facet_points(facets: FacetSurfaces, surfaces, bodies: Bodies) -> None:  # type: ignore[no-untyped-def]
+def form_facet_points(facets: FacetSurfaces, surfaces: CollisionSurfaces, bodies: Bodies) -> None:
     """Surface by surface."""
     for row in range(facets.rows.shape[0]):
         surface = facets.rows[row, OF_SURFACE]

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from heavylift.contours.feature_gap import (
     EDGE_EDGE,
     EDGE_VERTEX,
@@ -59,7 +62,9 @@ Direction = tuple[float, float, float]
 
 
 @kernel(internal=True)
-def relative_pose(first, second, out, at: int) -> None:  # type: ignore[no-untyped-def]
+def relative_pose(
+    first: NDArray[np.float64], second: NDArray[np.float64], out: NDArray[np.float64], at: int
+) -> None:
     """``R = R_A^T R_B`` and ``p = R_A^T (p_B - p_A)`` of two poses, row by row, into 12 places from `at`."""
     for j in range(3):
         r = rotate_back(first, second[j], second[3 + j], second[6 + j])

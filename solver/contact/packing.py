@@ -23,6 +23,7 @@ from heavylift.solver.connections import axes_about
 from heavylift.solver.contact import layout as told
 from heavylift.solver.contact.checks import check_contact
 from heavylift.solver.contact.contour_packing import PackedContours, pack_contours
+from heavylift.solver.contact.facet_counts import moving_points
 from heavylift.solver.contact.features import (
     Curves,
     Deforming,
@@ -32,7 +33,6 @@ from heavylift.solver.contact.features import (
     Surfaces,
     SurfaceWeights,
 )
-from heavylift.solver.contact.interface import moving_points
 from heavylift.solver.contact.kind import (
     ALL_RIGID,
     AXES,

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.solver.channels import XYZ
 from heavylift.solver.contact.counts import number_of
-from heavylift.solver.contact.generics import pose_contours
+from heavylift.solver.contact.interface import pose_contours
 from heavylift.solver.contact.kind import (
     AT_U,
     AT_V,

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.generics import respond
 from heavylift.solver.contact.kind import LARGEST_CONTROLS, ContactRows
 from heavylift.solver.contact.newton import solve_contacts_reduced
+from heavylift.solver.contact.system_interface import respond
 from heavylift.solver.interface import Systems
 from heavylift.solver.rows import DOF, PANEL, WIDTH
 

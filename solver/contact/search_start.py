@@ -8,7 +8,7 @@ from heavylift.contours.search_cold import closest_point_cold
 from heavylift.contours.search_step import U, V
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.features import Deforming, sample
-from heavylift.solver.contact.generics import form_controls
+from heavylift.solver.contact.interface import form_controls
 from heavylift.solver.contact.kind import (
     AT_U,
     AT_V,

@@ -12,13 +12,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.contact import layout as told
 from heavylift.solver.contact.counts import contact_count, number_of, set_number
 from heavylift.solver.contact.delassus import assemble_delassus, contact_rates, push
-from heavylift.solver.contact.generics import (
-    follow,
-    meet_again,
-    meet_contacts,
-    pose_contours,
-)
-from heavylift.solver.contact.interface import settle_points
+from heavylift.solver.contact.interface import pose_contours, settle_points
 from heavylift.solver.contact.kind import (
     ALL_RIGID,
     BESIDE,
@@ -63,6 +57,7 @@ from heavylift.solver.contact.mesh_interface import pose_surfaces, restore_conta
 from heavylift.solver.contact.newton import solve_contacts
 from heavylift.solver.contact.reduced import assemble_reduced, solve_reduced
 from heavylift.solver.contact.search_end import judge_searches, mark_failure
+from heavylift.solver.contact.system_interface import follow, meet_again, meet_contacts
 from heavylift.solver.integrate.row_solver import add_impulses
 from heavylift.solver.interface import (
     CHANGED,

@@ -7,14 +7,7 @@ from heavylift.numerics.objects import entry
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.ends import REST, pressed_force
-from heavylift.solver.contact.generics import (
-    close_start,
-    forget_accelerations,
-    locate_start,
-    pose_contours,
-    project_contacts,
-)
-from heavylift.solver.contact.interface import settle_points
+from heavylift.solver.contact.interface import forget_accelerations, pose_contours, settle_points
 from heavylift.solver.contact.kind import (
     BILATERAL,
     CLOSED,
@@ -40,6 +33,7 @@ from heavylift.solver.contact.kind import (
 from heavylift.solver.contact.locate import locate
 from heavylift.solver.contact.mesh_interface import find_first_contacts
 from heavylift.solver.contact.stage import impulse_row
+from heavylift.solver.contact.system_interface import close_start, locate_start, project_contacts
 from heavylift.solver.integrate.row_stage import solve_end
 from heavylift.solver.interface import (
     FORCES,

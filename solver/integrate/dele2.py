@@ -19,7 +19,7 @@ from heavylift.numerics.arrays import Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import Outcome
-from heavylift.solver.contact.generics import after_step, before_advance, go_back, meet_contacts
+from heavylift.solver.contact.system_interface import after_step, before_advance, go_back, meet_contacts
 from heavylift.solver.integrate.loop import evaluate_forces, write_record
 from heavylift.solver.integrate.row_stage import end_step, solve_midpoint
 from heavylift.solver.interface import (

@@ -124,8 +124,8 @@ def make_integration(
                 expected="rigid joints and explicit forces for 'accurate'; or 'dele2'",
             )
     from heavylift.solver.bodies.ancf.kind import MARKER_LEVEL, SIZE, STATE_PLACE
-    from heavylift.solver.bodies.rigid import DRIVEN as DRIVEN_MOTION
     from heavylift.solver.bodies.rigid import MOTION, REACH, RigidBodies
+    from heavylift.solver.drive import DRIVEN as DRIVEN_MOTION
 
     rigid = [kind for kind in bodies if isinstance(kind, RigidBodies)]
     meshes = [kind for kind in bodies if not isinstance(kind, RigidBodies)]

@@ -45,8 +45,9 @@ from heavylift.solver.integrate.mesh_kernels import (
     fill_stress_forces,
     fill_weight_and_loads,
 )
+from heavylift.solver.integrate.rows_at_rest import fill_at_rest
 from heavylift.solver.integrate.start_rows import StartRows
-from heavylift.solver.integrate.static_forces import STEP, fill_at_rest
+from heavylift.solver.integrate.static_forces import STEP
 from heavylift.solver.interface import FIELD, FORCES, POINT_FORCE, collect_load, move
 from heavylift.solver.rows import SOFTNESS, TARGET
 

@@ -293,7 +293,9 @@ def add_impulses(system: RowArrays, velocity: NDArray[np.float64], factor: float
 
 
 @kernel(internal=True)
-def _subtract_wide_rows(system: RowSystem, out: int, panel: int, velocity, dof: int, count: int) -> None:  # type: ignore[no-untyped-def]
+def _subtract_wide_rows(
+    system: RowSystem, out: int, panel: int, velocity: NDArray[np.float64], dof: int, count: int
+) -> None:
     """``out -= G^T u`` over any number of velocities."""
     lanes = len(system.shape[1])
     for k in range(count):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
-from heavylift.solver.contact.generics import (
+from heavylift.solver.contact.system_interface import (
     follow,
     follow_end,
     locate_ends,

@@ -12,18 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.objects import entry
 from heavylift.solver.integrate.loop import start_scene
+from heavylift.solver.integrate.rows_at_rest import fill_rigid_rows
 from heavylift.solver.interface import (
-    FORCES,
-    Bodies,
-    Joints,
-    Workspace,
-    fill_markers,
-    fill_rows,
     move,
     put_velocity,
-    set_targets,
     survey,
 )
 from heavylift.solver.layout import Layout
@@ -36,9 +29,7 @@ from heavylift.solver.rows import (
     RESIDUAL,
     ROW_COLUMNS,
     SCALE,
-    TARGET,
     WIDTH,
-    RowArrays,
     RowSystem,
 )
 
@@ -52,24 +43,6 @@ REFINEMENTS = 10
 
 MET = 1e-14
 """Relative miss of the wanted rates that ends the refinement."""
-
-
-@entry
-def fill_rigid_rows(
-    bodies: Bodies,
-    joints: Joints,
-    system: RowArrays,
-    work: Workspace,
-    time: float,
-) -> None:
-    """Rows, residuals and target velocities at the carried state."""
-    fill_markers(bodies, False, FORCES, work)
-    fill_rows(joints, True, work, system)
-    lanes = system.lanes
-    for node in range(system.attachments.shape[0] // 2):
-        for r in range(lanes):
-            system.rows[(node * ROW_COLUMNS + TARGET) * lanes + r] = 0.0
-    set_targets(joints, time, 1.0, False, work, system)
 
 
 class StartRows:

@@ -7,35 +7,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.jit import kernel
-from heavylift.numerics.objects import entry
-from heavylift.solver.integrate.loop import evaluate_forces
+from heavylift.solver.integrate.rows_at_rest import fill_at_rest
 from heavylift.solver.integrate.start_rows import StartRows
 from heavylift.solver.interface import (
-    CHANGED,
     FIELD,
-    FORCES,
-    Bodies,
-    Forces,
-    Joints,
-    Systems,
-    Workspace,
     collect_load,
-    fill_rows,
-    relinearise,
-    set_targets,
 )
-from heavylift.solver.kinds import implement, optional
 from heavylift.solver.rows import (
-    COMPLIANCE,
-    IMPULSE,
-    RELAXATION,
-    RESIDUAL,
-    ROW_COLUMNS,
-    SCALE,
     SOFTNESS,
     TARGET,
-    RowSystem,
 )
 
 __all__ = ["StaticForces"]
@@ -46,62 +26,8 @@ STEP = 1e-9
 DIFFERENCE = 1e-5
 """Displacement of the difference quotients, relative to the size of the scene, or in radians."""
 
-LAW_ITERATIONS = 50
-
 ON_ONE_BODY = frozenset({"UniformGravity", "PointForces", "FluidLoads"})
 """Kinds of forces that do not act between bodies. With others each body is displaced by itself."""
-
-
-@optional
-def fit_rows(systems: Systems, joints: Joints, work: Workspace, time: float, step: float) -> None:
-    """Rows: residuals; targets and softness of the compliant ones at velocity zero."""
-
-
-@implement(fit_rows, RowSystem)
-@kernel(internal=True)
-def fit_rows_at_rest(system: RowSystem, joints: Joints, work: Workspace, time: float, step: float) -> None:
-    """As at the midpoint of a very small step, without regularisation."""
-    rows, lanes = len(system.shape[0]), len(system.shape[1])
-    fill_rows(joints, True, work, system)
-    for node in range(system.attachments.shape[0] // 2):
-        at = node * ROW_COLUMNS * lanes
-        for r in range(rows):
-            compliance = system.rows[at + COMPLIANCE * lanes + r]
-            if system.rows[at + SCALE * lanes + r] > 0.0 and compliance > 0.0:
-                delay = 0.5 * step + system.rows[at + RELAXATION * lanes + r]
-                system.rows[at + TARGET * lanes + r] = -system.rows[at + RESIDUAL * lanes + r] / delay
-                system.rows[at + SOFTNESS * lanes + r] = 2.0 * compliance / (step * delay)
-    set_targets(joints, time, step, True, work, system)
-    for _ in range(LAW_ITERATIONS):
-        for node in range(system.attachments.shape[0] // 2):
-            at = node * ROW_COLUMNS * lanes
-            for r in range(rows):
-                if (
-                    system.rows[at + SCALE * lanes + r] > 0.0
-                    and system.rows[at + COMPLIANCE * lanes + r] > 0.0
-                ):
-                    system.rows[at + IMPULSE * lanes + r] = (
-                        system.rows[at + TARGET * lanes + r] / system.rows[at + SOFTNESS * lanes + r]
-                    )
-        work.control[CHANGED] = 0.0
-        relinearise(joints, time, step, work, system)
-        if work.control[CHANGED] == 0.0:
-            return
-
-
-@entry
-def fill_at_rest(
-    bodies: Bodies,
-    forces: Forces,
-    joints: Joints,
-    systems: Systems,
-    work: Workspace,
-    time: float,
-    step: float,
-) -> None:
-    """Markers, marker forces and rows at the carried state, at rest."""
-    evaluate_forces(bodies, forces, work, time, False, FORCES)
-    fit_rows(systems, joints, work, time, step)
 
 
 class StaticForces:

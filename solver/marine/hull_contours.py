@@ -8,7 +8,7 @@ from heavylift.solver.bodies.rigid_contours import (
     pose_rigid_contours,
     put_rigid_contour_rows,
 )
-from heavylift.solver.contact.generics import (
+from heavylift.solver.contact.interface import (
     bound_motion,
     forget_accelerations,
     pose_contours,

@@ -19,7 +19,7 @@ from heavylift.solver.bodies.rigid import (
 )
 from heavylift.solver.bodies.rigid_stage import orientation_of, stage_rotation
 from heavylift.solver.bodies.rigid_step import advance_rigid_bodies, finish_rigid_bodies
-from heavylift.solver.contact.generics import meet_again
+from heavylift.solver.contact.system_interface import meet_again
 from heavylift.solver.interface import (
     Joints,
     Systems,

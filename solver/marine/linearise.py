@@ -240,8 +240,8 @@ def _without_waves(sea: Sea) -> Sea:
 
 def _parts(layout: Any, scene: Scene) -> list[_Part]:
     """Free bodies in the order of the coordinates."""
-    from heavylift.solver.bodies.floating_frame import FREE
     from heavylift.solver.bodies.rigid import MOTION, RigidBodies
+    from heavylift.solver.drive import FREE
 
     sea = scene.sea
     assert sea is not None

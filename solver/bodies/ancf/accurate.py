@@ -58,6 +58,7 @@ from heavylift.solver.interface import (
     EXTERNAL_WORK,
     FORCES,
     STATUS_BODY,
+    Systems,
     Workspace,
     begin_stage,
     complete_accelerations,
@@ -174,8 +175,8 @@ def _add_damping(kind: Meshes, body: int, work: Workspace) -> None:
 @implement(complete_accelerations, FrameMeshes)
 @implement(complete_accelerations, ShellMeshes)
 @kernel(internal=True)
-def complete_mesh_accelerations(  # type: ignore[no-untyped-def]
-    kind: Meshes, systems, values: NDArray[np.float64], rate: int, work: Workspace
+def complete_mesh_accelerations(
+    kind: Meshes, systems: Systems, values: NDArray[np.float64], rate: int, work: Workspace
 ) -> None:
     """Back substitution with the reactions on the bases."""
     take_impulses(kind, systems, RIGHT)
@@ -189,8 +190,8 @@ def complete_mesh_accelerations(  # type: ignore[no-untyped-def]
 @implement(spread_impulses, FrameMeshes)
 @implement(spread_impulses, ShellMeshes)
 @kernel(internal=True)
-def spread_mesh_impulses(  # type: ignore[no-untyped-def]
-    kind: Meshes, systems, values: NDArray[np.float64], at: int, of_velocity: bool, work: Workspace
+def spread_mesh_impulses(
+    kind: Meshes, systems: Systems, values: NDArray[np.float64], at: int, of_velocity: bool, work: Workspace
 ) -> None:
     """``M^-1 J^T P`` to coordinates or velocities."""
     if kind.bases.shape[0] == 0:

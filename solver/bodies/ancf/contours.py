@@ -46,14 +46,16 @@ from heavylift.solver.bodies.ancf.kind import (
 from heavylift.solver.bodies.ancf.moving import point_response, point_value, prepare_points, vector_length
 from heavylift.solver.bodies.ancf.step import is_iterated
 from heavylift.solver.bodies.ancf.substitution import node_span
-from heavylift.solver.contact.generics import (
+from heavylift.solver.contact.interface import (
+    aim_points,
     bound_motion,
     forget_accelerations,
     form_controls,
+    form_mesh_controls,
     pose_contours,
     put_contour_rows,
+    settle_points,
 )
-from heavylift.solver.contact.interface import aim_points, form_mesh_controls, settle_points
 from heavylift.solver.contact.kind import (
     CONTOUR,
     DIRECTIONS,
@@ -70,7 +72,7 @@ from heavylift.solver.contact.kind import (
     ContactRows,
 )
 from heavylift.solver.contact.kind import DOF as CONTOUR_DOF
-from heavylift.solver.interface import Workspace, joint_rows
+from heavylift.solver.interface import Systems, Workspace, joint_rows
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import PANEL, WIDTH
 
@@ -218,7 +220,7 @@ def aim_points_of_meshes(
 
 
 @kernel(internal=True)
-def _settle(moving: MovingPoints, kind: Meshes, systems, at_midpoint: bool, work: Workspace) -> None:  # type: ignore[no-untyped-def]
+def _settle(moving: MovingPoints, kind: Meshes, systems: Systems, at_midpoint: bool, work: Workspace) -> None:
     """`settle_points` of a kind."""
     take_impulses(kind, systems, CHANGE_OF_V)
     for body in range(kind.table.shape[0]):
@@ -272,7 +274,7 @@ def _add_pushes(
 @implement(settle_points, FrameMeshes)
 @implement(settle_points, ShellMeshes)
 @kernel(internal=True)
-def settle_points_of_meshes(kind: Meshes, systems, at_midpoint: bool, work: Workspace) -> None:  # type: ignore[no-untyped-def]
+def settle_points_of_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, work: Workspace) -> None:
     """From the right-hand side of the stage, forward-substituted, and from the impulses on bases and points."""
     _settle(kind.moving, kind, systems, at_midpoint, work)
 

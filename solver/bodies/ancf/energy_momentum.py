@@ -75,9 +75,12 @@ from heavylift.solver.bodies.ancf.kind import (
 from heavylift.solver.bodies.ancf.moving import add_point_impulses, forget_vectors
 from heavylift.solver.bodies.ancf.step import add_gravity, is_iterated, write_free_bases
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
-from heavylift.solver.contact.generics import meet_again
+from heavylift.solver.contact.system_interface import meet_again
 from heavylift.solver.interface import (
     CHANGED,
+    Bodies,
+    Joints,
+    Systems,
     Workspace,
     iterate,
     refactor_rows,
@@ -185,7 +188,9 @@ def _watch_drift(kind: Meshes, body: int, time: float, step: float, work: Worksp
 @implement(iterate, FrameMeshes)
 @implement(iterate, ShellMeshes)
 @kernel(internal=True)
-def iterate_meshes(kind: Meshes, bodies, systems, joints, work: Workspace, time: float, step: float) -> None:  # type: ignore[no-untyped-def]
+def iterate_meshes(
+    kind: Meshes, bodies: Bodies, systems: Systems, joints: Joints, work: Workspace, time: float, step: float
+) -> None:
     """One round of Newton's method for each body of this scheme, with its joints."""
     for body in range(kind.table.shape[0]):
         _watch_drift(kind, body, time, step, work)

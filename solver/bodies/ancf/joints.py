@@ -30,6 +30,7 @@ from heavylift.solver.bodies.ancf.stage import write_bases
 from heavylift.solver.bodies.ancf.step import is_iterated
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back
 from heavylift.solver.interface import (
+    Systems,
     Workspace,
     apply_inverse,
     complete,
@@ -137,7 +138,7 @@ def collect_impulses(system: RowArrays, body_kind: Meshes, row: int) -> None:
 
 
 @kernel(internal=True)
-def take_impulses(kind: Meshes, systems, row: int) -> None:  # type: ignore[no-untyped-def]
+def take_impulses(kind: Meshes, systems: Systems, row: int) -> None:
     """Minus the impulses of all rows in the places of bases and moving points, as `scatter_back` takes them."""
     for base in range(kind.bases.shape[0]):
         place = kind.bases[base, BASE_PLACE]
@@ -150,7 +151,7 @@ def take_impulses(kind: Meshes, systems, row: int) -> None:  # type: ignore[no-u
 @implement(complete, FrameMeshes)
 @implement(complete, ShellMeshes)
 @kernel(internal=True)
-def complete_meshes(kind: Meshes, systems, at_midpoint: bool, step: float, work: Workspace) -> None:  # type: ignore[no-untyped-def]
+def complete_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, step: float, work: Workspace) -> None:
     """Back substitution with the impulses of the rows; bodies that iterate have gone further already."""
     take_impulses(kind, systems, RIGHT)
     right = kind.nodal[RIGHT]

@@ -31,7 +31,7 @@ from heavylift.solver.bodies.ancf.kind import (
 from heavylift.solver.bodies.ancf.loads import gather_loads
 from heavylift.solver.bodies.ancf.step import add_gravity, write_free_bases
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
-from heavylift.solver.interface import Workspace, complete_thesis, thesis_advance, thesis_velocity
+from heavylift.solver.interface import Systems, Workspace, complete_thesis, thesis_advance, thesis_velocity
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
@@ -66,7 +66,7 @@ def thesis_velocity_meshes(kind: Meshes, time: float, step: float, work: Workspa
 @implement(complete_thesis, FrameMeshes)
 @implement(complete_thesis, ShellMeshes)
 @kernel(internal=True)
-def complete_thesis_meshes(kind: Meshes, systems, work: Workspace) -> None:  # type: ignore[no-untyped-def]
+def complete_thesis_meshes(kind: Meshes, systems: Systems, work: Workspace) -> None:
     """Back substitution with the impulses of the rows."""
     take_impulses(kind, systems, RIGHT)
     for body in range(kind.table.shape[0]):

@@ -1,68 +1,25 @@
-"""What contacts ask of bodies and of other systems of rows: verbs, all of them optional."""
+"""What contacts ask of other systems of rows, and a step of contacts: verbs, all of them optional."""
 
 from __future__ import annotations
 
 from heavylift.numerics.arrays import Floats1
-from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.interface import Bodies, Joints, Systems, Workspace
 from heavylift.solver.kinds import optional
 
 __all__ = [
     "after_step",
     "before_advance",
-    "bound_motion",
     "close_start",
     "follow",
     "follow_end",
-    "forget_accelerations",
-    "form_controls",
     "go_back",
     "locate_ends",
     "locate_start",
     "meet_again",
     "meet_contacts",
-    "pose_contours",
     "project_contacts",
-    "put_contour_rows",
     "respond",
 ]
-
-
-# ---- of bodies ----
-
-
-@optional
-def pose_contours(kinds: Bodies, at_midpoint: bool, contacts: ContactRows) -> None:
-    """Bodies: rotation and origin of their contours at the stage, which the markers have been filled for."""
-
-
-@optional
-def form_controls(
-    kinds: Bodies, contacts: ContactRows, contour: int, first_u: int, last_u: int, first_v: int, last_v: int
-) -> None:
-    """Bodies whose contours deform: control points of a window, both ends included, in the axes of the contour."""
-
-
-@optional
-def put_contour_rows(kinds: Bodies, contacts: ContactRows, contact: int, count: int) -> None:
-    """Bodies: rows of a contact on the side of their contour, minus the rates of the touched point.
-
-    The touched point is the weighted sum of `count` control points plus an offset; places and weights, directions of
-    the rows, lever and slopes stand in the scratch arrays of the contacts.
-    """
-
-
-@optional
-def bound_motion(kinds: Bodies, contacts: ContactRows, step: float, work: Workspace) -> None:
-    """Bodies: how far any point of a contour moves in the step at the velocity of the stage, at most, into its pose."""
-
-
-@optional
-def forget_accelerations(kinds: Bodies) -> None:
-    """Bodies: after an impact the differences of the last step say nothing of the next."""
-
-
-# ---- of systems of rows ----
 
 
 @optional

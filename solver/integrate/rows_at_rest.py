@@ -1,0 +1,107 @@
+"""Rows at the carried state, before time starts: what linear algebra needs of them, and the forces of springs and laws."""
+
+from __future__ import annotations
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
+from heavylift.solver.integrate.loop import evaluate_forces
+from heavylift.solver.interface import (
+    CHANGED,
+    FORCES,
+    Bodies,
+    Forces,
+    Joints,
+    Systems,
+    Workspace,
+    fill_markers,
+    fill_rows,
+    relinearise,
+    set_targets,
+)
+from heavylift.solver.kinds import implement, optional
+from heavylift.solver.rows import (
+    COMPLIANCE,
+    IMPULSE,
+    RELAXATION,
+    RESIDUAL,
+    ROW_COLUMNS,
+    SCALE,
+    SOFTNESS,
+    TARGET,
+    RowArrays,
+    RowSystem,
+)
+
+__all__ = ["fill_at_rest", "fill_rigid_rows"]
+
+LAW_ITERATIONS = 50
+
+
+@entry
+def fill_rigid_rows(
+    bodies: Bodies,
+    joints: Joints,
+    system: RowArrays,
+    work: Workspace,
+    time: float,
+) -> None:
+    """Rows, residuals and target velocities at the carried state."""
+    fill_markers(bodies, False, FORCES, work)
+    fill_rows(joints, True, work, system)
+    lanes = system.lanes
+    for node in range(system.attachments.shape[0] // 2):
+        for r in range(lanes):
+            system.rows[(node * ROW_COLUMNS + TARGET) * lanes + r] = 0.0
+    set_targets(joints, time, 1.0, False, work, system)
+
+
+@optional
+def fit_rows(systems: Systems, joints: Joints, work: Workspace, time: float, step: float) -> None:
+    """Rows: residuals; targets and softness of the compliant ones at velocity zero."""
+
+
+@implement(fit_rows, RowSystem)
+@kernel(internal=True)
+def fit_rows_at_rest(system: RowSystem, joints: Joints, work: Workspace, time: float, step: float) -> None:
+    """As at the midpoint of a very small step, without regularisation."""
+    rows, lanes = len(system.shape[0]), len(system.shape[1])
+    fill_rows(joints, True, work, system)
+    for node in range(system.attachments.shape[0] // 2):
+        at = node * ROW_COLUMNS * lanes
+        for r in range(rows):
+            compliance = system.rows[at + COMPLIANCE * lanes + r]
+            if system.rows[at + SCALE * lanes + r] > 0.0 and compliance > 0.0:
+                delay = 0.5 * step + system.rows[at + RELAXATION * lanes + r]
+                system.rows[at + TARGET * lanes + r] = -system.rows[at + RESIDUAL * lanes + r] / delay
+                system.rows[at + SOFTNESS * lanes + r] = 2.0 * compliance / (step * delay)
+    set_targets(joints, time, step, True, work, system)
+    for _ in range(LAW_ITERATIONS):
+        for node in range(system.attachments.shape[0] // 2):
+            at = node * ROW_COLUMNS * lanes
+            for r in range(rows):
+                if (
+                    system.rows[at + SCALE * lanes + r] > 0.0
+                    and system.rows[at + COMPLIANCE * lanes + r] > 0.0
+                ):
+                    system.rows[at + IMPULSE * lanes + r] = (
+                        system.rows[at + TARGET * lanes + r] / system.rows[at + SOFTNESS * lanes + r]
+                    )
+        work.control[CHANGED] = 0.0
+        relinearise(joints, time, step, work, system)
+        if work.control[CHANGED] == 0.0:
+            return
+
+
+@entry
+def fill_at_rest(
+    bodies: Bodies,
+    forces: Forces,
+    joints: Joints,
+    systems: Systems,
+    work: Workspace,
+    time: float,
+    step: float,
+) -> None:
+    """Markers, marker forces and rows at the carried state, at rest."""
+    evaluate_forces(bodies, forces, work, time, False, FORCES)
+    fit_rows(systems, joints, work, time, step)
