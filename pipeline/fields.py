@@ -68,10 +68,13 @@ _SHOWN = 20  # names of a list in a message at most
 
 
 class Section(BaseModel):
-    """Base of every table of a case file: unknown keys are errors, values never change."""
+    """Base of every table of a case file: unknown keys are errors, values never change.
+
+    A table is made ready for validation only when it is needed, those of a case all at once with it.
+    """
 
     model_config: ClassVar[ConfigDict] = ConfigDict(
-        extra="forbid", frozen=True, strict=False, allow_inf_nan=False, use_attribute_docstrings=True
+        extra="forbid", frozen=True, strict=False, allow_inf_nan=False, defer_build=True
     )
 
 

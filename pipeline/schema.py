@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Any
+import ast
+import inspect
+import textwrap
+from typing import TYPE_CHECKING, Any
+
+from pydantic.json_schema import GenerateJsonSchema
 
 from heavylift.pipeline.case import Case
+
+if TYPE_CHECKING:
+    from pydantic.json_schema import JsonSchemaValue
+    from pydantic_core import core_schema
 
 __all__ = ["case_schema"]
 
 
 def case_schema() -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of ``case.toml``; quantities are numbers in SI or strings with a unit."""
-    schema = Case.model_json_schema(mode="validation")
+    schema = Case.model_json_schema(mode="validation", schema_generator=_Described)
     # bodies may all come from blocks
     schema["required"] = [key for key in schema["required"] if key != "bodies"]
     schema["anyOf"] = [{"required": ["bodies"]}, {"required": ["repeat"]}]
@@ -20,3 +29,40 @@ def case_schema() -> dict[str, Any]:
         "title": "heavylift case",
         **{key: value for key, value in schema.items() if key != "title"},
     }
+
+
+class _Described(GenerateJsonSchema):
+    """Describes keys by the docstrings of their fields, read from the sources here because only a schema needs them."""
+
+    def model_schema(self, schema: core_schema.ModelSchema) -> JsonSchemaValue:
+        """Schema of a table, with descriptions of its keys."""
+        found = super().model_schema(schema)
+        section = schema["cls"]
+        docs: dict[str, str] = {}
+        for base in reversed(section.__mro__):
+            docs |= _attribute_docs(base)
+        for name, field in section.model_fields.items():
+            key = field.alias or name
+            if docs.get(name) and key in found.get("properties", {}):
+                found["properties"][key]["description"] = docs[name]
+        return found
+
+
+def _attribute_docs(section: type) -> dict[str, str]:
+    """Annotated names of a class and the docstrings below them, which may be empty."""
+    if not section.__module__.startswith("heavylift."):
+        return {}
+    try:
+        source = inspect.getsource(section)
+    except OSError:  # a table for one type of values, made from that for any
+        return {}
+    (tree,) = ast.parse(textwrap.dedent(source)).body
+    assert isinstance(tree, ast.ClassDef)
+    found: dict[str, str] = {}
+    for field, after in zip(tree.body, [*tree.body[1:], ast.Pass()], strict=True):
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name):
+            text = after.value if isinstance(after, ast.Expr) else None
+            found[field.target.id] = (
+                inspect.cleandoc(str(text.value)) if isinstance(text, ast.Constant) else ""
+            )
+    return found
