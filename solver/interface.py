@@ -58,6 +58,7 @@ __all__ = [
     "begin_record",
     "begin_stage",
     "check",
+    "close_step",
     "collect_load",
     "complete",
     "complete_accelerations",
@@ -66,6 +67,7 @@ __all__ = [
     "correct",
     "correct_rows",
     "displace",
+    "end_rows",
     "end_velocity",
     "estimate_error",
     "factor",
@@ -75,6 +77,7 @@ __all__ = [
     "finish",
     "free_acceleration",
     "gather_reactions",
+    "gather_rows",
     "iterate",
     "joint_rows",
     "load_state",
@@ -85,12 +88,15 @@ __all__ = [
     "record",
     "record_forces",
     "record_joints",
+    "record_rows",
     "refactor_rows",
     "relinearise",
     "row_arrays",
     "set_targets",
     "set_velocity",
     "solve_again",
+    "solve_end",
+    "solve_midpoint",
     "spread_impulses",
     "start",
     "store_state",
@@ -355,6 +361,51 @@ def record_forces(kinds: Forces, time: float, work: Workspace, row: Floats1) -> 
 @generic
 def add_totals(kinds: Bodies, work: Workspace) -> None:
     """Bodies: add energies, works and momenta of the carried state to the totals."""
+
+
+# ---- of systems of rows, in the order of a step ----
+
+
+@optional
+def solve_midpoint(
+    kinds: Systems,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    step: float,
+    nominal: float,
+) -> None:
+    """Rows: velocities of the midpoint from free ones; the factor stays for `correct_impulses`."""
+
+
+@optional
+def end_rows(
+    kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
+) -> None:
+    """Rows: what they carry over the step; end velocities, markers there."""
+
+
+@optional
+def solve_end(
+    kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
+) -> None:
+    """Rows: project the velocities onto the rigid rows at the end of the step."""
+
+
+@optional
+def close_step(kinds: Systems, all_systems: Systems, bodies: Bodies, work: Workspace, step: float) -> None:
+    """Rows: the projected velocities to the bodies; reactions."""
+
+
+@optional
+def gather_rows(kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float) -> None:
+    """Rows at the carried state for a record: an integrator need not have left them there."""
+
+
+@optional
+def record_rows(kinds: Systems, joints: Joints, work: Workspace, time: float, row: Floats1) -> None:
+    """Rows: joints into their columns, monitors into the last of them."""
 
 
 # ---- of the accurate integrator, whose state is a vector: velocities, then configurations, then works ----

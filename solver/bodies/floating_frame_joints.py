@@ -66,7 +66,6 @@ from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_
 from heavylift.solver.bodies.floating_frame_stage import factor_frame
 from heavylift.solver.contact.system_interface import meet_again
 from heavylift.solver.drive import DRIVEN, FREE
-from heavylift.solver.integrate.row_solver import row_power
 from heavylift.solver.interface import (
     ERROR,
     Joints,
@@ -83,6 +82,7 @@ from heavylift.solver.interface import (
     write_velocity,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.row_impulses import row_power
 from heavylift.solver.rows import PANEL, RowArrays
 
 __all__: list[str] = []

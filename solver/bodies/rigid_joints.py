@@ -5,9 +5,9 @@ from __future__ import annotations
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.rigid import DOF, JOINT_FORCE, MOTION, WORK, RigidBodies
 from heavylift.solver.drive import DRIVEN, FREE
-from heavylift.solver.integrate.row_solver import row_power
 from heavylift.solver.interface import Workspace, add_row_work, gather_reactions
 from heavylift.solver.kinds import implement
+from heavylift.solver.row_impulses import row_power
 from heavylift.solver.rows import DOF as FIRST_VELOCITY
 from heavylift.solver.rows import OWNER, PANEL, REACTION, ROW_COLUMNS, RowArrays
 

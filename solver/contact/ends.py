@@ -78,7 +78,6 @@ from heavylift.solver.contact.stage import (
     solve_present,
 )
 from heavylift.solver.contact.system_interface import follow_end, project_contacts
-from heavylift.solver.integrate.row_stage import close_step
 from heavylift.solver.interface import (
     LAST_STEP,
     SPLIT,
@@ -90,6 +89,7 @@ from heavylift.solver.interface import (
     Workspace,
     add_row_work,
     apply_inverse,
+    close_step,
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import HALF_IMPULSE, IMPULSE, REACTION

@@ -1,8 +1,9 @@
 """What contacts ask of bodies: verbs, all of them optional.
 
-Contacts touch a frame or shell, the spline of its own shape, through *moving points*, three velocities each behind those of the bases of the body,
-in the axes of its nodal coordinates: those of the body as it was placed, which stand still. A vector v there is ``R v``
-in the world, a point x is at ``R x + o``, with orientation and position of the body.
+Contacts touch a frame or shell, which has a spline of its own shape, through *moving points*, three velocities each
+behind those of the bases of the body, in the axes of its nodal coordinates: those of the body as it was placed, which
+stand still. A vector v there is ``R v`` in the world, a point x is at ``R x + o``, with orientation and position of the
+body.
 
 An aim lasts for the stage: `factor` and `advance` forget it. So at each stage all contacts first say where they touch
 (`aim_points`), then the points get their velocities (`settle_points`), and only then rows are asked for rates.

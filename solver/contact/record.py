@@ -39,8 +39,16 @@ from heavylift.solver.contact.kind import (
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.locate import locate
 from heavylift.solver.contact.mesh_interface import record_pairs, restore_contacts
-from heavylift.solver.integrate.row_stage import gather_rows, record_rows
-from heavylift.solver.interface import DISSIPATED, ELASTIC, Bodies, Joints, Workspace, gather_reactions
+from heavylift.solver.interface import (
+    DISSIPATED,
+    ELASTIC,
+    Bodies,
+    Joints,
+    Workspace,
+    gather_reactions,
+    gather_rows,
+    record_rows,
+)
 from heavylift.solver.kinds import implement
 
 __all__ = ["CONTACT_CHANNELS"]

@@ -58,7 +58,6 @@ from heavylift.solver.contact.newton import solve_contacts
 from heavylift.solver.contact.reduced import assemble_reduced, solve_reduced
 from heavylift.solver.contact.search_end import judge_searches, mark_failure
 from heavylift.solver.contact.system_interface import follow, meet_again, meet_contacts
-from heavylift.solver.integrate.row_solver import add_impulses
 from heavylift.solver.interface import (
     CHANGED,
     Bodies,
@@ -69,6 +68,7 @@ from heavylift.solver.interface import (
     refactor_rows,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.row_impulses import add_impulses
 from heavylift.solver.rows import IMPULSE, ROW_COLUMNS
 
 __all__ = [

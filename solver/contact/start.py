@@ -34,7 +34,6 @@ from heavylift.solver.contact.locate import locate
 from heavylift.solver.contact.mesh_interface import find_first_contacts
 from heavylift.solver.contact.stage import impulse_row
 from heavylift.solver.contact.system_interface import close_start, locate_start, project_contacts
-from heavylift.solver.integrate.row_stage import solve_end
 from heavylift.solver.interface import (
     FORCES,
     Bodies,
@@ -46,6 +45,7 @@ from heavylift.solver.interface import (
     fill_markers,
     finish,
     set_velocity,
+    solve_end,
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import REACTION

@@ -23,6 +23,7 @@ from heavylift.numerics.arrays import Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import Outcome
+from heavylift.solver.combination import PART, combine_part
 from heavylift.solver.integrate.accurate_rows import (
     add_drive_power,
     constrain,
@@ -30,7 +31,6 @@ from heavylift.solver.integrate.accurate_rows import (
     find_displacement,
     soften,
 )
-from heavylift.solver.integrate.combination import PART, combine_part
 from heavylift.solver.integrate.dense_output import choose_nodes, node_weights, quadrature_weights
 from heavylift.solver.integrate.dop853 import NODES, ORDER, STAGES, write_end, write_errors, write_stage
 from heavylift.solver.integrate.integration import (

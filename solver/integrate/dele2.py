@@ -21,7 +21,7 @@ from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.contact.system_interface import after_step, before_advance, go_back, meet_contacts
 from heavylift.solver.integrate.loop import evaluate_forces, write_record
-from heavylift.solver.integrate.row_stage import end_step, solve_midpoint
+from heavylift.solver.integrate.row_stage import end_step
 from heavylift.solver.interface import (
     CHANGED,
     CORNER,
@@ -48,6 +48,7 @@ from heavylift.solver.interface import (
     finish,
     iterate,
     predict,
+    solve_midpoint,
 )
 
 __all__ = ["run"]

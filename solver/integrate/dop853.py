@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.integrate.combination import combine
+from heavylift.solver.combination import combine
 
 __all__ = ["NODES", "ORDER", "STAGES", "write_end", "write_errors", "write_stage"]
 

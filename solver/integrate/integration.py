@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.combination import padded
 from heavylift.solver.integrate.accurate_rows import is_tree
-from heavylift.solver.integrate.combination import padded
 from heavylift.solver.integrate.dop853 import STAGES
-from heavylift.solver.integrate.row_stage import record_rows
 from heavylift.solver.interface import (
     DISSIPATED,
     DRIVE_WORK,
@@ -27,6 +26,7 @@ from heavylift.solver.interface import (
     Systems,
     Workspace,
     begin_stage,
+    record_rows,
 )
 from heavylift.solver.kinds import Members, implement
 

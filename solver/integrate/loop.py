@@ -5,7 +5,6 @@ from __future__ import annotations
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
-from heavylift.solver.integrate.row_stage import gather_rows, record_rows
 from heavylift.solver.interface import (
     DISSIPATED,
     DRIVE_WORK,
@@ -27,8 +26,10 @@ from heavylift.solver.interface import (
     add_totals,
     begin_record,
     fill_markers,
+    gather_rows,
     record,
     record_forces,
+    record_rows,
     start,
 )
 

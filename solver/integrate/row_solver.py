@@ -41,16 +41,13 @@ from heavylift.solver.rows import (
     TARGET,
     UPDATE,
     WIDTH,
-    RowArrays,
     RowSystem,
 )
 
 __all__ = [
-    "add_impulses",
     "assemble",
     "factor_rows",
     "respond_rows",
-    "row_power",
     "smallest_pivot",
     "solve_rows",
     "subtract_rates",
@@ -272,27 +269,6 @@ def respond_rows(system: RowSystem, velocity: NDArray[np.float64]) -> None:
 
 
 @kernel(internal=True)
-def add_impulses(system: RowArrays, velocity: NDArray[np.float64], factor: float) -> None:
-    """``U += factor A^-1 G^T P`` with the impulses of all rows; bodies that are nodes of the system are left out."""
-    lanes = len(system.shape[1])
-    half = system.panels.shape[0] // 2
-    for i in range(system.attachments.shape[0]):
-        holder = system.attachments[i, HOLDER]
-        if holder != DIAGONAL and holder != FACTORED:  # noqa: PLR1714  as above
-            continue
-        dof, panel = system.attachments[i, DOF], system.attachments[i, PANEL]
-        impulse = (system.attachments[i, OWNER] * ROW_COLUMNS + IMPULSE) * lanes
-        for k in range(system.attachments[i, WIDTH]):
-            at = panel + k * lanes + (half if holder == FACTORED else 0)
-            total = 0.0
-            for r in range(lanes):
-                total += system.panels[at + r] * system.rows[impulse + r]
-            if holder == DIAGONAL:
-                total *= system.inverse_mass[dof + k]
-            velocity[dof + k] += factor * total
-
-
-@kernel(internal=True)
 def _subtract_wide_rows(
     system: RowSystem, out: int, panel: int, velocity: NDArray[np.float64], dof: int, count: int
 ) -> None:
@@ -318,16 +294,3 @@ def smallest_pivot(system: RowSystem) -> float:
             if scale > 0.0:  # not padding
                 smallest = min(smallest, 1.0 / (inverse * scale))
     return smallest
-
-
-@kernel(internal=True)
-def row_power(system: RowArrays, attachment: int, velocity: NDArray[np.float64]) -> float:
-    """``P . G u`` of one attachment over the six velocities of its frame."""
-    lanes = system.lanes
-    panel, dof = system.attachments[attachment, PANEL], system.attachments[attachment, DOF]
-    impulse = (system.attachments[attachment, OWNER] * ROW_COLUMNS + IMPULSE) * lanes
-    power = 0.0
-    for k in range(6):
-        for r in range(lanes):
-            power += system.panels[panel + k * lanes + r] * system.rows[impulse + r] * velocity[dof + k]
-    return power

@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.contact.system_interface import (
@@ -21,7 +20,6 @@ from heavylift.solver.contact.system_interface import (
     respond,
 )
 from heavylift.solver.integrate.row_solver import (
-    add_impulses,
     assemble,
     factor_rows,
     respond_rows,
@@ -41,20 +39,27 @@ from heavylift.solver.interface import (
     Workspace,
     add_row_work,
     apply_inverse,
+    close_step,
     complete,
+    end_rows,
     end_velocity,
     fill_markers,
     fill_rows,
     gather_reactions,
+    gather_rows,
     record_joints,
+    record_rows,
     refactor_rows,
     relinearise,
     set_targets,
     set_velocity,
     solve_again,
+    solve_end,
+    solve_midpoint,
     update_rows,
 )
-from heavylift.solver.kinds import implement, optional
+from heavylift.solver.kinds import implement
+from heavylift.solver.row_impulses import add_impulses
 from heavylift.solver.rows import (
     COMPLIANCE,
     HALF_IMPULSE,
@@ -73,23 +78,10 @@ from heavylift.solver.rows import (
     RowSystem,
 )
 
-__all__ = ["end_step", "gather_rows", "record_rows", "solve_midpoint"]
+__all__ = ["end_step"]
 
 LAW_ITERATIONS = 200
 NOT_CONVERGED, NOT_CLOSED = int(Outcome.NOT_CONVERGED), int(Outcome.NOT_CLOSED)
-
-
-@optional
-def solve_midpoint(
-    systems: Systems,
-    bodies: Bodies,
-    joints: Joints,
-    work: Workspace,
-    time: float,
-    step: float,
-    nominal: float,
-) -> None:
-    """Rows: velocities of the midpoint from free ones; the factor stays for `correct_impulses`."""
 
 
 @implement(solve_midpoint, RowSystem)
@@ -223,13 +215,6 @@ def end_step(
     close_step(systems, systems, bodies, work, step)
 
 
-@optional
-def end_rows(
-    systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
-) -> None:
-    """Rows: what they carry over the step; end velocities, markers there."""
-
-
 @implement(end_rows, RowSystem)
 @kernel(internal=True)
 def end_row_system(
@@ -245,13 +230,6 @@ def end_row_system(
         at = node * ROW_COLUMNS * lanes
         for r in range(lanes):
             system.rows[at + HALF_IMPULSE * lanes + r] = system.rows[at + IMPULSE * lanes + r]
-
-
-@optional
-def solve_end(
-    systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
-) -> None:
-    """Rows: project the velocities onto the rigid rows at the end of the step."""
 
 
 @implement(solve_end, RowSystem)
@@ -273,11 +251,6 @@ def solve_end_rows(
     assemble(system)
     factor_rows(system)
     solve_rows(system, work.velocity)
-
-
-@optional
-def close_step(systems: Systems, all_systems: Systems, bodies: Bodies, work: Workspace, step: float) -> None:
-    """Rows: the projected velocities to the bodies; reactions."""
 
 
 @implement(close_step, RowSystem)
@@ -347,11 +320,6 @@ def _check_closed(system: RowSystem, work: Workspace) -> None:
             work.status[STATUS_BLOCK] = node
 
 
-@optional
-def gather_rows(systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float) -> None:
-    """Rows at the carried state for a record: an integrator need not have left them there."""
-
-
 @implement(gather_rows, RowSystem)
 @kernel(internal=True)
 def gather_row_system(
@@ -361,11 +329,6 @@ def gather_row_system(
     fill_rows(joints, True, work, system)
     set_targets(joints, time, 1.0, False, work, system)  # drives are violated by their value at this time
     gather_reactions(bodies, True, system)
-
-
-@optional
-def record_rows(systems: Systems, joints: Joints, work: Workspace, time: float, row: Floats1) -> None:
-    """Rows: joints into their columns, monitors into the last of them."""
 
 
 @implement(record_rows, RowSystem)

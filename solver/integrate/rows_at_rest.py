@@ -1,4 +1,4 @@
-"""Rows at the carried state, before time starts: what linear algebra needs of them, and the forces of springs and laws."""
+"""Rows at the carried state, before time starts: for linear algebra, and with the forces of springs and laws."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ from heavylift.solver.bodies.ancf.second_rates import write_second_rates
 from heavylift.solver.bodies.ancf.stage import fill_mesh_markers, write_bases
 from heavylift.solver.bodies.ancf.step import add_gravity, write_free_bases
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
-from heavylift.solver.integrate.combination import PART, combine_part
+from heavylift.solver.combination import PART, combine_part
 from heavylift.solver.interface import (
     DISSIPATED,
     ERROR,

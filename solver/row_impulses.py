@@ -1,0 +1,56 @@
+"""What impulses of rows do to the velocities of bodies, and the power they have on them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.rows import (
+    DIAGONAL,
+    DOF,
+    FACTORED,
+    HOLDER,
+    IMPULSE,
+    OWNER,
+    PANEL,
+    ROW_COLUMNS,
+    WIDTH,
+    RowArrays,
+)
+
+__all__ = ["add_impulses", "row_power"]
+
+
+@kernel(internal=True)
+def add_impulses(system: RowArrays, velocity: NDArray[np.float64], factor: float) -> None:
+    """``U += factor A^-1 G^T P`` with the impulses of all rows; bodies that are nodes of the system are left out."""
+    lanes = len(system.shape[1])
+    half = system.panels.shape[0] // 2
+    for i in range(system.attachments.shape[0]):
+        holder = system.attachments[i, HOLDER]
+        if holder != DIAGONAL and holder != FACTORED:  # noqa: PLR1714  a set costs time here
+            continue
+        dof, panel = system.attachments[i, DOF], system.attachments[i, PANEL]
+        impulse = (system.attachments[i, OWNER] * ROW_COLUMNS + IMPULSE) * lanes
+        for k in range(system.attachments[i, WIDTH]):
+            at = panel + k * lanes + (half if holder == FACTORED else 0)
+            total = 0.0
+            for r in range(lanes):
+                total += system.panels[at + r] * system.rows[impulse + r]
+            if holder == DIAGONAL:
+                total *= system.inverse_mass[dof + k]
+            velocity[dof + k] += factor * total
+
+
+@kernel(internal=True)
+def row_power(system: RowArrays, attachment: int, velocity: NDArray[np.float64]) -> float:
+    """``P . G u`` of one attachment over the six velocities of its frame."""
+    lanes = system.lanes
+    panel, dof = system.attachments[attachment, PANEL], system.attachments[attachment, DOF]
+    impulse = (system.attachments[attachment, OWNER] * ROW_COLUMNS + IMPULSE) * lanes
+    power = 0.0
+    for k in range(6):
+        for r in range(lanes):
+            power += system.panels[panel + k * lanes + r] * system.rows[impulse + r] * velocity[dof + k]
+    return power
