@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from heavylift.pipeline.assemble_surfaces import stored_surface
 from heavylift.pipeline.case_collisions import thesis_numbers
-from heavylift.pipeline.report_words import number_words
-from heavylift.solver import collisions as c
-from heavylift.solver.contacts import HertzLaw, HuntCrossleyLaw, LinearLaw, RigidLaw
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -17,6 +13,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case import Case
     from heavylift.pipeline.case_collisions import Collision
     from heavylift.pipeline.storage import OutputFolder
+    from heavylift.solver import collisions as c
     from heavylift.solver.contacts import ContactLaw
 
 __all__ = ["assemble_collisions", "assemble_surfaces", "collision_law", "collision_notes"]
@@ -41,7 +38,9 @@ def assemble_surfaces(
     InputError
         See `heavylift.pipeline.assemble_surfaces.make_surface`.
     """
+    from heavylift.pipeline.assemble_surfaces import stored_surface
     from heavylift.preprocess.surfaces import placed
+    from heavylift.solver.collisions import CollisionSurface
 
     found = []
     colliding = {name for _, pair in case.collided.values() for name in pair}
@@ -54,7 +53,7 @@ def assemble_surfaces(
             surface = stored_surface(case, index, folder).surface
             surface = placed(surface, position=-sides[section.body].origin)
         found.append(
-            c.CollisionSurface(
+            CollisionSurface(
                 name=section.name, body=section.body, surface=surface, facets=section.facets or 2
             )
         )
@@ -63,6 +62,8 @@ def assemble_surfaces(
 
 def assemble_collisions(case: Case) -> tuple[c.Collision, ...]:
     """Collisions of a case, one a pair of surfaces."""
+    from heavylift.solver import collisions as c
+
     found = []
     for name, (index, pair) in case.collided.items():
         section = case.collisions[index]
@@ -86,6 +87,8 @@ def assemble_collisions(case: Case) -> tuple[c.Collision, ...]:
 
 def collision_law(case: Case, section: Collision) -> ContactLaw:
     """Law of a collision as the solver takes it; that of the thesis becomes a spring and a damper."""
+    from heavylift.solver.contacts import HertzLaw, HuntCrossleyLaw, LinearLaw, RigidLaw
+
     if section.law == "rigid":
         return RigidLaw(section.restitution, section.rest_speed)
     if section.law == "linear":
@@ -106,6 +109,8 @@ def collision_notes(case: Case) -> list[str]:
     for section in case.collisions:
         if section.law != "thesis":
             continue
+        from heavylift.pipeline.report_words import number_words
+
         step = _step(case)
         numbers = thesis_numbers(section, step)
         notes.append(

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.assemble_edges import assemble_edge
 from heavylift.pipeline.assemble_sides import make_profile
 from heavylift.pipeline.case_joints import EdgeJointSection
 from heavylift.pipeline.case_places import located
@@ -47,6 +46,8 @@ def assemble_joints(case: Case, sides: Mapping[str, Side]) -> tuple[c.Joint, ...
     for index, joint in enumerate(case.joints):
         with located(case, f"joints.{index}"):
             if isinstance(joint, EdgeJointSection):
+                from heavylift.pipeline.assemble_edges import assemble_edge
+
                 found.append(assemble_edge(case, joint, sides))
             else:
                 found.append(_JOINTS[joint.type](joint, sides))

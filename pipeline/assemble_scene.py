@@ -9,15 +9,11 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble import check_on_body
-from heavylift.pipeline.assemble_collisions import assemble_collisions, assemble_surfaces
 from heavylift.pipeline.assemble_connections import (
     assemble_joints,
     assemble_loads,
     assemble_ropes,
 )
-from heavylift.pipeline.assemble_contacts import assemble_contacts, assemble_contours
-from heavylift.pipeline.assemble_edges import joints_of_edge
-from heavylift.pipeline.assemble_meshes import assemble_frame, assemble_shell, check_on_mesh, check_pulleys
 from heavylift.pipeline.assemble_sides import make_profile, start_sides
 from heavylift.pipeline.assemble_water import has_sea
 from heavylift.pipeline.case_bodies import FlexibleBodySection
@@ -44,8 +40,9 @@ if TYPE_CHECKING:
         RigidInitialSection,
     )
     from heavylift.pipeline.storage import OutputFolder
+    from heavylift.solver.collisions import Collision, CollisionSurface
     from heavylift.solver.connections import Joint
-    from heavylift.solver.contacts import Contact
+    from heavylift.solver.contacts import Contact, Contour
     from heavylift.solver.scene import AnyBody
     from heavylift.solver.seas import Sea
 
@@ -63,6 +60,8 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
             continue
         if not isinstance(body, FlexibleBodySection):
             origins[name] = np.zeros(3)
+            from heavylift.pipeline.assemble_meshes import assemble_frame, assemble_shell
+
             start = _initial(body.initial, origins[name])
             bodies.append(
                 assemble_frame(case, name, body, start)
@@ -99,7 +98,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
     sensors = tuple(
         s.Sensor(sensor.name, sensor.body, sides[sensor.body].local(sensor.point)) for sensor in case.sensors
     )
-    joints, contacts = assemble_joints(case, sides), assemble_contacts(case, sides)
+    joints, contacts = assemble_joints(case, sides), _contacts(case, sides)
     edges = _edges(case, joints, bodies)
     for made in bodies:
         if isinstance(made, s.FlexibleBody):
@@ -111,6 +110,8 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
             ]
             _check_points(case, points, folder.model(made.name), made.reduced.nodes + origins[made.name])
         elif isinstance(made, (FrameBody, ShellBody)):
+            from heavylift.pipeline.assemble_meshes import check_on_mesh, check_pulleys
+
             for key, point in _points_on(case, joints, contacts, made.name, origins[made.name]):
                 check_on_mesh(made, point, case.file, key)
             if isinstance(made, FrameBody):
@@ -121,16 +122,52 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         sensors,
         joints=joints,
         ropes=assemble_ropes(case, sides),
-        contours=assemble_contours(case, bodies, sides, folder),
+        contours=_contours(case, bodies, sides, folder),
         contacts=contacts,
-        surfaces=assemble_surfaces(case, sides, folder),
-        collisions=assemble_collisions(case),
-        sea=_assemble_sea(case, sides, folder),
+        surfaces=_surfaces(case, sides, folder),
+        collisions=_collisions(case),
+        sea=_sea(case, sides, folder),
     )
 
 
-def _assemble_sea(case: Case, sides: Mapping[str, Side], folder: OutputFolder) -> Sea | None:
-    """Of cases that have one; others import nothing for it."""
+# cases import only what they have: most have no contours, surfaces or sea
+
+
+def _contacts(case: Case, sides: Mapping[str, Side]) -> tuple[Contact, ...]:
+    if not case.contacts:
+        return ()
+    from heavylift.pipeline.assemble_contacts import assemble_contacts
+
+    return assemble_contacts(case, sides)
+
+
+def _contours(
+    case: Case, bodies: Sequence[AnyBody], sides: Mapping[str, Side], folder: OutputFolder
+) -> tuple[Contour, ...]:
+    if not case.contours:
+        return ()
+    from heavylift.pipeline.assemble_contacts import assemble_contours
+
+    return assemble_contours(case, bodies, sides, folder)
+
+
+def _surfaces(case: Case, sides: Mapping[str, Side], folder: OutputFolder) -> tuple[CollisionSurface, ...]:
+    if not case.surfaces:
+        return ()
+    from heavylift.pipeline.assemble_collisions import assemble_surfaces
+
+    return assemble_surfaces(case, sides, folder)
+
+
+def _collisions(case: Case) -> tuple[Collision, ...]:
+    if not case.collisions:
+        return ()
+    from heavylift.pipeline.assemble_collisions import assemble_collisions
+
+    return assemble_collisions(case)
+
+
+def _sea(case: Case, sides: Mapping[str, Side], folder: OutputFolder) -> Sea | None:
     if not has_sea(case):
         return None
     from heavylift.pipeline.assemble_sea import assemble_sea
@@ -143,6 +180,8 @@ def _edges(case: Case, joints: Sequence[Joint], bodies: Sequence[AnyBody]) -> li
     found: list[tuple[str, Joint]] = []
     for index, (joint, made) in enumerate(zip(case.joints, joints, strict=True)):
         if isinstance(joint, EdgeJointSection):
+            from heavylift.pipeline.assemble_edges import joints_of_edge
+
             assert isinstance(made, (EdgeHinge, EdgeClamp))
             with located(case, f"joints.{index}"):
                 place = case.place(f"joints.{index}.between.1")
