@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+sys.path.append(str(Path(__file__).resolve().parent.parent))
 sys.path.append(str(Path(__file__).resolve().parent.parent / "tests" / "solver" / "ancf"))
 
 from typing import TYPE_CHECKING

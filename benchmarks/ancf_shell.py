@@ -7,13 +7,16 @@ time per element, stiffness written into the blocks of a factor; set ``OMP_NUM_T
 from __future__ import annotations
 
 import statistics
+import sys
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+sys.path.append(str(Path(__file__).resolve().parent.parent))
+
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.ancf import shell_elements  # noqa: F401  registers the kernels
 from heavylift.solver.bodies.ancf.elements import (
@@ -47,6 +50,7 @@ from heavylift.solver.bodies.ancf.shell_packing import (
 )
 from heavylift.solver.mesh_shapes import quadrilateral
 from heavylift.solver.meshes import ShellBody, ShellSection
+from tests.solver.groups import partly
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -151,7 +155,6 @@ def scene(gauss_points: int, *, equal: bool) -> ShellMeshes:
     for row in (Q, V):
         nodal[row].reshape(-1, LANES)[:, :ROWS] = start.reshape(-1, ROWS)
     given = {
-        "shape": block_shape(ROWS),
         "table": table,
         "elements": elements,
         "constants": constants,
@@ -160,8 +163,7 @@ def scene(gauss_points: int, *, equal: bool) -> ShellMeshes:
         "strains": aligned((STRAIN_ROWS, int(counts.sum()))),
         "blocks": aligned(len(places) * ROWS * LANES),
     }
-    empty = np.zeros((0, 8), dtype=np.int64)
-    return ShellMeshes(**{name: given.get(name, empty) for name in ShellMeshes._fields})  # type: ignore[arg-type]
+    return partly(ShellMeshes, **given)
 
 
 def main() -> None:
