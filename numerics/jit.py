@@ -1,19 +1,17 @@
-"""The one decorator for compiled code, and a cache that notices edits anywhere in the package.
+"""The one decorator for compiled code.
 
-Numba's own disk cache looks only at the file a function is written in: after an
-edit to a kernel, cached callers in *other* files would keep the old physics
-(numba issue 1833). The cache folder here is named by a digest of all sources that
-can contain kernels, so any edit starts a fresh cache and no stale code can load.
+What only kernels call is kept as code that is not compiled yet, and compiled once with those that call it. What Python
+calls is cached on disk, in a folder whose name holds a digest of all sources that the kernel depends on, see
+`heavylift.numerics.sources`. Kernels of kinds and loops do not come through this cache: `heavylift.numerics.objects`.
 """
 
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import os
 import shutil
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from functools import cache, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, overload
@@ -27,23 +25,14 @@ from numba.core.ir import Arg, Expr
 from numba.core.lowering import Lower
 from numba.core.typed_passes import NativeLowering
 
-__all__ = [
-    "CompileClock",
-    "cache_directory",
-    "cache_root",
-    "compile_clock",
-    "kernel",
-    "source_digest",
-    "view",
-]
+from heavylift.numerics.sources import cache_root, closure_digest
+
+__all__ = ["CompileClock", "PartLibrary", "cache_folder", "compile_clock", "kernel", "view"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-KERNEL_FOLDERS = ("numerics", "preprocess", "modal", "contours", "solver")
-"""Folders below the package that may hold kernels; their sources name the cache."""
-
-KEPT_CACHES = 4
-"""Cache folders of older sources that are kept beside the current one."""
+KEPT_CACHES = 3
+"""Cache folders of older sources of a module that are kept beside the current one."""
 
 CACHE_PREFIX = "kernels-"
 """Of the folders below the cache root that are ours; nothing else there is ever removed."""
@@ -55,43 +44,16 @@ ROUNDING_FLAGS = frozenset({"contract", "nsz", "arcp"})
 """Allowed to change the last bits; never ``nnan``/``ninf``, which would remove every ``isnan``."""
 
 
-def source_digest(folders: Iterable[Path]) -> str:
-    """Hexadecimal digest of the names and contents of all Python files below some folders.
-
-    Parameters
-    ----------
-    folders
-        Folders that are searched recursively for ``*.py``.
-    """
-    digest = hashlib.blake2b(digest_size=10)
-    for folder in folders:
-        for path in sorted(folder.rglob("*.py")):
-            content = path.read_bytes()  # its length keeps names and contents of neighbours apart
-            digest.update(f"{folder.name}/{path.relative_to(folder)} {len(content)}\n".encode())
-            digest.update(content)
-    return digest.hexdigest()
-
-
-def cache_root() -> Path:
-    """Folder of all kernel caches: ``HEAVYLIFT_CACHE_DIR``, or one in the user's cache folder."""
-    chosen = os.environ.get("HEAVYLIFT_CACHE_DIR")
-    if chosen:
-        return Path(chosen)
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "heavylift"
-
-
 @cache
-def cache_directory() -> Path:
-    """Folder of the compiled kernels that belong to the present sources; removes outdated ones."""
-    package = Path(__file__).resolve().parent.parent
-    root = cache_root()
-    current = root / (CACHE_PREFIX + source_digest([package / name for name in KERNEL_FOLDERS]))
+def cache_folder(module: str) -> Path:
+    """Folder of the compiled kernels of a module; removes outdated ones."""
+    root, prefix = cache_root(), f"{CACHE_PREFIX}{module.removeprefix('heavylift.')}-"
+    current = root / (prefix + closure_digest((module,)))
     if not current.is_dir():
         with contextlib.suppress(OSError):  # a read-only home must not stop a run
             current.mkdir(parents=True, exist_ok=True)
             older = sorted(
-                (path for path in root.glob(f"{CACHE_PREFIX}*") if path.is_dir() and path != current),
+                (path for path in root.glob(f"{prefix}*") if path.is_dir() and path != current),
                 key=lambda path: path.stat().st_mtime,
             )
             for path in older[:-KEPT_CACHES]:
@@ -293,9 +255,8 @@ def kernel(
     def decorate(python_function: F) -> F:
         flags = set(ROUNDING_FLAGS | {"reassoc"}) if reassociate else set(ROUNDING_FLAGS)
 
-        def compiled_by(pipeline: type[CompilerBase] | None, *, cached: bool) -> Any:
+        def compiled_by(pipeline: type[CompilerBase] | None) -> Any:
             return numba.njit(
-                cache=cached,
                 error_model="numpy",
                 fastmath=flags,
                 forceinline=inline,
@@ -305,21 +266,32 @@ def kernel(
                 **({} if pipeline is None else {"pipeline_class": pipeline}),
             )(python_function)
 
-        if internal:
-            compiled = compiled_by(InternalCompiler, cached=False)
-            called = compiled
-        else:
-            directory = cache_directory()
-            with _numba_cache_directory(directory):
-                # without our folder Numba would cache beside the sources, where stale code can load
-                compiled = compiled_by(None, cached=os.access(directory, os.W_OK))
-            called = compiled_by(PartCompiler, cached=False)
+        compiled = compiled_by(InternalCompiler if internal else None)
         if compiled is not python_function:
             update_wrapper(compiled, python_function)
-            _call_from_kernels(compiled, called)
+            if internal:
+                _call_from_kernels(compiled, compiled)
+            else:
+                _cache_when_compiled(compiled)
+                _call_from_kernels(compiled, compiled_by(PartCompiler))
         return compiled
 
     return decorate if function is None else decorate(function)
+
+
+def _cache_when_compiled(dispatcher: Any) -> None:
+    """Find the cache folder, for which all sources are read, when a kernel is called for the first time."""
+    compile_now = dispatcher.compile
+
+    def compile_cached(signature: Any) -> Any:
+        dispatcher.compile = compile_now
+        folder = cache_folder(dispatcher.py_func.__module__)
+        if os.access(folder, os.W_OK):  # else Numba would cache beside the sources, where stale code can load
+            with _numba_cache_directory(folder):
+                dispatcher.enable_caching()
+        return compile_now(signature)
+
+    dispatcher.compile = compile_cached
 
 
 def _call_from_kernels(dispatcher: Any, called: Any) -> None:

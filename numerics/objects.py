@@ -35,18 +35,37 @@ from numba.core.registry import cpu_target
 from numba.extending import typeof_impl
 
 from heavylift.numerics.arrays import WORD, Pointer, declared_types, numba_type, rebuild_array
-from heavylift.numerics.jit import PartLibrary, cache_root, kernel
+from heavylift.numerics.jit import PartLibrary, kernel
+from heavylift.numerics.sources import cache_root, closure_digest
 
-__all__ = ["Compiled", "Entry", "Unit", "compiled_units", "entry", "function_pointer_type", "load_unit", "native_words"]
-
-PACKAGE = Path(__file__).resolve().parent.parent
-"""Folder that holds the top-level folders of the sources."""
+__all__ = [
+    "ENTRIES",
+    "TROUBLES",
+    "CompileError",
+    "Compiled",
+    "Entry",
+    "Unit",
+    "build_unit",
+    "compiled_units",
+    "entry",
+    "function_pointer_type",
+    "is_compiled",
+    "load_unit",
+    "native_function",
+    "native_words",
+    "objects_folder",
+    "to_words",
+]
 
 NUMBERS = (types.Number, types.Boolean)
 
 MAGIC = b"heavylift object 1\n"
 
-IMPORT = re.compile(r"^(?:from (heavylift[\w.]*) import (\([^)]*\)|[^\n(]*)|import (heavylift[\w.]*))", re.MULTILINE)
+KEPT_OBJECTS = 3
+"""Object files of older sources of a unit that are kept beside the current one."""
+
+TROUBLES: list[str] = []
+"""What compiled code had to say in words during a call."""
 
 
 class CompileError(Exception):
@@ -65,11 +84,14 @@ class Unit:
         Functions by symbol, each with the kernel, the types of its parameters and that of its result.
     modules
         Modules of the kernels; what they import decides when the unit is compiled anew.
+    owner
+        Module, name and group by which another process finds it: of a kind, or of an entry with no group.
     """
 
     name: str
     entries: Mapping[str, tuple[Any, tuple[Any, ...], Any]]
     modules: tuple[str, ...]
+    owner: tuple[str, str, str]
 
 
 @dataclass(frozen=True)
@@ -80,38 +102,7 @@ class Compiled:
     seconds: float
 
 
-# ---- sources ----
-
-
-@cache
-def _source(module: str) -> tuple[bytes, tuple[str, ...]]:
-    """Content of a module, and the modules of this package that it imports when it is imported."""
-    path = PACKAGE.joinpath(*module.split(".")[1:])
-    file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
-    if not module.startswith("heavylift."):
-        file = Path(str(sys.modules[module].__file__))
-    content = file.read_bytes()
-    found: list[str] = []
-    for whole, names, plain in IMPORT.findall(content.decode()):
-        found.append(whole or plain)
-        for name in re.findall(r"(\w+)(?: as \w+)?", names):
-            below = PACKAGE.joinpath(*whole.split(".")[1:], name)
-            if below.with_suffix(".py").is_file():
-                found.append(f"{whole}.{name}")
-    return content, tuple(found)
-
-
-@cache
-def _closure(modules: tuple[str, ...]) -> tuple[str, ...]:
-    """Modules with all that they import, sorted."""
-    seen: set[str] = set()
-    waiting = list(modules)
-    while waiting:
-        module = waiting.pop()
-        if module not in seen and module != "heavylift":
-            seen.add(module)
-            waiting += _source(module)[1]
-    return tuple(sorted(seen))
+# ---- files ----
 
 
 @cache
@@ -130,17 +121,13 @@ def _machine() -> bytes:
     ).encode()
 
 
-@cache
-def _place(name: str, modules: tuple[str, ...]) -> Path:
-    digest = hashlib.blake2b(_machine(), digest_size=12)
-    for module in _closure(modules):
-        content = _source(module)[0]
-        digest.update(f"{module} {len(content)}\n".encode())
-        digest.update(content)
-    return cache_root() / "objects" / f"{name}-{digest.hexdigest()}.o"
+def _place(unit: Unit) -> Path:
+    return objects_folder() / f"{unit.name}-{closure_digest(unit.modules, _machine())}.o"
 
 
-# ---- files ----
+def objects_folder() -> Path:
+    """Folder of the object files."""
+    return cache_root() / "objects"
 
 
 def _read(path: Path) -> bytes | None:
@@ -156,13 +143,21 @@ def _read(path: Path) -> bytes | None:
 
 
 def _write(path: Path, data: bytes) -> None:
-    """Whole or not at all; a folder that cannot be written to is told once."""
+    """Whole or not at all, and those of old sources go; a folder that cannot be written to is told once."""
+    temporary = None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".", delete=False) as file:
+            temporary = Path(file.name)
             file.write(MAGIC + hashlib.blake2b(data, digest_size=32).digest() + data)
-        Path(file.name).replace(path)
+        temporary.replace(path)
+        name = path.name.rpartition("-")[0]
+        older = [other for other in path.parent.glob(f"{name}-*.o") if other != path]
+        for other in sorted(older, key=lambda one: one.stat().st_mtime)[:-KEPT_OBJECTS]:
+            other.unlink(missing_ok=True)
     except OSError as error:
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
         _warn_once(f"compiled kernels cannot be kept in {path.parent}: {error.strerror}")
 
 
@@ -326,14 +321,14 @@ def compiled_units() -> Mapping[str, Compiled]:
 
 def is_compiled(unit: Unit) -> bool:
     """Whether there is a whole object file, or the unit is in memory."""
-    return unit.name in _LOADED or _read(_place(unit.name, unit.modules)) is not None
+    return unit.name in _LOADED or _read(_place(unit)) is not None
 
 
 def build_unit(unit: Unit) -> float:
     """Compile a unit into its object file, whatever is there; returns the CPU time of this thread [s]."""
     begin = time.thread_time()
     data = _compile(unit)
-    _write(_place(unit.name, unit.modules), data)
+    _write(_place(unit), data)
     return time.thread_time() - begin
 
 
@@ -341,7 +336,7 @@ def load_unit(unit: Unit) -> Compiled:
     """Addresses of a unit, compiled first if there is no object file."""
     if unit.name not in _LOADED:
         begin = time.thread_time()
-        path = _place(unit.name, unit.modules)
+        path = _place(unit)
         data = _read(path)
         seconds = 0.0
         if data is None:
@@ -386,7 +381,10 @@ def native_function(address: int, parameters: Iterable[Any], result: Any) -> Cal
                 words.append(value.address)
             else:
                 words.append(float(value) if of_type == types.float64 else int(value))
-        return call(*words)
+        result_words = call(*words)
+        if TROUBLES:
+            raise RuntimeError(TROUBLES.pop())
+        return result_words
 
     return function
 
@@ -410,6 +408,10 @@ def signature(function: Callable[..., Any]) -> tuple[tuple[Any, ...], Any]:
     return tuple(parameters), result
 
 
+ENTRIES: list[Entry] = []
+"""All that have been imported."""
+
+
 class Entry:
     """A kernel with a declared signature that Python calls: compiled once, whatever the scene."""
 
@@ -417,13 +419,19 @@ class Entry:
         update_wrapper(self, function)
         self.kernel = kernel(internal=True)(function)
         self._call: Callable[..., Any] | None = None
+        ENTRIES.append(self)
 
     @property
     def unit(self) -> Unit:
         """Of this function alone."""
         function = self.kernel.py_func
         name = f"{function.__module__.removeprefix('heavylift.')}.{function.__qualname__}"
-        return Unit(name, {name: (self.kernel, *signature(function))}, (function.__module__,))
+        return Unit(
+            name,
+            {name: (self.kernel, *signature(function))},
+            (function.__module__,),
+            (function.__module__, function.__name__, ""),
+        )
 
     def __call__(self, *values: Any) -> Any:
         """Compile or load it at the first call."""

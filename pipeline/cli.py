@@ -19,6 +19,7 @@ from heavylift.pipeline.command_line import (
     CasesArgument,
     Force,
     Json,
+    KindNames,
     Out,
     Quiet,
     Set,
@@ -203,6 +204,14 @@ def schema() -> int:
 
     print_json(case_schema())
     return 0
+
+
+@app.command(name="compile")
+def compile_ahead(*kinds: KindNames, force: Force = False, quiet: Quiet = False) -> int:
+    """Compile what runs would compile when they need it: everything, or some kinds, as RigidBodies or Ropes."""
+    from heavylift.pipeline.compile_kinds import compile_kinds
+
+    return guarded(lambda log: compile_kinds(kinds, log, force=force), quiet=quiet, json=False)
 
 
 @app.command

@@ -21,6 +21,7 @@ __all__ = [
     "CasesArgument",
     "Force",
     "Json",
+    "KindNames",
     "Out",
     "Quiet",
     "Set",
@@ -54,6 +55,7 @@ Animate = Annotated[
     ),
 ]
 Force = Annotated[bool, Parameter(name="--force", help="Run even if the inputs are unchanged.", negative="")]
+KindNames = Annotated[str, Parameter(help="Kinds and loops; all if none is named.", show_default=False)]
 Quiet = Annotated[bool, Parameter(name="--quiet", help="Print errors only.", negative="")]
 Json = Annotated[
     bool, Parameter(name="--json", help="Print one JSON document on standard output.", negative="")

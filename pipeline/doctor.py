@@ -50,12 +50,15 @@ sys.exit(0 if image.std() > 1.0 else 3)
 
 def diagnosis() -> dict[str, Any]:
     """Findings as plain values; ``ready`` tells whether everything needed works."""
-    from heavylift.numerics.jit import cache_directory, cache_root
+    from heavylift.numerics.objects import objects_folder
+    from heavylift.numerics.sources import cache_root
+    from heavylift.solver.compiling import all_units, missing_units
 
     packages = {name: _version(name) for name in _required()}
     gmsh = _attempt("import gmsh; gmsh.initialize(); gmsh.finalize(); print(gmsh.__version__)")
     drawing = _attempt(_RENDER)
-    cache = cache_directory()
+    units = [unit for own in all_units().values() for unit in own]
+    root = cache_root()
     return {
         "ready": all(packages.values()) and gmsh["works"] and drawing["works"],
         "python": f"{platform.python_version()} ({sys.executable})",
@@ -68,8 +71,21 @@ def diagnosis() -> dict[str, Any]:
         "blas": _blas(),
         "gmsh": gmsh,
         "drawing": drawing,
-        "cache": {"folder": str(cache), "writable": os.access(cache, os.W_OK), "size": _size(cache_root())},
+        "cache": {
+            "folder": str(root),
+            "writable": _writable(objects_folder()),
+            "size": _size(root),
+            "parts": len(units),
+            "compiled": len(units) - len(missing_units(units)),
+        },
     }
+
+
+def _writable(folder: Path) -> bool:
+    """Whether files can be made in a folder, or it can be made."""
+    while not folder.exists():
+        folder = folder.parent
+    return os.access(folder, os.W_OK)
 
 
 def _required() -> list[str]:
@@ -157,6 +173,9 @@ def diagnosis_lines(found: dict[str, Any]) -> list[str]:
         )
     cache = found["cache"]
     writable = "" if cache["writable"] else ", NOT WRITABLE: set HEAVYLIFT_CACHE_DIR"
+    ready = f"{cache['compiled']} of {cache['parts']} parts compiled"
+    ahead = "" if cache["compiled"] == cache["parts"] else "; `heavylift compile` makes the rest ahead"
+    lines.append(f"kernels         {ready}{ahead}")
     lines.append(f"kernel cache    {cache['folder']}, {cache['size'] / 2**20:.1f} MB in all{writable}")
     lines.append("ready" if found["ready"] else "NOT ready, see above")
     return lines

@@ -18,6 +18,7 @@ from heavylift.pipeline.stage_work import StageReport
 from heavylift.pipeline.storage import StopError, read_json, write_json
 
 if TYPE_CHECKING:
+    from heavylift.pipeline.log import Log
     from heavylift.pipeline.mesh_results import MeshShape
     from heavylift.pipeline.stage_work import Work
     from heavylift.solver.simulation import Simulation
@@ -78,9 +79,10 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     save_meshes(folder.meshes, meshes)
     # before compiling, which may take long: a kill from here on leaves word that a run had begun
     _write_manifest(work, digest, "unfinished", "", finished=False, details={})
+    compile_s = _compile(simulation, log)
     with in_case(work.case):
         simulation.warm_up()
-    compile_s = simulation.compile_seconds
+    compile_s += simulation.compile_seconds
     about = diagnosis(simulation)
     sea: dict[str, Any] = {}
     if scene.sea is not None:
@@ -135,6 +137,26 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     return StageReport(
         "simulate", outcome, skipped=False, cpu_s=details["cpu_s"], message=message, details=details
     )
+
+
+def _compile(simulation: Simulation, log: Log) -> float:
+    """Compile what no run before has, and say so; returns the CPU time of all processes [s]."""
+    missing = simulation.missing_units()
+    if not missing:
+        return 0.0
+    from heavylift.solver.compiling import compile_units
+
+    names = ", ".join(sorted({unit.name.partition(".")[0] if unit.owner[2] else "the time loop" for unit in missing}))
+    log.say(f"simulate: compiling {len(missing)} parts that are used for the first time: {names}")
+    spent: list[float] = []
+    with log.progress("compile", len(missing)) as progress:
+
+        def tell(name: str, seconds: float) -> None:
+            spent.append(seconds)
+            progress(len(spent), name)
+
+        compile_units(missing, tell)
+    return sum(spent)
 
 
 def _words(details: dict[str, Any]) -> str:

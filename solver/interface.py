@@ -187,178 +187,178 @@ class Workspace(Arrays):
     status: Ints1
 
 
-@generic
+@generic()
 def start(kinds: Bodies, time: float, work: Workspace) -> None:
     """Bodies: complete the start state: driven frames, products, momenta."""
 
 
-@generic
+@generic()
 def predict(kinds: Bodies, time: float, step: float) -> None:
     """Bodies: midpoint configuration and predicted midpoint velocity from the carried state."""
 
 
-@generic
+@generic()
 def fill_markers(kinds: Bodies, at_midpoint: bool, level: int, work: Workspace) -> None:
     """Bodies: vectors, rates and Jacobian windows of the markers that a level needs, at midpoint or carried state."""
 
 
-@generic
+@generic()
 def add_forces(kinds: Forces, time: float, work: Workspace) -> None:
     """Forces: add marker forces and gravity at a time [s] to the workspace."""
 
 
-@generic
+@generic()
 def factor(kinds: Bodies, step: float, work: Workspace) -> None:
     """Bodies: gather forces, factor the own step matrix, write the velocity of the stage."""
 
 
-@optional
+@optional()
 def correct(kinds: Bodies, step: float, work: Workspace) -> None:
     """Bodies with quadratic velocity forces: re-evaluate these at the velocity found, solve with the same factor."""
 
 
-@optional
+@optional()
 def correct_rows(
     kinds: Bodies, systems: Systems, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
     """Bodies that implement `correct`: call `solve_again`. A scene without them solves its rows once."""
 
 
-@optional
+@optional()
 def solve_again(kinds: Systems, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """Rows: once more with the factor of the midpoint, after free velocities have changed."""
 
 
-@optional
+@optional()
 def complete(kinds: Bodies, systems: Systems, at_midpoint: bool, step: float, work: Workspace) -> None:
     """Bodies that rows see through bases: all their velocities, once the impulses of the rows are known."""
 
 
-@optional
+@optional()
 def iterate(
     kinds: Bodies, bodies: Bodies, systems: Systems, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
     """Bodies with nonlinear stress: one round of an iteration of the midpoint; counts in `CHANGED` while it goes on."""
 
 
-@optional
+@optional()
 def refactor_rows(kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace) -> None:
     """Rows: markers, rows and factor of the midpoint again, after the midpoint or a matrix of a body has changed."""
 
 
-@generic
+@generic()
 def check(kinds: Bodies, step: float, work: Workspace) -> None:
     """Bodies: refuse a velocity that is not finite or turns too far in a step, before any state is changed."""
 
 
-@generic
+@generic()
 def advance(kinds: Bodies, time: float, step: float, work: Workspace) -> None:
     """Bodies: configuration and momenta to the end of the step, work of the forces."""
 
 
-@generic
+@generic()
 def write_velocity(kinds: Bodies, work: Workspace) -> None:
     """Bodies: velocities of the carried state into the workspace."""
 
 
-@optional
+@optional()
 def estimate_error(kinds: Bodies, step: float, work: Workspace) -> None:
     """Bodies: raise `work.control[ERROR]` to how far [m] the midpoint velocity leads from its prediction."""
 
 
-@generic
+@generic()
 def end_velocity(kinds: Bodies, step: float, work: Workspace) -> None:
     """Bodies: write the velocities at the end of the step, before the projection, into the workspace."""
 
 
-@generic
+@generic()
 def set_velocity(kinds: Bodies, step: float, work: Workspace) -> None:
     """Bodies: take the projected velocities; momenta follow them."""
 
 
-@optional
+@optional()
 def apply_inverse(kinds: Bodies, at_midpoint: bool, system: RowArrays) -> None:
     """Bodies with a factor of their own: ``X = A^-1 G^T`` of their attachments, A of the stage or M at the end."""
 
 
-@optional
+@optional()
 def add_row_work(kinds: Bodies, weight: float, work: Workspace, system: RowArrays) -> None:
     """Bodies with drives: work of the impulses of the rows, times a weight, on the prescribed velocities."""
 
 
-@optional
+@optional()
 def gather_reactions(kinds: Bodies, fresh: bool, system: RowArrays) -> None:
     """Bodies that are held: forces ``G^T reaction`` of the rows at the carried state, added unless fresh."""
 
 
-@generic
+@generic()
 def fill_rows(kinds: Joints, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Joints: rows from the markers; residuals of the position if asked for."""
 
 
-@optional
+@optional()
 def set_targets(
     kinds: Joints, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowArrays
 ) -> None:
     """Joints that are driven or compliant in their own way: targets and softness of their rows."""
 
 
-@optional
+@optional()
 def relinearise(kinds: Joints, time: float, step: float, work: Workspace, system: RowArrays) -> None:
     """Laws (ropes, stops, friction): fit rows to the velocity found; count in `CHANGED` if they move."""
 
 
-@optional
+@optional("accurate")
 def fill_bias(kinds: Joints, time: float, work: Workspace, system: RowArrays) -> None:
     """Joints: targets of their rows as accelerations: ``G a = -gamma``, from rates and second rates of the markers."""
 
 
-@optional
+@optional()
 def update_rows(kinds: Joints, time: float, step: float, work: Workspace, system: RowArrays) -> None:
     """Joints with a memory: what they carry over the step, from the midpoint velocity."""
 
 
-@generic
+@generic()
 def record_joints(kinds: Joints, time: float, work: Workspace, system: RowArrays, row: Floats1) -> None:
     """Joints: reactions, angles, travels into their columns of a record; energies into the totals."""
 
 
-@generic
+@generic()
 def finish(kinds: Bodies, step: float, work: Workspace) -> None:
     """Bodies: end velocities and accelerations from the momenta."""
 
 
-@optional
+@optional("thesis")
 def thesis_velocity(kinds: Bodies, time: float, step: float, work: Workspace) -> None:
     """Bodies: end velocity of the first-order scheme from forces at the start of the step."""
 
 
-@optional
+@optional("thesis")
 def complete_thesis(kinds: Bodies, systems: Systems, work: Workspace) -> None:
     """Bodies that rows see through bases: all their end velocities of the first-order scheme."""
 
 
-@optional
+@optional("thesis")
 def thesis_advance(kinds: Bodies, time: float, step: float, work: Workspace) -> None:
     """Bodies: configuration by the end velocity."""
 
 
-@generic
+@generic()
 def record(kinds: Bodies, time: float, work: Workspace, row: Floats1) -> None:
     """Bodies: write the carried state, reactions and sensors into their columns of a record."""
 
 
-@optional
+@optional()
 def begin_record(kinds: Forces) -> None:
     """Forces that begin an iteration with its last result: keep that, for `record_forces` to put back."""
 
 
-@optional
+@optional()
 def record_forces(kinds: Forces, time: float, work: Workspace, row: Floats1) -> None:
     """Forces with channels: write what they are at the carried state into their columns of a record; energies too."""
 
 
-@generic
+@generic()
 def add_totals(kinds: Bodies, work: Workspace) -> None:
     """Bodies: add energies, works and momenta of the carried state to the totals."""
 
@@ -366,7 +366,7 @@ def add_totals(kinds: Bodies, work: Workspace) -> None:
 # ---- of systems of rows, in the order of a step ----
 
 
-@optional
+@optional()
 def solve_midpoint(
     kinds: Systems,
     bodies: Bodies,
@@ -379,31 +379,31 @@ def solve_midpoint(
     """Rows: velocities of the midpoint from free ones; the factor stays for `correct_impulses`."""
 
 
-@optional
+@optional()
 def end_rows(
     kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
     """Rows: what they carry over the step; end velocities, markers there."""
 
 
-@optional
+@optional()
 def solve_end(
     kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
     """Rows: project the velocities onto the rigid rows at the end of the step."""
 
 
-@optional
+@optional()
 def close_step(kinds: Systems, all_systems: Systems, bodies: Bodies, work: Workspace, step: float) -> None:
     """Rows: the projected velocities to the bodies; reactions."""
 
 
-@optional
+@optional()
 def gather_rows(kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float) -> None:
     """Rows at the carried state for a record: an integrator need not have left them there."""
 
 
-@optional
+@optional()
 def record_rows(kinds: Systems, joints: Joints, work: Workspace, time: float, row: Floats1) -> None:
     """Rows: joints into their columns, monitors into the last of them."""
 
@@ -411,12 +411,12 @@ def record_rows(kinds: Systems, joints: Joints, work: Workspace, time: float, ro
 # ---- of the accurate integrator, whose state is a vector: velocities, then configurations, then works ----
 
 
-@optional
+@optional("accurate")
 def load_state(kinds: Bodies, values: Floats1, at: int, work: Workspace) -> None:
     """Bodies: write the carried state into the state vector that begins at a place of a flat array."""
 
 
-@optional
+@optional("accurate")
 def begin_stage(kinds: Bodies, time: float, values: Floats1, at: int, rate: int, work: Workspace) -> None:
     """Bodies: take the state vector at `at`, and fill the markers with rates and second rates.
 
@@ -424,46 +424,46 @@ def begin_stage(kinds: Bodies, time: float, values: Floats1, at: int, rate: int,
     """
 
 
-@optional
+@optional("accurate")
 def free_acceleration(kinds: Bodies, values: Floats1, at: int, work: Workspace) -> None:
     """Bodies: accelerations without joints into `work.velocity`, powers [W] of loads and drives into `work.sums`."""
 
 
-@optional
+@optional("accurate")
 def complete_accelerations(
     kinds: Bodies, systems: Systems, values: Floats1, rate: int, work: Workspace
 ) -> None:
     """Bodies that rows see through bases: all their accelerations into the vector at `rate`, by the impulses."""
 
 
-@optional
+@optional("accurate")
 def spread_impulses(
     kinds: Bodies, systems: Systems, values: Floats1, at: int, of_velocity: bool, work: Workspace
 ) -> None:
     """Bodies that rows see through bases: what impulses change in their coordinates, or in their velocities."""
 
 
-@optional
+@optional("accurate")
 def displace(kinds: Bodies, values: Floats1, at: int, work: Workspace) -> None:
     """Bodies: displace the configuration by `work.velocity`, as if it were a velocity over one second."""
 
 
-@optional
+@optional("accurate")
 def complete_rates(kinds: Bodies, values: Floats1, at: int, rate: int, second: int, work: Workspace) -> None:
     """Bodies: rates of the configuration at a state vector, and second rates from these and the accelerations."""
 
 
-@optional
+@optional("accurate")
 def measure_error(kinds: Bodies, values: Floats1, fifth: int, third: int, work: Workspace) -> None:
     """Bodies: raise `work.control[ERROR]` to the largest error [m/s] of a point, of two vectors of velocity errors."""
 
 
-@optional
+@optional("accurate")
 def store_state(kinds: Bodies, time: float, values: Floats1, at: int, rate: int, work: Workspace) -> None:
     """Bodies: carried state, and velocities of the state vector, from a configuration and its rates."""
 
 
-@generic
+@generic()
 def survey(kinds: Bodies, places: Floats1, inertia: Floats1, velocity: Floats1) -> None:
     """Bodies, in Python before the start: where they are, how heavy, how fast.
 
@@ -473,16 +473,16 @@ def survey(kinds: Bodies, places: Floats1, inertia: Floats1, velocity: Floats1) 
     """
 
 
-@generic
+@generic()
 def move(kinds: Bodies, increment: Floats1) -> None:
     """Bodies, in Python before the start: displace by a vector in velocity coordinates, along the exponential map."""
 
 
-@generic
+@generic()
 def put_velocity(kinds: Bodies, velocity: Floats1) -> None:
     """Bodies, in Python before the start: take velocities, forget accelerations; `start` completes the state."""
 
 
-@generic
+@generic()
 def collect_load(kinds: Bodies, work: Workspace, load: Floats1) -> None:
     """Bodies, in Python before the start: add gravity, marker forces and own elasticity at rest, shape (dof_count,)."""

@@ -11,6 +11,7 @@ call.
 
 from __future__ import annotations
 
+import ctypes
 import importlib
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -30,24 +31,30 @@ from numba.extending import register_model, typeof_impl, unbox
 
 from heavylift.numerics.arrays import (
     WORD,
+    Arrays,
     Pointer,
     Reference,
     _PointerModel,
     constant_word,
     declared_types,
+    layout,
     numba_type,
     unbox_address,
 )
 from heavylift.numerics.objects import (
+    TROUBLES,
     Unit,
     load_unit,
     native_function,
     to_words,
 )
 
-__all__ = ["Members", "Table", "Verb", "generic", "implement", "kind_unit", "optional"]
+__all__ = ["STEP", "Members", "Table", "Verb", "generic", "implement", "kind_units", "kinds_with_verbs", "optional", "tables_in"]
 
 WORD_BYTES = 8
+
+STEP = "step"
+"""Group of the verbs that scenes of all sorts need."""
 
 
 class Table(Sequence[Any]):
@@ -59,8 +66,9 @@ class Table(Sequence[Any]):
         """Every class of tables has verbs of its own."""
         cls.verbs = []
 
-    def __init__(self, kinds: Iterable[Any] = ()) -> None:
+    def __init__(self, kinds: Iterable[Any] = (), groups: Iterable[str] | None = None) -> None:
         self.kinds = tuple(kinds)
+        self.groups = None if groups is None else frozenset(groups)
         self._memory: Any = None
         self._known = -1
 
@@ -77,7 +85,9 @@ class Table(Sequence[Any]):
 
     def __getitem__(self, place: int | slice) -> Any:
         """A kind, or a table of some."""
-        return type(self)(self.kinds[place]) if isinstance(place, slice) else self.kinds[place]
+        if isinstance(place, slice):
+            return type(self)(self.kinds[place], self.groups)
+        return self.kinds[place]
 
     def __len__(self) -> int:
         """Number of kinds."""
@@ -86,6 +96,22 @@ class Table(Sequence[Any]):
     def __iter__(self) -> Iterator[Any]:
         """Kinds in order."""
         return iter(self.kinds)
+
+    def need(self, group: str) -> None:
+        """Serve the verbs of one more group from now on."""
+        if self.groups is not None and group not in self.groups:
+            self.groups |= {group}
+            self._known = -1
+
+    def units(self) -> list[Unit]:
+        """What has to be compiled for its kinds, and for those in tables that they hold."""
+        found: dict[str, Unit] = {}
+        for kind in self.kinds:
+            for group, unit in kind_units(type(kind)).items():
+                if self.groups is None or group in self.groups:
+                    found[unit.name] = unit
+            found |= {unit.name: unit for table in tables_in(kind) for unit in table.units()}
+        return list(found.values())
 
     @property
     def address(self) -> int:
@@ -97,10 +123,13 @@ class Table(Sequence[Any]):
             If a kind lacks a verb that it must have.
         """
         if self._known != len(self.verbs):  # a module that declares verbs may have been imported meanwhile
-            lists: list[list[int]] = []
+            lists = []
             for verb in self.verbs:
                 served = [kind for kind in self.kinds if verb.serves(type(kind))]
-                lists.append([word for kind in served for word in (verb.address(type(kind)), kind.address)])
+                if self.groups is None or verb.group in self.groups:
+                    lists.append([word for kind in served for word in (verb.address(type(kind)), kind.address)])
+                else:
+                    lists.append([word for kind in served[:1] for word in (_refusal(verb.name), kind.address)])
             memory = np.zeros(2 * len(lists) + sum(map(len, lists)), dtype=np.int64)
             place = 2 * len(lists)
             for i, pairs in enumerate(lists):
@@ -110,6 +139,32 @@ class Table(Sequence[Any]):
                 memory[2 * i + 1] = memory.ctypes.data + WORD_BYTES * place
             self._memory, self._known = memory, len(self.verbs)
         return int(self._memory.ctypes.data)
+
+
+def tables_in(group: Arrays) -> list[Table]:
+    """Tables that a group of arrays holds, also in groups that it holds."""
+    found: list[Table] = []
+    for name, (of_type, _) in layout(type(group)).items():
+        value = getattr(group, name)
+        if isinstance(of_type, TableType):
+            found.append(value if isinstance(value, Table) else of_type.wrap(value))
+        elif isinstance(of_type, Reference):
+            found += tables_in(value)
+    return found
+
+
+_REFUSALS: dict[str, Any] = {}
+
+
+def _refusal(name: str) -> int:
+    """Address of a function that stands for a verb of a group which a table does not serve: nothing is passed over."""
+    if name not in _REFUSALS:
+
+        def refuse() -> None:
+            TROUBLES.append(f"{name} was called on a table that does not serve its group of verbs")
+
+        _REFUSALS[name] = ctypes.CFUNCTYPE(None)(refuse)
+    return int(ctypes.cast(_REFUSALS[name], ctypes.c_void_p).value or 0)
 
 
 class TableType(Pointer):
@@ -153,14 +208,15 @@ def _type_of_table(value: Table, context: Any) -> TableType:
 class Verb:
     """What `generic` and `optional` make of a declaration; see there."""
 
-    def __init__(self, contract: Callable[..., None], *, needed: bool) -> None:
+    def __init__(self, contract: Callable[..., None], *, needed: bool, group: str) -> None:
         update_wrapper(self, contract)
-        self.contract, self.needed = contract, needed
+        self.contract, self.needed, self.group = contract, needed, group
         self.name = contract.__name__
         self.implementations: dict[type, Callable[..., Any]] = {}
         self._native: dict[type, Callable[..., Any]] = {}
         self._slot = np.zeros(1, dtype=np.int64)
         table = self._table()
+        self.of_tables = table is not None
         if table is not None:
             self._slot[0] = 2 * len(table.verbs)
             table.verbs.append(self)
@@ -207,7 +263,7 @@ class Verb:
 
     def address(self, kind: type) -> int:
         """Address of the compiled version of a kind."""
-        return load_unit(kind_unit(kind)).addresses[_symbol(kind, self)]
+        return load_unit(kind_units(kind)[self.group]).addresses[_symbol(kind, self)]
 
     def __call__(self, kinds: Any, *arguments: Any) -> None:
         """Serve the kinds of a table or a tuple from Python."""
@@ -232,6 +288,7 @@ class Members:
 
     def __init__(self, table: type[Table], base: type) -> None:
         self.base = base
+        self.name, self.group = base.__name__, STEP
         self._slot = np.array([2 * len(table.verbs)], dtype=np.int64)
         table.verbs.append(self)
         self.symbol = f"heavylift.members.{table.__name__}.{base.__name__}"
@@ -265,32 +322,29 @@ def _parameters(verb: Verb) -> tuple[Any, ...]:
     return tuple(made)
 
 
-def optional(contract: Callable[..., None]) -> Verb:
+def optional(group: str = STEP) -> Callable[[Callable[..., None]], Verb]:
     """As `generic`, but kinds that do not implement the verb are passed over."""
-    return Verb(contract, needed=False)
+    return lambda contract: Verb(contract, needed=False, group=group)
 
 
-def generic(contract: Callable[..., None]) -> Verb:
+def generic(group: str = STEP) -> Callable[[Callable[..., None]], Verb]:
     """Turn a documented signature into a verb.
 
     Parameters
     ----------
-    contract
-        A function whose docstring says what implementations have to do. Its first parameter is a class of tables, in
-        whose place implementations take one kind; the annotations of the others are types of `heavylift.numerics.arrays`.
-        Its body is not used.
+    group
+        Verbs of one group are compiled together: those that every step needs, those that contacts ask for, those of one
+        integrator. A table serves the groups that it is made for.
 
     Returns
     -------
-    Verb
-        Usable in kernels and in plain Python.
-
-    Raises
-    ------
-    TypeError
-        When a kind has no implementation and is put into a table.
+    callable
+        Takes a function whose docstring says what implementations have to do. Its first parameter is a class of
+        tables, in whose place implementations take one kind; the annotations of the others are types of
+        `heavylift.numerics.arrays`. Its body is not used. The `Verb` that it returns can be called from kernels and from
+        plain Python; a kind without an implementation that is put into a table is a `TypeError`.
     """
-    return Verb(contract, needed=True)
+    return lambda contract: Verb(contract, needed=True, group=group)
 
 
 def implement(verb: Verb, kind: type) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -334,23 +388,33 @@ def _symbol(kind: type, verb: Verb) -> str:
     return f"{kind.__name__}.{verb.name}"
 
 
-def kind_unit(kind: type) -> Unit:
-    """All that is compiled of a kind: its versions of the verbs of tables."""
-    return _kind_unit(kind)
+def kinds_with_verbs() -> list[type]:
+    """Kinds of the package that have versions of verbs, of the modules that are imported."""
+    return [kind for kind in _VERBS_OF if kind.__module__.startswith("heavylift.")]
 
 
 @cache
-def _kind_unit(kind: Any) -> Unit:
+def kind_units(kind: Any) -> dict[str, Unit]:
+    """What is compiled of a kind, by group of verbs."""
     import_kernels(kind)
-    modules = [kind.__module__, *getattr(kind, "kernel_modules", ())]
-    entries: dict[str, Any] = {}
+    entries: dict[str, dict[str, Any]] = {}
+    modules: dict[str, set[str]] = {}
     for base in reversed(kind.__mro__):
         for verb in _VERBS_OF.get(base, ()):
             function = verb.chosen(kind)
-            if isinstance(function, Dispatcher) and verb._table() is not None:  # noqa: SLF001
-                entries[_symbol(kind, verb)] = (function, (Reference(kind), *verb.parameters), types.none)
-                modules.append(function.py_func.__module__)
-    return Unit(kind.__name__, entries, tuple(sorted(set(modules))))
+            if isinstance(function, Dispatcher) and verb.of_tables:
+                types_of = (Reference(kind), *verb.parameters)
+                entries.setdefault(verb.group, {})[_symbol(kind, verb)] = function, types_of, types.none
+                modules.setdefault(verb.group, {kind.__module__}).add(function.py_func.__module__)
+    return {
+        group: Unit(
+            kind.__name__ if group == STEP else f"{kind.__name__}.{group}",
+            own,
+            tuple(sorted(modules[group])),
+            (kind.__module__, kind.__name__, group),
+        )
+        for group, own in entries.items()
+    }
 
 
 # ---- in kernels ----

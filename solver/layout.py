@@ -25,6 +25,7 @@ from heavylift.solver.interface import (
     Systems,
     Workspace,
 )
+from heavylift.solver.kinds import STEP
 from heavylift.solver.layout_rows import pack_connections
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.meshes import FrameBody, MeshBody, ShellBody
@@ -166,11 +167,12 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         kinds, carried = share_state(kinds)
         contacts = kinds[2][-1]._replace(carried=carried, saved=carried.copy())
         kinds = (kinds[0], kinds[1], (*kinds[2][:-1], contacts))
+    groups = {STEP, integrator} | ({"contact"} if scene.touches else set())
     return Layout(
-        bodies=Bodies(kinds[0]),
-        forces=Forces(forces),
-        joints=Joints(kinds[1]),
-        systems=Systems(kinds[2]),
+        bodies=Bodies(kinds[0], groups),
+        forces=Forces(forces, groups),
+        joints=Joints(kinds[1], groups),
+        systems=Systems(kinds[2], groups),
         work=work,
         channels=tuple(channels),
         column_count=column,

@@ -139,6 +139,7 @@ def _of_shape(rows: int) -> type[RowSystem]:
 MOST_ROWS = 8
 SHAPES = {rows: _of_shape(rows) for rows in range(1, MOST_ROWS + 1)}
 """Kinds of systems by rows of a block."""
+globals().update({kind.__name__: kind for kind in SHAPES.values()})  # other processes find them by their names
 
 
 @dataclass(frozen=True)

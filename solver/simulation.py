@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import compile_clock
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.carried import CARRIED
+from heavylift.solver.compiling import compile_units, missing_units
 from heavylift.solver.energy_watch import EnergyWatch
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
 from heavylift.solver.integrate.loop import start_scene, write_record
@@ -27,6 +28,7 @@ from heavylift.solver.scene import Scene
 from heavylift.solver.stop_message import stop_message
 
 if TYPE_CHECKING:
+    from heavylift.numerics.objects import Unit
     from heavylift.solver.integrate.diagnosis import Diagnosis
 
 __all__ = ["INTEGRATORS", "Simulation"]
@@ -168,7 +170,7 @@ class Simulation:
         if integrator == "accurate":
             layout = self._layout
             own = module.make_integration(layout.bodies, layout.joints, layout.systems, layout.work)
-            self._layout = replace(layout, systems=Systems((*layout.systems, own)))
+            self._layout = replace(layout, systems=Systems((*layout.systems, own), layout.systems.groups))
         self.channels: tuple[Channel, ...] = self._layout.channels
         self.column_count: int = self._layout.column_count
         self.diagnosis: Diagnosis | None = None
@@ -188,10 +190,24 @@ class Simulation:
         """Simulated time [s]."""
         return self.step_index * self.step
 
+    def missing_units(self) -> list[Unit]:
+        """What has to be compiled for this scene because it is not on disk: kinds that nobody has used yet."""
+        layout = self._layout
+        units = {
+            unit.name: unit
+            for table in (layout.bodies, layout.forces, layout.joints, layout.systems)
+            for unit in table.units()
+        }
+        units |= {entry.unit.name: entry.unit for entry in (self._run, start_scene, write_record)}
+        return missing_units(list(units.values()))
+
     def warm_up(self) -> None:
-        """Compile the loop for this scene, or load it from the cache, without changing the state."""
+        """Compile what is missing, load the rest, without changing the state."""
         if self._warm:
             return
+        missing = self.missing_units()
+        if missing:
+            compile_units(missing, lambda _name, _seconds: None)
         begin, found = clock.thread_time(), self.start_seconds
         self._start()
         records = np.empty((0, self.column_count))

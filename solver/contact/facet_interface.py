@@ -27,22 +27,22 @@ __all__ = [
 # ---- of the surfaces ----
 
 
-@optional
+@optional()
 def form_facets(facets: DeformingSurfaces, surfaces: CollisionSurfaces, bodies: Bodies) -> None:
     """Points, normals, edges and trees from the coordinates of the stage."""
 
 
-@optional
+@optional()
 def bound_facets(facets: DeformingSurfaces, contacts: ContactRows, bodies: Bodies, step: float) -> None:
     """How far any of their points moves in the step at the velocity of the stage, into the poses."""
 
 
-@optional
+@optional()
 def take_slots(facets: DeformingSurfaces, meshes: SurfacePairs, contacts: ContactRows, contact: int) -> None:
     """Moving points for a new contact of its pair; -1 if all of them are taken."""
 
 
-@optional
+@optional()
 def touch_facets(
     facets: DeformingSurfaces,
     meshes: SurfacePairs,
@@ -57,19 +57,19 @@ def touch_facets(
 # ---- of bodies ----
 
 
-@optional
+@optional("contact")
 def form_surface_points(bodies: Bodies, facets: FacetSurfaces, row: int, first: int, points: Floats2) -> None:
     """Points of a surface, which begin at row `first` of `points`, from the coordinates of the stage."""
 
 
-@optional
+@optional("contact")
 def bound_surface_points(
     bodies: Bodies, facets: FacetSurfaces, row: int, contacts: ContactRows, step: float
 ) -> None:
     """`bound_facets` of one surface."""
 
 
-@optional
+@optional("contact")
 def put_surface_rows(
     bodies: Bodies,
     facets: FacetSurfaces,

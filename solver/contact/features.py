@@ -82,12 +82,12 @@ class Footprints(Arrays):
     members: int
 
 
-@optional
+@optional()
 def sample(features: Features, contacts: ContactRows, bodies: Bodies, contour: int) -> None:
     """Before a search from everywhere: control points and samples of a contour where it is now."""
 
 
-@optional
+@optional()
 def touch(
     features: Features,
     contacts: ContactRows,
@@ -105,7 +105,7 @@ def touch(
     """
 
 
-@optional
+@optional()
 def weigh(
     features: Features, contacts: ContactRows, bodies: Bodies, c: int, y1: float, y2: float, y3: float
 ) -> None:

@@ -28,19 +28,19 @@ __all__ = [
 ]
 
 
-@optional
+@optional("contact")
 def pose_contours(kinds: Bodies, at_midpoint: bool, contacts: ContactRows) -> None:
     """Bodies: rotation and origin of their contours at the stage, which the markers have been filled for."""
 
 
-@optional
+@optional("contact")
 def form_controls(
     kinds: Bodies, contacts: ContactRows, contour: int, first_u: int, last_u: int, first_v: int, last_v: int
 ) -> None:
     """Bodies whose contours deform: control points of a window, both ends included, in the axes of the contour."""
 
 
-@optional
+@optional("contact")
 def put_contour_rows(kinds: Bodies, contacts: ContactRows, contact: int, count: int) -> None:
     """Bodies: rows of a contact on the side of their contour, minus the rates of the touched point.
 
@@ -49,12 +49,12 @@ def put_contour_rows(kinds: Bodies, contacts: ContactRows, contact: int, count: 
     """
 
 
-@optional
+@optional("contact")
 def bound_motion(kinds: Bodies, contacts: ContactRows, step: float, work: Workspace) -> None:
     """Bodies: how far any point of a contour moves in the step at the velocity of the stage, at most, into its pose."""
 
 
-@optional
+@optional("contact")
 def forget_accelerations(kinds: Bodies) -> None:
     """Bodies: after an impact the differences of the last step say nothing of the next."""
 
@@ -62,7 +62,7 @@ def forget_accelerations(kinds: Bodies) -> None:
 # ---- of frames and shells ----
 
 
-@optional
+@optional("contact")
 def form_mesh_controls(
     kinds: Bodies,
     dof: int,
@@ -82,7 +82,7 @@ def form_mesh_controls(
     """
 
 
-@optional
+@optional("contact")
 def aim_points(
     kinds: Bodies,
     dof: int,
@@ -99,7 +99,7 @@ def aim_points(
     """
 
 
-@optional
+@optional("contact")
 def settle_points(kinds: Bodies, systems: Systems, at_midpoint: bool, work: Workspace) -> None:
     """Bodies: after points have been aimed, their velocities of the stage into the workspace.
 

@@ -23,12 +23,12 @@ __all__ = [
 ]
 
 
-@optional
+@optional()
 def restore_contacts(meshes: Colliding, contacts: ContactRows) -> None:
     """Number, sides and laws of the contacts from what is carried of them; after a step has been taken back too."""
 
 
-@optional
+@optional()
 def pose_surfaces(meshes: Colliding, contacts: ContactRows, bodies: Bodies) -> None:
     """Pose of the second surface of each pair in the axes of the first, from the poses of the stage.
 
@@ -36,54 +36,54 @@ def pose_surfaces(meshes: Colliding, contacts: ContactRows, bodies: Bodies) -> N
     """
 
 
-@optional
+@optional()
 def bound_surfaces(meshes: Colliding, contacts: ContactRows, bodies: Bodies, step: float) -> None:
     """How far surfaces that deform move in the step, into their poses."""
 
 
-@optional
+@optional()
 def touch_triangles(
     meshes: Colliding, contacts: ContactRows, bodies: Bodies, c: int, work: Workspace
 ) -> None:
     """Gap, directions and rows of a contact at the stage."""
 
 
-@optional
+@optional()
 def search_surfaces(
     meshes: Colliding, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float
 ) -> None:
     """Contacts at the end of the step: those whose features have met on the way or are near, with gaps and rows."""
 
 
-@optional
+@optional()
 def find_first_contacts(
     meshes: Colliding, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float
 ) -> None:
     """The same before time starts, with both ends of the step at the start."""
 
 
-@optional
+@optional()
 def keep_found(meshes: Colliding, contacts: ContactRows, before: bool) -> None:
     """Contacts found in a step that is taken back outlive it: called before the state is restored, and after."""
 
 
-@optional
+@optional()
 def drop_contacts(meshes: Colliding, contacts: ContactRows) -> None:
     """After a step: contacts that are far away again go, and leave their sums to their pair."""
 
 
-@optional
+@optional()
 def place_surfaces(meshes: Colliding, contacts: ContactRows) -> None:
     """When a step stands: poses of the surfaces at its end, where the next one begins."""
 
 
-@optional
+@optional()
 def record_clearance(
     clearances: Clearing, meshes: SurfacePairs, contacts: ContactRows, pair: int, row: Floats1, at: int
 ) -> None:
     """Distance of the surfaces of a pair into place `at` of a record, where it is more than the search reaches."""
 
 
-@optional
+@optional()
 def record_pairs(meshes: Colliding, contacts: ContactRows, work: Workspace, row: Floats1) -> None:
     """Channels of pairs into a record, and what their contacts have stored and lost into the sums of energy."""

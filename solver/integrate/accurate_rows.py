@@ -69,7 +69,7 @@ def is_tree(system: RowSystem) -> bool:
     return True
 
 
-@optional
+@optional("accurate")
 def soften(systems: Systems, softening: float) -> None:
     """Rows: their softness in this integrator, the same in all stages, for one or two solutions."""
 
@@ -88,7 +88,7 @@ def soften_rows(system: RowSystem, softening: float) -> None:
             system.rows[at + LAST_REACTION * lanes + r] = 0.0
 
 
-@optional
+@optional("accurate")
 def constrain(
     systems: Systems,
     bodies: Bodies,
@@ -141,7 +141,7 @@ def constrain_rows(
                     system.rows[at + IMPULSE * lanes + r] = system.rows[at + REACTION * lanes + r]
 
 
-@optional
+@optional("accurate")
 def find_displacement(systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float) -> None:
     """Rows: displacement in `work.velocity` that closes them to first order; the factor is that of this position."""
 
@@ -172,7 +172,7 @@ def find_row_displacement(
     solve_rows(system, work.velocity)
 
 
-@optional
+@optional("accurate")
 def correct_velocity(systems: Systems, work: Workspace) -> None:
     """Rows: project the velocities in `work.velocity`, after `find_displacement`."""
 
@@ -191,7 +191,7 @@ def correct_row_velocity(system: RowSystem, work: Workspace) -> None:
     solve_rows(system, work.velocity)
 
 
-@optional
+@optional("accurate")
 def add_drive_power(systems: Systems, values: Floats1, at: int, work: Workspace) -> None:
     """Rows: add the power [W] that drives put into free bodies to `work.sums`, by the reactions of `constrain`."""
 

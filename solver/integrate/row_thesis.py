@@ -40,7 +40,7 @@ from heavylift.solver.rows import (
 __all__ = ["solve_thesis", "start_thesis"]
 
 
-@optional
+@optional("thesis")
 def start_thesis(systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, step: float) -> None:
     """Rows: targets and softness from the carried state, whose velocities pass through the workspace."""
 
@@ -77,7 +77,7 @@ def start_thesis_rows(
                 )
 
 
-@optional
+@optional("thesis")
 def solve_thesis(systems: Systems, bodies: Bodies, work: Workspace, step: float) -> None:
     """Rows: end velocities from free ones, reactions."""
 

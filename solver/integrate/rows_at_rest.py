@@ -55,7 +55,7 @@ def fill_rigid_rows(
     set_targets(joints, time, 1.0, False, work, system)
 
 
-@optional
+@optional("rest")
 def fit_rows(systems: Systems, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """Rows: residuals; targets and softness of the compliant ones at velocity zero."""
 

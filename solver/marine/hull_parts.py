@@ -99,22 +99,22 @@ class SeriesPart(Arrays):
     excitation: SeriesExcitation
 
 
-@optional
+@optional()
 def begin_memory(parts: Parts, step: float, implicit: Floats2, vectors: Floats2) -> None:
     """Memory: its force at the middle of the step, without the part of the velocity there, and that part."""
 
 
-@optional
+@optional()
 def keep_memory(parts: Parts, vectors: Floats2) -> None:
     """Memory: to the end of the step."""
 
 
-@optional
+@optional()
 def memory_now(parts: Parts, vectors: Floats2) -> None:
     """Memory: its force at the carried state and the velocities in `FINISH`."""
 
 
-@optional
+@optional()
 def add_waves(parts: Parts, time: float, stage: Floats2, vectors: Floats2) -> None:
     """Waves: their forces at a time, at the places and headings of the stage."""
 

@@ -11,7 +11,7 @@ import pytest
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import CompileError, entry, load_unit
-from heavylift.solver.kinds import Members, Table, generic, implement, kind_unit, optional
+from heavylift.solver.kinds import Members, Table, generic, implement, kind_units, optional
 
 compiled_only = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs compiled kernels")
 
@@ -43,12 +43,12 @@ class Ghosts(Arrays):
     mass: Floats1
 
 
-@generic
+@generic()
 def pull(kinds: Things, step: float, backwards: bool, total: Floats1) -> None:
     """Add all forces times the step, and leave a trace of the order."""
 
 
-@optional
+@optional()
 def rest(kinds: Things, total: Floats1) -> None:
     """Whoever rests adds one."""
 
@@ -162,7 +162,7 @@ def rest_broken(kind: Broken, total: Floats1) -> None:
 @compiled_only
 def test_a_kernel_that_does_not_compile_is_named_with_file_and_line() -> None:
     with pytest.raises(CompileError, match=r"Broken: rest does not compile: .*test_kinds.py, line \d+: .*weight"):
-        load_unit(kind_unit(Broken))
+        load_unit(kind_units(Broken)["step"])
 
 
 @pytest.mark.parametrize(

@@ -27,22 +27,22 @@ __all__ = [
 ]
 
 
-@generic
+@generic()
 def find_strains(kinds: Meshes, body: int, q: int, strain: int) -> None:
     """``strains[strain] = e(q)`` with the coordinates of row `q`."""
 
 
-@generic
+@generic()
 def add_strain_rates(kinds: Meshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
     """``strains[strain] += factor B(q) v``."""
 
 
-@generic
+@generic()
 def add_stress_forces(kinds: Meshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
     """``nodal[force] += factor B(q)^T C strains[strain]``."""
 
 
-@generic
+@generic()
 def add_mean_stress_forces(
     kinds: Meshes,
     body: int,
@@ -62,12 +62,12 @@ def add_mean_stress_forces(
     """
 
 
-@generic
+@generic()
 def add_elastic_forces(kinds: Meshes, body: int, q: int, force: int, factor: float) -> None:
     """``nodal[force] += factor (B^T C e(q) + K_b q)`` in one pass; row `SHAPE_STRAIN` is scratch."""
 
 
-@generic
+@generic()
 def add_stiffness(
     kinds: Meshes, body: int, q: int, strain: int, force: int, factor: float, scale: float, geometric: float
 ) -> None:
@@ -77,12 +77,12 @@ def add_stiffness(
     """
 
 
-@generic
+@generic()
 def measure_strain_energy(kinds: Meshes, body: int, strain: int) -> None:
     """``body[ELASTIC_ENERGY] += e^T C e / 2`` with the strains of a row."""
 
 
-@generic
+@generic()
 def measure_drift(kinds: Meshes, body: int, first: int, second: int) -> None:
     """Largest difference of the strains [1] of two rows into `DRIFT`, its element of the body into `DRIFT_ELEMENT`.
 
@@ -90,13 +90,13 @@ def measure_drift(kinds: Meshes, body: int, first: int, second: int) -> None:
     """
 
 
-@generic
+@generic()
 def add_follower_load(
     kinds: Meshes, body: int, q: int, element: int, load: int, data: int, factor: float
 ) -> None:
     """``nodal[load] += factor`` times the load of an element at the coordinates `q`, data from `constants[data]` on."""
 
 
-@generic
+@generic()
 def record_elements(kinds: Meshes, body: int, row: NDArray[np.float64], column: int) -> None:
     """Section forces and stresses of the carried coordinates into a record from a column on."""

@@ -1,0 +1,73 @@
+"""Which sources compiled code depends on: a module and all that it imports when it is imported.
+
+Compiled code is kept under names that hold a digest of these sources. Numba itself looks only at the file that a
+function is written in, so after an edit its callers in other files would keep the old physics (numba issue 1833).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import sys
+from functools import cache
+from pathlib import Path
+
+__all__ = ["cache_root", "closure", "closure_digest"]
+
+PACKAGE = Path(__file__).resolve().parent.parent
+"""Folder that holds the folders of the sources."""
+
+IMPORT = re.compile(r"^(?:from (heavylift[\w.]*) import (\([^)]*\)|[^\n(]*)|import (heavylift[\w.]*))", re.MULTILINE)
+"""An import at the top level of a module; those within functions and for type checkers do not count."""
+
+
+def cache_root() -> Path:
+    """Folder of all compiled code: ``HEAVYLIFT_CACHE_DIR``, or one in the user's cache folder."""
+    chosen = os.environ.get("HEAVYLIFT_CACHE_DIR")
+    if chosen:
+        return Path(chosen)
+    base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base else Path.home() / ".cache") / "heavylift"
+
+
+@cache
+def _source(module: str) -> tuple[bytes, tuple[str, ...]]:
+    """Content of a module, and the modules of this package that it imports."""
+    if module.startswith("heavylift."):
+        path = PACKAGE.joinpath(*module.split(".")[1:])
+        file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    else:
+        file = Path(str(sys.modules[module].__file__))
+    content = file.read_bytes()
+    found: list[str] = []
+    for whole, names, plain in IMPORT.findall(content.decode()):
+        found.append(whole or plain)
+        for name in re.findall(r"(\w+)(?: as \w+)?", names):
+            if PACKAGE.joinpath(*whole.split(".")[1:], f"{name}.py").is_file():
+                found.append(f"{whole}.{name}")
+    return content, tuple(found)
+
+
+@cache
+def closure(modules: tuple[str, ...]) -> tuple[str, ...]:
+    """Modules with all that they import, sorted."""
+    seen: set[str] = set()
+    waiting = list(modules)
+    while waiting:
+        module = waiting.pop()
+        if module not in seen and module != "heavylift":
+            seen.add(module)
+            waiting += _source(module)[1]
+    return tuple(sorted(seen))
+
+
+@cache
+def closure_digest(modules: tuple[str, ...], more: bytes = b"") -> str:
+    """Hexadecimal digest of the names and contents of modules and all that they import, and of more words."""
+    digest = hashlib.blake2b(more, digest_size=12)
+    for module in closure(modules):
+        content = _source(module)[0]  # its length keeps names and contents of neighbours apart
+        digest.update(f"{module} {len(content)}\n".encode())
+        digest.update(content)
+    return digest.hexdigest()

@@ -1,0 +1,132 @@
+"""Compile several units at once, each process some of them.
+
+The processes are Python programs of their own, so nothing of the calling program is run twice. Each is told one
+unit a line, and answers with one line.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import pkgutil
+import queue
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Sequence
+
+import heavylift.solver
+from heavylift.numerics.objects import ENTRIES, CompileError, Entry, Unit, build_unit, is_compiled
+from heavylift.solver.kinds import kind_units, kinds_with_verbs
+from heavylift.solver.rows import SHAPES, RowSystem
+
+__all__ = ["all_units", "compile_units", "missing_units", "unit_of"]
+
+ALONE = 2
+"""Units up to which no process is started: each needs about a second before it can begin."""
+
+DONE, FAILED = "done", "failed"
+
+
+def all_units() -> dict[str, list[Unit]]:
+    """Units by the kind or loop that they belong to; imports all modules of the solver."""
+    for module in pkgutil.walk_packages(heavylift.solver.__path__, "heavylift.solver."):
+        importlib.import_module(module.name)
+    found: dict[str, list[Unit]] = {}
+    for kind in kinds_with_verbs():
+        for own in SHAPES.values() if kind is RowSystem else (kind,):
+            units = list(kind_units(own).values())
+            if units:
+                found[own.__name__] = units
+    for entry in ENTRIES:
+        if entry.__module__.startswith("heavylift."):
+            found[entry.unit.name] = [entry.unit]
+    return dict(sorted(found.items()))
+
+
+def missing_units(units: Sequence[Unit]) -> list[Unit]:
+    """Those of some units that have no whole object file."""
+    return [unit for unit in units if not is_compiled(unit)]
+
+
+def unit_of(module: str, name: str, group: str) -> Unit:
+    """A unit by its owner."""
+    owner = getattr(importlib.import_module(module), name)
+    if isinstance(owner, Entry):
+        return owner.unit
+    return kind_units(owner)[group]
+
+
+def compile_units(
+    units: Sequence[Unit], tell: Callable[[str, float], None], processes: int | None = None
+) -> None:
+    """Make the object files of some units, the largest first.
+
+    Parameters
+    ----------
+    units
+        All of them are compiled.
+    tell
+        Called with the name of a unit and its CPU time [s] when it is done, in any thread.
+    processes
+        One for each processor that may be used if None.
+
+    Raises
+    ------
+    CompileError
+        Of the first unit that does not compile; the others are done.
+    """
+    waiting: queue.SimpleQueue[Unit] = queue.SimpleQueue()
+    for unit in sorted(units, key=lambda one: len(one.entries), reverse=True):
+        waiting.put(unit)
+    troubles: list[str] = []
+    if len(units) <= ALONE:
+        for unit in units:
+            tell(unit.name, build_unit(unit))
+        return
+
+    def work() -> None:
+        command = [sys.executable, "-m", "heavylift.solver.compiling"]
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:  # noqa: S603
+            assert process.stdin is not None
+            assert process.stdout is not None
+            try:
+                while True:
+                    unit = waiting.get_nowait()
+                    print(*unit.owner, sep="\t", file=process.stdin, flush=True)  # noqa: T201
+                    kind, _, answer = process.stdout.readline().rstrip("\n").partition("\t")
+                    if kind == DONE:
+                        tell(unit.name, float(answer))
+                    else:
+                        troubles.append(answer or f"{unit.name}: the compiler ended without a word")
+                        if not answer:
+                            return
+            except (queue.Empty, BrokenPipeError):
+                process.stdin.close()
+
+    count = min(len(units), processes or len(os.sched_getaffinity(0)))
+    threads = [threading.Thread(target=work, daemon=True) for _ in range(count)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        while thread.is_alive():
+            thread.join(0.2)  # lets Ctrl-C through
+    if troubles:
+        raise CompileError(troubles[0])
+
+
+def _serve() -> None:
+    """What a process does."""
+    for line in sys.stdin:
+        begin = time.process_time()
+        try:
+            build_unit(unit_of(*line.rstrip("\n").split("\t")))
+        except CompileError as error:
+            print(FAILED, str(error).replace("\n", " "), sep="\t", flush=True)  # noqa: T201
+        else:
+            print(DONE, f"{time.process_time() - begin:.3f}", sep="\t", flush=True)  # noqa: T201
+
+
+if __name__ == "__main__":
+    _serve()
