@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -201,26 +200,24 @@ def _groups(scene: Scene) -> list[tuple[list[Any], Callable[..., Any]]]:
     hulls = [body for body in scene.bodies if _floats(body)]
     groups: list[tuple[list[Any], Callable[..., Any]]] = []
     if floating:
-        from heavylift.solver.bodies.floating_frame_kind import pack
+        from heavylift.solver.bodies.floating_frame import pack_floating_frames
 
-        groups.append((floating, pack))
+        groups.append((floating, pack_floating_frames))
     if fixed:
-        from heavylift.solver.bodies.fixed_frame_kind import pack_fixed_frames
+        from heavylift.solver.bodies.fixed_frame import pack_fixed_frames
 
         groups.append((fixed, pack_fixed_frames))
     if rigid:
-        from heavylift.solver.bodies.rigid_kind import pack_rigid_bodies
+        from heavylift.solver.bodies.rigid import pack_rigid_bodies
 
         groups.append((rigid, pack_rigid_bodies))
     if hulls:
-        from heavylift.solver.marine.hulls_kind import pack_hulls
+        from heavylift.solver.marine.hull_packing import pack_hulls
 
         groups.append((hulls, pack_hulls))
     for of_type in (FrameBody, ShellBody):
         meshes = [body for body in scene.bodies if isinstance(body, of_type)]
         if meshes:
-            module = "frame" if of_type is FrameBody else "shell"
-            importlib.import_module(f"heavylift.solver.bodies.ancf.{module}_kind")
             from heavylift.solver.bodies.ancf.packing import pack_meshes
 
             groups.append((meshes, pack_meshes))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,7 +15,9 @@ from heavylift.solver.interface import (
     add_forces,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.scene import Gravity
+
+if TYPE_CHECKING:
+    from heavylift.solver.scene import Gravity
 
 __all__ = ["UniformGravity", "pack_gravity"]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,9 @@ from heavylift.solver.interface import (
     add_forces,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.scene import PointForce
+
+if TYPE_CHECKING:
+    from heavylift.solver.scene import PointForce
 
 __all__ = ["PointForces", "pack_point_forces"]
 

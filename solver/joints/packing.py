@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +14,10 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.connections import GROUND, Joint, JointFrame, SliderHinge
 from heavylift.solver.interface import ROWS
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.scene import AnyBody
 from heavylift.solver.scene_bodies import Driven
+
+if TYPE_CHECKING:
+    from heavylift.solver.scene import AnyBody
 
 __all__ = [
     "JointPlace",
