@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
 from heavylift.pipeline.case_places import located
 from heavylift.pipeline.provenance import surface_digest
 from heavylift.pipeline.storage import replacing
@@ -174,6 +173,8 @@ def turned(turn: TurnSection | None) -> NDArray[np.float64]:
     """Rotation, shape (3, 3), of what is turned from the axes of its body."""
     if turn is None:
         return np.eye(3)
+    from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
+
     axis = np.array(turn.axis) / np.linalg.norm(turn.axis)
     return rotation_matrix(quaternion_from_rotation_vector(turn.angle * axis))
 

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,7 +23,6 @@ PUSH = "forces=[{{name='push', body='beam', point={}, force=[1, 0, 0]}}]"
 def reduced(tmp_path_factory):
     """Case folder whose mesh and modes are made."""
     import shutil
-    from pathlib import Path
 
     folder = tmp_path_factory.mktemp("small_beam")
     shutil.copyfile(Path(__file__).parent / "small_beam.toml", folder / "case.toml")
@@ -112,3 +114,22 @@ def test_a_mesh_size_that_leaves_one_reduced_brick_is_refused(small_case):
     run_case(
         load_case(small_case, ["bodies.beam.mesh=" + mesh.format("incompatible")]), stages=("mesh", "modes")
     )
+
+
+def test_a_scene_imports_only_what_it_has(tmp_path):
+    """A load on a rope: no contours, surfaces, meshes or water, no files of units, pictures or results."""
+    case = Path(__file__).parents[2] / "cases" / "hoist"
+    code = (
+        "import sys\n"
+        "from heavylift.pipeline import load_case\n"
+        "from heavylift.pipeline.assemble_scene import assemble_scene\n"
+        "from heavylift.pipeline.storage import OutputFolder\n"
+        "from pathlib import Path\n"
+        f"assemble_scene(load_case({str(case)!r}), OutputFolder(Path({str(tmp_path)!r})))\n"
+        "parts = ('collisions', 'contacts', 'databases', 'edges', 'hulls', 'lines', 'meshes', 'sea', 'surfaces')\n"
+        "unwanted = {'heavylift.pipeline.assemble_' + part for part in parts}\n"
+        "unwanted |= {'h5py', 'matplotlib', 'pint', 'pyvista', 'scipy.optimize', 'scipy.sparse', 'trimesh'}\n"
+        "print(sorted(unwanted & set(sys.modules)))\n"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"

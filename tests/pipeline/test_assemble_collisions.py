@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +57,20 @@ def test_the_mesh_stage_makes_surfaces_once(folder, tmp_path):
     assert sum("unchanged, skipped" in line for line in lines) == 4
     mesh(case, out.root, force=("mesh",))
     assert {name: out.surface(name).read_bytes() for name in made} == made  # to the last bit
+
+
+def test_a_second_look_at_surfaces_imports_no_heavy_library(folder, tmp_path):
+    mesh(load_case(folder), tmp_path / "out")
+    code = (
+        "import sys\n"
+        "from heavylift.pipeline import load_case, run_case\n"
+        f"report = run_case(load_case({str(folder)!r}), out={str(tmp_path / 'out')!r}, stages=['mesh'])\n"
+        "assert report.stages[0].skipped\n"
+        "heavy = {'numba', 'scipy', 'gmsh', 'trimesh', 'matplotlib', 'pint', 'h5py', 'meshio'}\n"
+        "print(sorted(heavy & set(sys.modules)))\n"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"
 
 
 def test_a_changed_file_makes_its_surface_and_all_that_follows_stale(folder, tmp_path):
