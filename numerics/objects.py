@@ -33,6 +33,7 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError
 from numba.core.registry import cpu_target
 from numba.extending import typeof_impl
+from numba.np import numpy_support
 
 from heavylift.numerics.arrays import WORD, Pointer, declared_types, numba_type, rebuild_array
 from heavylift.numerics.jit import PartLibrary, kernel
@@ -114,9 +115,7 @@ def _machine() -> bytes:
             numba.__version__,
             llvmlite.__version__,
             np.__version__,
-            llvm.get_process_triple(),
-            llvm.get_host_cpu_name(),
-            llvm.get_host_cpu_features().flatten(),
+            cpu_target.target_context.codegen().magic_tuple(),
         )
     ).encode()
 
@@ -371,8 +370,9 @@ def native_function(address: int, parameters: Iterable[Any], result: Any) -> Cal
         kept: list[Any] = []
         for of_type, value in zip(kinds, values, strict=True):
             if isinstance(of_type, types.Array):
-                if value.ndim != of_type.ndim or not value.flags.c_contiguous:
-                    raise TypeError(f"array of shape {value.shape}, expected {of_type}")
+                fits = value.ndim == of_type.ndim and value.flags.c_contiguous
+                if not fits or numpy_support.from_dtype(value.dtype) != of_type.dtype:
+                    raise TypeError(f"{value.dtype} array of shape {value.shape}, expected {of_type}")
                 words += [value.ctypes.data, *value.shape]
             elif isinstance(of_type, Pointer):
                 if not hasattr(value, "address"):  # a plain tuple of kinds

@@ -39,6 +39,8 @@ def _source(module: str) -> tuple[bytes, tuple[str, ...]]:
         file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
     else:
         file = Path(str(sys.modules[module].__file__))
+    if not file.is_file():  # words of another text, or a namespace
+        return b"", ()
     content = file.read_bytes()
     found: list[str] = []
     for whole, names, plain in IMPORT.findall(content.decode()):

@@ -136,9 +136,8 @@ def _of_shape(rows: int) -> type[RowSystem]:
     return type(f"RowSystem{rows}", (RowSystem,), {"shape": block_shape(rows), "__module__": __name__})
 
 
-MOST_ROWS = 8
-SHAPES = {rows: _of_shape(rows) for rows in range(1, MOST_ROWS + 1)}
-"""Kinds of systems by rows of a block."""
+SHAPES = {rows: _of_shape(rows) for rows in (1, 3, 4, 5, 6, 8)}
+"""Kinds of systems by rows of a block; blocks with fewer rows are filled up with rows that are not there."""
 globals().update({kind.__name__: kind for kind in SHAPES.values()})  # other processes find them by their names
 
 
@@ -203,7 +202,8 @@ def pack_rows(
         if len(held) >= HUB_ATTACHMENTS and ends[held[0]].holder == DIAGONAL
     ]
     hub_node = {body: count + i for i, body in enumerate(hub_bodies)}
-    rows = max([6 if hub_bodies else 1, *row_counts])
+    needed = max([6 if hub_bodies else 1, *row_counts])
+    rows = min(shape for shape in SHAPES if shape >= needed)
     shape = block_shape(rows)
     lanes = len(shape[1])
     size = rows * lanes

@@ -13,8 +13,9 @@ import numba
 import numpy as np
 import pytest
 
-from heavylift.numerics import jit
-from heavylift.numerics.jit import KEPT_CACHES, cache_directory, kernel, source_digest
+from heavylift.numerics import jit, sources
+from heavylift.numerics.jit import KEPT_CACHES, cache_folder, kernel
+from heavylift.numerics.sources import closure, closure_digest
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -45,7 +46,7 @@ from heavylift.solver.caller import weight
 from heavylift.plain.caller import weight as plain_weight
 import heavylift.numerics.jit as jit
 result = [[f(2.0), sum(f.stats.cache_hits.values())] for f in (weight, plain_weight)]
-print(json.dumps([*result, str(jit.cache_directory())]))
+print(json.dumps([*result, str(jit.cache_folder("heavylift.solver.caller"))]))
 """
 
 
@@ -57,7 +58,8 @@ class Package:
         self.caches = folder / "caches"
         numerics = folder / "heavylift" / "numerics"
         numerics.mkdir(parents=True)
-        shutil.copy(str(jit.__file__), numerics / "jit.py")
+        for module in (jit, sources):
+            shutil.copy(str(module.__file__), numerics)
         (folder / "program.py").write_text(PROGRAM)
         self.variants = {
             "solver": {
@@ -136,50 +138,65 @@ def test_a_cache_that_cannot_be_written_stops_nothing_and_leaves_nothing_behind(
     assert not list((package.folder / "heavylift" / "solver").rglob("*.nbi"))
 
 
-def test_digest_follows_names_and_contents(tmp_path: Path) -> None:
+@pytest.fixture
+def modules(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A package of its own in place of ours: what kernels import, and how."""
     folder = tmp_path / "solver"
     (folder / "bodies").mkdir(parents=True)
-    file = folder / "bodies" / "rigid.py"
-    file.write_text("x = 1\n")
-    digests = [source_digest([folder])]
-    assert source_digest([folder]) == digests[0]
-
-    (folder / "notes.txt").write_text("no source")
-    assert source_digest([folder]) == digests[0]
-
-    file.write_text("x = 2\n")
-    digests.append(source_digest([folder]))
-    file.rename(folder / "bodies" / "solid.py")
-    digests.append(source_digest([folder]))
-    (folder / "empty.py").write_text("")
-    digests.append(source_digest([folder]))
-    folder.rename(tmp_path / "modal")
-    digests.append(source_digest([tmp_path / "modal"]))
-    assert len(set(digests)) == len(digests)
+    (folder / "bodies" / "rigid.py").write_text("x = 1\n")
+    (folder / "rope.py").write_text(
+        "from typing import TYPE_CHECKING\n"
+        "from heavylift.solver.bodies import (\n    rigid,  # a module\n)\n"
+        "if TYPE_CHECKING:\n    from heavylift.solver.other import Z\n"
+        "def f():\n    import heavylift.solver.other\n"
+    )
+    (folder / "other.py").write_text("import heavylift.solver.rope\n")
+    monkeypatch.setattr(sources, "PACKAGE", tmp_path)
+    for one in (sources._source, closure, closure_digest):
+        one.cache_clear()
+    yield folder
+    monkeypatch.undo()
+    for one in (sources._source, closure, closure_digest):
+        one.cache_clear()
 
 
-def test_digest_does_not_confuse_names_with_contents(tmp_path: Path) -> None:
-    two, one = tmp_path / "two" / "s", tmp_path / "one" / "s"
-    two.mkdir(parents=True)
-    one.mkdir(parents=True)
-    (two / "a.py").write_text("1")
-    (two / "b.py").write_text("2")
-    (one / "a.py").write_text("1s/b.py2")
-    assert source_digest([two]) != source_digest([one])
+def digest_now(module: str) -> str:
+    for one in (sources._source, closure, closure_digest):
+        one.cache_clear()
+    return closure_digest((module,))
+
+
+def test_a_closure_holds_what_is_imported_with_the_module(modules: Path) -> None:
+    rope = ("heavylift.solver.bodies", "heavylift.solver.bodies.rigid", "heavylift.solver.rope")
+    (modules / "bodies" / "__init__.py").write_text("")
+    assert closure(("heavylift.solver.rope",)) == rope
+    assert closure(("heavylift.solver.other",)) == tuple(sorted([*rope, "heavylift.solver.other"]))
+
+
+def test_digest_follows_the_sources_of_the_closure_and_no_others(modules: Path) -> None:
+    (modules / "bodies" / "__init__.py").write_text("")
+    first = digest_now("heavylift.solver.rope")
+    (modules / "other.py").write_text("import heavylift.solver.rope\n# edited\n")
+    assert digest_now("heavylift.solver.rope") == first
+    (modules / "bodies" / "rigid.py").write_text("x = 2\n")
+    assert digest_now("heavylift.solver.rope") != first
 
 
 def test_outdated_caches_go_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HEAVYLIFT_CACHE_DIR", str(tmp_path))
+    module, prefix = "heavylift.numerics.small", "kernels-numerics.small-"
     (tmp_path / "my results").mkdir()
-    (tmp_path / "kernels-file").write_text("not a folder")
+    (tmp_path / f"{prefix}file").write_text("not a folder")
+    (tmp_path / "kernels-numerics.rotation-1").mkdir()
     for age in range(KEPT_CACHES + 3):
-        old = tmp_path / f"kernels-{age}"
+        old = tmp_path / f"{prefix}{age}"
         old.mkdir()
         os.utime(old, (1e9 - age, 1e9 - age))
-    current = cache_directory.__wrapped__()
+    current = cache_folder.__wrapped__(module)
     kept = {path.name for path in tmp_path.iterdir()}
-    assert kept == {"my results", "kernels-file", current.name, *(f"kernels-{i}" for i in range(KEPT_CACHES))}
-    assert cache_directory.__wrapped__() == current
+    others = {"my results", f"{prefix}file", "kernels-numerics.rotation-1"}
+    assert kept == {current.name, *others, *(f"{prefix}{i}" for i in range(KEPT_CACHES))}
+    assert cache_folder.__wrapped__(module) == current
 
 
 @kernel

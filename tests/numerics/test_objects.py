@@ -1,0 +1,139 @@
+"""Object files: whole or compiled again, whatever happened to them; right results in any case."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+import numpy as np
+import pytest
+
+from heavylift.numerics import objects
+from heavylift.numerics.arrays import Floats1, Floats2
+from heavylift.numerics.objects import Unit, build_unit, entry, is_compiled, load_unit
+
+compiled_only = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs compiled kernels")
+
+PROGRAM = """
+import json, sys, time
+import numpy as np
+from heavylift.numerics import objects
+from heavylift.solver.forces.gravity import UniformGravity
+from heavylift.solver.interface import Forces, Workspace, add_forces
+work = Workspace(np.zeros(6), np.zeros((0, 12)), np.zeros((0, 3, 6)), np.zeros(15), np.zeros(9), np.zeros(0),
+                 np.zeros(3, dtype=np.int64))
+add_forces(Forces((UniformGravity(np.array([0.0, 0.0, -9.81])),)), 0.0, work)
+print(json.dumps([list(work.sums[:3]), sum(unit.seconds > 0.0 for unit in objects.compiled_units().values())]))
+"""
+
+
+def run(cache: Path, **environment: str) -> subprocess.Popen:
+    return subprocess.Popen(
+        [sys.executable, "-c", PROGRAM],
+        env=os.environ | {"HEAVYLIFT_CACHE_DIR": str(cache), **environment},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def result(process: subprocess.Popen) -> tuple[int, str]:
+    """Units that were compiled, and what was said; the field of gravity is right whatever happened."""
+    out, said = process.communicate(timeout=120)
+    assert process.returncode == 0, said
+    field, count = json.loads(out)
+    assert field == [0.0, 0.0, -9.81]
+    return count, said
+
+
+@compiled_only
+def test_what_is_compiled_is_loaded_and_what_is_not_whole_is_compiled_again(tmp_path: Path) -> None:
+    assert result(run(tmp_path)) == (1, "")
+    assert result(run(tmp_path)) == (0, "")
+    (file,) = (tmp_path / "objects").glob("*.o")
+    whole = file.read_bytes()
+    for broken in (whole[:-7], whole[:20], b"", whole[:200] + b"?" + whole[201:], b"another file"):
+        file.write_bytes(broken)
+        assert result(run(tmp_path)) == (1, "")
+        assert file.read_bytes()[:60] == whole[:60] or len(file.read_bytes()) == len(whole)
+        assert result(run(tmp_path)) == (0, "")
+
+
+@compiled_only
+def test_two_processes_compile_the_same_at_once(tmp_path: Path) -> None:
+    for count, said in [result(process) for process in [run(tmp_path) for _ in range(3)]]:
+        assert count in {0, 1}
+        assert said == ""
+    assert result(run(tmp_path)) == (0, "")
+    assert len(list((tmp_path / "objects").iterdir())) == 1  # no temporary file is left
+
+
+@compiled_only
+def test_a_folder_that_cannot_be_written_costs_one_line(tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    for _ in range(2):
+        count, said = result(run(blocked))
+        assert count == 1
+        assert said.count("\n") == 1
+        assert f"compiled kernels cannot be kept in {blocked}" in said
+
+
+@compiled_only
+def test_code_for_another_processor_is_not_loaded(tmp_path: Path) -> None:
+    other = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+    assert result(run(tmp_path)) == (1, "")
+    assert result(run(tmp_path, **other)) == (1, "")
+    assert result(run(tmp_path, **other)) == (0, "")
+    assert result(run(tmp_path)) == (0, "")
+    assert len(list((tmp_path / "objects").iterdir())) == 2
+
+
+@entry
+def weighted_sum(values: Floats1, weights: Floats2, row: int, factor: float, negative: bool) -> float:
+    total = 0.0
+    for i in range(values.shape[0]):
+        total += factor * values[i] * weights[row, i]
+    return -total if negative else total
+
+
+def test_python_calls_an_entry_with_numbers_and_arrays() -> None:
+    weights = np.arange(6.0).reshape(2, 3)
+    assert weighted_sum(np.ones(3), weights, 1, 0.5, False) == 6.0
+    assert weighted_sum(np.ones(3), weights, 1, 0.5, True) == -6.0
+
+
+@compiled_only
+def test_an_entry_refuses_what_it_would_misread() -> None:
+    with pytest.raises(TypeError, match="array of shape"):
+        weighted_sum(np.ones(6)[::2], np.ones((2, 3)), 0, 1.0, False)
+    with pytest.raises(TypeError, match="array of shape"):
+        weighted_sum(np.ones(3), np.ones(3), 0, 1.0, False)
+    with pytest.raises(TypeError, match="float32 array"):
+        weighted_sum(np.ones(3, dtype=np.float32), np.ones((2, 3)), 0, 1.0, False)
+    with pytest.raises(TypeError, match="4 arguments, expected 5"):
+        weighted_sum(np.ones(3), np.ones((2, 3)), 0, 1.0)
+
+
+@compiled_only
+def test_units_of_old_sources_go_after_a_while(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HEAVYLIFT_CACHE_DIR", str(tmp_path))
+    unit: Unit = weighted_sum.unit
+    folder = tmp_path / "objects"
+    folder.mkdir()
+    for age in range(objects.KEPT_OBJECTS + 2):
+        old = folder / f"{unit.name}-{age}.o"
+        old.write_bytes(b"")
+        os.utime(old, (1e9 - age, 1e9 - age))
+    (folder / "another.unit-1.o").write_bytes(b"")
+    assert not is_compiled(unit) or unit.name in objects.compiled_units()
+    assert build_unit(unit) > 0.0
+    kept = {path.name for path in folder.iterdir()}
+    assert {f"{unit.name}-{age}.o" for age in range(objects.KEPT_OBJECTS)} < kept
+    assert "another.unit-1.o" in kept
+    assert len(kept) == objects.KEPT_OBJECTS + 2
+    assert load_unit(unit).addresses.keys() == unit.entries.keys()
