@@ -5,7 +5,19 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+import numba
 import pytest
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Before the whole suite: compile on all cores what its processes would compile one after another."""
+    config = session.config
+    whole = config.args == config.getini("testpaths") and not config.option.collectonly
+    if whole and not hasattr(config, "workerinput") and not numba.config.DISABLE_JIT:
+        from heavylift.pipeline.compile_kinds import compile_kinds
+        from heavylift.pipeline.log import Log
+
+        compile_kinds((), Log())
 
 
 @pytest.fixture(scope="session")
