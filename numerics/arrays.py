@@ -245,9 +245,11 @@ def _type_of_group(value: Arrays, context: Any) -> Reference:
 def unbox_address(of_type: Any, value: Any, c: Any) -> NativeValue:
     """Pointer of a Python object with an `address`."""
     address = c.pyapi.object_getattr_string(value, "address")
-    number = c.pyapi.long_as_longlong(address)
-    c.pyapi.decref(address)
-    pointer = c.builder.inttoptr(number, WORD.as_pointer())
+    number = cgutils.alloca_once_value(c.builder, ir.Constant(WORD, 0))
+    with c.builder.if_then(cgutils.is_not_null(c.builder, address)):
+        c.builder.store(c.pyapi.long_as_longlong(address), number)
+        c.pyapi.decref(address)
+    pointer = c.builder.inttoptr(c.builder.load(number), WORD.as_pointer())
     return NativeValue(pointer, is_error=cgutils.is_not_null(c.builder, c.pyapi.err_occurred()))
 
 
