@@ -72,6 +72,9 @@ class Recorded:
             for i, name in enumerate(names)
         ]
 
+    def missing_units(self):
+        return ()
+
     def warm_up(self):
         pass
 
