@@ -138,7 +138,8 @@ def _of_shape(rows: int) -> type[RowSystem]:
 
 SHAPES = {rows: _of_shape(rows) for rows in (1, 3, 4, 5, 6, 8)}
 """Kinds of systems by rows of a block; blocks with fewer rows are filled up with rows that are not there."""
-globals().update({kind.__name__: kind for kind in SHAPES.values()})  # other processes find them by their names
+# other processes find them by their names
+globals().update({kind.__name__: kind for kind in SHAPES.values()})
 
 
 @dataclass(frozen=True)
