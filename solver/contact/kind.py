@@ -8,13 +8,16 @@ system of the joints, so they serve both with the same functions.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from heavylift.contours.layout import CONTOUR_WIDTH
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.lanes import block_shape
 from heavylift.solver.kinds import Table
 from heavylift.solver.rows import RowArrays
+
+if TYPE_CHECKING:
+    from heavylift.solver.contact.newton import ContactSolvers
 
 __all__ = ["Colliding", "ContactRows", "Features", "Reduced", "Samples"]
 
@@ -262,6 +265,8 @@ class ContactRows(RowArrays):
         Numbers and places that live within one call.
     control
         Of events, shape (16,).
+    solvers, solution
+        What solves them, and how that ended: status, iterations, residual, shape (3,).
     reduced
         What the solver needs on the velocities of the touched bodies, if all of them are rigid.
     meshes
@@ -301,6 +306,8 @@ class ContactRows(RowArrays):
     places: Ints1
     workspace: Floats1
     control: Floats1
+    solvers: ContactSolvers
+    solution: Floats1
     reduced: Reduced
     meshes: Colliding
     placed: Floats2

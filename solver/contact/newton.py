@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import solve_symmetric_3
 from heavylift.solver.contact.contact_rows import clip
@@ -28,14 +29,19 @@ from heavylift.solver.contact.problem import (
     workspace_length,
 )
 from heavylift.solver.contact.system import gather, multiply
+from heavylift.solver.kinds import Table, generic, implement
 
 __all__ = [
+    "ContactSolvers",
+    "NonsmoothNewton",
     "BY_GAUSS_SEIDEL",
     "BY_NEWTON",
     "BY_PROXIMAL_STEPS",
     "FAILED",
     "solve_contacts",
     "solve_contacts_reduced",
+    "solve_dense",
+    "solve_on_velocities",
     "workspace_length",
 ]
 
@@ -244,3 +250,88 @@ def solve_contacts_reduced(
     problem = Problem(count, kinds, parameters, ends, blocks, size, y0, B)
     status, iterations, residual = _solve(problem, workspace, p, y)
     return status, iterations, residual
+
+
+# ---- as a part of the contacts of a scene, compiled by itself ----
+
+
+class ContactSolvers(Table):
+    """What solves the contacts of a scene: one kind."""
+
+
+class NonsmoothNewton(Arrays):
+    """The solver of this file; it has nothing of its own."""
+
+
+@generic("contact")
+def solve_dense(
+    solvers: ContactSolvers,
+    count: int,
+    kinds: Ints2,
+    parameters: Floats2,
+    w0: Floats1,
+    W: Floats2,
+    p: Floats1,
+    w: Floats1,
+    workspace: Floats1,
+    solution: Floats1,
+) -> None:
+    """As `solve_contacts`; status, iterations and residual into `solution`, shape (3,)."""
+
+
+@generic("contact")
+def solve_on_velocities(
+    solvers: ContactSolvers,
+    count: int,
+    kinds: Ints2,
+    parameters: Floats2,
+    ends: Ints2,
+    blocks: Floats2,
+    size: int,
+    y0: Floats1,
+    B: Floats2,
+    p: Floats1,
+    y: Floats1,
+    workspace: Floats1,
+    solution: Floats1,
+) -> None:
+    """As `solve_contacts_reduced`; status, iterations and residual into `solution`, shape (3,)."""
+
+
+@implement(solve_dense, NonsmoothNewton)
+@kernel(internal=True)
+def _solve_dense(
+    solver: NonsmoothNewton,
+    count: int,
+    kinds: NDArray[np.int64],
+    parameters: NDArray[np.float64],
+    w0: NDArray[np.float64],
+    W: NDArray[np.float64],
+    p: NDArray[np.float64],
+    w: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    solution: NDArray[np.float64],
+) -> None:
+    solution[0], solution[1], solution[2] = solve_contacts(count, kinds, parameters, w0, W, p, w, workspace)
+
+
+@implement(solve_on_velocities, NonsmoothNewton)
+@kernel(internal=True)
+def _solve_on_velocities(
+    solver: NonsmoothNewton,
+    count: int,
+    kinds: NDArray[np.int64],
+    parameters: NDArray[np.float64],
+    ends: NDArray[np.int64],
+    blocks: NDArray[np.float64],
+    size: int,
+    y0: NDArray[np.float64],
+    B: NDArray[np.float64],
+    p: NDArray[np.float64],
+    y: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    solution: NDArray[np.float64],
+) -> None:
+    solution[0], solution[1], solution[2] = solve_contacts_reduced(
+        count, kinds, parameters, ends, blocks, size, y0, B, p, y, workspace
+    )

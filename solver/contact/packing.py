@@ -83,7 +83,7 @@ from heavylift.solver.contact.kind import (
     Reduced,
 )
 from heavylift.solver.contact.laws_packing import force_law, put_law
-from heavylift.solver.contact.newton import workspace_length
+from heavylift.solver.contact.newton import ContactSolvers, NonsmoothNewton, workspace_length
 from heavylift.solver.contact.packed_collisions import no_collisions
 from heavylift.solver.contacts import (
     BilateralLaw,
@@ -270,6 +270,8 @@ def _kind(
         places=places,
         workspace=np.zeros(int(workspace_length(count, size))),
         control=control,
+        solvers=ContactSolvers((NonsmoothNewton(),)),
+        solution=np.zeros(3),
         reduced=reduced,
         meshes=collided.meshes,
         placed=collided.placed,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.kind import LARGEST_CONTROLS, ContactRows
-from heavylift.solver.contact.newton import solve_contacts_reduced
+from heavylift.solver.contact.newton import solve_on_velocities
 from heavylift.solver.contact.system_interface import respond
 from heavylift.solver.interface import Systems
 from heavylift.solver.rows import DOF, PANEL, WIDTH
@@ -65,13 +65,10 @@ def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> Non
 
 
 @kernel(internal=True)
-def solve_reduced(contacts: ContactRows, count: int, velocity: NDArray[np.float64]) -> tuple[int, int, float]:
+def solve_reduced(contacts: ContactRows, count: int, velocity: NDArray[np.float64]) -> None:
     """Impulses into the second row of `contacts.rates`, rates without and with them into the first and third.
 
-    Returns
-    -------
-    status, iterations, residual
-        As of `solve_contacts_reduced`.
+    How it ended is in `contacts.solution`.
     """
     reduced, free, p, w = contacts.reduced, contacts.rates[0], contacts.rates[1], contacts.rates[2]
     size = reduced.numbers[SIZE_AT]
@@ -88,7 +85,8 @@ def solve_reduced(contacts: ContactRows, count: int, velocity: NDArray[np.float6
         for k in range(size):
             total -= reduced.matrix[i, k] * reduced.found[k]
         reduced.start[i] = total
-    status, rounds, residual = solve_contacts_reduced(
+    solve_on_velocities(
+        contacts.solvers,
         count,
         contacts.kinds,
         contacts.laws,
@@ -100,6 +98,7 @@ def solve_reduced(contacts: ContactRows, count: int, velocity: NDArray[np.float6
         p,
         reduced.found,
         contacts.workspace,
+        contacts.solution,
     )
     for j in range(count):
         for r in range(3):
@@ -115,4 +114,3 @@ def solve_reduced(contacts: ContactRows, count: int, velocity: NDArray[np.float6
                 for k in range(width):
                     total += reduced.blocks[j, 18 * side + 6 * r + k] * reduced.start[at + k]
             free[3 * j + r] = total
-    return status, rounds, residual

@@ -54,7 +54,7 @@ from heavylift.solver.contact.kind import (
 from heavylift.solver.contact.laws import hunt_crossley_damping
 from heavylift.solver.contact.locate import locate
 from heavylift.solver.contact.mesh_interface import pose_surfaces, restore_contacts
-from heavylift.solver.contact.newton import solve_contacts
+from heavylift.solver.contact.newton import solve_dense
 from heavylift.solver.contact.reduced import assemble_reduced, solve_reduced
 from heavylift.solver.contact.search_end import judge_searches, mark_failure
 from heavylift.solver.contact.system_interface import follow, meet_again, meet_contacts
@@ -274,11 +274,21 @@ def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
             for r in range(3):
                 p[3 * j + r] = contacts.state[c, WARM + r]
     if reduced:
-        status, rounds, residual = solve_reduced(contacts, count, work.velocity)
+        solve_reduced(contacts, count, work.velocity)
     else:
-        status, rounds, residual = solve_contacts(
-            count, contacts.kinds, contacts.laws, free, contacts.delassus, p, w, contacts.workspace
+        solve_dense(
+            contacts.solvers,
+            count,
+            contacts.kinds,
+            contacts.laws,
+            free,
+            contacts.delassus,
+            p,
+            w,
+            contacts.workspace,
+            contacts.solution,
         )
+    status, rounds, residual = contacts.solution[0], contacts.solution[1], contacts.solution[2]
     contacts.control[RESIDUAL] = max(contacts.control[RESIDUAL], residual)
     contacts.control[ROUNDS] += rounds
     if status < 0 and not residual < ENOUGH:
