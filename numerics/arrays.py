@@ -58,7 +58,6 @@ Ints2 = Annotated[NDArray[np.int64], 2]
 WORD = ir.IntType(64)
 
 
-
 @dataclass_transform(frozen_default=True, eq_default=False)
 class Arrays:
     """Base of all groups. A subclass lists its fields as a frozen dataclass does."""
@@ -99,10 +98,14 @@ class Arrays:
         for name, (of_type, _) in layout(type(self)).items():
             value = getattr(self, name)
             if isinstance(of_type, types.Array):
-                fits = isinstance(value, np.ndarray) and value.ndim == of_type.ndim and value.flags.c_contiguous
+                fits = (
+                    isinstance(value, np.ndarray) and value.ndim == of_type.ndim and value.flags.c_contiguous
+                )
                 if not fits or numpy_support.from_dtype(value.dtype) != of_type.dtype:
                     found = (
-                        f"{value.dtype} {value.ndim}-d" if isinstance(value, np.ndarray) else type(value).__name__
+                        f"{value.dtype} {value.ndim}-d"
+                        if isinstance(value, np.ndarray)
+                        else type(value).__name__
                     )
                     raise TypeError(
                         f"{type(self).__name__}.{name}: {found}, expected a contiguous array {of_type}"
@@ -119,7 +122,7 @@ class Arrays:
         return words
 
 
-class Pointer(types.Type):  # type: ignore[misc]
+class Pointer(types.Type):
     """Numba type of what is handed over by its address: it has an attribute `address`."""
 
     def wrap(self, value: Any) -> Any:
@@ -170,10 +173,16 @@ def numba_type(annotation: Any) -> Any:
     TypeError
         If kernels know no such type.
     """
-    simple = {float: types.float64, int: types.int64, bool: types.boolean, None: types.none, type(None): types.none}
+    simple = {
+        float: types.float64,
+        int: types.int64,
+        bool: types.boolean,
+        None: types.none,
+        type(None): types.none,
+    }
     if annotation in simple:
         return simple[annotation]
-    found = array_type(annotation)
+    found: Any = array_type(annotation)
     if found is None and isinstance(annotation, type):
         if issubclass(annotation, Arrays):
             found = Reference(annotation)
@@ -203,22 +212,29 @@ class _ImportedForTypes(dict[str, Any]):
 
 def declared_types(owner: Any) -> dict[str, Any]:
     """Annotations of a class or function, resolved; also those whose names are imported for the type checker alone."""
+    if not isinstance(owner, type):
+        module = sys.modules[owner.__module__]
+        names = _ImportedForTypes(module)
+        return {
+            name: eval(text, vars(module), names) if isinstance(text, str) else text  # noqa: S307  our own words
+            for name, text in owner.__annotations__.items()
+        }
     found: dict[str, Any] = {}
-    for part in reversed(owner.__mro__) if isinstance(owner, type) else (owner,):
+    for part in reversed(owner.__mro__):
         module = sys.modules[part.__module__]
         names = _ImportedForTypes(module)
-        for name, text in vars(part).get("__annotations__", {}).items() if isinstance(part, type) else owner.__annotations__.items():
+        for name, text in vars(part).get("__annotations__", {}).items():
             found[name] = eval(text, vars(module), names) if isinstance(text, str) else text  # noqa: S307  our own words
     return found
 
 
 @cache
-def layout(group: type[Arrays]) -> dict[str, tuple[Any, int]]:
+def layout(group: Any) -> dict[str, tuple[Any, int]]:
     """Type and first word of each field."""
     hints = declared_types(group)
     made: dict[str, tuple[Any, int]] = {}
     place = 0
-    for name in group._fields:  # noqa: SLF001
+    for name in group._fields:
         try:
             of_type = numba_type(hints[name])
         except TypeError as error:
@@ -230,7 +246,7 @@ def layout(group: type[Arrays]) -> dict[str, tuple[Any, int]]:
 
 @register_model(Pointer)
 @register_model(Reference)
-class _PointerModel(models.PrimitiveModel):  # type: ignore[misc]
+class _PointerModel(models.PrimitiveModel):
     def __init__(self, manager: Any, of_type: Any) -> None:
         super().__init__(manager, of_type, WORD.as_pointer())
 
@@ -244,6 +260,7 @@ def _type_of_group(value: Arrays, context: Any) -> Reference:
 @unbox(Reference)
 def unbox_address(of_type: Any, value: Any, c: Any) -> NativeValue:
     """Pointer of a Python object with an `address`."""
+    del of_type
     address = c.pyapi.object_getattr_string(value, "address")
     number = cgutils.alloca_once_value(c.builder, ir.Constant(WORD, 0))
     with c.builder.if_then(cgutils.is_not_null(c.builder, address)):
@@ -260,7 +277,7 @@ def _cast(context: Any, builder: Any, from_type: Any, to_type: Any, value: Any) 
 
 
 @infer_getattr
-class _Fields(AttributeTemplate):  # type: ignore[misc]
+class _Fields(AttributeTemplate):
     key = Reference
 
     def generic_resolve(self, reference: Any, name: str) -> Any:

@@ -27,7 +27,7 @@ from numba.core.typed_passes import NativeLowering
 
 from heavylift.numerics.sources import cache_root, closure_digest
 
-__all__ = ["CompileClock", "PartLibrary", "cache_folder", "compile_clock", "kernel", "view"]
+__all__ = ["CompileClock", "PartLibrary", "cache_folder", "compile_clock", "kernel", "module_of", "view"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -92,7 +92,7 @@ class PartLibrary(JITCodeLibrary):
         self._finalized = True
 
     def parts(self, found: dict[Any, None] | None = None) -> dict[Any, None]:
-        """This library and all that it needs, in order."""
+        """The library itself and all that it needs, in order."""
         found = {} if found is None else found
         if self not in found:
             found[self] = None
@@ -113,10 +113,14 @@ class PartLibrary(JITCodeLibrary):
             whole = self.own_module().clone()
             for part in self.parts():
                 if part is not self:
-                    module = part.own_module() if isinstance(part, PartLibrary) else part._get_module_for_linking()  # noqa: SLF001
-                    whole.link_in(module, preserve=True)
+                    whole.link_in(module_of(part), preserve=True)
             self._linked = whole
         return self._linked
+
+
+def module_of(library: Any) -> Any:
+    """Code of a library that is fit for being linked several times, without what it needs if that is known."""
+    return library.own_module() if isinstance(library, PartLibrary) else library._get_module_for_linking()  # noqa: SLF001
 
 
 class _PartLower(Lower):
@@ -178,7 +182,7 @@ class _LowerPart(NativeLowering):
         state.flags.no_compile = True
         changed = bool(super().run_pass(state))
         state.library.finalize()
-        entry = [].append  # a dispatcher wants an entry point that is a key; nothing ever calls it
+        entry: Any = [].append  # a dispatcher wants an entry point that is a key; nothing ever calls it
         state.targetctx.insert_user_function(entry, state["cr"].fndesc, [state.library])
         state["cr"] = state["cr"]._replace(cfunc=entry)
         return changed

@@ -12,6 +12,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import hashlib
+import operator
 import re
 import sys
 import tempfile
@@ -36,7 +37,7 @@ from numba.extending import typeof_impl
 from numba.np import numpy_support
 
 from heavylift.numerics.arrays import WORD, Pointer, declared_types, numba_type, rebuild_array
-from heavylift.numerics.jit import PartLibrary, kernel
+from heavylift.numerics.jit import kernel, module_of
 from heavylift.numerics.sources import cache_root, closure_digest
 
 __all__ = [
@@ -137,7 +138,10 @@ def _read(path: Path) -> bytes | None:
         return None
     start = len(MAGIC) + 32
     data = content[start:]
-    whole = content[: len(MAGIC)] == MAGIC and hashlib.blake2b(data, digest_size=32).digest() == content[len(MAGIC) : start]
+    whole = (
+        content[: len(MAGIC)] == MAGIC
+        and hashlib.blake2b(data, digest_size=32).digest() == content[len(MAGIC) : start]
+    )
     return data if whole else None
 
 
@@ -200,15 +204,17 @@ def _from_words(context: Any, builder: Any, of_type: Any, words: list[Any]) -> A
 
 @contextlib.contextmanager
 def _remembered_answers() -> Iterator[None]:
-    """Remember what Numba finds out thousands of times in a unit: types of operators on numbers, sizes of LLVM types."""
-    context_class, function_class = type(cpu_target.target_context), types.functions.BaseFunction
+    """Remember what Numba finds out thousands of times: types of operators on numbers, sizes of LLVM types."""
+    context_class: Any = type(cpu_target.target_context)
+    function_class: Any = types.functions.BaseFunction
     resolve, size_of = function_class.get_call_type, context_class.get_abi_sizeof
     known: dict[Any, Any] = {}
     sizes: dict[str, int] = {}
 
     def get_call_type(self: Any, context: Any, arguments: Any, named: Any) -> Any:
-        plain = not named and all(isinstance(one, NUMBERS) and not isinstance(one, types.Literal) for one in arguments)
-        if not plain:
+        if named or not all(
+            isinstance(one, NUMBERS) and not isinstance(one, types.Literal) for one in arguments
+        ):
             return resolve(self, context, arguments, named)
         key = self, arguments
         if key not in known:
@@ -241,8 +247,8 @@ def _compile(unit: Unit) -> bytes:
     wrappers = codegen._create_empty_module(unit.name)  # noqa: SLF001
     libraries: dict[Any, None] = {}
     with global_compiler_lock, _remembered_answers():
-        for symbol, (dispatcher, parameters, result) in unit.entries.items():
-            dispatcher = getattr(dispatcher, "part", dispatcher)
+        for symbol, (callable_kernel, parameters, result) in unit.entries.items():
+            dispatcher = getattr(callable_kernel, "part", callable_kernel)
             try:
                 dispatcher.compile(parameters)
             except NumbaError as error:
@@ -274,8 +280,7 @@ def _link(codegen: Any, wrappers: Any, libraries: Iterable[Any], symbols: set[st
     whole = llvm.parse_assembly(str(wrappers))
     whole.data_layout = codegen._data_layout  # noqa: SLF001
     for library in libraries:
-        module = library.own_module() if isinstance(library, PartLibrary) else library._get_module_for_linking()  # noqa: SLF001
-        whole.link_in(module, preserve=True)
+        whole.link_in(module_of(library), preserve=True)
     for value in (*whole.functions, *whole.global_variables):
         if not value.is_declaration and value.name not in symbols:
             value.linkage = "internal"
@@ -296,7 +301,9 @@ def _explain(symbol: str, unit: Unit, dispatcher: Any, error: Exception) -> str:
     else:
         file, line = dispatcher.py_func.__code__.co_filename, str(dispatcher.py_func.__code__.co_firstlineno)
     reasons = [part.strip() for part in text.splitlines() if part.strip() and "\x1b" not in part]
-    said = next((part for part in reasons if not part.startswith(("Failed", "During", "File"))), type(error).__name__)
+    said = next(
+        (part for part in reasons if not part.startswith(("Failed", "During", "File"))), type(error).__name__
+    )
     return f"{unit.name}: {symbol.rpartition('.')[2]} does not compile: {file}, line {line}: {said}"
 
 
@@ -356,10 +363,11 @@ def load_unit(unit: Unit) -> Compiled:
 def native_function(address: int, parameters: Iterable[Any], result: Any) -> Callable[..., Any]:
     """A compiled function as a callable of Python values: arrays, numbers and what has an `address`."""
     kinds = tuple(parameters)
-    codes: list[Any] = []
-    for of_type in kinds:
-        for word in native_words(of_type):
-            codes.append(ctypes.c_double if isinstance(word, ir.DoubleType) else ctypes.c_int64)
+    codes = [
+        ctypes.c_double if isinstance(word, ir.DoubleType) else ctypes.c_int64
+        for of_type in kinds
+        for word in native_words(of_type)
+    ]
     out = None if result == types.none else (ctypes.c_double if result == types.float64 else ctypes.c_int64)
     call = ctypes.CFUNCTYPE(out, *codes)(address)
 
@@ -375,16 +383,16 @@ def native_function(address: int, parameters: Iterable[Any], result: Any) -> Cal
                     raise TypeError(f"{value.dtype} array of shape {value.shape}, expected {of_type}")
                 words += [value.ctypes.data, *value.shape]
             elif isinstance(of_type, Pointer):
-                if not hasattr(value, "address"):  # a plain tuple of kinds
-                    value = of_type.wrap(value)
-                    kept.append(value)
-                words.append(value.address)
+                kept.append(
+                    value if hasattr(value, "address") else of_type.wrap(value)
+                )  # a plain tuple of kinds
+                words.append(kept[-1].address)
             else:
-                words.append(float(value) if of_type == types.float64 else int(value))
-        result_words = call(*words)
+                words.append(float(value) if of_type == types.float64 else operator.index(value))
+        answer = call(*words)
         if TROUBLES:
             raise RuntimeError(TROUBLES.pop())
-        return result_words
+        return answer
 
     return function
 
@@ -424,7 +432,8 @@ class Entry:
     @property
     def unit(self) -> Unit:
         """Of this function alone."""
-        function = self.kernel.py_func
+        kernel_of_numba: Any = self.kernel
+        function = kernel_of_numba.py_func
         name = f"{function.__module__.removeprefix('heavylift.')}.{function.__qualname__}"
         return Unit(
             name,

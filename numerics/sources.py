@@ -18,7 +18,9 @@ __all__ = ["cache_root", "closure", "closure_digest"]
 PACKAGE = Path(__file__).resolve().parent.parent
 """Folder that holds the folders of the sources."""
 
-IMPORT = re.compile(r"^(?:from (heavylift[\w.]*) import (\([^)]*\)|[^\n(]*)|import (heavylift[\w.]*))", re.MULTILINE)
+IMPORT = re.compile(
+    r"^(?:from (heavylift[\w.]*) import (\([^)]*\)|[^\n(]*)|import (heavylift[\w.]*))", re.MULTILINE
+)
 """An import at the top level of a module; those within functions and for type checkers do not count."""
 
 
@@ -45,9 +47,9 @@ def _source(module: str) -> tuple[bytes, tuple[str, ...]]:
     found: list[str] = []
     for whole, names, plain in IMPORT.findall(content.decode()):
         found.append(whole or plain)
-        for name in re.findall(r"(\w+)(?: as \w+)?", names):
-            if PACKAGE.joinpath(*whole.split(".")[1:], f"{name}.py").is_file():
-                found.append(f"{whole}.{name}")
+        folder = PACKAGE.joinpath(*whole.split(".")[1:])
+        parts = re.findall(r"(\w+)(?: as \w+)?", names)
+        found += [f"{whole}.{name}" for name in parts if (folder / f"{name}.py").is_file()]
     return content, tuple(found)
 
 

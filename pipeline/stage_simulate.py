@@ -146,7 +146,9 @@ def _compile(simulation: Simulation, log: Log) -> float:
         return 0.0
     from heavylift.solver.compiling import compile_units
 
-    names = ", ".join(sorted({unit.name.partition(".")[0] if unit.owner[2] else "the time loop" for unit in missing}))
+    names = ", ".join(
+        sorted({unit.name.partition(".")[0] if unit.owner[2] else "the time loop" for unit in missing})
+    )
     log.say(f"simulate: compiling {len(missing)} parts that are used for the first time: {names}")
     spent: list[float] = []
     with log.progress("compile", len(missing)) as progress:

@@ -94,7 +94,7 @@ def compile_units(
             try:
                 while True:
                     unit = waiting.get_nowait()
-                    print(*unit.owner, sep="\t", file=process.stdin, flush=True)  # noqa: T201
+                    print(*unit.owner, sep="\t", file=process.stdin, flush=True)
                     kind, _, answer = process.stdout.readline().rstrip("\n").partition("\t")
                     if kind == DONE:
                         tell(unit.name, float(answer))

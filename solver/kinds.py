@@ -25,6 +25,8 @@ from numba.core import cgutils, types
 from numba.core.dispatcher import Dispatcher
 from numba.core.imputils import lower_builtin, lower_cast
 from numba.core.typeconv import Conversion
+from numba.core.types.containers import BaseTuple
+from numba.core.types.misc import VarArg
 from numba.core.typing.templates import AbstractTemplate, Signature, infer_global
 from numba.core.typing.templates import signature as call_signature
 from numba.extending import register_model, typeof_impl, unbox
@@ -49,7 +51,18 @@ from heavylift.numerics.objects import (
     to_words,
 )
 
-__all__ = ["STEP", "Members", "Table", "Verb", "generic", "implement", "kind_units", "kinds_with_verbs", "optional", "tables_in"]
+__all__ = [
+    "STEP",
+    "Members",
+    "Table",
+    "Verb",
+    "generic",
+    "implement",
+    "kind_units",
+    "kinds_with_verbs",
+    "optional",
+    "tables_in",
+]
 
 WORD_BYTES = 8
 
@@ -107,7 +120,7 @@ class Table(Sequence[Any]):
         """What has to be compiled for its kinds, and for those in tables that they hold."""
         found: dict[str, Unit] = {}
         for kind in self.kinds:
-            for group, unit in kind_units(type(kind)).items():
+            for group, unit in kind_units(_class_of(kind)).items():
                 if self.groups is None or group in self.groups:
                     found[unit.name] = unit
             found |= {unit.name: unit for table in tables_in(kind) for unit in table.units()}
@@ -127,9 +140,13 @@ class Table(Sequence[Any]):
             for verb in self.verbs:
                 served = [kind for kind in self.kinds if verb.serves(type(kind))]
                 if self.groups is None or verb.group in self.groups:
-                    lists.append([word for kind in served for word in (verb.address(type(kind)), kind.address)])
+                    lists.append(
+                        [word for kind in served for word in (verb.address(type(kind)), kind.address)]
+                    )
                 else:
-                    lists.append([word for kind in served[:1] for word in (_refusal(verb.name), kind.address)])
+                    lists.append(
+                        [word for kind in served[:1] for word in (_refusal(verb.name), kind.address)]
+                    )
             memory = np.zeros(2 * len(lists) + sum(map(len, lists)), dtype=np.int64)
             place = 2 * len(lists)
             for i, pairs in enumerate(lists):
@@ -141,10 +158,15 @@ class Table(Sequence[Any]):
         return int(self._memory.ctypes.data)
 
 
+def _class_of(kind: Any) -> Any:
+    """Class of a kind, without what type checkers think of its hash."""
+    return type(kind)
+
+
 def tables_in(group: Arrays) -> list[Table]:
     """Tables that a group of arrays holds, also in groups that it holds."""
     found: list[Table] = []
-    for name, (of_type, _) in layout(type(group)).items():
+    for name, (of_type, _) in layout(_class_of(group)).items():
         value = getattr(group, name)
         if isinstance(of_type, TableType):
             found.append(value if isinstance(value, Table) else of_type.wrap(value))
@@ -177,7 +199,7 @@ class TableType(Pointer):
     def can_convert_from(self, typingctx: Any, other: Any) -> Any:
         """An empty tuple is an empty table."""
         del typingctx
-        return Conversion.safe if isinstance(other, types.BaseTuple) and len(other) == 0 else None
+        return Conversion.safe if isinstance(other, BaseTuple) and len(other) == 0 else None
 
     def wrap(self, kinds: Any) -> Table:
         """Kinds of a tuple as a table."""
@@ -192,7 +214,7 @@ _NOTHING = np.zeros(1024, dtype=np.int64)
 llvm.add_symbol("heavylift.nothing", _NOTHING.ctypes.data)
 
 
-@lower_cast(types.BaseTuple, TableType)
+@lower_cast(BaseTuple, TableType)
 def _empty_table(context: Any, builder: Any, from_type: Any, to_type: Any, value: Any) -> Any:
     del context, from_type, to_type, value
     name = "heavylift.nothing"
@@ -341,8 +363,8 @@ def generic(group: str = STEP) -> Callable[[Callable[..., None]], Verb]:
     callable
         Takes a function whose docstring says what implementations have to do. Its first parameter is a class of
         tables, in whose place implementations take one kind; the annotations of the others are types of
-        `heavylift.numerics.arrays`. Its body is not used. The `Verb` that it returns can be called from kernels and from
-        plain Python; a kind without an implementation that is put into a table is a `TypeError`.
+        `heavylift.numerics.arrays`. Its body is not used. The `Verb` that it returns can be called from kernels and
+        from plain Python; a kind without an implementation that is put into a table is a `TypeError`.
     """
     return lambda contract: Verb(contract, needed=True, group=group)
 
@@ -423,7 +445,7 @@ def kind_units(kind: Any) -> dict[str, Unit]:
 def _declare(verb: Verb) -> None:
     """Let kernels call a verb: of a table by its lists, of a single kind directly."""
 
-    class Template(AbstractTemplate):  # type: ignore[misc]
+    class Template(AbstractTemplate):
         key = verb
 
         def generic(self, arguments: Any, named: Any) -> Signature | None:
@@ -432,7 +454,7 @@ def _declare(verb: Verb) -> None:
             first = arguments[0]
             if isinstance(first, TableType):
                 return call_signature(types.none, first, *verb.parameters)
-            kinds = first.types if isinstance(first, types.BaseTuple) else (first,)
+            kinds = first.types if isinstance(first, BaseTuple) else (first,)
             if all(isinstance(kind, Reference) for kind in kinds):
                 for kind in kinds:
                     function = verb.chosen(kind.group)
@@ -443,13 +465,13 @@ def _declare(verb: Verb) -> None:
             return None
 
     infer_global(verb, types.Function(Template))
-    lower_builtin(verb, TableType, types.VarArg(types.Any))(_lower_table_call(verb))
-    lower_builtin(verb, Reference, types.VarArg(types.Any))(_lower_kind_call(verb))
-    lower_builtin(verb, types.BaseTuple, types.VarArg(types.Any))(_lower_kind_call(verb))
+    lower_builtin(verb, TableType, VarArg(types.Any))(_lower_table_call(verb))
+    lower_builtin(verb, Reference, VarArg(types.Any))(_lower_kind_call(verb))
+    lower_builtin(verb, BaseTuple, VarArg(types.Any))(_lower_kind_call(verb))
 
 
 def _declare_members(members: Members) -> None:
-    class Template(AbstractTemplate):  # type: ignore[misc]
+    class Template(AbstractTemplate):
         key = members
 
         def generic(self, arguments: Any, named: Any) -> Signature | None:
@@ -514,7 +536,7 @@ def _lower_table_call(verb: Verb) -> Callable[..., Any]:
 def _lower_kind_call(verb: Verb) -> Callable[..., Any]:
     def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         first = signature.args[0]
-        if isinstance(first, types.BaseTuple):
+        if isinstance(first, BaseTuple):
             kinds = list(zip(first.types, cgutils.unpack_tuple(builder, values[0]), strict=True))
         else:
             kinds = [(first, values[0])]

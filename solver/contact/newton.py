@@ -32,12 +32,12 @@ from heavylift.solver.contact.system import gather, multiply
 from heavylift.solver.kinds import Table, generic, implement
 
 __all__ = [
-    "ContactSolvers",
-    "NonsmoothNewton",
     "BY_GAUSS_SEIDEL",
     "BY_NEWTON",
     "BY_PROXIMAL_STEPS",
     "FAILED",
+    "ContactSolvers",
+    "NonsmoothNewton",
     "solve_contacts",
     "solve_contacts_reduced",
     "solve_dense",

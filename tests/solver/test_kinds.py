@@ -161,7 +161,9 @@ def rest_broken(kind: Broken, total: Floats1) -> None:
 
 @compiled_only
 def test_a_kernel_that_does_not_compile_is_named_with_file_and_line() -> None:
-    with pytest.raises(CompileError, match=r"Broken: rest does not compile: .*test_kinds.py, line \d+: .*weight"):
+    with pytest.raises(
+        CompileError, match=r"Broken: rest does not compile: .*test_kinds.py, line \d+: .*weight"
+    ):
         load_unit(kind_units(Broken)["step"])
 
 
