@@ -36,7 +36,15 @@ from numba.core.registry import cpu_target
 from numba.extending import typeof_impl
 from numba.np import numpy_support
 
-from heavylift.numerics.arrays import WORD, Pointer, declared_types, numba_type, rebuild_array
+from heavylift.numerics.arrays import (
+    WORD,
+    Arrays,
+    Pointer,
+    Reference,
+    declared_types,
+    numba_type,
+    rebuild_array,
+)
 from heavylift.numerics.jit import kernel, module_of
 from heavylift.numerics.sources import cache_root, closure_digest
 
@@ -435,10 +443,15 @@ class Entry:
         kernel_of_numba: Any = self.kernel
         function = kernel_of_numba.py_func
         name = f"{function.__module__.removeprefix('heavylift.')}.{function.__qualname__}"
+        parameters, result = signature(function)
+        modules = {function.__module__}
+        for of_type in parameters:
+            if isinstance(of_type, Reference):  # imported for the type checker alone, perhaps
+                modules |= {base.__module__ for base in of_type.group.__mro__ if issubclass(base, Arrays)}
         return Unit(
             name,
-            {name: (self.kernel, *signature(function))},
-            (function.__module__,),
+            {name: (self.kernel, parameters, result)},
+            tuple(sorted(modules)),
             (function.__module__, function.__name__, ""),
         )
 

@@ -421,18 +421,23 @@ def kind_units(kind: Any) -> dict[str, Unit]:
     import_kernels(kind)
     entries: dict[str, dict[str, Any]] = {}
     modules: dict[str, set[str]] = {}
+    direct = {kind.__module__}  # of versions that the others call, through modules that only declare verbs
     for base in reversed(kind.__mro__):
         for verb in _VERBS_OF.get(base, ()):
             function = verb.chosen(kind)
-            if isinstance(function, Dispatcher) and verb.of_tables:
-                types_of = (Reference(kind), *verb.parameters)
-                entries.setdefault(verb.group, {})[_symbol(kind, verb)] = function, types_of, types.none
-                modules.setdefault(verb.group, {kind.__module__}).add(function.py_func.__module__)
+            if not isinstance(function, Dispatcher):
+                continue
+            if not verb.of_tables:
+                direct.add(function.py_func.__module__)
+                continue
+            types_of = (Reference(kind), *verb.parameters)
+            entries.setdefault(verb.group, {})[_symbol(kind, verb)] = function, types_of, types.none
+            modules.setdefault(verb.group, set()).add(function.py_func.__module__)
     return {
         group: Unit(
             kind.__name__ if group == STEP else f"{kind.__name__}.{group}",
             own,
-            tuple(sorted(modules[group])),
+            tuple(sorted(modules[group] | direct)),
             (kind.__module__, kind.__name__, group),
         )
         for group, own in entries.items()
