@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from heavylift.numerics.jit import kernel
+from heavylift.numerics.jit import in_python, kernel
 from heavylift.numerics.small import cross
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ Vector = tuple[float, float, float]
 
 def patch_scratch_size(most: int) -> int:
     """Length of the scratch of `group_patches` and `extreme_points` for so many contacts."""
-    return _slot_count(most) + 2 * most
+    return in_python(_slot_count)(most) + 2 * most
 
 
 @kernel

@@ -27,7 +27,16 @@ from numba.core.typed_passes import NativeLowering
 
 from heavylift.numerics.sources import cache_root, closure_digest
 
-__all__ = ["CompileClock", "PartLibrary", "cache_folder", "compile_clock", "kernel", "module_of", "view"]
+__all__ = [
+    "CompileClock",
+    "PartLibrary",
+    "cache_folder",
+    "compile_clock",
+    "in_python",
+    "kernel",
+    "module_of",
+    "view",
+]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -281,6 +290,15 @@ def kernel(
         return compiled
 
     return decorate if function is None else decorate(function)
+
+
+def in_python(function: F) -> F:
+    """A kernel as the plain function that it was made of: for what Python calls a few times with a few numbers.
+
+    It must not call other kernels.
+    """
+    plain: F = getattr(function, "py_func", function)
+    return plain
 
 
 def _cache_when_compiled(dispatcher: Any) -> None:

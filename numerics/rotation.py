@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from heavylift.numerics.jit import kernel
+from heavylift.numerics.jit import in_python, kernel
 
 __all__ = [
     "exponential_quaternion",
@@ -102,14 +102,15 @@ def rotation_matrix(quaternion: ArrayLike) -> NDArray[np.float64]:
     q = np.asarray(quaternion, dtype=np.float64)
     q = q / np.linalg.norm(q)
     matrix = np.empty(9)
-    write_rotation_matrix((q[0], q[1], q[2], q[3]), matrix)
+    q0, q1, q2, q3 = q.tolist()
+    in_python(write_rotation_matrix)((q0, q1, q2, q3), matrix)
     return matrix.reshape(3, 3)
 
 
 def quaternion_from_rotation_vector(vector: ArrayLike) -> NDArray[np.float64]:
     """Unit quaternion, shape (4,), of a rotation vector [rad], shape (3,)."""
-    v = np.asarray(vector, dtype=np.float64)
-    return np.array(exponential_quaternion(v[0], v[1], v[2]))
+    v1, v2, v3 = np.asarray(vector, dtype=np.float64).tolist()
+    return np.array(in_python(exponential_quaternion)(v1, v2, v3))
 
 
 def quaternion_from_matrix(matrix: ArrayLike) -> NDArray[np.float64]:

@@ -18,6 +18,7 @@ from heavylift.contours.convex import (
     SHAPE_WIDTH,
     shape_row,
 )
+from heavylift.numerics.jit import in_python
 from heavylift.numerics.lanes import block_shape
 from heavylift.solver.connections import axes_about
 from heavylift.solver.contact import layout as told
@@ -268,7 +269,7 @@ def _kind(
         column=np.zeros(len(inverse_mass)),
         scratch=np.zeros(SHAPES + 6 * max([1, *packed.mode_counts])),
         places=places,
-        workspace=np.zeros(int(workspace_length(count, size))),
+        workspace=np.zeros(in_python(workspace_length)(count, size)),
         control=control,
         solvers=ContactSolvers((NonsmoothNewton(),)),
         solution=np.zeros(3),

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.jit import kernel
+from heavylift.numerics.jit import in_python, kernel
 from heavylift.solver.drive import pack_profile, profile_value
 from heavylift.solver.joints.row_writing import residuals, targets
 from heavylift.solver.rows import LAST_REACTION, ROW_COLUMNS, RowArrays
@@ -32,7 +32,7 @@ def pack_profiles(
     starts = np.concatenate([[0], np.cumsum([len(block) for block in blocks])[:-1]]).astype(np.int64)
     data = np.concatenate(blocks)
     state = np.zeros((len(blocks), DRIVE_STATE))
-    state[:, PRESCRIBED] = [profile_value(data, int(start), 0.0)[0] for start in starts]
+    state[:, PRESCRIBED] = [in_python(profile_value)(data, int(start), 0.0)[0] for start in starts]
     return data, starts, state
 
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from heavylift.numerics.jit import in_python
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.small import aligned
 from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
@@ -200,7 +201,7 @@ def catmull_rom_error(angle: NDArray[np.float64]) -> NDArray[np.float64]:
         w h, phase from one point to the next [rad], shape (m,).
     """
     s = (np.arange(16) + 0.5) / 16.0
-    weights = np.array([catmull_rom(float(one)) for one in s]).T
+    weights = np.array([in_python(catmull_rom)(float(one)) for one in s]).T
     e = np.exp(1j * np.multiply.outer(angle, np.array([-1.0, 0.0, 1.0, 2.0])))
     interpolated = e @ weights
     return np.asarray(
