@@ -29,11 +29,13 @@ from heavylift.contours.surface_layout import (
 from heavylift.contours.surface_tree import tree_depth
 from heavylift.contours.triangle_pair import triangle_distance
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from heavylift.contours.surface_pack import CollisionSurfaces
+    from heavylift.numerics.arrays import Floats1
 
 __all__ = ["Clearance", "clearance", "clearance_stack_size", "find_clearance", "measure_clearance"]
 
@@ -98,16 +100,16 @@ def find_clearance(
     return Clearance(distance, out[:3].copy(), out[3:].copy())
 
 
-@kernel
+@entry
 def measure_clearance(
     surfaces: CollisionSurfaces,
     surface_a: int,
     surface_b: int,
-    pose: NDArray[np.float64],
+    pose: Floats1,
     at: int,
     upper: float,
-    stack: NDArray[np.float64],
-    out: NDArray[np.float64],
+    stack: Floats1,
+    out: Floats1,
 ) -> float:
     """`clearance` for callers in Python."""
     return clearance(surfaces, surface_a, surface_b, pose, at, upper, stack, out)

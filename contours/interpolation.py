@@ -14,11 +14,13 @@ import numpy as np
 from heavylift.contours.basis import find_span, wrap, write_basis
 from heavylift.contours.layout import LARGEST_DEGREE
 from heavylift.contours.spaces import SplineSpace, clamped_space, closed_space
-from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from heavylift.numerics.arrays import Floats1, Floats2
 
 __all__ = [
     "Parametrisation",
@@ -209,15 +211,15 @@ def interpolation_space(
     return closed_space(degree, middle - middle[0]), parameters - middle[0]
 
 
-@kernel
+@entry
 def fill_basis_matrix(
-    knots: NDArray[np.float64],
+    knots: Floats1,
     degree: int,
     count: int,
     closed: int,
-    parameters: NDArray[np.float64],
-    scratch: NDArray[np.float64],
-    matrix: NDArray[np.float64],
+    parameters: Floats1,
+    scratch: Floats1,
+    matrix: Floats2,
 ) -> None:
     """Rows of `basis_matrix`, added to zeros."""
     functions = count + degree if closed else count

@@ -27,12 +27,14 @@ from heavylift.contours.surface_layout import (
 from heavylift.contours.surface_tree import tree_depth
 from heavylift.contours.triangle_distance import point_triangle, segment_segment
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.numerics.small import cross
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from heavylift.contours.surface_pack import CollisionSurfaces
+    from heavylift.numerics.arrays import Floats1, Ints1, Ints2
 
 __all__ = ["Overlap", "find_overlap"]
 
@@ -170,19 +172,19 @@ def _rounded_distance(
     return best, place
 
 
-@kernel
+@entry
 def deepest_overlap(
     # model
     surfaces: CollisionSurfaces,
     surface_a: int,
     surface_b: int,
     # state
-    pose: NDArray[np.float64],
+    pose: Floats1,
     # scratch
-    stack: NDArray[np.int64],
+    stack: Ints2,
     # out
-    triangles: NDArray[np.int64],
-    found: NDArray[np.float64],
+    triangles: Ints1,
+    found: Floats1,
 ) -> None:
     """`find_overlap`: triangles, shape (2,), stay as they are if there is none; depth and place, shape (4,)."""
     nodes, boxes = surfaces.nodes, surfaces.boxes

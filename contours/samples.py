@@ -11,11 +11,13 @@ import numpy as np
 from heavylift.contours.basis import find_span, write_basis
 from heavylift.contours.layout import COUNT_U, COUNT_V, DEGREE_U, DEGREE_V, LARGEST_DEGREE, NET, WEIGHTS
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.contours.spaces import SplineSpace
+    from heavylift.numerics.arrays import Floats1, Floats2, Ints1
 
 __all__ = ["SampleGrid", "sample_grid", "sample_points"]
 
@@ -49,15 +51,15 @@ class SampleGrid:
         return self.u.size * self.v.size
 
 
-@kernel
+@entry
 def _write_values(
-    knots: NDArray,
+    knots: Floats1,
     degree: int,
     functions: int,
-    parameters: NDArray,
-    scratch: NDArray,
-    first: NDArray,
-    basis: NDArray,
+    parameters: Floats1,
+    scratch: Floats1,
+    first: Ints1,
+    basis: Floats2,
 ) -> None:
     """Non-zero functions at some parameters."""
     for i in range(parameters.size):
@@ -96,17 +98,17 @@ def sample_grid(spaces: tuple[SplineSpace, ...], per_piece: int = 2) -> SampleGr
     return SampleGrid(parameters[0], parameters[1], firsts[0], firsts[1], values[0], values[1])
 
 
-@kernel
+@entry
 def sample_points(
-    contour: NDArray,
-    weights: NDArray,
-    net: NDArray,
-    first_u: NDArray,
-    first_v: NDArray,
-    basis_u: NDArray,
-    basis_v: NDArray,
-    across: NDArray,
-    points: NDArray,
+    contour: Ints1,
+    weights: Floats1,
+    net: Floats2,
+    first_u: Ints1,
+    first_v: Ints1,
+    basis_u: Floats2,
+    basis_v: Floats2,
+    across: Floats2,
+    points: Floats2,
 ) -> float:
     """Positions of the samples for control points that have moved; again whenever a flexible body has.
 

@@ -8,38 +8,40 @@ import numpy as np
 
 from heavylift.contours.evaluate import EVALUATION, SCRATCH, curve_point, surface_point
 from heavylift.contours.neutral import NeutralContour, packed
-from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from heavylift.numerics.arrays import Floats1, Floats2, Ints1
+
 __all__ = ["evaluate_contour", "sample_grid"]
 
 
-@kernel
+@entry
 def fill_surface(
-    contour: NDArray[np.int64],
-    knots: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    net: NDArray[np.float64],
-    parameters: NDArray[np.float64],
-    scratch: NDArray[np.float64],
-    out: NDArray[np.float64],
+    contour: Ints1,
+    knots: Floats1,
+    weights: Floats1,
+    net: Floats2,
+    parameters: Floats2,
+    scratch: Floats1,
+    out: Floats2,
 ) -> None:
     """One row of results a row of parameters (u, v)."""
     for k in range(parameters.shape[0]):
         surface_point(contour, knots, weights, net, parameters[k, 0], parameters[k, 1], scratch, out[k])
 
 
-@kernel
+@entry
 def fill_curve(
-    contour: NDArray[np.int64],
-    knots: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    net: NDArray[np.float64],
-    parameters: NDArray[np.float64],
-    scratch: NDArray[np.float64],
-    out: NDArray[np.float64],
+    contour: Ints1,
+    knots: Floats1,
+    weights: Floats1,
+    net: Floats2,
+    parameters: Floats2,
+    scratch: Floats1,
+    out: Floats2,
 ) -> None:
     """One row of results a row of parameters (u,)."""
     for k in range(parameters.shape[0]):

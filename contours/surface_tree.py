@@ -23,9 +23,12 @@ from heavylift.contours.surface_layout import (
     NODE_WIDTH,
 )
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from heavylift.numerics.arrays import Floats1, Floats2, Ints1, Ints2
 
 __all__ = ["LEAF_TRIANGLES", "SurfaceTree", "build_tree", "tree_depth"]
 
@@ -96,21 +99,21 @@ def tree_depth(nodes: NDArray[np.int64], root: int = 0) -> int:
     return depth
 
 
-@kernel
+@entry
 def _split_all(
-    lower: NDArray[np.float64],
-    upper: NDArray[np.float64],
+    lower: Floats2,
+    upper: Floats2,
     edge_weight: float,
     leaf_triangles: int,
     # in and out: triangles sorted along each axis
-    sorted_by: NDArray[np.int64],
+    sorted_by: Ints2,
     # out
-    nodes: NDArray[np.int64],
-    boxes: NDArray[np.float64],
+    nodes: Ints2,
+    boxes: Floats2,
     # scratch
-    costs: NDArray[np.float64],
-    left_half: NDArray[np.int64],
-    moved: NDArray[np.int64],
+    costs: Floats1,
+    left_half: Ints1,
+    moved: Ints1,
 ) -> int:
     """Split boxes, parents first, until all leaves are small; returns the number of nodes."""
     nodes[0, NODE_LEFT] = -1
