@@ -8,10 +8,13 @@ import numpy as np
 
 from heavylift.modal.dissection import dissect
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
+
+    from heavylift.numerics.arrays import Floats2, Floats3, Ints1
 
 __all__ = ["MultifrontalCholesky", "NotPositiveDefiniteError"]
 
@@ -106,10 +109,11 @@ class MultifrontalCholesky:
             diagonal = np.zeros((s, s), order="F")
             below = np.zeros((t, s), order="F")
             schur = np.zeros((t, t), order="F")
-            _scatter(a, b, order, place, indptr, indices, data, later, diagonal, below)
+            _scatter(a, b, order, place, indptr, indices, data, later, diagonal.T, below.T)
             while children:
                 rows, update = children.pop()
-                _extend_add(update, rows, p, a, b, later, diagonal, below, schur)
+                target = np.empty(p * len(rows), dtype=np.int64)
+                _extend_add(update.T, rows, p, a, b, later, diagonal.T, below.T, schur.T, target)
                 del update
             diagonal, info = dpotrf(diagonal, lower=1, clean=0, overwrite_a=1)
             before = original[self._unknowns[p * a : p * b]]
@@ -149,9 +153,33 @@ class MultifrontalCholesky:
         return x.reshape(rhs.shape)
 
 
-@kernel
-def _scatter(a, b, order, place, indptr, indices, data, later, diagonal, below):  # type: ignore[no-untyped-def]
-    """Copy the columns a:b of the matrix, lower triangle, into a front."""
+@kernel(internal=True)
+def _place_in(rows: Ints1, node: int) -> int:
+    """Place of a node in ascending ones, of which it is one."""
+    low, high = 0, rows.shape[0]
+    while low < high:
+        middle = (low + high) // 2
+        if rows[middle] < node:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@entry
+def _scatter(
+    a: int,
+    b: int,
+    order: Ints1,
+    place: Ints1,
+    indptr: Ints1,
+    indices: Ints1,
+    data: Floats3,
+    later: Ints1,
+    diagonal: Floats2,
+    below: Floats2,
+) -> None:
+    """Copy the columns a:b of the matrix, lower triangle, into a front: transposed, as Fortran arrays are."""
     p = data.shape[1]
     for j in range(a, b):
         node = order[j]
@@ -163,33 +191,46 @@ def _scatter(a, b, order, place, indptr, indices, data, later, diagonal, below):
             if i < b:
                 for c in range(p):
                     for r in range(p):
-                        diagonal[p * (i - a) + r, p * (j - a) + c] = data[k, c, r]
+                        diagonal[p * (j - a) + c, p * (i - a) + r] = data[k, c, r]
             else:
-                row = p * np.searchsorted(later, i)
+                row = p * _place_in(later, i)
                 for c in range(p):
                     for r in range(p):
-                        below[row + r, p * (j - a) + c] = data[k, c, r]
+                        below[p * (j - a) + c, row + r] = data[k, c, r]
 
 
-@kernel
-def _extend_add(update, rows, p, a, b, later, diagonal, below, schur):  # type: ignore[no-untyped-def]
-    """Add a child's Schur complement (lower triangle, unknowns of nodes `rows`) to its parent's front."""
-    m = p * len(rows)
-    target = np.empty(m, dtype=np.int64)  # places within own or within later unknowns
-    own = 0
-    for i in range(len(rows)):
+@entry
+def _extend_add(
+    update: Floats2,
+    rows: Ints1,
+    p: int,
+    a: int,
+    b: int,
+    later: Ints1,
+    diagonal: Floats2,
+    below: Floats2,
+    schur: Floats2,
+    target: Ints1,
+) -> None:
+    """Add a child's Schur complement (lower triangle, unknowns of nodes `rows`) to its parent's front.
+
+    All are transposed, as Fortran arrays are; `target` is scratch, one place for each unknown.
+    """
+    m = p * rows.shape[0]
+    own = 0  # target: places within own or within later unknowns
+    for i in range(rows.shape[0]):
         if rows[i] < b:
-            place = p * (rows[i] - a)
+            first = p * (rows[i] - a)
             own += p
         else:
-            place = p * np.searchsorted(later, rows[i])
+            first = p * _place_in(later, rows[i])
         for r in range(p):
-            target[p * i + r] = place + r
+            target[p * i + r] = first + r
     for j in range(own):
         for i in range(j, own):
-            diagonal[target[i], target[j]] += update[i, j]
+            diagonal[target[j], target[i]] += update[j, i]
         for i in range(own, m):
-            below[target[i], target[j]] += update[i, j]
+            below[target[j], target[i]] += update[j, i]
     for j in range(own, m):
         for i in range(j, m):
-            schur[target[i], target[j]] += update[i, j]
+            schur[target[j], target[i]] += update[j, i]
