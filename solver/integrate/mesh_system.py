@@ -15,6 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.solver.bodies.ancf.at_rest import (
+    difference_follower,
+    fill_stiffness,
+    fill_stress_forces,
+    fill_weight_and_loads,
+)
 from heavylift.solver.bodies.ancf.kind import (
     BASES,
     DOF,
@@ -38,13 +44,7 @@ from heavylift.solver.bodies.ancf.kind import (
     V,
 )
 from heavylift.solver.bodies.ancf.sparse_matrices import MeshMatrices, mesh_matrices
-from heavylift.solver.integrate.mesh_kernels import (
-    difference_follower,
-    evaluate_loads,
-    fill_stiffness,
-    fill_stress_forces,
-    fill_weight_and_loads,
-)
+from heavylift.solver.integrate.mesh_kernels import evaluate_loads
 from heavylift.solver.integrate.rows_at_rest import fill_at_rest
 from heavylift.solver.integrate.start_rows import StartRows
 from heavylift.solver.integrate.static_forces import STEP
@@ -199,7 +199,7 @@ class MeshSystem:
         """Stresses of the meshes; springs, ropes, compliant joints and modes, in balance with nothing."""
         force = np.zeros(self.count)
         for kind, matrices, part in zip(self.meshes, self.matrices, self._split(force), strict=True):
-            fill_stress_forces(kind)
+            fill_stress_forces((kind,))
             part[:] = kind.nodal[RIGHT, matrices.places] + matrices.bending_force(kind.nodal[Q])
         if self._has_inner():
             pull, _ = self._inner_pull()
@@ -212,7 +212,7 @@ class MeshSystem:
         evaluate_loads(layout.bodies, self._loads, layout.work, self.rows.time)
         force = np.zeros(self.count)
         for kind, matrices, part in zip(self.meshes, self.matrices, self._split(force), strict=True):
-            fill_weight_and_loads(kind, layout.work, self.rows.time)
+            fill_weight_and_loads((kind,), layout.work, self.rows.time)
             part[:] = (kind.nodal[RIGHT] + kind.nodal[LOAD])[matrices.places]
         if len(self.dofs):
             pull = np.zeros(len(self.rows.inertia))
@@ -298,7 +298,7 @@ class MeshSystem:
 
         parts: list[Any] = []
         for kind, matrices in zip(self.meshes, self.matrices, strict=True):
-            fill_stiffness(kind)
+            fill_stiffness((kind,))
             parts.append(matrices.stiffness(kind.blocks))
             follower = self._follower(kind, matrices)
             if follower is not None:
@@ -332,7 +332,7 @@ class MeshSystem:
                 nodes = kind.elements[line[LOAD_PLACE], : matrices.nodes]
                 places = (nodes[:, None] + np.arange(matrices.rows)).ravel()
                 out = np.zeros((len(places), len(places)))
-                difference_follower(kind, int(body_of[load]), load, amount, DIFFERENCE, places, out)
+                difference_follower((kind,), int(body_of[load]), load, amount, DIFFERENCE, places, out)
             else:
                 places = line[LOAD_PLACE] + np.arange(matrices.rows)
                 data = kind.constants[line[LOAD_DATA] :][:5]

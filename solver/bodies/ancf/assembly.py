@@ -36,8 +36,8 @@ from heavylift.solver.bodies.ancf.kind import (
 __all__ = [
     "add_matrix_products",
     "clear_fixed",
+    "factor_mass",
     "factor_set",
-    "prepare_meshes",
     "set_size",
     "start_step_matrix",
 ]
@@ -121,8 +121,8 @@ def factor_set(kind: Meshes, body: int, which: int) -> None:
     )
 
 
-@kernel
-def prepare_meshes(kind: Meshes) -> None:
+@kernel(internal=True)
+def factor_mass(kind: Meshes) -> None:
     """Factor the mass matrix of all bodies."""
     size = set_size(kind)
     for i in range(size):

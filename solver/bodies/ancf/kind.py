@@ -245,6 +245,7 @@ class FrameMeshes(Meshes):
     kernel_modules: ClassVar[tuple[str, ...]] = (
         "heavylift.solver.bodies.ancf.accurate",
         "heavylift.solver.bodies.ancf.advance",
+        "heavylift.solver.bodies.ancf.at_rest",
         "heavylift.solver.bodies.ancf.contours",
         "heavylift.solver.bodies.ancf.elastic_forces",
         "heavylift.solver.bodies.ancf.energy_momentum",
@@ -266,6 +267,7 @@ class ShellMeshes(Meshes):
     kernel_modules: ClassVar[tuple[str, ...]] = (
         "heavylift.solver.bodies.ancf.accurate",
         "heavylift.solver.bodies.ancf.advance",
+        "heavylift.solver.bodies.ancf.at_rest",
         "heavylift.solver.bodies.ancf.contours",
         "heavylift.solver.bodies.ancf.elastic_forces",
         "heavylift.solver.bodies.ancf.energy_momentum",

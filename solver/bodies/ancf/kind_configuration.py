@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.ancf.at_rest import read_bases, spread_base
 from heavylift.solver.bodies.ancf.kind import (
     ACCELERATION,
     BASE_PLACE,
@@ -18,7 +18,6 @@ from heavylift.solver.bodies.ancf.kind import (
     FIRST_BASE,
     FIRST_NODE,
     MASS,
-    MASS_SET,
     NODES,
     NUMBER,
     ORIGIN,
@@ -31,24 +30,10 @@ from heavylift.solver.bodies.ancf.kind import (
     ShellMeshes,
     V,
 )
-from heavylift.solver.bodies.ancf.stage import base_value
-from heavylift.solver.bodies.ancf.substitution import scatter_back
 from heavylift.solver.interface import Workspace, collect_load, move, put_velocity, survey
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
-
-
-@kernel
-def _scatter(kind: Meshes, body: int) -> None:
-    scatter_back(kind, body, MASS_SET)
-
-
-@kernel
-def _bases(kind: Meshes, body: int, row: int, out: NDArray[np.float64]) -> None:
-    first = kind.table[body, FIRST_BASE]
-    for i in range(kind.table[body, BASES]):
-        out[3 * i], out[3 * i + 1], out[3 * i + 2] = base_value(kind, first + i, row)
 
 
 def _nodes(kind: Meshes, body: int) -> slice:
@@ -71,9 +56,9 @@ def _spread(kind: Meshes, body: int, wanted: NDArray[np.float64]) -> NDArray[np.
         right[own] = 0.0
         right[places] = 0.0
         right[places[i]] = -1.0
-        _scatter(kind, body)
+        spread_base((kind,), body)
         motions[i] = right[own]
-        _bases(kind, body, RIGHT, compliance[i])
+        read_bases((kind,), body, RIGHT, compliance[i])
     size = np.sqrt(np.diag(compliance))
     size[size == 0.0] = 1.0
     weights = np.linalg.pinv(compliance / np.outer(size, size), rcond=1e-11, hermitian=True) @ (wanted / size)
@@ -100,7 +85,7 @@ def survey_meshes(
         places[line[NUMBER], 4:] = 1.0, 0.0, 0.0, 0.0
         count = 3 * int(line[BASES])
         inertia[line[DOF] : line[DOF] + count] = numbers[MASS]
-        _bases(kind, body, V, velocity[line[DOF] : line[DOF] + count])
+        read_bases((kind,), body, V, velocity[line[DOF] : line[DOF] + count])
 
 
 @implement(move, FrameMeshes)
@@ -121,7 +106,7 @@ def put_mesh_velocity(kind: Meshes, velocity: NDArray[np.float64]) -> None:
         count = 3 * int(line[BASES])
         own, before = _nodes(kind, body), np.zeros(count)
         kind.nodal[ACCELERATION, own] = 0.0
-        _bases(kind, body, V, before)
+        read_bases((kind,), body, V, before)
         change = velocity[line[DOF] : line[DOF] + count] - before
         if np.any(change):
             kind.nodal[V, own] += _spread(kind, body, change)

@@ -13,7 +13,7 @@ from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.numerics.small import aligned
-from heavylift.solver.bodies.ancf.assembly import prepare_meshes
+from heavylift.solver.bodies.ancf.at_rest import prepare_mass
 from heavylift.solver.bodies.ancf.bases import Bases, plan_bases
 from heavylift.solver.bodies.ancf.kind import (
     ACCELERATION,
@@ -383,5 +383,5 @@ def pack_meshes(
         builder.add(body, first_number + i, dof, column, plan_bases(body, on_body), watched, count)
         column += record_width(body)
     kind = builder.finish(bodies)
-    prepare_meshes(kind)
+    prepare_mass((kind,))
     return kind
