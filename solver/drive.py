@@ -16,7 +16,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import exponential_quaternion, quaternion_product, rotate_by_quaternion
 from heavylift.numerics.small import cross
@@ -121,8 +123,8 @@ def profile_value(data: NDArray[np.float64], start: int, time: float) -> tuple[f
     return value, rate, acceleration
 
 
-@kernel
-def drive_pose(drive: NDArray[np.float64], time: float, pose: NDArray[np.float64]) -> None:
+@entry
+def drive_pose(drive: Floats1, time: float, pose: Floats1) -> None:
     """Write position [m] and unit quaternion of a driven frame into ``pose``, shape (7,)."""
     angle = profile_value(drive, int(drive[16]), time)[0]
     turn = exponential_quaternion(angle * drive[0], angle * drive[1], angle * drive[2])

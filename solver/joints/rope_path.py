@@ -17,7 +17,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats1, Floats2
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.numerics.small import cross
 from heavylift.solver.joints.row_writing import dot, near_angle
 
@@ -144,10 +146,8 @@ def _add_straight(
     return length
 
 
-@kernel
-def path_length(
-    places: NDArray[np.float64], gradient: NDArray[np.float64], wraps: NDArray[np.float64]
-) -> float:
+@entry
+def path_length(places: Floats2, gradient: Floats2, wraps: Floats1) -> float:
     """Length of a path [m].
 
     Parameters
