@@ -13,7 +13,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats2, Ints2
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.solver.marine.catenary_walk import (
     ANCHOR_HORIZONTAL,
     ANCHOR_VERTICAL,
@@ -244,14 +246,14 @@ def _solve_by_bisection(
         state[row, BRANCH] = RESTING if found[LYING] > 0.0 else SUSPENDED
 
 
-@kernel
+@entry
 def solve_lines(
-    sections: NDArray[np.float64],
-    table: NDArray[np.int64],
-    line: NDArray[np.float64],
-    places: NDArray[np.float64],
-    state: NDArray[np.float64],
-    ends: NDArray[np.float64],
+    sections: Floats2,
+    table: Ints2,
+    line: Floats2,
+    places: Floats2,
+    state: Floats2,
+    ends: Floats2,
 ) -> None:
     """Solve lines for the places of their upper ends.
 

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.numerics.arrays import Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -190,14 +192,14 @@ def clip_surface(
     out[CROSSING] = crossing
 
 
-@kernel
+@entry
 def clip_surface_now(
-    points: NDArray[np.float64],
-    triangles: NDArray[np.int64],
-    rotation: NDArray[np.float64],
+    points: Floats2,
+    triangles: Ints2,
+    rotation: Floats1,
     height: float,
-    placed: NDArray[np.float64],
-    out: NDArray[np.float64],
+    placed: Floats2,
+    out: Floats1,
 ) -> None:
     """Call `clip_surface` from Python."""
     clip_surface(points, triangles, rotation, height, placed, out)

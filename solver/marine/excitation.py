@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 
 __all__ = [
     "SeriesExcitation",
@@ -242,14 +243,14 @@ def ramp_factor(time: float, start: float, length: float) -> float:
     return 0.5 * (1.0 - math.cos(math.pi * s))
 
 
-@kernel
+@entry
 def fill_series(
     excitation: SummedExcitation,
-    place: NDArray[np.float64],
+    place: Floats2,
     first: float,
     step: float,
-    buffer: NDArray[np.float64],
-    values: NDArray[np.float64],
+    buffer: Floats1,
+    values: Floats2,
 ) -> None:
     """Sums at a fixed place, at the times ``first + row step``: rows of `values`, shape (rows, 6 N)."""
     for row in range(values.shape[0]):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.rigid import DOF, MASS, ORIENTATION
 from heavylift.solver.bodies.rigid_configuration import (
@@ -48,7 +48,7 @@ def put_hull_velocity(kind: Hulls, velocity: NDArray[np.float64]) -> None:
     start_filters(kind)
 
 
-@kernel
+@entry
 def restore_at_rest(kind: Hulls) -> None:
     """Buoyancy and ballast at the carried state and at the start of time."""
     stage_at_state(kind)
