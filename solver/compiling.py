@@ -16,6 +16,9 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 
+import heavylift.contours
+import heavylift.modal
+import heavylift.numerics
 import heavylift.solver
 from heavylift.numerics.objects import ENTRIES, CompileError, Entry, Unit, build_unit, is_compiled
 from heavylift.solver.kinds import kind_units, kinds_with_verbs
@@ -30,9 +33,10 @@ DONE, FAILED = "done", "failed"
 
 
 def all_units() -> dict[str, list[Unit]]:
-    """Units by the kind or loop that they belong to; imports all modules of the solver."""
-    for module in pkgutil.walk_packages(heavylift.solver.__path__, "heavylift.solver."):
-        importlib.import_module(module.name)
+    """Units by the kind or loop that they belong to; imports all modules with kernels that Python calls."""
+    for package in (heavylift.numerics, heavylift.contours, heavylift.modal, heavylift.solver):
+        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            importlib.import_module(module.name)
     found: dict[str, list[Unit]] = {}
     for kind in kinds_with_verbs():
         for own in SHAPES.values() if kind is RowSystem else (kind,):

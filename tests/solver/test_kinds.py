@@ -11,6 +11,7 @@ import pytest
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import CompileError, entry, load_unit
+from heavylift.numerics.sources import closure
 from heavylift.solver.kinds import Members, Table, generic, implement, kind_units, optional
 
 compiled_only = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs compiled kernels")
@@ -184,3 +185,10 @@ def test_arrays_that_kernels_would_misread_are_refused(mass: Any, found: str) ->
 def test_the_docstring_is_the_contract() -> None:
     assert pull.__name__ == "pull"
     assert "leave a trace" in (pull.__doc__ or "")
+
+
+def test_a_unit_depends_on_versions_that_are_reached_through_declarations_alone() -> None:
+    from heavylift.solver.bodies.ancf.kind import FrameMeshes
+
+    for unit in kind_units(FrameMeshes).values():
+        assert "heavylift.solver.bodies.ancf.frame_elements" in closure(unit.modules)
