@@ -187,7 +187,7 @@ class Workspace(Arrays):
     status: Ints1
 
 
-@generic()
+@generic("record")
 def start(kinds: Bodies, time: float, work: Workspace) -> None:
     """Bodies: complete the start state: driven frames, products, momenta."""
 
@@ -286,7 +286,7 @@ def add_row_work(kinds: Bodies, weight: float, work: Workspace, system: RowArray
     """Bodies with drives: work of the impulses of the rows, times a weight, on the prescribed velocities."""
 
 
-@optional()
+@optional("record")
 def gather_reactions(kinds: Bodies, fresh: bool, system: RowArrays) -> None:
     """Bodies that are held: forces ``G^T reaction`` of the rows at the carried state, added unless fresh."""
 
@@ -318,7 +318,7 @@ def update_rows(kinds: Joints, time: float, step: float, work: Workspace, system
     """Joints with a memory: what they carry over the step, from the midpoint velocity."""
 
 
-@generic()
+@generic("record")
 def record_joints(kinds: Joints, time: float, work: Workspace, system: RowArrays, row: Floats1) -> None:
     """Joints: reactions, angles, travels into their columns of a record; energies into the totals."""
 
@@ -343,22 +343,22 @@ def thesis_advance(kinds: Bodies, time: float, step: float, work: Workspace) -> 
     """Bodies: configuration by the end velocity."""
 
 
-@generic()
+@generic("record")
 def record(kinds: Bodies, time: float, work: Workspace, row: Floats1) -> None:
     """Bodies: write the carried state, reactions and sensors into their columns of a record."""
 
 
-@optional()
+@optional("record")
 def begin_record(kinds: Forces) -> None:
     """Forces that begin an iteration with its last result: keep that, for `record_forces` to put back."""
 
 
-@optional()
+@optional("record")
 def record_forces(kinds: Forces, time: float, work: Workspace, row: Floats1) -> None:
     """Forces with channels: write what they are at the carried state into their columns of a record; energies too."""
 
 
-@generic()
+@generic("record")
 def add_totals(kinds: Bodies, work: Workspace) -> None:
     """Bodies: add energies, works and momenta of the carried state to the totals."""
 
@@ -398,12 +398,12 @@ def close_step(kinds: Systems, all_systems: Systems, bodies: Bodies, work: Works
     """Rows: the projected velocities to the bodies; reactions."""
 
 
-@optional()
+@optional("record")
 def gather_rows(kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float) -> None:
     """Rows at the carried state for a record: an integrator need not have left them there."""
 
 
-@optional()
+@optional("record")
 def record_rows(kinds: Systems, joints: Joints, work: Workspace, time: float, row: Floats1) -> None:
     """Rows: joints into their columns, monitors into the last of them."""
 

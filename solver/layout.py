@@ -166,7 +166,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         kinds, carried = share_state(kinds)
         contacts = kinds[2][-1]._replace(carried=carried, saved=carried.copy())
         kinds = (kinds[0], kinds[1], (*kinds[2][:-1], contacts))
-    groups = {STEP, integrator} | ({"contact"} if scene.touches else set())
+    groups = {STEP, "record", integrator} | ({"contact"} if scene.touches else set())
     return Layout(
         bodies=Bodies(kinds[0], groups),
         forces=Forces(forces, groups),

@@ -36,7 +36,7 @@ def pose_surfaces(meshes: Colliding, contacts: ContactRows, bodies: Bodies) -> N
     """
 
 
-@optional()
+@optional("search")
 def bound_surfaces(meshes: Colliding, contacts: ContactRows, bodies: Bodies, step: float) -> None:
     """How far surfaces that deform move in the step, into their poses."""
 
@@ -48,14 +48,14 @@ def touch_triangles(
     """Gap, directions and rows of a contact at the stage."""
 
 
-@optional()
+@optional("search")
 def search_surfaces(
     meshes: Colliding, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float
 ) -> None:
     """Contacts at the end of the step: those whose features have met on the way or are near, with gaps and rows."""
 
 
-@optional()
+@optional("search")
 def find_first_contacts(
     meshes: Colliding, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float
 ) -> None:
@@ -77,13 +77,13 @@ def place_surfaces(meshes: Colliding, contacts: ContactRows) -> None:
     """When a step stands: poses of the surfaces at its end, where the next one begins."""
 
 
-@optional()
+@optional("record")
 def record_clearance(
     clearances: Clearing, meshes: SurfacePairs, contacts: ContactRows, pair: int, row: Floats1, at: int
 ) -> None:
     """Distance of the surfaces of a pair into place `at` of a record, where it is more than the search reaches."""
 
 
-@optional()
+@optional("record")
 def record_pairs(meshes: Colliding, contacts: ContactRows, work: Workspace, row: Floats1) -> None:
     """Channels of pairs into a record, and what their contacts have stored and lost into the sums of energy."""

@@ -109,7 +109,7 @@ def keep_memory(parts: Parts, vectors: Floats2) -> None:
     """Memory: to the end of the step."""
 
 
-@optional()
+@optional("record")
 def memory_now(parts: Parts, vectors: Floats2) -> None:
     """Memory: its force at the carried state and the velocities in `FINISH`."""
 
