@@ -399,7 +399,9 @@ def native_function(address: int, parameters: Iterable[Any], result: Any) -> Cal
                 words.append(float(value) if of_type == types.float64 else operator.index(value))
         answer = call(*words)
         if TROUBLES:
-            raise RuntimeError(TROUBLES.pop())
+            first = TROUBLES[0]
+            TROUBLES.clear()
+            raise RuntimeError(first)
         return answer
 
     return function

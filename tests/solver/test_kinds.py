@@ -76,6 +76,22 @@ def rest_springs(kind: Springs, total: Floats1) -> None:
     total[0] += 1.0
 
 
+@optional("rare")
+def shake(kinds: Things, total: Floats1) -> None:
+    """A verb of a group that few tables serve."""
+
+
+@implement(shake, Heavy)
+@kernel(internal=True)
+def shake_heavy(kind: Heavy, total: Floats1) -> None:
+    total[0] += kind.mass.shape[0]
+
+
+@entry
+def shake_compiled(kinds: Things, total: Floats1) -> None:
+    shake(kinds, total)
+
+
 @entry
 def pull_compiled(kinds: Things, step: float, backwards: bool, total: Floats1) -> None:
     pull(kinds, step, backwards, total)
@@ -125,6 +141,21 @@ def test_who_lacks_an_optional_verb_is_passed_over(call: Any) -> None:
     total = np.zeros(1)
     call(Things((WEIGHTS, SPRINGS, WEIGHTS, SPRINGS)), total)
     assert total[0] == 2.0
+
+
+@compiled_only
+def test_a_group_of_verbs_that_a_table_does_not_serve_is_never_passed_over_in_silence() -> None:
+    total = np.zeros(2)
+    table = Things((WEIGHTS, WEIGHTS), groups=["step"])
+    pull_compiled(table, 0.1, False, total)
+    with pytest.raises(RuntimeError, match="shake was called on a table that does not serve its group"):
+        shake_compiled(table, total)
+    table.need("rare")
+    total[0] = 0.0
+    shake_compiled(table, total)
+    assert total[0] == 4.0
+    shake_compiled(Things((SPRINGS,), groups=["step"]), total)  # nobody there has it
+    assert total[0] == 4.0
 
 
 def test_members_of_a_base_are_found_in_kernels() -> None:

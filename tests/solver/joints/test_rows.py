@@ -162,6 +162,7 @@ def model() -> Model:
         b = JointFrame(at + axes @ point, axes @ turn(rotation))
         joints[name] = make_joint(name, "a", "b", JointFrame(at, axes), b)
     layout = pack_scene(Scene(bodies, joints=tuple(joints.values())))
+    layout.joints.need("accurate")
     start_scene(layout.bodies, layout.work, 0.0)
     order = sorted(NAMES, key=lambda name: joint_module(joints[name]).__name__)
     return Model(layout, joints, {name: block for block, name in enumerate(order)})
