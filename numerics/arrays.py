@@ -16,7 +16,7 @@ import re
 import struct
 import sys
 import typing
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, replace
 from functools import cache
 from pathlib import Path
@@ -45,6 +45,7 @@ __all__ = [
     "Reference",
     "array_type",
     "declared_types",
+    "described",
     "numba_type",
     "rebuild_array",
 ]
@@ -228,8 +229,7 @@ def declared_types(owner: Any) -> dict[str, Any]:
     return found
 
 
-@cache
-def layout(group: Any) -> dict[str, tuple[Any, int]]:
+def _layout(group: Any) -> dict[str, tuple[Any, int]]:
     """Type and first word of each field."""
     hints = declared_types(group)
     made: dict[str, tuple[Any, int]] = {}
@@ -242,6 +242,25 @@ def layout(group: Any) -> dict[str, tuple[Any, int]]:
         made[name] = of_type, place
         place += 1 + (of_type.ndim if isinstance(of_type, types.Array) else 0)
     return made
+
+
+layout: Callable[[Any], dict[str, tuple[Any, int]]] = cache(_layout)
+"""Type and first word of each field of a group of arrays, by name."""
+
+
+@cache
+def described(of_type: Any) -> str:
+    """All that compiled code knows of a type: of a group its fields and where they are, and those of groups in it."""
+    if not isinstance(of_type, Reference):
+        return str(of_type)
+    parts = [f"{name} {place} {described(one)}" for name, (one, place) in layout(of_type.group).items()]
+    constants = [
+        f"{name}={value!r}"
+        for base in of_type.group.__mro__
+        for name, value in vars(base).items()
+        if isinstance(value, (bool, int, float, tuple)) and not name.startswith("_")
+    ]
+    return f"{of_type}({', '.join(parts + constants)})"
 
 
 @register_model(Pointer)

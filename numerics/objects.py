@@ -42,6 +42,7 @@ from heavylift.numerics.arrays import (
     Pointer,
     Reference,
     declared_types,
+    described,
     numba_type,
     rebuild_array,
 )
@@ -130,7 +131,12 @@ def _machine() -> bytes:
 
 
 def _place(unit: Unit) -> Path:
-    return objects_folder() / f"{unit.name}-{closure_digest(unit.modules, _machine())}.o"
+    """Where the object file of a unit is: by sources, compiler, processor and the layout of what it is handed."""
+    words = [
+        f"{symbol}{tuple(map(described, types_of))}" for symbol, (_, types_of, _) in unit.entries.items()
+    ]
+    known = _machine() + "\n".join(words).encode()
+    return objects_folder() / f"{unit.name}-{closure_digest(unit.modules, known)}.o"
 
 
 def objects_folder() -> Path:

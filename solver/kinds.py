@@ -120,7 +120,7 @@ class Table(Sequence[Any]):
         """What has to be compiled for its kinds, and for those in tables that they hold."""
         found: dict[str, Unit] = {}
         for kind in self.kinds:
-            for group, unit in kind_units(_class_of(kind)).items():
+            for group, unit in kind_units(type(kind)).items():
                 if self.groups is None or group in self.groups:
                     found[unit.name] = unit
             found |= {unit.name: unit for table in tables_in(kind) for unit in table.units()}
@@ -158,15 +158,10 @@ class Table(Sequence[Any]):
         return int(self._memory.ctypes.data)
 
 
-def _class_of(kind: Any) -> Any:
-    """Class of a kind, without what type checkers think of its hash."""
-    return type(kind)
-
-
 def tables_in(group: Arrays) -> list[Table]:
     """Tables that a group of arrays holds, also in groups that it holds."""
     found: list[Table] = []
-    for name, (of_type, _) in layout(_class_of(group)).items():
+    for name, (of_type, _) in layout(type(group)).items():
         value = getattr(group, name)
         if isinstance(of_type, TableType):
             found.append(value if isinstance(value, Table) else of_type.wrap(value))
@@ -415,8 +410,7 @@ def kinds_with_verbs() -> list[type]:
     return [kind for kind in _VERBS_OF if kind.__module__.startswith("heavylift.")]
 
 
-@cache
-def kind_units(kind: Any) -> dict[str, Unit]:
+def _kind_units(kind: Any) -> dict[str, Unit]:
     """What is compiled of a kind, by group of verbs."""
     import_kernels(kind)
     entries: dict[str, dict[str, Any]] = {}
@@ -442,6 +436,10 @@ def kind_units(kind: Any) -> dict[str, Unit]:
         )
         for group, own in entries.items()
     }
+
+
+kind_units: Callable[[Any], dict[str, Unit]] = cache(_kind_units)
+"""What is compiled of a kind, by group of verbs."""
 
 
 # ---- in kernels ----

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numba
@@ -13,7 +14,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics import objects
-from heavylift.numerics.arrays import Floats1, Floats2
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Reference, described
 from heavylift.numerics.objects import Unit, build_unit, entry, is_compiled, load_unit
 
 compiled_only = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs compiled kernels")
@@ -137,3 +138,27 @@ def test_units_of_old_sources_go_after_a_while(tmp_path: Path, monkeypatch: pyte
     assert "another.unit-1.o" in kept
     assert len(kept) == objects.KEPT_OBJECTS + 2
     assert load_unit(unit).addresses.keys() == unit.entries.keys()
+
+
+class Pair(Arrays):
+    """Two numbers."""
+
+    first: Floats1
+    second: float
+
+
+class Swapped(Arrays):
+    """The same in another order."""
+
+    second: float
+    first: Floats1
+
+
+def test_the_name_of_an_object_holds_the_layout_of_what_it_is_handed() -> None:
+    names = {described(Reference(group)).replace(group.__qualname__, "") for group in (Pair, Swapped)}
+    assert len(names) == 2
+    (types_of,) = (types_of for _, types_of, _ in weighted_sum.unit.entries.values())
+    other = replace(
+        weighted_sum.unit, entries={"f": (weighted_sum.kernel, (*types_of, Reference(Pair)), None)}
+    )
+    assert objects._place(other) != objects._place(weighted_sum.unit)
