@@ -135,7 +135,7 @@ def _place(unit: Unit) -> Path:
     words = [
         f"{symbol}{tuple(map(described, types_of))}" for symbol, (_, types_of, _) in unit.entries.items()
     ]
-    known = _machine() + "\n".join(words).encode()
+    known = _machine() + "\n".join(sorted(words)).encode()  # their order is that of imports
     return objects_folder() / f"{unit.name}-{closure_digest(unit.modules, known)}.o"
 
 

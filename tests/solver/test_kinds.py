@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numba
 import numpy as np
 import pytest
 
+from heavylift.numerics import objects
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import CompileError, entry, load_unit
@@ -223,3 +225,10 @@ def test_a_unit_depends_on_versions_that_are_reached_through_declarations_alone(
 
     for unit in kind_units(FrameMeshes).values():
         assert "heavylift.solver.bodies.ancf.frame_elements" in closure(unit.modules)
+
+
+def test_the_file_of_a_unit_does_not_depend_on_the_order_of_imports() -> None:
+    for unit in kind_units(Weights).values():
+        turned = replace(unit, entries=dict(reversed(unit.entries.items())))
+        assert list(turned.entries) != list(unit.entries)
+        assert objects._place(turned) == objects._place(unit)  # noqa: SLF001
