@@ -12,6 +12,7 @@ a `heavylift.solver.kinds.Table`. Class variables are constants that are known w
 from __future__ import annotations
 
 import importlib
+import operator
 import re
 import struct
 import sys
@@ -47,6 +48,7 @@ __all__ = [
     "declared_types",
     "described",
     "numba_type",
+    "number_as_word",
     "rebuild_array",
 ]
 
@@ -78,6 +80,10 @@ class Arrays:
     def _replace(self, **changes: Any) -> Self:
         """The same group with other values in some fields."""
         return replace(self, **changes)  # type: ignore[type-var]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """A copy makes a block of its own."""
+        return {name: getattr(self, name) for name in self._fields}
 
     @property
     def address(self) -> int:
@@ -113,28 +119,26 @@ class Arrays:
                     )
                 words += [value.ctypes.data, *value.shape]
             elif isinstance(of_type, Pointer):
-                held = value if hasattr(value, "address") else of_type.wrap(value)
+                held = of_type.accept(value, f"{type(self).__name__}.{name}")
                 self.__dict__.setdefault("_held", []).append(held)
                 words.append(held.address)
-            elif of_type == types.float64:
-                words += struct.unpack("q", struct.pack("d", value))
             else:
-                words.append(int(value))
+                words.append(number_as_word(of_type, value))
         return words
 
 
 class Pointer(types.Type):
     """Numba type of what is handed over by its address: it has an attribute `address`."""
 
-    def wrap(self, value: Any) -> Any:
-        """Something with an address from what has none.
+    def accept(self, value: Any, where: str) -> Any:
+        """What has the address: the value itself, or something that holds it.
 
         Raises
         ------
         TypeError
-            If there is no such thing.
+            If kernels would misread it; names the place and both types.
         """
-        raise TypeError(f"{type(value).__name__}, expected {self}")
+        raise TypeError(f"{where}: {type(value).__name__}, expected {self}")
 
 
 class Reference(Pointer):
@@ -143,6 +147,12 @@ class Reference(Pointer):
     def __init__(self, group: type[Arrays]) -> None:
         self.group = group
         super().__init__(name=f"{group.__module__}.{group.__qualname__}")
+
+    def accept(self, value: Any, where: str) -> Any:
+        """Only the class itself and its subclasses."""
+        if not isinstance(value, self.group):
+            raise TypeError(f"{where}: {type(value).__name__}, expected {self.group.__name__}")
+        return value
 
     def can_convert_to(self, typingctx: Any, other: Any) -> Any:
         """A subclass begins with the fields of its base."""
@@ -155,6 +165,13 @@ class Reference(Pointer):
         """Never."""
         del typingctx
         return self if self == other else None
+
+
+def number_as_word(of_type: Any, value: Any) -> int:
+    """A number or truth value as the word that kernels read."""
+    if of_type == types.float64:
+        return int(struct.unpack("q", struct.pack("d", value))[0])
+    return int(bool(value)) if of_type == types.boolean else operator.index(value)
 
 
 def array_type(annotation: Any) -> types.Array | None:

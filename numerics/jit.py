@@ -25,7 +25,7 @@ from numba.core.ir import Arg, Expr
 from numba.core.lowering import Lower
 from numba.core.typed_passes import NativeLowering
 
-from heavylift.numerics.sources import cache_root, closure_digest
+from heavylift.numerics.sources import cache_root, closure_digest, edited_since_start
 
 __all__ = [
     "CompileClock",
@@ -308,7 +308,8 @@ def _cache_when_compiled(dispatcher: Any) -> None:
     def compile_cached(signature: Any) -> Any:
         dispatcher.compile = compile_now
         folder = cache_folder(dispatcher.py_func.__module__)
-        if os.access(folder, os.W_OK):  # else Numba would cache beside the sources, where stale code can load
+        kept = os.access(folder, os.W_OK) and not edited_since_start((dispatcher.py_func.__module__,))
+        if kept:  # else Numba would cache beside the sources, where stale code can load
             with _numba_cache_directory(folder):
                 dispatcher.enable_caching()
         return compile_now(signature)

@@ -9,13 +9,16 @@ cannot be written, costs time and nothing else.
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import ctypes
 import hashlib
-import operator
+import os
 import re
+import shutil
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -44,10 +47,11 @@ from heavylift.numerics.arrays import (
     declared_types,
     described,
     numba_type,
+    number_as_word,
     rebuild_array,
 )
 from heavylift.numerics.jit import kernel, module_of
-from heavylift.numerics.sources import cache_root, closure_digest
+from heavylift.numerics.sources import cache_root, closure_digest, edited_since_start
 
 __all__ = [
     "ENTRIES",
@@ -66,6 +70,7 @@ __all__ = [
     "native_words",
     "objects_folder",
     "to_words",
+    "writable_root",
 ]
 
 NUMBERS = (types.Number, types.Boolean)
@@ -78,8 +83,13 @@ KEPT_OBJECTS = 3
 TROUBLES: list[str] = []
 """What compiled code had to say in words during a call."""
 
+FAILURE = "heavylift.failure"
+_FAILURE = np.zeros(1, dtype=np.int64)
+"""Address of the name of a function that has ended with an error, as one that checks bounds does."""
+llvm.add_symbol(FAILURE, _FAILURE.ctypes.data)
 
-class CompileError(Exception):
+
+class CompileError(RuntimeError):
     """A kernel that does not compile: which one, of what, and where."""
 
 
@@ -124,6 +134,7 @@ def _machine() -> bytes:
             sys.version_info[:2],
             numba.__version__,
             llvmlite.__version__,
+            (numba.config.OPT, numba.config.BOUNDSCHECK, numba.config.USING_SVML),
             np.__version__,
             cpu_target.target_context.codegen().magic_tuple(),
         )
@@ -144,6 +155,37 @@ def objects_folder() -> Path:
     return cache_root() / "objects"
 
 
+def _say(text: str) -> None:
+    """Tell a person something that no result depends on."""
+    print(f"heavylift: {text}", file=sys.stderr)  # noqa: T201
+
+
+_SPARE: list[Path] = []
+"""Folder for this process and those that it starts, where the usual one cannot be written."""
+
+
+def writable_root() -> Path:
+    """Folder that new object files go to; one for this run alone if the usual one cannot be written, told in a line."""
+    if not _SPARE:
+        folder = objects_folder()
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError as error:
+            _say(f"compiled kernels cannot be kept in {folder}: {error.strerror}; they serve this run alone")
+            _SPARE.append(Path(tempfile.mkdtemp(prefix="heavylift-")))
+            atexit.register(shutil.rmtree, _SPARE[0], ignore_errors=True)
+    return _SPARE[0] if _SPARE else cache_root()
+
+
+def _stored(unit: Unit) -> bytes | None:
+    """Object of a unit, where one has been kept."""
+    place = _place(unit)
+    data = _read(place)
+    return _read(_SPARE[0] / "objects" / place.name) if data is None and _SPARE else data
+
+
 def _read(path: Path) -> bytes | None:
     """The object of a file; None if there is none or it is not whole."""
     try:
@@ -159,28 +201,43 @@ def _read(path: Path) -> bytes | None:
     return data if whole else None
 
 
-def _write(path: Path, data: bytes) -> None:
-    """Whole or not at all, and those of old sources go; a folder that cannot be written to is told once."""
+def _write(unit: Unit, data: bytes) -> None:
+    """Whole or not at all, and those of old sources go. What an edit has made old is not kept."""
+    if edited_since_start(unit.modules):
+        return
+    path = writable_root() / "objects" / _place(unit).name
     temporary = None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".", delete=False) as file:
             temporary = Path(file.name)
             file.write(MAGIC + hashlib.blake2b(data, digest_size=32).digest() + data)
+        temporary.chmod(0o666 & ~_umask())
         temporary.replace(path)
         name = path.name.rpartition("-")[0]
-        older = [other for other in path.parent.glob(f"{name}-*.o") if other != path]
-        for other in sorted(older, key=lambda one: one.stat().st_mtime)[:-KEPT_OBJECTS]:
+        older = [(_age(other), other) for other in path.parent.glob(f"{name}-*.o") if other != path]
+        for _, other in sorted(older)[:-KEPT_OBJECTS]:
             other.unlink(missing_ok=True)
-    except OSError as error:
+    except OSError as error:  # a full disk: this run goes on with what it has in memory
+        _say(f"compiled kernels cannot be kept in {path.parent}: {error.strerror}")
+    finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
-        _warn_once(f"compiled kernels cannot be kept in {path.parent}: {error.strerror}")
 
 
-@cache
-def _warn_once(text: str) -> None:
-    print(f"heavylift: {text}", file=sys.stderr)  # noqa: T201  no results depend on it
+def _umask() -> int:
+    """The mask of this process, which can be read only by setting it."""
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def _age(path: Path) -> float:
+    """When a file was last used; 0 if another process has just removed it."""
+    try:
+        return path.stat().st_mtime
+    except OSError:
+        return 0.0
 
 
 # ---- code ----
@@ -281,7 +338,11 @@ def _compile(unit: Unit) -> bytes:
                 values.append(_from_words(context, builder, of_type, words[:count]))
                 words = words[count:]
             called = context.declare_function(wrappers, overload.fndesc)
-            _, value = context.call_conv.call_function(builder, called, made, parameters, values)
+            status, value = context.call_conv.call_function(builder, called, made, parameters, values)
+            with builder.if_then(status.is_error, likely=False):
+                name = context.insert_const_string(wrappers, symbol)
+                place = wrappers.globals.get(FAILURE) or ir.GlobalVariable(wrappers, WORD, FAILURE)
+                builder.store(builder.ptrtoint(name, WORD), place)
             if result == types.none:
                 builder.ret_void()
             else:
@@ -332,6 +393,7 @@ def _engine() -> Any:
 
 
 _LOADED: dict[str, Compiled] = {}
+_LOADING = threading.RLock()
 
 
 def compiled_units() -> Mapping[str, Compiled]:
@@ -341,34 +403,46 @@ def compiled_units() -> Mapping[str, Compiled]:
 
 def is_compiled(unit: Unit) -> bool:
     """Whether there is a whole object file, or the unit is in memory."""
-    return unit.name in _LOADED or _read(_place(unit)) is not None
+    return unit.name in _LOADED or _stored(unit) is not None
 
 
 def build_unit(unit: Unit) -> float:
     """Compile a unit into its object file, whatever is there; returns the CPU time of this thread [s]."""
     begin = time.thread_time()
-    data = _compile(unit)
-    _write(_place(unit), data)
+    _place(unit)  # by the sources as they are before compiling
+    _write(unit, _compile(unit))
     return time.thread_time() - begin
 
 
 def load_unit(unit: Unit) -> Compiled:
-    """Addresses of a unit, compiled first if there is no object file."""
-    if unit.name not in _LOADED:
-        begin = time.thread_time()
-        path = _place(unit)
-        data = _read(path)
-        seconds = 0.0
-        if data is None:
-            data = _compile(unit)
-            _write(path, data)
-            seconds = time.thread_time() - begin
+    """Addresses of a unit, compiled first if there is no object file that can be loaded."""
+    with _LOADING:
+        if unit.name not in _LOADED:
+            begin = time.thread_time()
+            data = _stored(unit)
+            loaded = None if data is None else _load(data, unit)
+            seconds = 0.0
+            if loaded is None:
+                data = _compile(unit)
+                _write(unit, data)
+                loaded = _load(data, unit)
+                seconds = time.thread_time() - begin
+            if loaded is None:
+                raise CompileError(f"{unit.name}: what was compiled cannot be loaded")
+            _LOADED[unit.name] = Compiled(loaded, seconds)
+        return _LOADED[unit.name]
+
+
+def _load(data: bytes, unit: Unit) -> dict[str, int] | None:
+    """Addresses of an object in memory; None if it is none."""
+    try:
         engine = _engine()
         engine.add_object_file(llvm.ObjectFileRef.from_data(data))
         engine.finalize_object()
-        addresses = {symbol: int(engine.get_function_address(symbol)) for symbol in unit.entries}
-        _LOADED[unit.name] = Compiled(addresses, seconds)
-    return _LOADED[unit.name]
+    except RuntimeError:
+        return None
+    addresses = {symbol: int(engine.get_function_address(symbol)) for symbol in unit.entries}
+    return addresses if all(addresses.values()) else None
 
 
 # ---- calls from Python ----
@@ -389,21 +463,30 @@ def native_function(address: int, parameters: Iterable[Any], result: Any) -> Cal
         if len(values) != len(kinds):
             raise TypeError(f"{len(values)} arguments, expected {len(kinds)}")
         words: list[Any] = []
-        kept: list[Any] = []
-        for of_type, value in zip(kinds, values, strict=True):
+        held = [
+            of_type.accept(value, f"argument {i + 1}") if isinstance(of_type, Pointer) else value
+            for i, (of_type, value) in enumerate(zip(kinds, values, strict=True))
+        ]
+        for value in held:
+            getattr(
+                value, "address", 0
+            )  # may import kernels that declare verbs: tables stay as they are afterwards
+        for of_type, value in zip(kinds, held, strict=True):
             if isinstance(of_type, types.Array):
                 fits = value.ndim == of_type.ndim and value.flags.c_contiguous
                 if not fits or numpy_support.from_dtype(value.dtype) != of_type.dtype:
                     raise TypeError(f"{value.dtype} array of shape {value.shape}, expected {of_type}")
                 words += [value.ctypes.data, *value.shape]
             elif isinstance(of_type, Pointer):
-                kept.append(
-                    value if hasattr(value, "address") else of_type.wrap(value)
-                )  # a plain tuple of kinds
-                words.append(kept[-1].address)
+                words.append(value.address)
+            elif of_type == types.float64:
+                words.append(float(value))
             else:
-                words.append(float(value) if of_type == types.float64 else operator.index(value))
+                words.append(number_as_word(of_type, value))
         answer = call(*words)
+        if _FAILURE[0]:
+            name, _FAILURE[0] = ctypes.string_at(int(_FAILURE[0])).decode(), 0
+            raise RuntimeError(f"{name} ended with an error, as an index out of bounds does")
         if TROUBLES:
             first = TROUBLES[0]
             TROUBLES.clear()

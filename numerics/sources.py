@@ -10,10 +10,14 @@ import hashlib
 import os
 import re
 import sys
+import time
 from functools import cache
 from pathlib import Path
 
-__all__ = ["cache_root", "closure", "closure_digest"]
+__all__ = ["cache_root", "closure", "closure_digest", "edited_since_start"]
+
+STARTED = time.time()
+"""When this process began to import kernels."""
 
 PACKAGE = Path(__file__).resolve().parent.parent
 """Folder that holds the folders of the sources."""
@@ -33,14 +37,17 @@ def cache_root() -> Path:
     return (Path(base) if base else Path.home() / ".cache") / "heavylift"
 
 
+def _file(module: str) -> Path:
+    if not module.startswith("heavylift."):
+        return Path(str(sys.modules[module].__file__))
+    path = PACKAGE.joinpath(*module.split(".")[1:])
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+
+
 @cache
 def _source(module: str) -> tuple[bytes, tuple[str, ...]]:
     """Content of a module, and the modules of this package that it imports."""
-    if module.startswith("heavylift."):
-        path = PACKAGE.joinpath(*module.split(".")[1:])
-        file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
-    else:
-        file = Path(str(sys.modules[module].__file__))
+    file = _file(module)
     if not file.is_file():  # words of another text, or a namespace
         return b"", ()
     content = file.read_bytes()
@@ -75,3 +82,12 @@ def closure_digest(modules: tuple[str, ...], more: bytes = b"") -> str:
         digest.update(f"{module} {len(content)}\n".encode())
         digest.update(content)
     return digest.hexdigest()
+
+
+def edited_since_start(modules: tuple[str, ...]) -> bool:
+    """Whether a source of the closure may be newer than what this process has imported.
+
+    What is compiled then is the old code, and must not be kept under the name of the new.
+    """
+    files = (_file(module) for module in closure(modules))
+    return any(file.is_file() and file.stat().st_mtime > STARTED for file in files)

@@ -82,6 +82,10 @@ def guarded(command: "Callable[[Log], int]", *, quiet: bool, json: bool) -> int:
         message, outcome, details = "interrupted; what was written is kept", Outcome.INTERRUPTED, []
     except BrokenPipeError:
         return 0
+    except RuntimeError as error:
+        if type(error).__name__ != "CompileError":  # known only once kernels are imported
+            raise
+        message, outcome, details = f"cannot compile: {error}", Outcome.BAD_INPUT, []
     except OSError as error:
         if error.filename is None:
             raise

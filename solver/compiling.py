@@ -6,10 +6,12 @@ unit a line, and answers with one line.
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import os
 import pkgutil
 import queue
+import signal
 import subprocess
 import sys
 import threading
@@ -20,7 +22,16 @@ import heavylift.contours
 import heavylift.modal
 import heavylift.numerics
 import heavylift.solver
-from heavylift.numerics.objects import ENTRIES, CompileError, Entry, Unit, build_unit, is_compiled
+from heavylift.numerics.objects import (
+    ENTRIES,
+    CompileError,
+    Entry,
+    Unit,
+    build_unit,
+    is_compiled,
+    writable_root,
+)
+from heavylift.numerics.sources import edited_since_start
 from heavylift.solver.kinds import kind_units, kinds_with_verbs
 from heavylift.solver.rows import SHAPES, RowSystem
 
@@ -89,27 +100,38 @@ def compile_units(
         for unit in units:
             tell(unit.name, build_unit(unit))
         return
+    # the folder that this process found writable, and the modules that it sees, whatever the current folder holds
+    environment = os.environ | {
+        "HEAVYLIFT_CACHE_DIR": str(writable_root()),
+        "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
+    }
 
     def work() -> None:
-        command = [sys.executable, "-m", "heavylift.solver.compiling"]
-        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:  # noqa: S603
-            assert process.stdin is not None
-            assert process.stdout is not None
-            try:
-                while True:
-                    unit = waiting.get_nowait()
-                    print(*unit.owner, sep="\t", file=process.stdin, flush=True)
-                    kind, _, answer = process.stdout.readline().rstrip("\n").partition("\t")
-                    if kind == DONE:
-                        tell(unit.name, float(answer))
-                    else:
-                        troubles.append(answer or f"{unit.name}: the compiler ended without a word")
-                        if not answer:
-                            return
-            except (queue.Empty, BrokenPipeError):
-                process.stdin.close()
+        command = [sys.executable, "-P", "-m", "heavylift.solver.compiling"]
+        process = subprocess.Popen(  # noqa: S603
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment
+        )
+        assert process.stdin is not None
+        assert process.stdout is not None
+        with contextlib.suppress(
+            queue.Empty, OSError
+        ):  # a process that dies leaves its unit to the caller's own
+            while True:
+                unit = waiting.get_nowait()
+                print(*unit.owner, sep="\t", file=process.stdin, flush=True)
+                kind, _, answer = process.stdout.readline().rstrip("\n").partition("\t")
+                if kind == DONE:
+                    tell(unit.name, float(answer))
+                elif kind == FAILED:
+                    troubles.append(answer)
+                else:
+                    break
+        with contextlib.suppress(OSError):
+            process.stdin.close()
+        process.stdout.close()
+        process.wait()
 
-    count = min(len(units), processes or len(os.sched_getaffinity(0)))
+    count = min(len(units), processes or _processors())
     threads = [threading.Thread(target=work, daemon=True) for _ in range(count)]
     for thread in threads:
         thread.start()
@@ -118,15 +140,24 @@ def compile_units(
             thread.join(0.2)  # lets Ctrl-C through
     if troubles:
         raise CompileError(troubles[0])
+    for unit in missing_units(units):  # of processes that died; an edited source is compiled where it is used
+        if not edited_since_start(unit.modules):
+            tell(unit.name, build_unit(unit))
+
+
+def _processors() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _serve() -> None:
-    """What a process does."""
+    """What a process does; it ends with its input, so Ctrl-C is for those who feed it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     for line in sys.stdin:
         begin = time.process_time()
         try:
             build_unit(unit_of(*line.rstrip("\n").split("\t")))
-        except CompileError as error:
+        except Exception as error:  # noqa: BLE001  said in one line by whoever started this
             print(FAILED, str(error).replace("\n", " "), sep="\t", flush=True)  # noqa: T201
         else:
             print(DONE, f"{time.process_time() - begin:.3f}", sep="\t", flush=True)  # noqa: T201

@@ -83,6 +83,7 @@ class Table(Sequence[Any]):
         self.kinds = tuple(kinds)
         self.groups = None if groups is None else frozenset(groups)
         self._memory: Any = None
+        self._kept: list[Any] = []
         self._known = -1
 
     @classmethod
@@ -139,7 +140,9 @@ class Table(Sequence[Any]):
             lists = []
             for verb in self.verbs:
                 served = [kind for kind in self.kinds if verb.serves(type(kind))]
-                if self.groups is None or verb.group in self.groups:
+                if isinstance(verb, Members):
+                    lists.append([word for kind in served for word in (0, kind.address)])
+                elif self.groups is None or verb.group in self.groups:
                     lists.append(
                         [word for kind in served for word in (verb.address(type(kind)), kind.address)]
                     )
@@ -154,6 +157,7 @@ class Table(Sequence[Any]):
                 memory[2 * i] = memory.ctypes.data + WORD_BYTES * place
                 place += len(pairs)
                 memory[2 * i + 1] = memory.ctypes.data + WORD_BYTES * place
+            self._kept.append(memory)  # a group of arrays, or a call, may hold the address of an older one
             self._memory, self._known = memory, len(self.verbs)
         return int(self._memory.ctypes.data)
 
@@ -164,7 +168,7 @@ def tables_in(group: Arrays) -> list[Table]:
     for name, (of_type, _) in layout(type(group)).items():
         value = getattr(group, name)
         if isinstance(of_type, TableType):
-            found.append(value if isinstance(value, Table) else of_type.wrap(value))
+            found.append(of_type.accept(value, name))
         elif isinstance(of_type, Reference):
             found += tables_in(value)
     return found
@@ -196,9 +200,13 @@ class TableType(Pointer):
         del typingctx
         return Conversion.safe if isinstance(other, BaseTuple) and len(other) == 0 else None
 
-    def wrap(self, kinds: Any) -> Table:
-        """Kinds of a tuple as a table."""
-        return self.table(kinds)
+    def accept(self, value: Any, where: str) -> Any:
+        """A table of the class; kinds of a tuple become one."""
+        if isinstance(value, tuple):
+            return self.table(value)
+        if not isinstance(value, self.table):
+            raise TypeError(f"{where}: {type(value).__name__}, expected {self.table.__name__}")
+        return value
 
 
 register_model(TableType)(_PointerModel)
@@ -232,8 +240,7 @@ class Verb:
         self.implementations: dict[type, Callable[..., Any]] = {}
         self._native: dict[type, Callable[..., Any]] = {}
         self._slot = np.zeros(1, dtype=np.int64)
-        table = self._table()
-        self.of_tables = table is not None
+        self.table = table = self._table()
         if table is not None:
             self._slot[0] = 2 * len(table.verbs)
             table.verbs.append(self)
@@ -243,8 +250,12 @@ class Verb:
 
     def _table(self) -> type[Table] | None:
         """Class of tables of the first parameter; None for verbs that serve single kinds only."""
-        first = next(iter(inspect.signature(self.contract).parameters.values()))
-        found = self.contract.__globals__.get(str(first.annotation))
+        first = next(iter(inspect.signature(self.contract).parameters.values())).annotation
+        found = self.contract.__globals__.get(first) if isinstance(first, str) else first
+        if found is None:
+            raise TypeError(
+                f"{self.contract.__module__}.{self.name}: {first!r} is not known when the verb is declared"
+            )
         return found if isinstance(found, type) and issubclass(found, Table) else None
 
     @property
@@ -305,8 +316,7 @@ class Members:
 
     def __init__(self, table: type[Table], base: type) -> None:
         self.base = base
-        self.name, self.group = base.__name__, STEP
-        self._slot = np.array([2 * len(table.verbs)], dtype=np.int64)
+        self.table, self._slot = table, np.array([2 * len(table.verbs)], dtype=np.int64)
         table.verbs.append(self)
         self.symbol = f"heavylift.members.{table.__name__}.{base.__name__}"
         llvm.add_symbol(self.symbol, self._slot.ctypes.data)
@@ -315,11 +325,6 @@ class Members:
     def serves(self, kind: type) -> bool:
         """Whether a kind is one of them."""
         return issubclass(kind, self.base)
-
-    def address(self, kind: type) -> int:
-        """There is nothing to call."""
-        del kind
-        return 0
 
     def __call__(self, table: Table, place: int | None = None) -> Any:
         """The same in Python."""
@@ -381,6 +386,10 @@ def implement(verb: Verb, kind: type) -> Callable[[Callable[..., Any]], Callable
     """
 
     def register(function: Callable[..., Any]) -> Callable[..., Any]:
+        if kind in verb.implementations:
+            raise TypeError(
+                f"{verb.name} of {kind.__name__} is there already: {verb.implementations[kind].__name__}"
+            )
         own = inspect.signature(getattr(function, "py_func", function)).parameters
         if len(own) != len(inspect.signature(verb.contract).parameters):
             raise TypeError(f"{function.__name__} takes {len(own)} arguments, {verb.name} has others")
@@ -392,17 +401,37 @@ def implement(verb: Verb, kind: type) -> Callable[[Callable[..., Any]], Callable
 
 
 _VERBS_OF: dict[type, list[Verb]] = {}
+_KINDS: dict[str, type] = {}
 
 
 @cache
 def import_kernels(kind: Any) -> None:
-    """Import the modules that hold the versions of a kind."""
+    """Import the modules that hold the versions of a kind.
+
+    Raises
+    ------
+    TypeError
+        If it lacks a verb that kinds of its tables must have, or another kind of the package has its name.
+    """
     for module in getattr(kind, "kernel_modules", ()):
         importlib.import_module(module)
+    known = [verb for base in kind.__mro__ for verb in _VERBS_OF.get(base, ())]
+    for table in {verb.table for verb in known if verb.table is not None}:
+        for verb in table.verbs:
+            if isinstance(verb, Verb) and verb.needed and verb not in known:
+                raise TypeError(f"{verb.name} is not implemented for {kind.__name__}")
+    if _KINDS.setdefault(_name(kind), kind) is not kind:
+        where = f"in {kind.__module__} and {_KINDS[_name(kind)].__module__}"
+        raise TypeError(f"two kinds have the name {kind.__name__}: {where}")
+
+
+def _name(kind: type) -> str:
+    """Name of a kind: of those of the package each is the only one of its name."""
+    return kind.__name__ if kind.__module__.startswith("heavylift.") else f"{kind.__module__}.{kind.__name__}"
 
 
 def _symbol(kind: type, verb: Verb) -> str:
-    return f"{kind.__name__}.{verb.name}"
+    return f"{_name(kind)}.{verb.name}"
 
 
 def kinds_with_verbs() -> list[type]:
@@ -421,7 +450,7 @@ def _kind_units(kind: Any) -> dict[str, Unit]:
             function = verb.chosen(kind)
             if not isinstance(function, Dispatcher):
                 continue
-            if not verb.of_tables:
+            if not verb.table is not None:
                 direct.add(function.py_func.__module__)
                 continue
             types_of = (Reference(kind), *verb.parameters)
@@ -429,7 +458,7 @@ def _kind_units(kind: Any) -> dict[str, Unit]:
             modules.setdefault(verb.group, set()).add(function.py_func.__module__)
     return {
         group: Unit(
-            kind.__name__ if group == STEP else f"{kind.__name__}.{group}",
+            _name(kind) if group == STEP else f"{_name(kind)}.{group}",
             own,
             tuple(sorted(modules[group] | direct)),
             (kind.__module__, kind.__name__, group),
@@ -456,6 +485,8 @@ def _declare(verb: Verb) -> None:
                 return None
             first = arguments[0]
             if isinstance(first, TableType):
+                if first.table is not verb.table:  # another class of tables has another function in its place
+                    return None
                 return call_signature(types.none, first, *verb.parameters)
             kinds = first.types if isinstance(first, BaseTuple) else (first,)
             if all(isinstance(kind, Reference) for kind in kinds):
@@ -478,7 +509,7 @@ def _declare_members(members: Members) -> None:
         key = members
 
         def generic(self, arguments: Any, named: Any) -> Signature | None:
-            if named or not isinstance(arguments[0], TableType):
+            if named or not isinstance(arguments[0], TableType) or arguments[0].table is not members.table:
                 return None
             if len(arguments) == 1:
                 return call_signature(types.int64, *arguments)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +17,7 @@ from heavylift.numerics.objects import CompileError, entry, load_unit
 from heavylift.numerics.sources import closure
 from heavylift.solver.bodies.ancf.kind import FrameMeshes
 from heavylift.solver.bodies.rigid import RigidBodies
+from heavylift.solver.compiling import all_units
 from heavylift.solver.kinds import Members, Table, generic, implement, kind_units, optional
 
 compiled_only = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs compiled kernels")
@@ -91,6 +93,20 @@ def shake_heavy(kind: Heavy, total: Floats1) -> None:
     total[0] += kind.mass.shape[0]
 
 
+class Others(Table):
+    """Another class of tables."""
+
+
+@generic()
+def push(kinds: Others, total: Floats1) -> None:
+    """Has the place in its tables that `pull` has in those of things."""
+
+
+@entry
+def push_things(kinds: Things, total: Floats1) -> None:
+    push(kinds, total)
+
+
 @entry
 def shake_compiled(kinds: Things, total: Floats1) -> None:
     shake(kinds, total)
@@ -162,6 +178,39 @@ def test_a_group_of_verbs_that_a_table_does_not_serve_is_never_passed_over_in_si
     assert total[0] == 4.0
 
 
+@compiled_only
+def test_a_verb_of_another_class_of_tables_does_not_compile() -> None:
+    with pytest.raises(CompileError, match="push_things does not compile"):
+        push_things(Things((WEIGHTS,)), np.zeros(2))
+
+
+@compiled_only
+def test_classes_are_checked_where_python_calls() -> None:
+    with pytest.raises(TypeError, match="argument 1: Others, expected Things"):
+        pull_compiled(Others(()), 0.1, False, np.zeros(2))
+    with pytest.raises(TypeError, match="argument 1: Weights, expected Things"):
+        pull_compiled(WEIGHTS, 0.1, False, np.zeros(2))
+
+
+def test_a_second_version_of_a_verb_is_refused() -> None:
+    with pytest.raises(TypeError, match="rest of Springs is there already: rest_springs"):
+        implement(rest, Springs)(rest_springs)
+
+
+def test_a_copy_has_memory_of_its_own() -> None:
+    first = Weights(np.array([1.0]))
+    assert weigh(Things((first,))) == 1.0
+    second = copy.deepcopy(first)
+    second.mass[0] = 5.0
+    assert weigh(Things((second,))) == 5.0
+    assert weigh(Things((first,))) == 1.0
+
+
+@compiled_only
+def test_every_kind_of_the_solver_has_the_verbs_that_it_must_have() -> None:
+    assert len(all_units()) > 50  # an incomplete kind, or two of one name, are a TypeError
+
+
 def test_members_of_a_base_are_found_in_kernels() -> None:
     assert weigh(Things((SPRINGS, WEIGHTS, WEIGHTS))) == 6.0
     assert weigh(Things(())) == 0.0
@@ -187,6 +236,9 @@ class Broken(Arrays):
     """Does not compile."""
 
     mass: Floats1
+
+
+implement(pull, Broken)(pull_weights)
 
 
 @implement(rest, Broken)
