@@ -532,7 +532,7 @@ class Entry:
     def unit(self) -> Unit:
         """Of this function alone."""
         kernel_of_numba: Any = self.kernel
-        function = kernel_of_numba.py_func
+        function = getattr(kernel_of_numba, "py_func", kernel_of_numba)
         name = f"{function.__module__.removeprefix('heavylift.')}.{function.__qualname__}"
         parameters, result = signature(function)
         modules = {function.__module__}

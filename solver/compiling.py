@@ -18,6 +18,8 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 
+import numba
+
 import heavylift.contours
 import heavylift.modal
 import heavylift.numerics
@@ -61,7 +63,9 @@ def all_units() -> dict[str, list[Unit]]:
 
 
 def missing_units(units: Sequence[Unit]) -> list[Unit]:
-    """Those of some units that have no whole object file."""
+    """Those of some units that have no whole object file; none where kernels run as plain Python."""
+    if numba.config.DISABLE_JIT:
+        return []
     return [unit for unit in units if not is_compiled(unit)]
 
 

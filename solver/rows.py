@@ -112,6 +112,8 @@ class RowSystem(RowArrays):
         Blocks of the factor and one of scratch, flat.
     monitor
         Record column of the largest violation; the smallest pivot follows it.
+    laws
+        Whether some rows (ropes, stops, friction) are fitted to the velocities by iteration.
     """
 
     kernel_modules: ClassVar[tuple[str, ...]] = (
@@ -129,6 +131,7 @@ class RowSystem(RowArrays):
     hubs: Ints2
     blocks: Floats1
     monitor: int
+    laws: bool = False
 
 
 def _of_shape(rows: int) -> type[RowSystem]:

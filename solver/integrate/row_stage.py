@@ -110,7 +110,13 @@ def solve_midpoint_laws(
 
 @kernel(internal=True)
 def fit_laws(system: RowSystem, joints: Joints, work: Workspace, time: float, step: float) -> None:
-    """Rounds of the Newton iteration, the first with the factor that is there."""
+    """Rounds of the Newton iteration, the first with the factor that is there; without laws it is the only one.
+
+    Then `work.control[CHANGED]` stays as it is: bodies that iterate count in it.
+    """
+    if not system.laws:
+        solve_rows(system, work.velocity)
+        return
     for _ in range(LAW_ITERATIONS):
         solve_rows(system, work.velocity)
         work.control[CHANGED] = 0.0
@@ -290,6 +296,8 @@ def respond_row_system(system: RowSystem, velocity: NDArray[np.float64]) -> None
 def follow_laws(system: RowSystem, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """One solve more, it is incremental; and laws fitted again if contacts have moved them."""
     solve_rows(system, work.velocity)
+    if not system.laws:
+        return
     work.control[CHANGED] = 0.0
     relinearise(joints, time, step, work, system)
     if work.control[CHANGED] > 0.0:

@@ -111,7 +111,7 @@ def extend_system(
     for start, block in zip(starts, blocks, strict=True):
         table[start, COMPLIANCE, 0] = block.compliance
         table[start, RELAXATION, 0] = block.relaxation
-    return made
+    return made._replace(laws=laws)
 
 
 def _side(system: RowSystem, i: int) -> Attachment:

@@ -139,6 +139,7 @@ class Model:
 
     def pack(self, forces: tuple[Any, ...]) -> None:
         self.layout = pack_scene(Scene(tuple(self.bodies.values()), forces, joints=tuple(self.joints)))
+        self.layout.joints.need("accurate")
         start_scene(self.layout.bodies, self.layout.work, 0.0)
         self.kinds = [kind for kind in self.layout.bodies if isinstance(kind, (FrameMeshes, ShellMeshes))]
         for kind, of_type in zip(self.kinds, (FrameBody, ShellBody), strict=True):

@@ -39,6 +39,9 @@ from heavylift.solver.interface import (
     FORCES,
     MARKER_WIDTH,
     SUM_COUNT,
+    Bodies,
+    Joints,
+    Systems,
     Workspace,
     advance,
     apply_inverse,
@@ -111,9 +114,9 @@ def begin(bodies: Any, work: Any, step: float) -> None:
 
 
 @kernel
-def go_on(bodies: Any, step: float, work: Any) -> None:
+def go_on(bodies: Any, systems: Any, step: float, work: Any) -> None:
     """A step without rows, up to its end."""
-    complete(bodies, (), True, step, work)
+    complete(bodies, systems, True, step, work)
     advance(bodies, 0.0, step, work)
     end_velocity(bodies, step, work)
 
@@ -145,13 +148,15 @@ def solve(system: Any, work: Any) -> None:
 
 
 @kernel
-def spread(bodies: Any, systems: Any, at_midpoint: bool, work: Any, step: float) -> None:
+def spread(
+    bodies: Any, everything: Any, systems: Any, joints: Any, at_midpoint: bool, work: Any, step: float
+) -> None:
     """Velocities of all nodes; bodies that iterate do so."""
     complete(bodies, systems, at_midpoint, step, work)
     if at_midpoint:
         for _ in range(60):
             work.control[CHANGED] = 0.0
-            iterate(bodies, bodies, systems, (), work, 0.0, step)
+            iterate(bodies, everything, systems, joints, work, 0.0, step)
             if not work.control[CHANGED] > 0.0:
                 break
         advance(bodies, 0.0, step, work)
@@ -334,15 +339,15 @@ def test_velocities_are_those_of_the_material_point(name: str, scheme: str) -> N
     kind, work = model.kind, model.work
     begin(kind, work, STEP)
     model.aim(1, SPOT)
-    settle(kind, (), True, work)
+    settle(kind, Systems(()), True, work)
     velocity = work.velocity.copy()
-    go_on(kind, STEP, work)
+    go_on(kind, Systems(()), STEP, work)
     J = model.jacobian(SPOT)
     size = np.abs(J @ model.row(MID_V)).max()
     np.testing.assert_allclose(velocity[9:], J @ model.row(MID_V), rtol=0.0, atol=1e-12 * size)
     np.testing.assert_allclose(velocity[9:], velocity[:3], rtol=0.0, atol=1e-12 * size)  # its base
     model.aim(0, OTHER)
-    settle(kind, (), False, work)
+    settle(kind, Systems(()), False, work)
     np.testing.assert_allclose(work.velocity[6:9], model.jacobian(OTHER) @ model.row(V), rtol=1e-12)
 
 
@@ -365,10 +370,10 @@ def test_a_moving_point_is_as_good_as_a_base(name: str, scheme: str) -> None:
                 end_velocities(kind, STEP, work)
             model.aim(0, SPOT)
             model.aim(1, OTHER)
-            settle(kind, (), at_midpoint, work)
+            settle(kind, Systems(()), at_midpoint, work)
             invert(kind, system, at_midpoint)
             solve(system, work)
-            spread(kind, (system,), at_midpoint, work, STEP)
+            spread(kind, Bodies((kind,)), Systems((system,)), Joints(()), at_midpoint, work, STEP)
         found = [model.row(row).copy() for row in (Q, V)] + [table[:, IMPULSE, :3].copy()]
         np.testing.assert_allclose(model.jacobian(SPOT) @ found[1], work.velocity[:3], atol=1e-10)
         results.append(found)
@@ -395,7 +400,7 @@ def test_points_follow_rows_that_have_pushed_before(name: str) -> None:
     invert(kind, system, True)
     solve(system, work)
     model.aim(1, SPOT)
-    settle(kind, (system,), True, work)
+    settle(kind, Systems((system,)), True, work)
     np.testing.assert_allclose(work.velocity[9:], work.velocity[:3], rtol=1e-11)
     table[:, TARGET, :3] = [0.5, 0.2, 0.1]
     solve(system, work)

@@ -16,6 +16,7 @@ from heavylift.solver.interface import (
     POINT_FORCE,
     POINT_VELOCITY,
     SUM_COUNT,
+    Forces,
     Workspace,
     add_forces,
     record_forces,
@@ -409,7 +410,7 @@ def test_a_free_body_drifts_off_as_the_closed_form_says(integrator):
     layout = simulation._layout
     loads = [element(body="box", point=np.zeros(3), area=area, coefficient=1.0)]
     kind = pack_fluid_loads([WindField(speed=speed)], loads, [(0, 1)], [-1, -1, -1])
-    simulation._layout = replace(layout, forces=(*layout.forces, kind))
+    simulation._layout = replace(layout, forces=Forces((*layout.forces, kind)))
     times, records = simulation.advance(400)
     k = 0.5 * 1.225 * area / mass
     column = next(c.column for c in simulation.channels if c.name == "box.velocity")
