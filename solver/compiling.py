@@ -111,6 +111,10 @@ def compile_units(
     }
 
     def work() -> None:
+        if hasattr(
+            signal, "pthread_sigmask"
+        ):  # libraries such as gmsh let a write to a dead process end ours
+            signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
         command = [sys.executable, "-P", "-m", "heavylift.solver.compiling"]
         process = subprocess.Popen(  # noqa: S603
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment
