@@ -15,11 +15,8 @@ is left then. A mark (!) stands where a limit is exceeded.
 from __future__ import annotations
 
 import argparse
-import importlib
 import json
-import multiprocessing
 import os
-import pkgutil
 import re
 import resource
 import shutil
@@ -217,68 +214,25 @@ def mark(value: float, limit: float) -> str:
 # ---- units ----
 
 
-def all_units() -> dict[str, Unit]:
-    """Whatever is compiled into an object file, by name: kinds with verbs, and kernels that Python calls."""
-    import heavylift.solver
-    from heavylift.numerics.arrays import Arrays
-    from heavylift.numerics.objects import Entry
-    from heavylift.solver.kinds import kind_unit
+def missing() -> list[Unit]:
+    """Units without an object file."""
+    from heavylift.solver.compiling import all_units, missing_units
 
-    for module in pkgutil.walk_packages(heavylift.solver.__path__, "heavylift.solver."):
-        importlib.import_module(module.name)
-    waiting: list[type] = [Arrays]
-    units = []
-    while waiting:
-        below = waiting.pop().__subclasses__()
-        waiting += below
-        units += [kind_unit(kind) for kind in below if not kind.__subclasses__()]  # what has some is a base
-    for name, module in list(sys.modules.items()):
-        if name.startswith("heavylift."):
-            units += [value.unit for value in vars(module).values() if isinstance(value, Entry)]
-    return {unit.name: unit for unit in units if unit.entries}
+    return missing_units([unit for units in all_units().values() for unit in units])
 
 
-def missing_units() -> list[str]:
-    """Units without an object file, those with many kernels first."""
-    from heavylift.numerics.objects import is_compiled
+def compile_missing() -> tuple[dict[str, float], float]:
+    """Compile every unit that has no object file: CPU times by name, and the wall time [s]."""
+    from heavylift.solver.compiling import compile_units
 
-    UNITS.update(all_units())
-    waiting = [unit for unit in UNITS.values() if not is_compiled(unit)]
-    return [unit.name for unit in sorted(waiting, key=lambda unit: -len(unit.entries))]
-
-
-UNITS: dict[str, Unit] = {}
-"""Known to the processes that compile, which begin with what their parent has imported."""
-
-
-def compile_unit(name: str) -> tuple[str, float | str]:
-    """CPU time [s] of compiling a unit, or why it does not compile."""
-    from heavylift.numerics.objects import CompileError, build_unit
-
-    begin = time.process_time()
-    try:
-        build_unit(UNITS[name])
-    except CompileError as error:
-        return name, str(error)
-    return name, time.process_time() - begin
-
-
-def compile_missing() -> tuple[dict[str, float | str], float]:
-    """Compile every unit that has no object file in a process of its own: CPU times by name, and the wall time [s]."""
-    begin = time.perf_counter()
-    names = missing_units()
-    with multiprocessing.get_context("fork").Pool(PROCESSES, maxtasksperchild=1) as pool:
-        costs = dict(pool.imap_unordered(compile_unit, names, chunksize=1))
+    begin, costs = time.perf_counter(), dict[str, float]()
+    compile_units(missing(), costs.__setitem__, PROCESSES)
     return costs, time.perf_counter() - begin
 
 
-def print_units(costs: dict[str, float | str], wall: float) -> None:
+def print_units(seconds: dict[str, float], wall: float) -> None:
     """The largest units, and all of them."""
-    print(f"first compilation of {len(costs)} units into an empty folder     CPU s   limit")
-    for name, reason in costs.items():
-        if isinstance(reason, str):
-            print(f"  {name}: {reason}")
-    seconds = {name: cost for name, cost in costs.items() if isinstance(cost, float)}
+    print(f"first compilation of {len(seconds)} units into an empty folder     CPU s   limit")
     for name, cost in sorted(seconds.items(), key=lambda item: -item[1])[:LARGEST]:
         print(f"  {name:50s} {cost:8.2f}{mark(cost, UNIT_LIMIT)} {UNIT_LIMIT:6.0f}")
     print(f"  {'sum':50s} {sum(seconds.values()):8.2f}")
@@ -357,7 +311,7 @@ def main() -> None:
     if not set(options.part) <= set(PARTS):
         parser.error(f"{' '.join(options.part)}: expected {', '.join(PARTS)}")
     if options.missing:
-        print(json.dumps(missing_units()))
+        print(json.dumps([unit.name for unit in missing()]))
         return
     from heavylift.numerics.jit import cache_root
 
