@@ -7,7 +7,6 @@ velocities of their bases among the first, and coordinates and velocities of all
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +21,7 @@ from heavylift.solver.interface import (
     DISSIPATED,
     DRIVE_WORK,
     EXTERNAL_WORK,
+    Bodies,
     Joints,
     Systems,
     Workspace,
@@ -94,9 +94,7 @@ carried = Members(Systems, Integration)
 """What the integrator carries, among the systems of a scene."""
 
 
-def make_integration(
-    bodies: tuple[Any, ...], joints: tuple[Any, ...], systems: tuple[Any, ...], work: Workspace
-) -> Integration:
+def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Workspace) -> Integration:
     """The last member of the systems of a scene that is integrated accurately.
 
     Raises

@@ -51,7 +51,7 @@ from heavylift.solver.integrate.static_forces import STEP
 from heavylift.solver.interface import FIELD, FORCES, POINT_FORCE, collect_load, move
 from heavylift.solver.rows import SOFTNESS, TARGET
 
-__all__ = ["MeshSystem", "has_meshes"]
+__all__ = ["MeshSystem"]
 
 LARGE_MOVE, LARGE_TURN = 0.3, 0.4
 """What counts as a large displacement: of the size of the scene, and in radians or as a change of a slope."""
@@ -61,11 +61,6 @@ DIFFERENCE = 1e-6
 
 LOADS = frozenset({"UniformGravity", "PointForces"})
 """Kinds of forces that are loads, which grow with the load factor; others are part of the scene."""
-
-
-def has_meshes(rows: StartRows) -> bool:
-    """Whether a scene contains frames or shells."""
-    return any(isinstance(kind, (FrameMeshes, ShellMeshes)) for kind in rows.layout.bodies)
 
 
 class MeshSystem:
