@@ -44,12 +44,14 @@ __all__ = [
     "Ints2",
     "Pointer",
     "Reference",
+    "Words",
     "array_type",
     "declared_types",
     "described",
     "numba_type",
     "number_as_word",
     "rebuild_array",
+    "word_count",
 ]
 
 Floats1 = Annotated[NDArray[np.float64], 1]
@@ -122,9 +124,35 @@ class Arrays:
                 held = of_type.accept(value, f"{type(self).__name__}.{name}")
                 self.__dict__.setdefault("_held", []).append(held)
                 words.append(held.address)
+            elif isinstance(of_type, Words):
+                words += of_type.words(value, f"{type(self).__name__}.{name}")
             else:
                 words.append(number_as_word(of_type, value))
         return words
+
+
+class Words(types.Type):
+    """Numba type of what is handed over as several words, and rebuilt from them."""
+
+    word_count: typing.ClassVar[int]
+
+    def words(self, value: Any, where: str) -> list[int]:
+        """The words of a value.
+
+        Raises
+        ------
+        TypeError
+            If kernels would misread it; names the place and both types.
+        """
+        raise NotImplementedError
+
+    def rebuild(self, context: Any, builder: Any, words: list[Any]) -> Any:
+        """The value in compiled code."""
+        raise NotImplementedError
+
+    def to_words(self, context: Any, builder: Any, value: Any) -> list[Any]:
+        """The words of a value in compiled code."""
+        raise NotImplementedError
 
 
 class Pointer(types.Type):
@@ -206,6 +234,8 @@ def numba_type(annotation: Any) -> Any:
             found = Reference(annotation)
         elif hasattr(annotation, "numba_type"):
             found = annotation.numba_type()
+    elif found is None and hasattr(annotation, "numba_type"):
+        found = annotation.numba_type()
     if found is None:
         raise TypeError(f"{annotation!r}: expected a number, an array of known dimension, Arrays or a Table")
     return found
@@ -257,8 +287,15 @@ def _layout(group: Any) -> dict[str, tuple[Any, int]]:
         except TypeError as error:
             raise TypeError(f"{group.__name__}.{name}: {error}") from None
         made[name] = of_type, place
-        place += 1 + (of_type.ndim if isinstance(of_type, types.Array) else 0)
+        place += word_count(of_type)
     return made
+
+
+def word_count(of_type: Any) -> int:
+    """Words that a value is handed over as."""
+    if isinstance(of_type, types.Array):
+        return 1 + int(of_type.ndim)
+    return of_type.word_count if isinstance(of_type, Words) else 1
 
 
 layout: Callable[[Any], dict[str, tuple[Any, int]]] = cache(_layout)
@@ -269,7 +306,7 @@ layout: Callable[[Any], dict[str, tuple[Any, int]]] = cache(_layout)
 def described(of_type: Any) -> str:
     """All that compiled code knows of a type: of a group its fields and where they are, and those of groups in it."""
     if not isinstance(of_type, Reference):
-        return str(of_type)
+        return of_type.described() if hasattr(of_type, "described") else str(of_type)
     parts = [f"{name} {place} {described(one)}" for name, (one, place) in layout(of_type.group).items()]
     constants = [
         f"{name}={value!r}"
@@ -353,8 +390,10 @@ def _field(context: Any, builder: Any, reference: Any, value: Any, name: str) ->
         of_type = context.typing_context.resolve_value_type(constant)
         return context.get_constant_generic(builder, of_type, constant)
     of_type, place = known[name]
-    if isinstance(of_type, types.Array):
-        words = [constant_word(builder, value, place + i) for i in range(1 + of_type.ndim)]
+    if isinstance(of_type, (types.Array, Words)):
+        words = [constant_word(builder, value, place + i) for i in range(word_count(of_type))]
+        if isinstance(of_type, Words):
+            return of_type.rebuild(context, builder, words)
         return impl_ret_borrowed(context, builder, of_type, rebuild_array(context, builder, of_type, words))
     word = constant_word(builder, value, place)
     if isinstance(of_type, Pointer):

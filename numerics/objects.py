@@ -44,11 +44,13 @@ from heavylift.numerics.arrays import (
     Arrays,
     Pointer,
     Reference,
+    Words,
     declared_types,
     described,
     numba_type,
     number_as_word,
     rebuild_array,
+    word_count,
 )
 from heavylift.numerics.jit import kernel, module_of
 from heavylift.numerics.sources import cache_root, closure_digest, edited_since_start
@@ -245,8 +247,8 @@ def _age(path: Path) -> float:
 
 def native_words(of_type: Any) -> list[ir.Type]:
     """What a parameter becomes in the interface of a compiled function."""
-    if isinstance(of_type, types.Array):
-        return [WORD] * (1 + of_type.ndim)
+    if isinstance(of_type, (types.Array, Words)):
+        return [WORD] * word_count(of_type)
     if isinstance(of_type, Pointer):
         return [WORD.as_pointer()]
     return [ir.DoubleType()] if of_type == types.float64 else [WORD]
@@ -264,12 +266,16 @@ def to_words(context: Any, builder: Any, of_type: Any, value: Any) -> list[Any]:
         array = context.make_array(of_type)(context, builder, value)
         lengths = [builder.extract_value(array.shape, i) for i in range(of_type.ndim)]
         return [builder.ptrtoint(array.data, WORD), *lengths]
+    if isinstance(of_type, Words):
+        return of_type.to_words(context, builder, value)
     return [builder.zext(value, WORD)] if of_type == types.boolean else [value]
 
 
 def _from_words(context: Any, builder: Any, of_type: Any, words: list[Any]) -> Any:
     if isinstance(of_type, types.Array):
         return rebuild_array(context, builder, of_type, words)
+    if isinstance(of_type, Words):
+        return of_type.rebuild(context, builder, words)
     return builder.trunc(words[0], ir.IntType(1)) if of_type == types.boolean else words[0]
 
 
@@ -477,6 +483,8 @@ def native_function(address: int, parameters: Iterable[Any], result: Any) -> Cal
                 if not fits or numpy_support.from_dtype(value.dtype) != of_type.dtype:
                     raise TypeError(f"{value.dtype} array of shape {value.shape}, expected {of_type}")
                 words += [value.ctypes.data, *value.shape]
+            elif isinstance(of_type, Words):
+                words += of_type.words(value, "an argument")
             elif isinstance(of_type, Pointer):
                 words.append(value.address)
             elif of_type == types.float64:

@@ -1,0 +1,523 @@
+"""Rows of memory with named fields: what a kind keeps of each of its things.
+
+A subclass of `Record` lists fields as a dataclass does: ``mass: float``, ``count: int``, ``slack: bool``,
+``position: Vector``, or another record. Its ``layout`` is the NumPy dtype, so ``row.mass`` and ``row.position[2]`` mean
+the same in kernels and in plain Python, where a record is a NumPy scalar that shares its memory, and
+``rows["mass"]`` are the masses of all. In kernels a record is a pointer: a field costs one load, and nothing counts
+columns by hand.
+"""
+
+from __future__ import annotations
+
+import operator
+import typing
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, Self, TypeVar, overload
+
+import numpy as np
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.datamodel import models
+from numba.core.imputils import (
+    lower_builtin,
+    lower_cast,
+    lower_getattr,
+    lower_getattr_generic,
+    lower_setattr_generic,
+)
+from numba.core.typeconv import Conversion
+from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global
+from numba.core.typing.templates import signature as call_signature
+from numba.extending import NativeValue, register_model, typeof_impl, unbox
+from numba.np import numpy_support
+from numpy.typing import NDArray
+
+from heavylift.numerics.arrays import (
+    WORD,
+    Pointer,
+    Words,
+    _PointerModel,
+    declared_types,
+    described,
+    rebuild_array,
+    unbox_address,
+)
+
+__all__ = [
+    "Matrix3",
+    "Matrix6",
+    "Quaternion",
+    "Record",
+    "Records",
+    "Vector",
+    "Vector6",
+    "record_at",
+    "records",
+]
+
+Vector = Annotated[NDArray[np.float64], (3,)]
+"""Field of three numbers; one of another shape is ``Annotated[NDArray[...], shape]``."""
+Quaternion = Annotated[NDArray[np.float64], (4,)]
+Vector6 = Annotated[NDArray[np.float64], (6,)]
+Matrix3 = Annotated[NDArray[np.float64], (3, 3)]
+Matrix6 = Annotated[NDArray[np.float64], (6, 6)]
+
+LINE = 64
+"""Bytes in a cache line."""
+
+WORD_BYTES = 8
+
+R_co = TypeVar("R_co", bound="Record", covariant=True)
+R = TypeVar("R", bound="Record")
+
+if TYPE_CHECKING:
+
+    class _Scalar:  # NumPy's stubs say that nobody inherits from a scalar
+        @property
+        def __array_interface__(self) -> dict[str, Any]: ...
+        def __getitem__(self, name: str) -> Any: ...
+        def __setitem__(self, name: str, value: Any) -> None: ...
+
+else:
+    _Scalar = np.void
+
+
+class Record(_Scalar):
+    """Base of all records. A subclass begins with the fields of its base.
+
+    Attributes
+    ----------
+    layout
+        Its dtype: fields in order, each from a whole word; with ``whole_lines=True`` records fill cache lines.
+    """
+
+    layout: ClassVar[np.dtype[Any]]
+    fields_of: ClassVar[dict[str, tuple[Any, int]]]
+
+    def __init_subclass__(cls, *, whole_lines: bool = False) -> None:
+        """Lay the fields out."""
+        super().__init_subclass__()
+        names, formats, offsets, place = [], [], [], 0
+        for name, annotation in declared_types(cls).items():
+            if typing.get_origin(annotation) is ClassVar or name in ("layout", "fields_of"):
+                continue
+            of_field = _field_layout(cls, name, annotation)
+            names.append(name)
+            formats.append(of_field)
+            offsets.append(place)
+            place += -(-of_field.itemsize // WORD_BYTES) * WORD_BYTES
+        size = -(-place // LINE) * LINE if whole_lines else place
+        plain = np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": size})
+        cls.layout = np.dtype((cls, plain))
+        cls.fields_of = {
+            name: (_field_type(of_field), offset)
+            for name, of_field, offset in zip(names, formats, offsets, strict=True)
+        }
+        for name in names:
+            setattr(cls, name, property(operator.itemgetter(name), _setter(name)))
+
+    @property
+    def address(self) -> int:
+        """Where it is in memory."""
+        return int(self.__array_interface__["data"][0])
+
+    @classmethod
+    def numba_type(cls) -> RecordType:
+        """Type in kernels."""
+        return RecordType(cls)
+
+    @classmethod
+    def one(cls) -> Self:
+        """A single record, all fields 0."""
+        made: Self = records(cls, 1)[0]
+        return made
+
+
+def _setter(name: str) -> Any:
+    def put(record: Any, value: Any) -> None:
+        record[name] = value
+
+    return put
+
+
+def _field_layout(owner: type, name: str, annotation: Any) -> np.dtype[Any]:
+    """Dtype of a field.
+
+    Raises
+    ------
+    TypeError
+        If records have no such fields.
+    """
+    simple = {float: np.float64, int: np.int64, bool: np.bool_}
+    if annotation in simple:
+        return np.dtype(simple[annotation])
+    if isinstance(annotation, type) and issubclass(annotation, Record):
+        return annotation.layout
+    if typing.get_origin(annotation) is Annotated:
+        array, shape = typing.get_args(annotation)[:2]
+        scalar = typing.get_args(typing.get_args(array)[1])[0]
+        return np.dtype((scalar, shape))
+    raise TypeError(
+        f"{owner.__name__}.{name}: {annotation!r}, expected a number, an array of known shape or a record"
+    )
+
+
+def _field_type(of_field: np.dtype[Any]) -> Any:
+    """Numba type of a field."""
+    if of_field.subdtype is not None:
+        scalar, shape = of_field.subdtype
+        return types.Array(numpy_support.from_dtype(scalar), len(shape), "C")
+    if issubclass(of_field.type, Record):
+        return RecordType(of_field.type)
+    return numpy_support.from_dtype(of_field)
+
+
+if TYPE_CHECKING:
+
+    class Records(Generic[R_co]):
+        """One-dimensional array of records."""
+
+        shape: tuple[int]
+        size: int
+        nbytes: int
+        dtype: np.dtype[Any]
+        ctypes: Any
+
+        @overload
+        def __getitem__(self, place: int | np.integer[Any]) -> R_co: ...
+        @overload
+        def __getitem__(self, place: slice | NDArray[Any] | list[int]) -> Records[R_co]: ...
+        @overload
+        def __getitem__(self, place: str) -> NDArray[Any]: ...
+        def __getitem__(self, place: Any) -> Any: ...
+        def __setitem__(self, place: Any, value: Any) -> None: ...
+        def __len__(self) -> int: ...
+        def __iter__(self) -> typing.Iterator[R_co]: ...
+        def copy(self) -> Records[R_co]: ...  # noqa: D102
+        def view(self, dtype: Any) -> NDArray[Any]: ...  # noqa: D102
+
+else:
+
+    class Records:
+        """One-dimensional array of records: ``Records[Row]`` is the annotation of a field or parameter."""
+
+        def __class_getitem__(cls, record: type[Record]) -> Any:
+            """The same object each time."""
+            return _records_of(record)
+
+
+class _RecordsOf:
+    """Annotation of an array of records."""
+
+    def __init__(self, record: type[Record]) -> None:
+        self.record = record
+
+    def numba_type(self) -> RecordsType:
+        """Type in kernels."""
+        return RecordsType(self.record)
+
+
+@cache
+def _records_of(record: type[Record]) -> _RecordsOf:
+    return _RecordsOf(record)
+
+
+def records(record: type[R], rows: int | typing.Iterable[typing.Iterable[Any]]) -> Records[R]:
+    """Array of records that begins at a cache line.
+
+    Parameters
+    ----------
+    record
+        Their class.
+    rows
+        How many, all fields 0; or the values of their fields in order.
+    """
+    given = None if isinstance(rows, int) else [tuple(row) for row in rows]
+    count = rows if isinstance(rows, int) else len(given or ())
+    size = count * record.layout.itemsize
+    buffer = np.zeros(size + LINE, dtype=np.uint8)
+    start = -buffer.ctypes.data % LINE
+    made: Any = buffer[start : start + size].view(record.layout)
+    for i, row in enumerate(given or ()):
+        made[i] = row
+    return made
+
+
+# ---- in kernels ----
+
+
+class RecordType(Pointer):
+    """Numba type of a record: a pointer to it."""
+
+    def __init__(self, record: type[Record]) -> None:
+        self.record = record
+        super().__init__(name=f"{record.__module__}.{record.__qualname__}")
+
+    def accept(self, value: Any, where: str) -> Any:
+        """Only a record of the class or of a subclass."""
+        if not isinstance(value, self.record):
+            raise TypeError(f"{where}: {type(value).__name__}, expected {self.record.__name__}")
+        return value
+
+    def can_convert_to(self, typingctx: Any, other: Any) -> Any:
+        """A subclass begins with the fields of its base."""
+        del typingctx
+        if isinstance(other, RecordType) and issubclass(self.record, other.record):
+            return Conversion.exact if self.record is other.record else Conversion.safe
+        return None
+
+    def described(self) -> str:
+        """All that compiled code knows of it."""
+        parts = [f"{name} {place} {described(of)}" for name, (of, place) in self.record.fields_of.items()]
+        shapes = [str(self.record.layout[name].shape) for name in self.record.fields_of]
+        return f"{self}({', '.join(parts)}; {shapes}; {self.record.layout.itemsize})"
+
+
+class RecordsType(Words):
+    """Numba type of an array of records: its address and length."""
+
+    word_count = 2
+
+    def __init__(self, record: type[Record]) -> None:
+        self.record = record
+        super().__init__(name=f"Records[{record.__module__}.{record.__qualname__}]")
+
+    def words(self, value: Any, where: str) -> list[int]:
+        """Address and length.
+
+        Raises
+        ------
+        TypeError
+            If kernels would misread the array; names the place and both types.
+        """
+        fits = isinstance(value, np.ndarray) and value.ndim == 1 and value.flags.c_contiguous
+        if not fits or value.dtype != self.record.layout:
+            found = (
+                f"{value.dtype.type.__name__} {value.ndim}-d"
+                if isinstance(value, np.ndarray)
+                else type(value).__name__
+            )
+            raise TypeError(f"{where}: {found}, expected a contiguous array of {self.record.__name__}")
+        return [value.ctypes.data, len(value)]
+
+    def described(self) -> str:
+        """All that compiled code knows of it."""
+        return f"Records[{RecordType(self.record).described()}]"
+
+    def rebuild(self, context: Any, builder: Any, words: list[Any]) -> Any:
+        """Structure from address and length."""
+        made = cgutils.create_struct_proxy(self)(context, builder)
+        made.data = builder.inttoptr(words[0], WORD.as_pointer())
+        made.count = words[1]
+        return made._getvalue()  # noqa: SLF001
+
+    def to_words(self, context: Any, builder: Any, value: Any) -> list[Any]:
+        """Address and length of a structure."""
+        made = cgutils.create_struct_proxy(self)(context, builder, value)
+        return [builder.ptrtoint(made.data, WORD), made.count]
+
+
+register_model(RecordType)(_PointerModel)
+unbox(RecordType)(unbox_address)
+
+
+@register_model(RecordsType)
+class _RecordsModel(models.StructModel):
+    def __init__(self, manager: Any, of_type: Any) -> None:
+        super().__init__(
+            manager, of_type, [("data", types.misc.CPointer(types.int64)), ("count", types.int64)]
+        )
+
+
+@unbox(RecordsType)
+def _unbox_records(of_type: Any, value: Any, c: Any) -> NativeValue:
+    made = cgutils.create_struct_proxy(of_type)(c.context, c.builder)
+    interface = c.pyapi.object_getattr_string(value, "ctypes")
+    address = c.pyapi.object_getattr_string(interface, "data")
+    count = c.pyapi.object_getattr_string(value, "size")
+    made.data = c.builder.inttoptr(c.pyapi.long_as_longlong(address), WORD.as_pointer())
+    made.count = c.pyapi.long_as_longlong(count)
+    for one in (interface, address, count):
+        c.pyapi.decref(one)
+    return NativeValue(made._getvalue(), is_error=cgutils.is_not_null(c.builder, c.pyapi.err_occurred()))  # noqa: SLF001
+
+
+_type_of_array = typeof_impl.dispatch(np.ndarray)
+
+
+@typeof_impl.register(np.ndarray)
+def _type_of_records(value: Any, context: Any) -> Any:
+    if issubclass(value.dtype.type, Record):
+        return RecordsType(value.dtype.type)
+    return _type_of_array(value, context)
+
+
+@typeof_impl.register(Record)
+def _type_of_record(value: Record, context: Any) -> RecordType:
+    del context
+    return RecordType(type(value))
+
+
+@lower_cast(RecordType, RecordType)
+def _cast(context: Any, builder: Any, from_type: Any, to_type: Any, value: Any) -> Any:
+    del context, builder, from_type, to_type
+    return value
+
+
+@infer_getattr
+class _Fields(AttributeTemplate):
+    key = RecordType
+
+    def generic_resolve(self, of_type: Any, name: str) -> Any:
+        """Type of a field."""
+        known = of_type.record.fields_of.get(name)
+        return None if known is None else known[0]
+
+
+def _place_of_field(builder: Any, of_type: Any, value: Any, name: str) -> tuple[Any, Any]:
+    """Type of a field and pointer to its first word."""
+    field_type, offset = of_type.record.fields_of[name]
+    return field_type, builder.gep(value, [ir.Constant(WORD, offset // WORD_BYTES)], source_etype=WORD)
+
+
+@lower_getattr_generic(RecordType)
+def _field(context: Any, builder: Any, of_type: Any, value: Any, name: str) -> Any:
+    field_type, at = _place_of_field(builder, of_type, value, name)
+    if isinstance(field_type, RecordType):
+        return at
+    if isinstance(field_type, types.Array):
+        lengths = [ir.Constant(WORD, length) for length in of_type.record.layout[name].shape]
+        return rebuild_array(context, builder, field_type, [builder.ptrtoint(at, WORD), *lengths])
+    data_type = context.get_data_type(field_type)
+    return context.data_model_manager[field_type].load_from_data_pointer(
+        builder, builder.bitcast(at, data_type.as_pointer())
+    )
+
+
+@lower_setattr_generic(RecordType)
+def _set_field(context: Any, builder: Any, signature: Any, values: Any, name: str) -> None:
+    field_type, at = _place_of_field(builder, signature.args[0], values[0], name)
+    model = context.data_model_manager[field_type]
+    data = model.as_data(builder, values[1])
+    builder.store(data, builder.bitcast(at, data.type.as_pointer()))
+
+
+@infer_getattr
+class _ArrayAttributes(AttributeTemplate):
+    key = RecordsType
+
+    def resolve_shape(self, of_type: Any) -> Any:
+        """As of an array."""
+        del of_type
+        return types.containers.UniTuple(types.int64, 1)
+
+    def resolve_size(self, of_type: Any) -> Any:
+        """As of an array."""
+        del of_type
+        return types.int64
+
+
+@lower_getattr(RecordsType, "size")
+def _size(context: Any, builder: Any, of_type: Any, value: Any) -> Any:
+    return cgutils.create_struct_proxy(of_type)(context, builder, value).count
+
+
+@lower_getattr(RecordsType, "shape")
+def _shape(context: Any, builder: Any, of_type: Any, value: Any) -> Any:
+    count = cgutils.create_struct_proxy(of_type)(context, builder, value).count
+    return context.make_tuple(builder, types.containers.UniTuple(types.int64, 1), [count])
+
+
+@infer_global(len)
+class _Length(AbstractTemplate):
+    def generic(self, arguments: Any, named: Any) -> Any:
+        """Of an array of records."""
+        del named
+        return call_signature(types.int64, *arguments) if isinstance(arguments[0], RecordsType) else None
+
+
+@lower_builtin(len, RecordsType)
+def _length(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    return cgutils.create_struct_proxy(signature.args[0])(context, builder, values[0]).count
+
+
+@infer_global(operator.getitem)
+class _Item(AbstractTemplate):
+    def generic(self, arguments: Any, named: Any) -> Any:
+        """A record, or those from one to another."""
+        del named
+        array, index = arguments
+        if isinstance(array, RecordsType) and isinstance(index, types.Integer):
+            return call_signature(RecordType(array.record), array, types.int64)
+        if isinstance(array, RecordsType) and index == types.slice2_type:
+            return call_signature(array, array, index)
+        return None
+
+
+def _record_pointer(builder: Any, array: Any, record: Any, place: Any) -> Any:
+    words = ir.Constant(WORD, record.layout.itemsize // WORD_BYTES)
+    return builder.gep(array.data, [builder.mul(place, words)], source_etype=WORD)
+
+
+@lower_builtin(operator.getitem, RecordsType, types.Integer)
+def _item(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    of_type = signature.args[0]
+    array = cgutils.create_struct_proxy(of_type)(context, builder, values[0])
+    if context.enable_boundscheck:
+        cgutils.do_boundscheck(context, builder, values[1], array.count)
+    return _record_pointer(builder, array, of_type.record, values[1])
+
+
+@lower_builtin(operator.getitem, RecordsType, types.slice2_type)
+def _part(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    of_type = signature.args[0]
+    array = cgutils.create_struct_proxy(of_type)(context, builder, values[0])
+    part = context.make_helper(builder, signature.args[1], values[1])
+    last = builder.select(builder.icmp_signed("<", part.stop, array.count), part.stop, array.count)
+    made = cgutils.create_struct_proxy(of_type)(context, builder)
+    made.data = _record_pointer(builder, array, of_type.record, part.start)
+    count = builder.sub(last, part.start)
+    zero = ir.Constant(WORD, 0)
+    made.count = builder.select(builder.icmp_signed("<", count, zero), zero, count)
+    return made._getvalue()  # noqa: SLF001
+
+
+def record_at(record: type[R]) -> typing.Callable[[NDArray[np.float64], int], R]:
+    """Function that sees a record in a flat array of floats, from a place on: for data of changing length.
+
+    Parameters
+    ----------
+    record
+        Class of the record.
+
+    Returns
+    -------
+    callable
+        For kernels and Python; it does not look at the end of the array unless bounds are checked.
+    """
+    of_type = RecordType(record)
+    words = record.layout.itemsize // WORD_BYTES
+
+    def seen(values: NDArray[np.float64], place: int) -> R:
+        found: R = values[place : place + words].view(record.layout)[0]
+        return found
+
+    class Template(AbstractTemplate):
+        key = seen
+
+        def generic(self, arguments: Any, named: Any) -> Any:
+            array, _ = arguments
+            flat = isinstance(array, types.Array) and array.ndim == 1 and array.layout == "C"
+            return None if named or not flat else call_signature(of_type, array, types.int64)
+
+    def see(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        array = context.make_array(signature.args[0])(context, builder, arguments[0])
+        if context.enable_boundscheck:
+            last = builder.add(arguments[1], ir.Constant(WORD, words - 1))
+            cgutils.do_boundscheck(context, builder, last, builder.extract_value(array.shape, 0))
+        data = builder.bitcast(array.data, WORD.as_pointer())
+        return builder.gep(data, [arguments[1]], source_etype=WORD)
+
+    infer_global(seen, types.Function(Template))
+    lower_builtin(seen, types.Array, types.Integer)(see)
+    return seen
