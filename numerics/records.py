@@ -9,6 +9,7 @@ columns by hand.
 
 from __future__ import annotations
 
+import ctypes
 import operator
 import typing
 from functools import cache
@@ -120,6 +121,13 @@ class Record(_Scalar):
     def address(self) -> int:
         """Where it is in memory."""
         return int(self.__array_interface__["data"][0])
+
+    @property
+    def words(self) -> NDArray[np.float64]:
+        """All of it as words that are copied or cleared together; a view."""
+        count = type(self).layout.itemsize // WORD_BYTES
+        memory: Any = (ctypes.c_double * count).from_address(self.address)
+        return np.frombuffer(memory, dtype=np.float64)
 
     @classmethod
     def numba_type(cls) -> RecordType:

@@ -46,7 +46,7 @@ def share_state(
         That array.
     """
     sizes = [
-        -(-getattr(kind, field).size // LINE) * LINE
+        _lines(getattr(kind, field))
         for kinds in groups
         for kind in kinds
         for field in CARRIED
@@ -58,15 +58,21 @@ def share_state(
     for kinds in groups:
         changed = []
         for kind in kinds:
-            views: dict[str, NDArray[np.float64]] = {}
+            views: dict[str, NDArray[Any]] = {}
             for field in CARRIED:
                 if field in kind._fields:
                     old = getattr(kind, field)
-                    views[field] = whole[start : start + old.size].reshape(old.shape)
+                    memory = whole[start : start + old.nbytes // whole.itemsize]
+                    views[field] = memory.view(old.dtype).reshape(old.shape)
                     views[field][...] = old
-                    start += -(-old.size // LINE) * LINE
+                    start += _lines(old)
             replaced = kind._replace(**views)
             # parts of a kind that have a state of their own keep it in that of the kind
             changed.append(replaced.sharing_state() if hasattr(replaced, "sharing_state") else replaced)
         made.append(tuple(changed))
     return tuple(made), whole
+
+
+def _lines(array: NDArray[Any]) -> int:
+    """Words of an array of numbers or records, to the end of its last cache line."""
+    return -(-(array.nbytes // 8) // LINE) * LINE

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from heavylift.solver.interface import STATUS_BODY
 from heavylift.solver.layout import Layout
 
 __all__ = ["explicit_limit", "mesh_warning"]
@@ -71,6 +70,6 @@ def explicit_limit(layout: Layout) -> str:
         from heavylift.solver.bodies.ancf.kind import NUMBER, STEP_LIMIT
 
         for line, numbers in zip(kind.table, kind.body, strict=True):
-            if line[NUMBER] == layout.work.status[STATUS_BODY]:
+            if line[NUMBER] == layout.work.status.body:
                 return f"a step below {numbers[STEP_LIMIT]:.3g} s, the limit of explicit elastic forces"
     return ""

@@ -20,7 +20,7 @@ from heavylift.solver.compiling import compile_units, missing_units
 from heavylift.solver.energy_watch import EnergyWatch
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
 from heavylift.solver.integrate.loop import start_scene, write_record
-from heavylift.solver.interface import NEXT_STEP, STATUS_OUTCOME, STEP_COUNT, Systems
+from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.mesh_warning import mesh_warning
 from heavylift.solver.rows import LAST_REACTION, REACTION, ROW_COLUMNS
@@ -222,7 +222,7 @@ class Simulation:
         self._started = True
         layout = self._layout
         start_scene(layout.bodies, layout.work, 0.0)
-        layout.work.control[NEXT_STEP] = FIRST_STEP * self.step if self.tolerance else self.step
+        layout.work.control.next_step = FIRST_STEP * self.step if self.tolerance else self.step
         if layout.joints or self._start_mode in AT_REST:
             self._fit_joints()
         if self._touches:
@@ -286,8 +286,8 @@ class Simulation:
         system = layout.systems[0]
         lanes = system.lanes
         found = system.rows.reshape(-1, ROW_COLUMNS, lanes)[:, LAST_REACTION].copy()
-        good = layout.work.status[STATUS_OUTCOME] == 0
-        layout.work.status[:] = 0
+        good = layout.work.status.outcome == 0
+        layout.work.status.words[:] = 0.0
         for name, array in self._arrays():
             array[...] = before[name]
         if good:
@@ -297,7 +297,7 @@ class Simulation:
     @property
     def solver_steps(self) -> int:
         """Steps that were taken, whatever `step_index` counts."""
-        return int(self._layout.work.control[STEP_COUNT])
+        return int(self._layout.work.control.step_count)
 
     def record(self) -> NDArray[np.float64]:
         """Record of the present state, shape (column_count,)."""
@@ -363,7 +363,7 @@ class Simulation:
         write_record(layout.bodies, layout.forces, layout.joints, layout.systems, layout.work, self.time, row)
 
     def _stop(self) -> None:
-        self.outcome = Outcome(int(self._layout.work.status[STATUS_OUTCOME]))
+        self.outcome = Outcome(int(self._layout.work.status.outcome))
         self.message = stop_message(self._layout, f"t = {self.time:.9g} s (step {self.step_index})")
 
     def _back_to(self, before: dict[str, NDArray[Any]], done: int, records: NDArray[np.float64]) -> None:
@@ -371,7 +371,7 @@ class Simulation:
         outcome, message, cpu = self.outcome, self.message, self.cpu_seconds
         self.restore(before)
         self._call(self.step_index, done, self.record_every, records)
-        self._layout.work.status[:] = 0
+        self._layout.work.status.words[:] = 0.0
         self.step_index, self.outcome, self.message, self.cpu_seconds = done, outcome, message, cpu
 
     @property
@@ -423,7 +423,7 @@ class Simulation:
         self.step_index = int(state["step_index"])
         self.cpu_seconds = float(state["cpu_seconds"])
         self.outcome, self.message = Outcome.COMPLETED, ""
-        self._layout.work.status[:] = 0
+        self._layout.work.status.words[:] = 0.0
         self._started = True
         if self._touches:
             from heavylift.solver.contact.check_start import forget_trials
@@ -445,11 +445,14 @@ class Simulation:
     def _arrays(self) -> Iterator[tuple[str, NDArray[Any]]]:
         """Arrays that the step writes, by kind and field."""
         layout = self._layout
-        yield "control", layout.work.control
+        yield "control", layout.work.control.words
         for kind in (*layout.bodies, *layout.joints, *layout.systems, *layout.forces):
             for field, array in zip(kind._fields, kind, strict=True):
                 if isinstance(array, np.ndarray) and field in CARRIED:
-                    yield f"{type(kind).__name__}.{field}", array
+                    yield (
+                        f"{type(kind).__name__}.{field}",
+                        array if array.dtype.names is None else array.view(np.float64),
+                    )
 
 
 def _check_positive(key: str, value: float, expected: str) -> None:

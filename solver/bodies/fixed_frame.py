@@ -62,16 +62,6 @@ from heavylift.solver.bodies.floating_frame_markers import (
 )
 from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of, stage_rotation
 from heavylift.solver.interface import (
-    ANGULAR_MOMENTUM,
-    DISSIPATED,
-    ELASTIC,
-    EXTERNAL_WORK,
-    FIELD,
-    KINETIC,
-    LINEAR_MOMENTUM,
-    POTENTIAL,
-    STATUS_BODY,
-    STATUS_OUTCOME,
     Workspace,
     add_totals,
     advance,
@@ -145,7 +135,7 @@ def fill_fixed_frame_markers(kind: FixedFrameBodies, at_midpoint: bool, level: i
 def gather_loads(kind: FixedFrameBodies, work: Workspace) -> None:
     """Modal loads: of the markers into row `LOAD`, with gravity into row `ROW`."""
     gather_marker_forces(kind, work)
-    g1, g2, g3 = work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2]
+    g1, g2, g3 = work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2]
     weightless = g1 == 0.0 and g2 == 0.0 and g3 == 0.0
     for body in range(kind.table.shape[0]):
         n, first = kind.table[body, MODES], kind.table[body, MODAL]
@@ -185,8 +175,8 @@ def check_fixed_frames(kind: FixedFrameBodies, step: float, work: Workspace) -> 
         for i in range(dof + 6, dof + 6 + n):
             total += abs(work.velocity[i])
         if not math.isfinite(total):
-            work.status[STATUS_OUTCOME] = NOT_FINITE
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+            work.status.outcome = NOT_FINITE
+            work.status.body = kind.table[body, NUMBER]
 
 
 @kernel(internal=True, reassociate=True)
@@ -303,7 +293,7 @@ def record_fixed_frames(
             l1 += kind.modal[TF1, m] * a
             l2 += kind.modal[TF1 + 1, m] * a
             l3 += kind.modal[TF1 + 2, m] * a
-        g = rotate_back(R, work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2])
+        g = rotate_back(R, work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2])
         mass = shape[SHAPE_MASS]
         t = cross(frame[FIRST_MOMENT], frame[FIRST_MOMENT + 1], frame[FIRST_MOMENT + 2], g[0], g[1], g[2])
         force = rotate(R, p1 - mass * g[0], p2 - mass * g[1], p3 - mass * g[2])
@@ -342,15 +332,15 @@ def add_fixed_frame_totals(kind: FixedFrameBodies, work: Workspace) -> None:
             l1 += kind.modal[TF1, m] * rate
             l2 += kind.modal[TF1 + 1, m] * rate
             l3 += kind.modal[TF1 + 2, m] * rate
-        sums[KINETIC] += 0.5 * kinetic
-        sums[ELASTIC] += 0.5 * elastic
+        sums.kinetic += 0.5 * kinetic
+        sums.elastic += 0.5 * elastic
         s = rotate(R, frame[FIRST_MOMENT], frame[FIRST_MOMENT + 1], frame[FIRST_MOMENT + 2])
         p = rotate(R, p1, p2, p3)
         l = rotate(R, l1, l2, l3)
         x = cross(frame[POSITION], frame[POSITION + 1], frame[POSITION + 2], p[0], p[1], p[2])
         for k in range(3):
-            sums[POTENTIAL] -= sums[FIELD + k] * (shape[SHAPE_MASS] * frame[POSITION + k] + s[k])
-            sums[LINEAR_MOMENTUM + k] += p[k]
-            sums[ANGULAR_MOMENTUM + k] += l[k] + x[k]
-        sums[EXTERNAL_WORK] += frame[WORK]
-        sums[DISSIPATED] += frame[WORK + 2]
+            sums.potential -= sums.gravity[k] * (shape[SHAPE_MASS] * frame[POSITION + k] + s[k])
+            sums.linear_momentum[k] += p[k]
+            sums.angular_momentum[k] += l[k] + x[k]
+        sums.external_work += frame[WORK]
+        sums.dissipated += frame[WORK + 2]

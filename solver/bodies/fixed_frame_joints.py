@@ -18,7 +18,6 @@ from heavylift.solver.bodies.floating_frame import (
 from heavylift.solver.bodies.floating_frame_panels import attached_body, gather_row_forces, scale_modal_panel
 from heavylift.solver.bodies.floating_frame_shape import shape_of
 from heavylift.solver.interface import (
-    ERROR,
     Workspace,
     apply_inverse,
     end_velocity,
@@ -95,4 +94,4 @@ def estimate_fixed_frame_error(kind: FixedFrameBodies, step: float, work: Worksp
             predicted = kind.modal[RATE, first + i] + 0.5 * step * kind.modal[RATE2, first + i]
             deformed += (work.velocity[dof + 6 + i] - predicted) ** 2
         error = step * math.sqrt(deformed / shape_of(kind, body)[SHAPE_MASS])
-        work.control[ERROR] = max(work.control[ERROR], error)
+        work.control.error = max(work.control.error, error)

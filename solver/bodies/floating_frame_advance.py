@@ -59,9 +59,6 @@ from heavylift.solver.bodies.floating_frame_shape import lag_scale, product_colu
 from heavylift.solver.bodies.floating_frame_stage import update_products
 from heavylift.solver.drive import DRIVEN, FREE, drive_pose
 from heavylift.solver.interface import (
-    FIELD,
-    STATUS_BODY,
-    STATUS_OUTCOME,
     Workspace,
     advance,
     check,
@@ -89,11 +86,11 @@ def check_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspac
         w1, w2, w3 = work.velocity[dof + 3], work.velocity[dof + 4], work.velocity[dof + 5]
         turn = step * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
         if not math.isfinite(total):
-            work.status[STATUS_OUTCOME] = NOT_FINITE
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+            work.status.outcome = NOT_FINITE
+            work.status.body = kind.table[body, NUMBER]
         elif turn > LARGEST_TURN and kind.table[body, MOTION] == FREE:
-            work.status[STATUS_OUTCOME] = STEP_TOO_LARGE
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+            work.status.outcome = STEP_TOO_LARGE
+            work.status.body = kind.table[body, NUMBER]
 
 
 @implement(advance, FloatingFrameBodies)
@@ -234,10 +231,10 @@ def _begin_drive_work(kind: FloatingFrameBodies, body: int, step: float, work: W
     moment = rotate(R, stage[MOMENT], stage[MOMENT + 1], stage[MOMENT + 2])
     spin = rotate(R, stage[FOUND + 3], stage[FOUND + 4], stage[FOUND + 5])
     s = rotate(R, stage[FIRST_MOMENT], stage[FIRST_MOMENT + 1], stage[FIRST_MOMENT + 2])
-    t = cross(s[0], s[1], s[2], work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2])
+    t = cross(s[0], s[1], s[2], work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2])
     for k in range(3):
         stage[FOUND + 3 + k] = spin[k]
-        stage[FRAME_RHS + k] = frame[MOMENTUM + k] + h * (stage[FORCE + k] + m * work.sums[FIELD + k])
+        stage[FRAME_RHS + k] = frame[MOMENTUM + k] + h * (stage[FORCE + k] + m * work.sums.gravity[k])
         stage[FRAME_RHS + 3 + k] = stage[TRANSPORTED + k] + h * (moment[k] + t[k])
 
 

@@ -40,9 +40,7 @@ from heavylift.solver.bodies.floating_frame import (
 )
 from heavylift.solver.drive import FREE
 from heavylift.solver.interface import (
-    FIELD,
     FORCES,
-    POINT_FORCE,
     Workspace,
     collect_load,
     move,
@@ -139,12 +137,12 @@ def collect_flexible_load(kind: FlexibleBodies, work: Workspace, load: NDArray[n
     for number, body, _, _, serves in kind.markers:
         if serves == FORCES:
             rigid, modal = _dofs(kind, body)
-            force = work.markers[number, POINT_FORCE : POINT_FORCE + 3]
+            force = work.markers[number].force
             load[rigid.start : modal.stop] += force @ work.jacobian[number, :, : modal.stop - rigid.start]
     for body in range(len(kind.table)):
         rigid, modal = _dofs(kind, body)
         own, head = _modes(kind, body), _head(kind, body)
-        g = work.sums[FIELD : FIELD + 3]
+        g = work.sums.gravity
         inside = rotation_matrix(kind.frame[body, ORIENTATION : ORIENTATION + 4]).T @ g
         S, q = kind.modal[S1:TF1, own], kind.modal[Q, own]
         first_moment = head[SHAPE_FIRST_MOMENT : SHAPE_FIRST_MOMENT + 3] + S @ q

@@ -67,7 +67,6 @@ from heavylift.solver.bodies.floating_frame_stage import factor_frame
 from heavylift.solver.contact.system_interface import meet_again
 from heavylift.solver.drive import DRIVEN, FREE
 from heavylift.solver.interface import (
-    ERROR,
     Joints,
     Systems,
     Workspace,
@@ -288,4 +287,4 @@ def estimate_floating_frame_error(kind: FloatingFrameBodies, step: float, work: 
             deformed += (work.velocity[dof + 6 + i] - kind.modal[MID_RATE, first + i]) ** 2
         speed = max(math.sqrt(moved), frame[REACH] * math.sqrt(turned))
         speed = max(speed, math.sqrt(deformed / shape_of(kind, body)[SHAPE_MASS]))
-        work.control[ERROR] = max(work.control[ERROR], h * speed)
+        work.control.error = max(work.control.error, h * speed)

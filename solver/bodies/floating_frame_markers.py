@@ -33,9 +33,6 @@ from heavylift.solver.bodies.floating_frame import (
 )
 from heavylift.solver.bodies.floating_frame_shape import stage_rotation
 from heavylift.solver.interface import (
-    POINT,
-    POINT_FORCE,
-    POINT_VELOCITY,
     ROWS,
     Workspace,
 )
@@ -85,8 +82,8 @@ def write_markers(kind: FlexibleBodies, level: int, work: Workspace) -> None:
         else:
             rate = rotate(R, c1, c2, c3)
         for k in range(3):
-            work.markers[number, POINT + k] = point[k] + (stage[MID_POSITION + k] if direction == 0 else 0.0)
-            work.markers[number, POINT_VELOCITY + k] = rate[k]
+            work.markers[number].point[k] = point[k] + (stage[MID_POSITION + k] if direction == 0 else 0.0)
+            work.markers[number].velocity[k] = rate[k]
             for j in range(3):
                 jacobian[k, j] = 1.0 if (j == k and direction == 0) else 0.0
             jacobian[k, 3] = R[3 * k + 2] * u2 - R[3 * k + 1] * u3
@@ -108,9 +105,9 @@ def gather_marker_forces(kind: FlexibleBodies, work: Workspace) -> None:
         number, body = kind.markers[marker, 0], kind.markers[marker, 1]
         n, first = kind.table[body, MODES], kind.table[body, MODAL]
         f1, f2, f3 = (
-            work.markers[number, POINT_FORCE],
-            work.markers[number, POINT_FORCE + 1],
-            work.markers[number, POINT_FORCE + 2],
+            work.markers[number].force[0],
+            work.markers[number].force[1],
+            work.markers[number].force[2],
         )
         jacobian = work.jacobian[number]
         for j in range(6):

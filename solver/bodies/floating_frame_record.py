@@ -51,17 +51,6 @@ from heavylift.solver.bodies.floating_frame_shape import shape_of, stage_rotatio
 from heavylift.solver.bodies.floating_frame_stage import stage_at_state
 from heavylift.solver.drive import DRIVEN, FREE, drive_pose, drive_velocity
 from heavylift.solver.interface import (
-    ANGULAR_MOMENTUM as TOTAL_ANGULAR_MOMENTUM,
-)
-from heavylift.solver.interface import (
-    DISSIPATED,
-    DRIVE_WORK,
-    ELASTIC,
-    EXTERNAL_WORK,
-    FIELD,
-    KINETIC,
-    LINEAR_MOMENTUM,
-    POTENTIAL,
     Workspace,
     add_totals,
     record,
@@ -151,7 +140,10 @@ def _write_reaction(
     b1, b2, b3 = motion[9], motion[10], motion[11]
     # gravity acts like an acceleration of the frame in the other direction
     a1, a2, a3 = rotate_back(
-        R, motion[6] - work.sums[FIELD], motion[7] - work.sums[FIELD + 1], motion[8] - work.sums[FIELD + 2]
+        R,
+        motion[6] - work.sums.gravity[0],
+        motion[7] - work.sums.gravity[1],
+        motion[8] - work.sums.gravity[2],
     )
     quadratic_modal_force(
         shape, kind.modal[Q, modes], products[AT_Q], products[AT_RATE], w1, w2, w3, modal[QUADRATIC]
@@ -228,18 +220,18 @@ def add_floating_frame_totals(kind: FloatingFrameBodies, work: Workspace) -> Non
             )
             kinetic += modal_momentum * rates[i]
             elastic += kind.modal[STIFFNESS, first + i] * kind.modal[Q, first + i] ** 2
-        totals[KINETIC] += 0.5 * kinetic
-        totals[ELASTIC] += 0.5 * elastic
+        totals.kinetic += 0.5 * kinetic
+        totals.elastic += 0.5 * elastic
         m = shape[SHAPE_MASS]
         s = rotate(R, stage[FIRST_MOMENT], stage[FIRST_MOMENT + 1], stage[FIRST_MOMENT + 2])
         for k in range(3):
-            totals[POTENTIAL] -= work.sums[FIELD + k] * (m * frame[POSITION + k] + s[k])
-        totals[EXTERNAL_WORK] += frame[WORK]
-        totals[DRIVE_WORK] += frame[WORK + 1]
-        totals[DISSIPATED] += frame[WORK + 2]
+            totals.potential -= work.sums.gravity[k] * (m * frame[POSITION + k] + s[k])
+        totals.external_work += frame[WORK]
+        totals.drive_work += frame[WORK + 1]
+        totals.dissipated += frame[WORK + 2]
         p = rotate(R, p[0], p[1], p[2])
         l = rotate(R, l[0], l[1], l[2])
         x = cross(frame[POSITION], frame[POSITION + 1], frame[POSITION + 2], p[0], p[1], p[2])
         for k in range(3):
-            totals[LINEAR_MOMENTUM + k] += p[k]
-            totals[TOTAL_ANGULAR_MOMENTUM + k] += l[k] + x[k]
+            totals.linear_momentum[k] += p[k]
+            totals.angular_momentum[k] += l[k] + x[k]

@@ -13,7 +13,7 @@ from heavylift.solver.bodies.floating_frame import (
     SHAPE_HEAD,
     FlexibleBodies,
 )
-from heavylift.solver.interface import LAST_STEP, Workspace
+from heavylift.solver.interface import Workspace
 
 __all__ = ["lag_scale", "product_columns", "shape_of", "stage_rotation"]
 
@@ -21,7 +21,7 @@ __all__ = ["lag_scale", "product_columns", "shape_of", "stage_rotation"]
 @kernel(inline=True, internal=True)
 def lag_scale(step: float, work: Workspace) -> float:
     """Square of this step relative to the last one, which the distance `LAG` goes with; 1 in the first step."""
-    last = work.control[LAST_STEP]
+    last = work.control.last_step
     return (step / last) ** 2 if last > 0.0 else 1.0
 
 

@@ -92,7 +92,6 @@ from heavylift.solver.bodies.floating_frame_shape import lag_scale, product_colu
 from heavylift.solver.bodies.floating_frame_stage import clear_velocity, factor_frame, solve_stage
 from heavylift.solver.drive import DRIVEN, FREE, drive_pose, drive_velocity
 from heavylift.solver.interface import (
-    FIELD,
     Workspace,
     correct,
     factor,
@@ -189,7 +188,7 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
         modal = kind.modal[:, first : first + n]
         shape = shape_of(kind, body)
         R = stage_rotation(kind, body)
-        g1, g2, g3 = rotate_back(R, work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2])
+        g1, g2, g3 = rotate_back(R, work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2])
         for i in range(n):
             stiffness, damping = kind.modal[STIFFNESS, first + i], kind.modal[DAMPING, first + i]
             modal[INVERSE, i] = 1.0 / (1.0 + 0.25 * h * h * stiffness + 0.5 * h * damping)
@@ -239,9 +238,9 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
             frame = kind.frame[body]
             p = rotate_back(
                 R,
-                frame[MOMENTUM] + 0.5 * h * (stage[FORCE] + m * work.sums[FIELD]),
-                frame[MOMENTUM + 1] + 0.5 * h * (stage[FORCE + 1] + m * work.sums[FIELD + 1]),
-                frame[MOMENTUM + 2] + 0.5 * h * (stage[FORCE + 2] + m * work.sums[FIELD + 2]),
+                frame[MOMENTUM] + 0.5 * h * (stage[FORCE] + m * work.sums.gravity[0]),
+                frame[MOMENTUM + 1] + 0.5 * h * (stage[FORCE + 1] + m * work.sums.gravity[1]),
+                frame[MOMENTUM + 2] + 0.5 * h * (stage[FORCE + 2] + m * work.sums.gravity[2]),
             )
             l = rotate_back(R, stage[TRANSPORTED], stage[TRANSPORTED + 1], stage[TRANSPORTED + 2])
             t = cross(stage[FIRST_MOMENT], stage[FIRST_MOMENT + 1], stage[FIRST_MOMENT + 2], g1, g2, g3)

@@ -62,7 +62,6 @@ from heavylift.solver.bodies.floating_frame_stage import (
 )
 from heavylift.solver.drive import DRIVEN, FREE, drive_pose, drive_velocity
 from heavylift.solver.interface import (
-    FIELD,
     Workspace,
     thesis_advance,
     thesis_velocity,
@@ -90,7 +89,7 @@ def thesis_velocity_floating_frames(
         shape = shape_of(kind, body)
         stage_at_state(kind, body, True)
         R = stage_rotation(kind, body)
-        g = rotate_back(R, work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2])
+        g = rotate_back(R, work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2])
         v = rotate_back(R, frame[VELOCITY], frame[VELOCITY + 1], frame[VELOCITY + 2])
         w = (frame[SPIN], frame[SPIN + 1], frame[SPIN + 2])
         products = kind.products[:, 8 * first : 8 * (first + n)]
@@ -200,7 +199,7 @@ def _add_drive_work(kind: FloatingFrameBodies, body: int, step: float, work: Wor
     p, l = body_momenta(shape, stage, I_tf, v, w, rates)
     p1, l1 = body_momenta(shape, stage, I_tf, v1, w1, velocity[6:])
     f, t = frame_velocity_forces(shape, kind.modal[Q, modes], products[AT_Q], stage, w[0], w[1], w[2], rates)
-    g = rotate_back(R, work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2])
+    g = rotate_back(R, work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2])
     force = rotate_back(R, stage[FORCE], stage[FORCE + 1], stage[FORCE + 2])
     weight = cross(stage[FIRST_MOMENT], stage[FIRST_MOMENT + 1], stage[FIRST_MOMENT + 2], g[0], g[1], g[2])
     for k in range(3):

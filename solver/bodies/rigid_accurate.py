@@ -44,16 +44,7 @@ from heavylift.solver.bodies.rigid import (
 from heavylift.solver.bodies.rigid_stage import gather_marker_forces, prescribe
 from heavylift.solver.drive import DRIVEN, FREE
 from heavylift.solver.interface import (
-    DRIVE_WORK,
-    ERROR,
-    EXTERNAL_WORK,
-    FIELD,
-    POINT,
-    POINT_BIAS,
-    POINT_VELOCITY,
-    POSE_ERROR,
     RECORD,
-    STATUS_BODY,
     Workspace,
     begin_stage,
     complete_rates,
@@ -169,10 +160,10 @@ def begin_rigid_stage(
         c1, c2, c3 = cross(w1, w2, w3, p1, p2, p3)
         b1, b2, b3 = cross(w1, w2, w3, c1, c2, c3)
         out, jacobian = work.markers[number], work.jacobian[number]
-        out[POINT], out[POINT + 1], out[POINT + 2] = x1 + p1, x2 + p2, x3 + p3
-        out[POINT_VELOCITY], out[POINT_VELOCITY + 1] = v1 + c1, v2 + c2
-        out[POINT_VELOCITY + 2] = v3 + c3
-        out[POINT_BIAS], out[POINT_BIAS + 1], out[POINT_BIAS + 2] = b1, b2, b3
+        out.point[0], out.point[1], out.point[2] = x1 + p1, x2 + p2, x3 + p3
+        out.velocity[0], out.velocity[1] = v1 + c1, v2 + c2
+        out.velocity[2] = v3 + c3
+        out.bias[0], out.bias[1], out.bias[2] = b1, b2, b3
         jacobian[0, 3] = r13 * u2 - r12 * u3
         jacobian[0, 4] = r11 * u3 - r13 * u1
         jacobian[0, 5] = r12 * u1 - r11 * u2
@@ -188,7 +179,7 @@ def begin_rigid_stage(
 @kernel(inline=True, internal=True)
 def rigid_free_acceleration(kind: RigidBodies, values: NDArray[np.float64], at: int, work: Workspace) -> None:
     """Gravity and marker forces on top of the gyroscopic part; of prescribed bodies their own accelerations."""
-    g1, g2, g3 = work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2]
+    g1, g2, g3 = work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2]
     held = False
     for body in range(kind.table.shape[0]):
         dof = kind.table[body, DOF]
@@ -214,8 +205,8 @@ def _add_loads(kind: RigidBodies, values: NDArray[np.float64], at: int, work: Wo
         power = weight = 0.0
         for k in range(3):
             power += stage[FORCE + k] * values[speed + k] + stage[MOMENT + k] * values[speed + 3 + k]
-            weight += inertia[MASS] * work.sums[FIELD + k] * values[speed + k]
-        work.sums[EXTERNAL_WORK] += power
+            weight += inertia[MASS] * work.sums.gravity[k] * values[speed + k]
+        work.sums.external_work += power
         if motion == FREE:
             for k in range(3):
                 work.velocity[dof + k] += stage[FORCE + k] / inertia[MASS]
@@ -225,11 +216,11 @@ def _add_loads(kind: RigidBodies, values: NDArray[np.float64], at: int, work: Wo
             driven = motion == DRIVEN
             work.velocity[dof + k] = frame[ACCELERATION + k] if driven else 0.0
             work.velocity[dof + 3 + k] = frame[SPIN_RATE + k] if driven else 0.0
-            work.sums[DRIVE_WORK] += inertia[MASS] * work.velocity[dof + k] * values[speed + k]
-            work.sums[DRIVE_WORK] += (
+            work.sums.drive_work += inertia[MASS] * work.velocity[dof + k] * values[speed + k]
+            work.sums.drive_work += (
                 inertia[PRINCIPAL + k] * work.velocity[dof + 3 + k] * values[speed + 3 + k]
             )
-        work.sums[DRIVE_WORK] -= power + weight
+        work.sums.drive_work -= power + weight
 
 
 @implement(displace, RigidBodies)
@@ -304,9 +295,9 @@ def measure_rigid_error(
         e5 += reach * reach * t5
         e3 += reach * reach * t3
         error = e5 / math.sqrt(e5 + 0.01 * e3) if e5 > 0.0 else e5
-        if error > work.control[ERROR] or math.isnan(error):  # which stays
-            work.control[ERROR] = error
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+        if error > work.control.error or math.isnan(error):  # which stays
+            work.control.error = error
+            work.status.body = kind.table[body, NUMBER]
         place = _place(dof, work) + 3
         q5 = q3 = 0.0
         for k in range(4):
@@ -314,7 +305,7 @@ def measure_rigid_error(
             q3 += values[third + place + k] ** 2
         if q5 > 0.0:  # half the angle
             turn = 2.0 * reach * q5 / math.sqrt(q5 + 0.01 * q3)
-            work.control[POSE_ERROR] = max(work.control[POSE_ERROR], turn)
+            work.control.pose_error = max(work.control.pose_error, turn)
 
 
 @implement(store_state, RigidBodies)

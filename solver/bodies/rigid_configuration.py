@@ -24,9 +24,7 @@ from heavylift.solver.bodies.rigid import (
 )
 from heavylift.solver.drive import FREE
 from heavylift.solver.interface import (
-    FIELD,
     FORCES,
-    POINT_FORCE,
     Workspace,
     collect_load,
     move,
@@ -92,6 +90,6 @@ def collect_rigid_load(kind: RigidBodies, work: Workspace, load: NDArray[np.floa
     """``J^T f`` of the markers that forces act on, and ``m g``."""
     loaded = kind.markers[kind.markers[:, 4] == FORCES]
     dofs = _dofs(kind)
-    force = work.markers[loaded[:, 0], POINT_FORCE : POINT_FORCE + 3]
+    force = work.markers["force"][loaded[:, 0]]
     np.add.at(load, dofs[loaded[:, 1]], np.einsum("mkj,mk->mj", work.jacobian[loaded[:, 0], :, :6], force))
-    load[dofs[:, :3]] += kind.frame[:, MASS, None] * work.sums[FIELD : FIELD + 3]
+    load[dofs[:, :3]] += kind.frame[:, MASS, None] * work.sums.gravity

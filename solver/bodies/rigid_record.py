@@ -34,15 +34,6 @@ from heavylift.solver.bodies.rigid_stage import (
 )
 from heavylift.solver.drive import DRIVEN, FREE
 from heavylift.solver.interface import (
-    ANGULAR_MOMENTUM as TOTAL_ANGULAR_MOMENTUM,
-)
-from heavylift.solver.interface import (
-    DRIVE_WORK,
-    EXTERNAL_WORK,
-    FIELD,
-    KINETIC,
-    LINEAR_MOMENTUM,
-    POTENTIAL,
     Workspace,
     add_totals,
     record,
@@ -114,7 +105,7 @@ def _write_reaction(
     )
     for k in range(3):
         reaction[k] = (
-            inertia[MASS] * (driven * frame[ACCELERATION + k] - work.sums[FIELD + k])
+            inertia[MASS] * (driven * frame[ACCELERATION + k] - work.sums.gravity[k])
             - stage[FORCE + k]
             - frame[JOINT_FORCE + k]
         )
@@ -146,11 +137,11 @@ def add_rigid_totals(kind: RigidBodies, work: Workspace) -> None:
             m * frame[VELOCITY + 2],
         )
         for k in range(3):
-            totals[KINETIC] += 0.5 * (
+            totals.kinetic += 0.5 * (
                 m * frame[VELOCITY + k] ** 2 + inertia[PRINCIPAL + k] * frame[SPIN + k] ** 2
             )
-            totals[POTENTIAL] -= m * work.sums[FIELD + k] * frame[POSITION + k]
-            totals[LINEAR_MOMENTUM + k] += m * frame[VELOCITY + k]
-            totals[TOTAL_ANGULAR_MOMENTUM + k] += L[k] + x[k]
-        totals[EXTERNAL_WORK] += frame[WORK]
-        totals[DRIVE_WORK] += frame[WORK + 1]
+            totals.potential -= m * work.sums.gravity[k] * frame[POSITION + k]
+            totals.linear_momentum[k] += m * frame[VELOCITY + k]
+            totals.angular_momentum[k] += L[k] + x[k]
+        totals.external_work += frame[WORK]
+        totals.drive_work += frame[WORK + 1]

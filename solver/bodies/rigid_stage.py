@@ -41,11 +41,6 @@ from heavylift.solver.bodies.rigid import (
 from heavylift.solver.drive import DRIVEN, drive_pose, drive_velocity
 from heavylift.solver.interface import (
     ACCELERATIONS,
-    FIELD,
-    POINT,
-    POINT_BIAS,
-    POINT_FORCE,
-    POINT_VELOCITY,
     RECORD,
     ROWS,
     Workspace,
@@ -167,9 +162,9 @@ def fill_rigid_markers(kind: RigidBodies, at_midpoint: bool, level: int, work: W
         x2 = translation * stage[MID_POSITION + 1]
         x3 = translation * stage[MID_POSITION + 2]
         out, jacobian = work.markers[number], work.jacobian[number]
-        out[POINT] = x1 + r11 * u1 + r12 * u2 + r13 * u3
-        out[POINT + 1] = x2 + r21 * u1 + r22 * u2 + r23 * u3
-        out[POINT + 2] = x3 + r31 * u1 + r32 * u2 + r33 * u3
+        out.point[0] = x1 + r11 * u1 + r12 * u2 + r13 * u3
+        out.point[1] = x2 + r21 * u1 + r22 * u2 + r23 * u3
+        out.point[2] = x3 + r31 * u1 + r32 * u2 + r33 * u3
         jacobian[0, 3] = r13 * u2 - r12 * u3
         jacobian[0, 4] = r11 * u3 - r13 * u1
         jacobian[0, 5] = r12 * u1 - r11 * u2
@@ -185,12 +180,12 @@ def fill_rigid_markers(kind: RigidBodies, at_midpoint: bool, level: int, work: W
         c = cross(w1, w2, w3, u1, u2, u3)
         rate = rotate(R, c[0], c[1], c[2])
         for k in range(3):
-            work.markers[number, POINT_VELOCITY + k] = rate[k] + translation * stage[MID_VELOCITY + k]
+            work.markers[number].velocity[k] = rate[k] + translation * stage[MID_VELOCITY + k]
         if level == ACCELERATIONS:
             b = cross(w1, w2, w3, c[0], c[1], c[2])
             bias = rotate(R, b[0], b[1], b[2])
             for k in range(3):
-                work.markers[number, POINT_BIAS + k] = bias[k]
+                work.markers[number].bias[k] = bias[k]
 
 
 @kernel(internal=True)
@@ -208,9 +203,9 @@ def gather_marker_forces(kind: RigidBodies, work: Workspace) -> None:
         jacobian = work.jacobian[number]
         for j in range(6):
             kind.frame[body, FORCE + j] += (
-                jacobian[0, j] * work.markers[number, POINT_FORCE]
-                + jacobian[1, j] * work.markers[number, POINT_FORCE + 1]
-                + jacobian[2, j] * work.markers[number, POINT_FORCE + 2]
+                jacobian[0, j] * work.markers[number].force[0]
+                + jacobian[1, j] * work.markers[number].force[1]
+                + jacobian[2, j] * work.markers[number].force[2]
             )
 
 
@@ -265,7 +260,7 @@ def move_driven(kind: RigidBodies, body: int, time: float, step: float, work: Wo
         change = 0.5 * m * (frame[VELOCITY + k] ** 2 - before[k] ** 2)
         change += 0.5 * (L[k] - twist_before[k]) * (spin_before[k] + spin_after[k])
         external += force_work
-        done += change - force_work - m * work.sums[FIELD + k] * moved[k]
+        done += change - force_work - m * work.sums.gravity[k] * moved[k]
         frame[ANGULAR_MOMENTUM + k] = L[k]
     frame[WORK] += external
     frame[WORK + 1] += done

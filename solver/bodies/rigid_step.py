@@ -43,10 +43,6 @@ from heavylift.solver.bodies.rigid_stage import (
 )
 from heavylift.solver.drive import DRIVEN, FIXED, FREE
 from heavylift.solver.interface import (
-    ERROR,
-    FIELD,
-    STATUS_BODY,
-    STATUS_OUTCOME,
     Workspace,
     advance,
     check,
@@ -113,7 +109,7 @@ def factor_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None
             )
             for k in range(3):
                 work.velocity[dof + k] = frame[VELOCITY + k] + 0.5 * h * (
-                    stage[FORCE + k] * inertia[INVERSE_MASS] + work.sums[FIELD + k]
+                    stage[FORCE + k] * inertia[INVERSE_MASS] + work.sums.gravity[k]
                 )
                 work.velocity[dof + 3 + k] = (L[k] + 0.5 * h * stage[MOMENT + k]) * inertia[
                     INVERSE_PRINCIPAL + k
@@ -134,13 +130,13 @@ def check_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
             total += abs(work.velocity[i])
         w1, w2, w3 = work.velocity[dof + 3], work.velocity[dof + 4], work.velocity[dof + 5]
         if not math.isfinite(total):
-            work.status[STATUS_OUTCOME] = NOT_FINITE
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+            work.status.outcome = NOT_FINITE
+            work.status.body = kind.table[body, NUMBER]
         elif (
             kind.table[body, MOTION] == FREE and step * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3) > LARGEST_TURN
         ):
-            work.status[STATUS_OUTCOME] = STEP_TOO_LARGE
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+            work.status.outcome = STEP_TOO_LARGE
+            work.status.body = kind.table[body, NUMBER]
 
 
 @implement(advance, RigidBodies)
@@ -243,9 +239,9 @@ def estimate_rigid_error(kind: RigidBodies, step: float, work: Workspace) -> Non
             moved += (work.velocity[dof + k] - stage[MID_VELOCITY + k]) ** 2
             turned += (work.velocity[dof + 3 + k] - stage[MID_SPIN + k]) ** 2
         error = step * max(math.sqrt(moved), frame[REACH] * math.sqrt(turned))
-        if not error <= work.control[ERROR]:
-            work.control[ERROR] = error
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+        if not error <= work.control.error:
+            work.control.error = error
+            work.status.body = kind.table[body, NUMBER]
 
 
 @implement(finish, RigidBodies)
@@ -287,7 +283,7 @@ def thesis_velocity_rigid_bodies(kind: RigidBodies, time: float, step: float, wo
         )
         for k in range(3):
             work.velocity[dof + k] = frame[VELOCITY + k] + h * (
-                stage[FORCE + k] * inertia[INVERSE_MASS] + work.sums[FIELD + k]
+                stage[FORCE + k] * inertia[INVERSE_MASS] + work.sums.gravity[k]
             )
             work.velocity[dof + 3 + k] = (
                 frame[SPIN + k] + h * (stage[MOMENT + k] - gyroscopic[k]) / inertia[PRINCIPAL + k]

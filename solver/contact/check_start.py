@@ -36,7 +36,6 @@ from heavylift.solver.contact.kind import (
     ContactRows,
 )
 from heavylift.solver.contact.start import run_start
-from heavylift.solver.interface import SPLIT, STATUS_BLOCK, STATUS_OUTCOME
 
 __all__ = ["check_places", "forget_trials", "start_contacts"]
 
@@ -71,10 +70,10 @@ def start_contacts(layout: Any, step: float) -> None:
         from heavylift.solver.contact.mesh_start import check_overlaps
 
         check_overlaps(contacts, layout.block_names[first + count :])
-        if layout.work.status[STATUS_OUTCOME] == int(Outcome.TOO_MANY_CONTACTS):
+        if layout.work.status.outcome == int(Outcome.TOO_MANY_CONTACTS):
             raise InputError(
                 "more contacts at the start than there is room for",
-                source=layout.block_names[int(layout.work.status[STATUS_BLOCK])],
+                source=layout.block_names[int(layout.work.status.block)],
                 key="most_contacts",
                 expected="more of them, or a larger 'patch_size'",
             )
@@ -93,7 +92,7 @@ def forget_trials(layout: Any) -> None:
     for place in (LOW, LOW_GAP, HIGH, HIGH_GAP, HIGH_RATE, IMPACT, SPLITS):
         control[place] = 0.0
     control[WATCHED] = control[JOINS] = -1.0
-    layout.work.control[SPLIT] = 0.0
+    layout.work.control.split = 0.0
 
 
 def check_places(contacts: ContactRows, names: Sequence[str]) -> None:

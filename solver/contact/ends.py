@@ -79,10 +79,6 @@ from heavylift.solver.contact.stage import (
 )
 from heavylift.solver.contact.system_interface import follow_end, project_contacts
 from heavylift.solver.interface import (
-    LAST_STEP,
-    SPLIT,
-    STATUS_BLOCK,
-    STATUS_OUTCOME,
     Bodies,
     Joints,
     Systems,
@@ -208,8 +204,8 @@ def _project(
         contacts.state[c, RATE] = contact_rates(contacts, c, work.velocity)[0]
     if not solve_present(contacts, count, work):
         if step > SHORTEST_PART * contacts.control[NOMINAL]:  # not found: two steps may do what one does not
-            work.status[STATUS_OUTCOME] = work.status[STATUS_BLOCK] = 0
-            work.control[SPLIT] = 0.5 * step
+            work.status.outcome = work.status.block = 0
+            work.control.split = 0.5 * step
         return False
     if hits and not bound_restitution(contacts, count, work):
         return False
@@ -305,7 +301,7 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
     state[IMPULSES] += abs(total) if kind == CURVE else total
     state[STEP_IMPULSE] = total
     resting = state[PRESENT] > 0.0 and state[NEW] == 0.0
-    ahead = step / (step + work.control[LAST_STEP])
+    ahead = step / (step + work.control.last_step)
     for r in range(3):
         middle = (2.0 * contacts.rows[half + r] + contacts.rows[at + r]) / step if resting else 0.0
         before = state[MIDDLE_FORCE + r]

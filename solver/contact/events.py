@@ -76,7 +76,7 @@ from heavylift.solver.contact.mesh_interface import (
 )
 from heavylift.solver.contact.stage import NEAR, impulse_row, looks_ahead
 from heavylift.solver.contact.system_interface import after_step, before_advance, go_back, locate_ends
-from heavylift.solver.interface import SPLIT, Bodies, Workspace, add_row_work
+from heavylift.solver.interface import Bodies, Workspace, add_row_work
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import DOF, HALF_IMPULSE, IMPULSE, WIDTH
 
@@ -227,7 +227,7 @@ def _repeat_with_found(contacts: ContactRows, work: Workspace, step: float) -> N
         if early and contacts.state[c, HIT] > 0.0:
             rate = contact_rates(contacts, c, work.velocity)[0]
             if contacts.state[c, END_GAP] < -gap_tolerance(contacts, c, rate):
-                work.control[SPLIT] = step
+                work.control.split = step
 
 
 @kernel(internal=True)
@@ -246,7 +246,7 @@ def _look_behind(contacts: ContactRows, c: int, nearest: float) -> None:
 
 @kernel(internal=True)
 def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
-    """Set `work.control[SPLIT]` if an impact lies within the step, and keep its bracket."""
+    """Set `work.control.split` if an impact lies within the step, and keep its bracket."""
     control = contacts.control
     if control[SPLITS] >= MOST_TRIALS * contact_count(contacts):
         return
@@ -340,7 +340,7 @@ def _next_time(contacts: ContactRows, work: Workspace, step: float) -> None:
             control[JOINS] = c
             _mark_joining(contacts, step, work)
             t = control[LONGEST]
-    work.control[SPLIT] = t
+    work.control.split = t
 
 
 @implement(go_back, ContactRows)

@@ -40,7 +40,7 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.mesh_interface import touch_triangles
 from heavylift.solver.contact.slider_rows import put_slider_rows
-from heavylift.solver.interface import POINT, Bodies, Workspace
+from heavylift.solver.interface import Bodies, Workspace
 
 __all__ = ["locate"]
 
@@ -66,9 +66,9 @@ def locate(contacts: ContactRows, bodies: Bodies, c: int, cold: bool, work: Work
     marker = contacts.table[c, CENTRE]
     y1, y2, y3 = rotate_back(
         pose,
-        work.markers[marker, POINT] - pose[ORIGIN],
-        work.markers[marker, POINT + 1] - pose[ORIGIN + 1],
-        work.markers[marker, POINT + 2] - pose[ORIGIN + 2],
+        work.markers[marker].point[0] - pose[ORIGIN],
+        work.markers[marker].point[1] - pose[ORIGIN + 1],
+        work.markers[marker].point[2] - pose[ORIGIN + 2],
     )
     if cold:
         sample(contacts.features, contacts, bodies, contour)

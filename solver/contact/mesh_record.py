@@ -45,7 +45,7 @@ from heavylift.solver.contact.mesh_kind import (
     SurfacePairs,
 )
 from heavylift.solver.contact.mesh_slots import surface_count
-from heavylift.solver.interface import DISSIPATED, ELASTIC, Workspace
+from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
 
 __all__ = ["COLLISION_CHANNELS", "collision_channels"]
@@ -126,7 +126,7 @@ def _record_sums(
         row[at + IMPACTS_AT] += state[IMPACTS]
         if contacts.table[c, LAW] == COMPLIANT:
             values = contacts.values[c]
-            work.sums[ELASTIC] += stored_energy(
+            work.sums.elastic += stored_energy(
                 contacts.table[c, FORCE_LAW], values[STIFFNESS], values[EXPONENT], -state[GAP]
             )
         force = state[NORMAL_FORCE]
@@ -139,7 +139,7 @@ def _record_sums(
         for k in range(3):
             row[at + FORCE_AT + k] += state[FORCE + k]
             row[at + CENTRE_AT + k] += force * state[TOUCHED + k]
-    work.sums[DISSIPATED] += row[at + LOSS_AT]
+    work.sums.dissipated += row[at + LOSS_AT]
     record_clearance(meshes.clearances, meshes, contacts, pair, row, at + GAP_AT)
     if row[at + SUM_AT] > 0.0:
         for k in range(3):

@@ -79,7 +79,7 @@ from heavylift.solver.contact.mesh_sides import (
 from heavylift.solver.contact.mesh_slots import add_contact, surface_count
 from heavylift.solver.contact.mesh_table import enter, fill_table, look_up
 from heavylift.solver.contact.mesh_touch import relative_pose, touch_mesh_contact
-from heavylift.solver.interface import STATUS_BLOCK, STATUS_OUTCOME, Bodies, Workspace
+from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
@@ -228,8 +228,8 @@ def _search_pair(
 @kernel(internal=True)
 def _stop(contacts: ContactRows, pair: int, work: Workspace) -> None:
     """More contacts than there are places for."""
-    work.status[STATUS_OUTCOME] = TOO_MANY_CONTACTS
-    work.status[STATUS_BLOCK] = number_of(contacts, FIRST_BLOCK) + number_of(contacts, OF_CONTOURS) + pair
+    work.status.outcome = TOO_MANY_CONTACTS
+    work.status.block = number_of(contacts, FIRST_BLOCK) + number_of(contacts, OF_CONTOURS) + pair
 
 
 @kernel(internal=True)

@@ -40,8 +40,6 @@ from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.locate import locate
 from heavylift.solver.contact.mesh_interface import record_pairs, restore_contacts
 from heavylift.solver.interface import (
-    DISSIPATED,
-    ELASTIC,
     Bodies,
     Joints,
     Workspace,
@@ -108,9 +106,9 @@ def record_contacts(
         for k in range(3):
             row[at + 11 + k] = state[TOUCHED + k]
         row[at + 14], row[at + 15] = state[LOSS], state[IMPACTS]
-        work.sums[DISSIPATED] += state[LOSS]
+        work.sums.dissipated += state[LOSS]
         if contacts.table[c, LAW] == COMPLIANT:
             values = contacts.values[c]
-            work.sums[ELASTIC] += stored_energy(
+            work.sums.elastic += stored_energy(
                 contacts.table[c, FORCE_LAW], values[STIFFNESS], values[EXPONENT], -state[GAP]
             )

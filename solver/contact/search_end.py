@@ -28,7 +28,7 @@ from heavylift.solver.contact.kind import (
     WEIGHTS_AT,
     ContactRows,
 )
-from heavylift.solver.interface import STATUS_BLOCK, STATUS_OUTCOME, Workspace
+from heavylift.solver.interface import Workspace
 
 __all__ = ["judge_searches", "mark_failure", "note_search"]
 
@@ -38,8 +38,8 @@ NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
 @kernel(internal=True)
 def mark_failure(contacts: ContactRows, contact: int, work: Workspace) -> None:
     """Say that place or impulses of a contact were not found; its block comes after those of the joints."""
-    work.status[STATUS_OUTCOME] = NOT_CONVERGED
-    work.status[STATUS_BLOCK] = block_of(contacts, contact)
+    work.status.outcome = NOT_CONVERGED
+    work.status.block = block_of(contacts, contact)
 
 
 @kernel(internal=True)

@@ -18,7 +18,7 @@ from heavylift.solver.contact.kind import (
     SHAPE_ROW,
     ContactRows,
 )
-from heavylift.solver.interface import POINT, Workspace
+from heavylift.solver.interface import Workspace
 
 __all__ = ["place_shape", "put_touch"]
 
@@ -37,9 +37,9 @@ def place_shape(contacts: ContactRows, c: int, y1: float, y2: float, y3: float, 
         w1 = w2 = w3 = 0.0
         for m in range(3):
             share = constant[PRIMITIVE + SHAPE_AXES + 3 * m + column]
-            w1 += share * work.markers[first + m, POINT]
-            w2 += share * work.markers[first + m, POINT + 1]
-            w3 += share * work.markers[first + m, POINT + 2]
+            w1 += share * work.markers[first + m].point[0]
+            w2 += share * work.markers[first + m].point[1]
+            w3 += share * work.markers[first + m].point[2]
         b = rotate_back(pose, w1, w2, w3)
         for k in range(3):
             scratch[SHAPE_ROW + SHAPE_AXES + 3 * k + column] = b[k]

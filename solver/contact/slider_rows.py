@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.kind import ARM, AXES, CENTRE, DIRECTIONS, ContactRows
-from heavylift.solver.interface import POINT, Workspace
+from heavylift.solver.interface import Workspace
 from heavylift.solver.rows import PANEL, WIDTH
 
 __all__ = ["put_slider_rows"]
@@ -34,7 +34,7 @@ def put_slider_rows(contacts: ContactRows, contact: int, work: Workspace) -> Non
     for m in range(first_axis, first_axis + 3):
         share = 0.0
         for k in range(3):
-            share += scratch[ARM + k] * work.markers[m, POINT + k]
+            share += scratch[ARM + k] * work.markers[m].point[k]
         if share == 0.0:
             continue
         T = work.jacobian[m]

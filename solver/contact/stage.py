@@ -59,7 +59,6 @@ from heavylift.solver.contact.reduced import assemble_reduced, solve_reduced
 from heavylift.solver.contact.search_end import judge_searches, mark_failure
 from heavylift.solver.contact.system_interface import follow, meet_again, meet_contacts
 from heavylift.solver.interface import (
-    CHANGED,
     Bodies,
     Joints,
     Systems,
@@ -222,9 +221,9 @@ def _settle(
         assemble_response(contacts, rows, count)
         if not solve_present(contacts, count, work):
             return
-        work.control[CHANGED] = 0.0
+        work.control.changed = 0
         follow(rows, joints, work, time, step)
-        if work.control[CHANGED] == 0.0:
+        if work.control.changed == 0:
             return
     mark_failure(contacts, present_at(contacts, 0), work)
 

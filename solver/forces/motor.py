@@ -15,9 +15,6 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.connections import JointMotor
 from heavylift.solver.interface import (
-    DRIVE_WORK,
-    EXTERNAL_WORK,
-    POINT_FORCE,
     Workspace,
     add_forces,
     fill_bias,
@@ -118,9 +115,9 @@ def _power(work: Workspace, marker: int, dof: int, width: int) -> float:
     for k in range(width):
         J = work.jacobian[marker]
         along = (
-            work.markers[marker, POINT_FORCE] * J[0, k]
-            + work.markers[marker, POINT_FORCE + 1] * J[1, k]
-            + work.markers[marker, POINT_FORCE + 2] * J[2, k]
+            work.markers[marker].force[0] * J[0, k]
+            + work.markers[marker].force[1] * J[1, k]
+            + work.markers[marker].force[2] * J[2, k]
         )
         power += along * work.velocity[dof + k]
     return power
@@ -160,5 +157,5 @@ def record_motors(
     """Load; its work moves from that of outer forces, where the bodies count it, to that of drives."""
     for i in range(kind.table.shape[0]):
         row[kind.table[i, COLUMN]] = motor_load(kind, i, time)
-        work.sums[DRIVE_WORK] += kind.state[i]
-        work.sums[EXTERNAL_WORK] -= kind.state[i]
+        work.sums.drive_work += kind.state[i]
+        work.sums.external_work -= kind.state[i]

@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.interface import (
-    ELASTIC,
-    EXTERNAL_WORK,
     Workspace,
     add_forces,
     fill_bias,
@@ -135,5 +133,5 @@ def record_springs(
         energy = e * mean_force(kind.curves, first, count, kind.values[i, STIFFNESS], 0.0, e)[0]
         if kind.state[i, STARTED] == 0.0:
             kind.state[i, START_ENERGY], kind.state[i, STARTED] = energy, 1.0
-        work.sums[ELASTIC] += energy
-        work.sums[EXTERNAL_WORK] += energy - kind.state[i, START_ENERGY]
+        work.sums.elastic += energy
+        work.sums.external_work += energy - kind.state[i, START_ENERGY]

@@ -71,18 +71,6 @@ from heavylift.solver.integrate.integration import (
 )
 from heavylift.solver.integrate.loop import write_record
 from heavylift.solver.interface import (
-    CORNER,
-    DISSIPATED,
-    DRIVE_WORK,
-    ERROR,
-    EXTERNAL_WORK,
-    FIELD,
-    LAST_STEP,
-    NEXT_STEP,
-    POINT_FORCE,
-    POSE_ERROR,
-    STATUS_OUTCOME,
-    STEP_COUNT,
     Bodies,
     Forces,
     Joints,
@@ -135,9 +123,9 @@ def _evaluate(
     if state[LOADED] != 0.0:
         for marker in range(work.markers.shape[0]):
             for k in range(3):
-                work.markers[marker, POINT_FORCE + k] = 0.0
-    sums[FIELD] = sums[FIELD + 1] = sums[FIELD + 2] = 0.0
-    sums[EXTERNAL_WORK] = sums[DRIVE_WORK] = sums[DISSIPATED] = 0.0
+                work.markers[marker].force[k] = 0.0
+    sums.gravity[0] = sums.gravity[1] = sums.gravity[2] = 0.0
+    sums.external_work = sums.drive_work = sums.dissipated = 0.0
     add_forces(forces, time, work)
     free_acceleration(bodies, values, at, work)
     driven = state[DRIVEN] != 0.0
@@ -148,7 +136,7 @@ def _evaluate(
         add_drive_power(rows, values, at, work)
     for i in range(work.velocity.shape[0]):
         values[out + i] = work.velocity[i]
-    values[end], values[end + 1], values[end + 2] = sums[EXTERNAL_WORK], sums[DRIVE_WORK], sums[DISSIPATED]
+    values[end], values[end + 1], values[end + 2] = sums.external_work, sums.drive_work, sums.dissipated
 
 
 @kernel(internal=True)
@@ -220,12 +208,12 @@ def _first_step(
     """A step whose error in order 8 is about as allowed [m], from how fast velocities change [s]."""
     state, size = integration.state, integration.vectors.shape[0] // VECTORS
     length = state[LENGTH]
-    work.control[ERROR] = 0.0
+    work.control.error = 0.0
     measure_error(bodies, integration.vectors, END_RATE * size, END_RATE * size, work)
-    acceleration = work.control[ERROR]
-    work.control[ERROR] = 0.0
+    acceleration = work.control.error
+    work.control.error = 0.0
     measure_error(bodies, integration.vectors, END * size, END * size, work)
-    rate = max(math.sqrt(acceleration / length), work.control[ERROR] / length)
+    rate = max(math.sqrt(acceleration / length), work.control.error / length)
     if not rate > 0.0:
         return interval
     return (allowed / length) ** (1.0 / (ORDER + 1)) / rate
@@ -249,7 +237,7 @@ def _step(
         time = 0.0 if state[STARTED] == 0.0 else state[TIMES + int(state[NODE])]
         _begin(bodies, forces, joints, rows, work, integration, time)
         if state[STARTED] == 0.0:
-            control[NEXT_STEP] = _first_step(bodies, work, integration, allowed, interval)
+            control.next_step = _first_step(bodies, work, integration, allowed, interval)
         state[STARTED] = 1.0
         state[AT_CORNER] = 0.0
     slot = int(state[NODE])
@@ -258,15 +246,15 @@ def _step(
     for i in range(2 * size):
         values[i] = state[place + i]
     shortest = SHORTEST * max(abs(time), interval)
-    corner = int(control[CORNER])
+    corner = int(control.corner)
     while corner < work.corners.shape[0] and work.corners[corner] <= time + shortest:
         corner += 1
-    control[CORNER] = corner
+    control.corner = corner
     ahead = work.corners[corner] - time if corner < work.corners.shape[0] else math.inf
     # three nodes are needed between two corners
     rest = 0.5 * ahead if state[NODES_FILLED] < 2.0 else ahead
     while True:
-        h = control[NEXT_STEP]
+        h = control.next_step
         at_corner = h >= rest
         if at_corner:
             h = rest
@@ -288,20 +276,20 @@ def _step(
                 False,
             )
         write_errors(values, size, FIFTH, THIRD)
-        control[ERROR] = control[POSE_ERROR] = 0.0
+        control.error = control.pose_error = 0.0
         measure_error(bodies, values, FIFTH * size, THIRD * size, work)
-        error = h * max(max(h, state[MEMORY]) * control[ERROR], control[POSE_ERROR]) / allowed
+        error = h * max(max(h, state[MEMORY]) * control.error, control.pose_error) / allowed
         if error <= 1.0:
             break
         factor = SMALLEST_FACTOR
         if error < math.inf:
             factor = max(SAFETY * error ** (-1.0 / ORDER), SMALLEST_FACTOR)
-        control[NEXT_STEP] = h * factor
+        control.next_step = h * factor
         state[REJECTED] = 1.0
         state[REJECTIONS] += 1.0
         if h * factor < shortest:
             # `measure_error` left the body
-            work.status[STATUS_OUTCOME] = STEP_TOO_SMALL if error < math.inf else NOT_FINITE
+            work.status.outcome = STEP_TOO_SMALL if error < math.inf else NOT_FINITE
             return False
     write_end(values, size, END, h)
     _project(bodies, joints, rows, work, integration, last)
@@ -315,16 +303,16 @@ def _step(
     error = max(error, LEAST_ERROR)
     factor = SAFETY * error ** (-1.0 / ORDER)
     if state[ERROR_BEFORE] > 0.0:  # what makes the error grow goes on
-        factor *= min((state[ERROR_BEFORE] / error) ** (1.0 / ORDER) * h / control[LAST_STEP], 1.0)
+        factor *= min((state[ERROR_BEFORE] / error) ** (1.0 / ORDER) * h / control.last_step, 1.0)
     state[ERROR_BEFORE] = error
     factor = min(max(factor, SMALLEST_FACTOR), LARGEST_FACTOR)
     if state[REJECTED] != 0.0:
         factor = min(factor, 1.0)
     state[REJECTED] = 0.0
-    control[NEXT_STEP] = max(control[NEXT_STEP], h * factor) if at_corner else h * factor
+    control.next_step = max(control.next_step, h * factor) if at_corner else h * factor
     state[MEMORY] = max(h, MEMORY_DECAY * state[MEMORY])
-    control[LAST_STEP] = h
-    control[STEP_COUNT] += 1.0
+    control.last_step = h
+    control.step_count += 1
     return True
 
 

@@ -18,7 +18,6 @@ from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.integrate.row_solver import assemble, factor_rows, solve_rows
 from heavylift.solver.interface import (
-    DRIVE_WORK,
     Bodies,
     Joints,
     Systems,
@@ -208,6 +207,6 @@ def add_row_drive_power(system: RowSystem, values: NDArray[np.float64], at: int,
         reaction = (system.attachments[i, OWNER] * ROW_COLUMNS + REACTION) * lanes
         for k in range(system.attachments[i, WIDTH]):
             for r in range(lanes):
-                work.sums[DRIVE_WORK] += (
+                work.sums.drive_work += (
                     system.rows[reaction + r] * system.panels[panel + k * lanes + r] * values[at + dof + k]
                 )

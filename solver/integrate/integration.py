@@ -18,9 +18,6 @@ from heavylift.solver.combination import padded
 from heavylift.solver.integrate.accurate_rows import is_tree
 from heavylift.solver.integrate.dop853 import STAGES
 from heavylift.solver.interface import (
-    DISSIPATED,
-    DRIVE_WORK,
-    EXTERNAL_WORK,
     Bodies,
     Joints,
     Systems,
@@ -159,9 +156,9 @@ def record_works(
     integration: Integration, joints: Joints, work: Workspace, time: float, row: NDArray[np.float64]
 ) -> None:
     """Works that were integrated with the motion, into the totals."""
-    work.sums[EXTERNAL_WORK] += integration.state[WORKS]
-    work.sums[DRIVE_WORK] += integration.state[WORKS + 1]
-    work.sums[DISSIPATED] += integration.state[WORKS + 2]
+    work.sums.external_work += integration.state[WORKS]
+    work.sums.drive_work += integration.state[WORKS + 1]
+    work.sums.dissipated += integration.state[WORKS + 2]
 
 
 @kernel(internal=True, reassociate=True)

@@ -48,7 +48,7 @@ from heavylift.solver.integrate.mesh_kernels import evaluate_loads
 from heavylift.solver.integrate.rows_at_rest import fill_at_rest
 from heavylift.solver.integrate.start_rows import StartRows
 from heavylift.solver.integrate.static_forces import STEP
-from heavylift.solver.interface import FIELD, FORCES, POINT_FORCE, collect_load, move
+from heavylift.solver.interface import FORCES, collect_load, move
 from heavylift.solver.rows import SOFTNESS, TARGET
 
 __all__ = ["MeshSystem"]
@@ -226,14 +226,14 @@ class MeshSystem:
             for marker in kind.markers[kind.markers[:, MARKER_LEVEL] == FORCES]:
                 number, line = marker[MARKER_NUMBER], kind.table[marker[MARKER_BODY]]
                 width = 3 * line[BASES]
-                force = work.markers[number, POINT_FORCE : POINT_FORCE + 3]
+                force = work.markers[number].force
                 load[line[DOF] : line[DOF] + width] += work.jacobian[number, :, :width].T @ force
 
     def _elasticity(self) -> NDArray[np.float64]:
         """Elasticity of bodies with modes, shape (dof_count,); forces of the markers are lost."""
         work, pull = self.layout.work, np.zeros(len(self.rows.inertia))
-        work.markers[:, POINT_FORCE : POINT_FORCE + 3] = 0.0
-        work.sums[FIELD : FIELD + 3] = 0.0
+        work.markers["force"] = 0.0
+        work.sums.gravity[:] = 0.0
         collect_load(self.others, work, pull)
         return pull
 

@@ -27,12 +27,7 @@ from heavylift.solver.integrate.row_solver import (
     solve_rows,
 )
 from heavylift.solver.interface import (
-    CHANGED,
     FORCES,
-    LAST_STEP,
-    SPLIT,
-    STATUS_BLOCK,
-    STATUS_OUTCOME,
     Bodies,
     Joints,
     Systems,
@@ -112,20 +107,20 @@ def solve_midpoint_laws(
 def fit_laws(system: RowSystem, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """Rounds of the Newton iteration, the first with the factor that is there; without laws it is the only one.
 
-    Then `work.control[CHANGED]` stays as it is: bodies that iterate count in it.
+    Then `work.control.changed` stays as it is: bodies that iterate count in it.
     """
     if not system.laws:
         solve_rows(system, work.velocity)
         return
     for _ in range(LAW_ITERATIONS):
         solve_rows(system, work.velocity)
-        work.control[CHANGED] = 0.0
+        work.control.changed = 0
         relinearise(joints, time, step, work, system)
-        if work.control[CHANGED] == 0.0:
+        if work.control.changed == 0:
             return
         assemble(system)
         factor_rows(system)
-    work.status[STATUS_OUTCOME] = NOT_CONVERGED
+    work.status.outcome = NOT_CONVERGED
 
 
 @implement(solve_again, RowSystem)
@@ -207,16 +202,16 @@ def end_step(
 ) -> None:
     """End of the step: velocities projected onto the rigid rows there, impacts, reactions of the step.
 
-    With `work.control[SPLIT]` set an impact lies within the step, or contacts were not found at its end: then all
+    With `work.control.split` set an impact lies within the step, or contacts were not found at its end: then all
     of it has to be taken back.
     """
     end_rows(systems, bodies, joints, work, time, step)
     locate_ends(systems, bodies, work, time, step)
-    if work.control[SPLIT] > 0.0:
+    if work.control.split > 0.0:
         return
     solve_end(systems, bodies, joints, work, time, step)
     project_contacts(systems, bodies, systems, joints, work, time, step)
-    if work.control[SPLIT] > 0.0:
+    if work.control.split > 0.0:
         return
     close_step(systems, systems, bodies, work, step)
 
@@ -270,7 +265,7 @@ def close_row_step(
     complete(bodies, all_systems, False, step, work)
     set_velocity(bodies, step, work)
     _check_closed(system, work)
-    ahead = step / (step + work.control[LAST_STEP])
+    ahead = step / (step + work.control.last_step)
     rate = 1.0 / step
     for node in range(system.attachments.shape[0] // 2):
         at = node * ROW_COLUMNS * lanes
@@ -298,13 +293,13 @@ def follow_laws(system: RowSystem, joints: Joints, work: Workspace, time: float,
     solve_rows(system, work.velocity)
     if not system.laws:
         return
-    work.control[CHANGED] = 0.0
+    work.control.changed = 0
     relinearise(joints, time, step, work, system)
-    if work.control[CHANGED] > 0.0:
+    if work.control.changed > 0:
         assemble(system)
         factor_rows(system)
         fit_laws(system, joints, work, time, step)
-        work.control[CHANGED] = 1.0
+        work.control.changed = 1
 
 
 @implement(follow_end, RowSystem)
@@ -324,8 +319,8 @@ def _check_closed(system: RowSystem, work: Workspace) -> None:
         for r in range(lanes):
             total += abs(system.rows[at + RIGID * lanes + r] * system.rows[at + RESIDUAL * lanes + r])
         if not total <= 1.0:
-            work.status[STATUS_OUTCOME] = NOT_CLOSED
-            work.status[STATUS_BLOCK] = node
+            work.status.outcome = NOT_CLOSED
+            work.status.block = node
 
 
 @implement(gather_rows, RowSystem)

@@ -6,7 +6,6 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.solver.integrate.loop import evaluate_forces
 from heavylift.solver.interface import (
-    CHANGED,
     FORCES,
     Bodies,
     Forces,
@@ -86,9 +85,9 @@ def fit_rows_at_rest(system: RowSystem, joints: Joints, work: Workspace, time: f
                     system.rows[at + IMPULSE * lanes + r] = (
                         system.rows[at + TARGET * lanes + r] / system.rows[at + SOFTNESS * lanes + r]
                     )
-        work.control[CHANGED] = 0.0
+        work.control.changed = 0
         relinearise(joints, time, step, work, system)
-        if work.control[CHANGED] == 0.0:
+        if work.control.changed == 0:
             return
 
 

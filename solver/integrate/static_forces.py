@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from heavylift.solver.integrate.rows_at_rest import fill_at_rest
 from heavylift.solver.integrate.start_rows import StartRows
 from heavylift.solver.interface import (
-    FIELD,
     collect_load,
 )
 from heavylift.solver.rows import (
@@ -83,7 +82,7 @@ class StaticForces:
         reaction[soft] = 2.0 * rows.column(TARGET)[soft] / (STEP * rows.column(SOFTNESS)[soft])
         pull = G.T @ reaction
         pull[rows.inertia == 0.0] = 0.0
-        gravity = float(np.linalg.norm(layout.work.sums[FIELD : FIELD + 3]))
+        gravity = float(np.linalg.norm(layout.work.sums.gravity))
         mass = rows.inertia[rows.survey()[0][:, 0].astype(np.int64)]
         self.weight = max(
             self.weight, self.norm(load), self.norm(pull), gravity * float(np.linalg.norm(mass))

@@ -20,7 +20,7 @@ from heavylift.solver.connections import (
     SliderHinge,
     Spring,
 )
-from heavylift.solver.interface import POINT_FORCE, Workspace
+from heavylift.solver.interface import Workspace
 from heavylift.solver.joints.packing import angle_markers, travel_markers
 from heavylift.solver.joints.row_writing import (
     Vector,
@@ -136,7 +136,7 @@ def coordinate_row(
 @kernel(inline=True, internal=True)
 def _add_force(work: Workspace, marker: int, s: float, v: Vector) -> None:
     for k in range(3):
-        work.markers[marker, POINT_FORCE + k] += s * v[k]
+        work.markers[marker].force[k] += s * v[k]
 
 
 @kernel(internal=True)

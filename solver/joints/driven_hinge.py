@@ -16,7 +16,6 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import Hinge
 from heavylift.solver.drive import profile_value
 from heavylift.solver.interface import (
-    DRIVE_WORK,
     Workspace,
     fill_bias,
     fill_rows,
@@ -129,4 +128,4 @@ def record_driven_hinges(
         add_torque(system, block, ROW, work, entry[Z_A], row, column)
         prescribed = profile_value(kind.profiles, entry[PROFILE], time)[0]
         row[column + REACTION_WIDTH] = near_angle(row[column + REACTION_WIDTH], prescribed)
-        work.sums[DRIVE_WORK] += drive_work(system, block, ROW, kind.state[j, DRIVE:])
+        work.sums.drive_work += drive_work(system, block, ROW, kind.state[j, DRIVE:])

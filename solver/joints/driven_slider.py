@@ -16,7 +16,6 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import Slider
 from heavylift.solver.drive import profile_value
 from heavylift.solver.interface import (
-    DRIVE_WORK,
     Workspace,
     fill_bias,
     fill_rows,
@@ -124,4 +123,4 @@ def record_driven_sliders(
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
         add_force(system, entry[BLOCK], ROW, work, entry[Z_A], row, entry[COLUMN])
-        work.sums[DRIVE_WORK] += drive_work(system, entry[BLOCK], ROW, kind.state[j])
+        work.sums.drive_work += drive_work(system, entry[BLOCK], ROW, kind.state[j])

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.interface import CHANGED, STATUS_BLOCK, Workspace
+from heavylift.solver.interface import Workspace
 from heavylift.solver.rows import (
     DOF,
     IMPULSE,
@@ -114,5 +114,5 @@ def fit_law(
     put_law(system, block, h, u, force, slope)
     moved = abs(system.rows[softness] - old_softness) > FITTED * old_softness
     if moved or abs(system.rows[target] - old_target) > FITTED * (abs(old_target) + abs(u)):
-        work.control[CHANGED] += 1.0
-        work.status[STATUS_BLOCK] = block  # named if the iteration does not end
+        work.control.changed += 1
+        work.status.block = block  # named if the iteration does not end

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel, view
-from heavylift.solver.interface import POINT, POINT_BIAS, POINT_VELOCITY, Workspace
+from heavylift.solver.interface import Workspace
 from heavylift.solver.rows import PANEL, RESIDUAL, ROW_COLUMNS, TARGET, WIDTH, RowArrays
 
 __all__ = [
@@ -54,21 +54,21 @@ Vector = tuple[float, float, float]
 def vector(work: Workspace, marker: int) -> Vector:
     """The vector of a marker."""
     m = work.markers[marker]
-    return m[POINT], m[POINT + 1], m[POINT + 2]
+    return m.point[0], m.point[1], m.point[2]
 
 
 @kernel(inline=True, internal=True)
 def rate(work: Workspace, marker: int) -> Vector:
     """The rate of the vector of a marker, where its level is filled with rates."""
     m = work.markers[marker]
-    return m[POINT_VELOCITY], m[POINT_VELOCITY + 1], m[POINT_VELOCITY + 2]
+    return m.velocity[0], m.velocity[1], m.velocity[2]
 
 
 @kernel(inline=True, internal=True)
 def bias(work: Workspace, marker: int) -> Vector:
     """The second rate of the vector of a marker without accelerations of its body."""
     m = work.markers[marker]
-    return m[POINT_BIAS], m[POINT_BIAS + 1], m[POINT_BIAS + 2]
+    return m.bias[0], m.bias[1], m.bias[2]
 
 
 @kernel(inline=True, internal=True)

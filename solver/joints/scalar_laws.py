@@ -15,10 +15,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.interface import (
-    CHANGED,
-    DISSIPATED,
-    ELASTIC,
-    STATUS_BLOCK,
     Workspace,
     fill_rows,
     record_joints,
@@ -176,7 +172,7 @@ def relinearise_scalar_laws(
             P, limit = law_impulse(system, block), 0.5 * step * kind.values[i, LARGEST]
             branch = state[BRANCH]
             state[ROUNDS] += 1.0
-            if state[ROUNDS] > PLAIN_ROUNDS and work.control[CHANGED] > 0.0:
+            if state[ROUNDS] > PLAIN_ROUNDS and work.control.changed > 0:
                 continue  # rows that change together can go in circles; the first of them alone cannot
             if branch == 0.0 and abs(P) > limit * (1.0 + 1e-10):
                 state[BRANCH] = -1.0 if P > 0.0 else 1.0
@@ -184,8 +180,8 @@ def relinearise_scalar_laws(
                 state[BRANCH] = 0.0
             if state[BRANCH] != branch:
                 _put_friction(kind, i, step, system)
-                work.control[CHANGED] += 1.0
-                work.status[STATUS_BLOCK] = block
+                work.control.changed += 1
+                work.status.block = block
             continue
         _, force, slope = _law(kind, i, u, step)
         state[ROUNDS] += 1.0
@@ -227,7 +223,7 @@ def record_scalar_laws(
         values, state = kind.values[i], kind.state[i]
         geometric = _carry(kind, i, coordinate_value(work, coordinate, a, b, c))
         q = state[VALUE]
-        work.sums[DISSIPATED] += state[LOSS]
+        work.sums.dissipated += state[LOSS]
         if law == SPRING:
             e = q - values[REST]
             row[column] = spring_force(kind.curves, first, count, 0.0, e)
@@ -235,7 +231,7 @@ def record_scalar_laws(
                 row[column] += values[DAMPING] * coordinate_rate(work, coordinate, a, b, c)
             if coordinate == DISTANCE:
                 row[column + 1] = geometric
-            work.sums[ELASTIC] += e * mean_force(kind.curves, first, count, 0.0, 0.0, e)[0]
+            work.sums.elastic += e * mean_force(kind.curves, first, count, 0.0, 0.0, e)[0]
         elif law == STOP:
             beyond = max(0.0, q - values[UPPER], values[LOWER] - q)
-            work.sums[ELASTIC] += 0.5 * values[STIFFNESS] * beyond * beyond
+            work.sums.elastic += 0.5 * values[STIFFNESS] * beyond * beyond

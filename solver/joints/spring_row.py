@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.interface import (
-    DISSIPATED,
-    ELASTIC,
     Workspace,
     fill_rows,
     record_joints,
@@ -108,5 +106,5 @@ def record_spring_rows(
             row[column] += d * coordinate_rate(work, coordinate, a, b, c)
         if coordinate == DISTANCE:
             row[column + 1] = q
-        work.sums[ELASTIC] += 0.5 * k * e * e
-        work.sums[DISSIPATED] += kind.state[i, LOSS]
+        work.sums.elastic += 0.5 * k * e * e
+        work.sums.dissipated += kind.state[i, LOSS]

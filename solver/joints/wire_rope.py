@@ -21,11 +21,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.interface import (
-    DISSIPATED,
-    DRIVE_WORK,
-    ELASTIC,
-    POINT,
-    POINT_VELOCITY,
     Workspace,
     fill_rows,
     record_joints,
@@ -125,9 +120,9 @@ def _find_path(kind: Ropes, i: int, work: Workspace) -> float:
     for p in range(first, last):
         marker, axis = kind.places[p, MARKER], kind.places[p, AXIS_MARKER]
         for k in range(3):
-            kind.path[p, k] = work.markers[marker, POINT + k]
+            kind.path[p, k] = work.markers[marker].point[k]
             if axis >= 0:
-                kind.path[p, 3 + k] = work.markers[axis, POINT + k]
+                kind.path[p, 3 + k] = work.markers[axis].point[k]
     wraps = kind.table.shape[0] * STATE_WIDTH
     return path_length(
         kind.path[first:last], kind.gradient[first:last], kind.state[wraps + first : wraps + last]
@@ -247,9 +242,9 @@ def _path_rate(kind: Ropes, i: int, work: Workspace) -> float:
     for p in range(first, first + kind.table[i, PLACES]):
         marker, axis, _ = kind.places[p]
         for k in range(3):
-            rate += kind.gradient[p, k] * work.markers[marker, POINT_VELOCITY + k]
+            rate += kind.gradient[p, k] * work.markers[marker].velocity[k]
             if axis >= 0:
-                rate += kind.gradient[p, 3 + k] * work.markers[axis, POINT_VELOCITY + k]
+                rate += kind.gradient[p, 3 + k] * work.markers[axis].velocity[k]
     return rate
 
 
@@ -269,7 +264,7 @@ def record_ropes(
         tension = 0.0
         if e > 0.0:
             tension = k * e
-            work.sums[ELASTIC] += 0.5 * k * e * e
+            work.sums.elastic += 0.5 * k * e * e
             if kind.values[i, DAMPING] > 0.0:
                 stretching = _path_rate(kind, i, work) + winch_state(kind, i, time)[1]
                 tension = max(0.0, tension + kind.values[i, DAMPING] * stretching)
@@ -279,5 +274,5 @@ def record_ropes(
         row[column + 3] = state[at + DRIFT]
         for part in range(kind.table[i, PLACES] - 1):
             row[column + 4 + part] = tension
-        work.sums[DRIVE_WORK] += state[at + WINCH_WORK]
-        work.sums[DISSIPATED] += state[at + LOSS]
+        work.sums.drive_work += state[at + WINCH_WORK]
+        work.sums.dissipated += state[at + LOSS]

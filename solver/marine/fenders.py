@@ -11,12 +11,7 @@ from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.interface import (
-    ELASTIC,
-    EXTERNAL_WORK,
     FORCES,
-    POINT,
-    POINT_FORCE,
-    POINT_VELOCITY,
     Workspace,
     add_forces,
     record_forces,
@@ -164,10 +159,10 @@ def _compression(kind: Fenders, i: int, work: Workspace) -> tuple[float, float]:
     a, n, b = kind.table[i, POINT_A], kind.table[i, NORMAL], kind.table[i, POINT_B]
     depth = rate = 0.0
     for k in range(3):
-        r = work.markers[b, POINT + k] - work.markers[a, POINT + k]
-        v = work.markers[b, POINT_VELOCITY + k] - work.markers[a, POINT_VELOCITY + k]
-        depth -= r * work.markers[n, POINT + k]
-        rate -= v * work.markers[n, POINT + k] + r * work.markers[n, POINT_VELOCITY + k]
+        r = work.markers[b].point[k] - work.markers[a].point[k]
+        v = work.markers[b].velocity[k] - work.markers[a].velocity[k]
+        depth -= r * work.markers[n].point[k]
+        rate -= v * work.markers[n].point[k] + r * work.markers[n].velocity[k]
     return depth, rate
 
 
@@ -204,7 +199,7 @@ def add_fenders(kind: Fenders, time: float, work: Workspace) -> None:
         a, n, b = kind.table[i, POINT_A], kind.table[i, NORMAL], kind.table[i, POINT_B]
         depth, rate = _compression(kind, i, work)
         force, stiffness, damping = _push(kind, i, depth, rate)
-        n1, n2, n3 = work.markers[n, POINT], work.markers[n, POINT + 1], work.markers[n, POINT + 2]
+        n1, n2, n3 = work.markers[n].point[0], work.markers[n].point[1], work.markers[n].point[2]
         normal = (n1, n2, n3)
         for j in range(3):
             for k in range(3):
@@ -212,10 +207,10 @@ def add_fenders(kind: Fenders, time: float, work: Workspace) -> None:
                 kind.rate_tangents[i, 3 * j + k] = damping * normal[j] * normal[k]
         if force > 0.0:
             for k in range(3):
-                r = work.markers[b, POINT + k] - work.markers[a, POINT + k]
-                work.markers[b, POINT_FORCE + k] += force * normal[k]
-                work.markers[a, POINT_FORCE + k] -= force * normal[k]
-                work.markers[n, POINT_FORCE + k] += force * r
+                r = work.markers[b].point[k] - work.markers[a].point[k]
+                work.markers[b].force[k] += force * normal[k]
+                work.markers[a].force[k] -= force * normal[k]
+                work.markers[n].force[k] += force * r
 
 
 @implement(record_forces, Fenders)
@@ -231,5 +226,5 @@ def record_fenders(kind: Fenders, time: float, work: Workspace, row: NDArray[np.
         energy = depth * mean_force(kind.curves, first, count, kind.values[i, 0], 0.0, depth)[0]
         if kind.state[i, STARTED] == 0.0:
             kind.state[i, START_ENERGY], kind.state[i, STARTED] = energy, 1.0
-        work.sums[ELASTIC] += energy
-        work.sums[EXTERNAL_WORK] += energy - kind.state[i, START_ENERGY]
+        work.sums.elastic += energy
+        work.sums.external_work += energy - kind.state[i, START_ENERGY]

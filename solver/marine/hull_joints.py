@@ -17,8 +17,6 @@ from heavylift.solver.bodies.rigid_step import (
     write_rigid_velocities,
 )
 from heavylift.solver.interface import (
-    STATUS_BODY,
-    STATUS_OUTCOME,
     Workspace,
     apply_inverse,
     check,
@@ -68,8 +66,8 @@ def check_hulls(kind: Hulls, step: float, work: Workspace) -> None:
         clip = kind.stage[hull, CLIP : CLIP + 12]
         left = least > 0.0 and (clip[VOLUME] < least or not clip[PLANE_AREA] > 0.0)
         if left or math.isnan(total):
-            work.status[STATUS_OUTCOME] = OUTSIDE_DATABASE
-            work.status[STATUS_BODY] = kind.table[hull, NUMBER]
+            work.status.outcome = OUTSIDE_DATABASE
+            work.status.body = kind.table[hull, NUMBER]
 
 
 @implement(apply_inverse, Hulls)

@@ -15,7 +15,6 @@ from heavylift.solver.bodies.rigid import (
 )
 from heavylift.solver.bodies.rigid_stage import stage_rotation
 from heavylift.solver.interface import (
-    FIELD,
     Workspace,
 )
 from heavylift.solver.marine.hull_restoring import restore
@@ -232,7 +231,7 @@ def _load_hull(kind: Hulls, hull: int, step: float, work: Workspace) -> None:
     h, R, out = step, stage_rotation(kind, hull), 6 * hull
     L = rotate_back(R, frame[ANGULAR_MOMENTUM], frame[ANGULAR_MOMENTUM + 1], frame[ANGULAR_MOMENTUM + 2])
     for k in range(3):
-        vectors[LOAD, out + k] = frame[MASS] * (frame[VELOCITY + k] + 0.5 * h * work.sums[FIELD + k])
+        vectors[LOAD, out + k] = frame[MASS] * (frame[VELOCITY + k] + 0.5 * h * work.sums.gravity[k])
         vectors[LOAD, out + 3 + k] = L[k]
     for k in range(6):
         vectors[LOAD, out + k] += 0.5 * h * frame[FORCE + k]
@@ -244,9 +243,9 @@ def _load_hull(kind: Hulls, hull: int, step: float, work: Workspace) -> None:
             vectors[LOAD, out + k] += kind.stage[hull, TRANSFORM + 6 * i + k] * force
     for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
         m = kind.tanks[tank, TANK_MASS]
-        f1 = m * (kind.tanks[tank, TANK_START] + 0.5 * h * work.sums[FIELD])
-        f2 = m * (kind.tanks[tank, TANK_START + 1] + 0.5 * h * work.sums[FIELD + 1])
-        f3 = m * (kind.tanks[tank, TANK_START + 2] + 0.5 * h * work.sums[FIELD + 2])
+        f1 = m * (kind.tanks[tank, TANK_START] + 0.5 * h * work.sums.gravity[0])
+        f2 = m * (kind.tanks[tank, TANK_START + 1] + 0.5 * h * work.sums.gravity[1])
+        f3 = m * (kind.tanks[tank, TANK_START + 2] + 0.5 * h * work.sums.gravity[2])
         b1, b2, b3 = rotate_back(R, f1, f2, f3)
         r1, r2, r3 = (
             kind.tanks[tank, TANK_POINT],

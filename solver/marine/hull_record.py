@@ -13,13 +13,6 @@ from heavylift.solver.bodies.rigid import COLUMN, MID_POSITION, POSITION, VELOCI
 from heavylift.solver.bodies.rigid_record import add_rigid_totals, record_rigid_bodies
 from heavylift.solver.bodies.rigid_stage import stage_at_state, stage_rotation
 from heavylift.solver.interface import (
-    ANGULAR_MOMENTUM,
-    DISSIPATED,
-    EXTERNAL_WORK,
-    FIELD,
-    KINETIC,
-    LINEAR_MOMENTUM,
-    POTENTIAL,
     Workspace,
     add_totals,
     record,
@@ -152,11 +145,11 @@ def add_hull_totals(kind: Hulls, work: Workspace) -> None:
     totals, vectors = work.sums, kind.vectors
     for i in range(vectors.shape[1]):
         for j in range(vectors.shape[1]):
-            totals[KINETIC] += 0.5 * vectors[FINISH, i] * kind.added_mass[i, j] * vectors[FINISH, j]
+            totals.kinetic += 0.5 * vectors[FINISH, i] * kind.added_mass[i, j] * vectors[FINISH, j]
     for hull in range(kind.table.shape[0]):
-        totals[POTENTIAL] += restoring_potential(kind, hull)
-        totals[EXTERNAL_WORK] += kind.state[STATE_WIDTH * hull + SUPPLIED]
-        totals[DISSIPATED] += kind.state[STATE_WIDTH * hull + LOST]
+        totals.potential += restoring_potential(kind, hull)
+        totals.external_work += kind.state[STATE_WIDTH * hull + SUPPLIED]
+        totals.dissipated += kind.state[STATE_WIDTH * hull + LOST]
         R = stage_rotation(kind, hull)
         for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
             m = kind.tanks[tank, TANK_MASS]
@@ -174,11 +167,11 @@ def add_hull_totals(kind: Hulls, work: Workspace) -> None:
                 m * kind.tanks[tank, TANK_VELOCITY + 1],
                 m * kind.tanks[tank, TANK_VELOCITY + 2],
             )
-            totals[ANGULAR_MOMENTUM] += l1
-            totals[ANGULAR_MOMENTUM + 1] += l2
-            totals[ANGULAR_MOMENTUM + 2] += l3
+            totals.angular_momentum[0] += l1
+            totals.angular_momentum[1] += l2
+            totals.angular_momentum[2] += l3
             for k in range(3):
                 v = kind.tanks[tank, TANK_VELOCITY + k]
-                totals[KINETIC] += 0.5 * m * v * v
-                totals[LINEAR_MOMENTUM + k] += m * v
-                totals[POTENTIAL] -= m * work.sums[FIELD + k] * (kind.frame[hull, MID_POSITION + k] + arm[k])
+                totals.kinetic += 0.5 * m * v * v
+                totals.linear_momentum[k] += m * v
+                totals.potential -= m * work.sums.gravity[k] * (kind.frame[hull, MID_POSITION + k] + arm[k])

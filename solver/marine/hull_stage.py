@@ -26,7 +26,7 @@ from heavylift.solver.bodies.rigid_stage import (
     start_rigid_bodies,
 )
 from heavylift.solver.bodies.rigid_step import predict_rigid_bodies
-from heavylift.solver.interface import POINT_FORCE, RECORD, ROWS, Workspace, fill_markers, predict, start
+from heavylift.solver.interface import RECORD, ROWS, Workspace, fill_markers, predict, start
 from heavylift.solver.kinds import implement
 from heavylift.solver.marine.hull_parts import add_waves
 from heavylift.solver.marine.hulls import (
@@ -307,7 +307,7 @@ def gather_hull_forces(kind: Hulls, work: Workspace) -> None:
         jacobian = work.jacobian[number]
         for j in range(6):
             kind.frame[hull, FORCE + j] += (
-                jacobian[0, offset + j] * work.markers[number, POINT_FORCE]
-                + jacobian[1, offset + j] * work.markers[number, POINT_FORCE + 1]
-                + jacobian[2, offset + j] * work.markers[number, POINT_FORCE + 2]
+                jacobian[0, offset + j] * work.markers[number].force[0]
+                + jacobian[1, offset + j] * work.markers[number].force[1]
+                + jacobian[2, offset + j] * work.markers[number].force[2]
             )

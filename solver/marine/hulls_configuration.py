@@ -15,9 +15,7 @@ from heavylift.solver.bodies.rigid_configuration import (
 )
 from heavylift.solver.bodies.rigid_stage import stage_at_state
 from heavylift.solver.interface import (
-    FIELD,
     FORCES,
-    POINT_FORCE,
     Workspace,
     collect_load,
     move,
@@ -66,9 +64,9 @@ def collect_hull_load(kind: Hulls, work: Workspace, load: NDArray[np.float64]) -
         if level == FORCES:
             at = kind.hulls[body, OFFSET]
             J = work.jacobian[number][:, at : at + 6]
-            load[dofs[body]] += J.T @ work.markers[number, POINT_FORCE : POINT_FORCE + 3]
+            load[dofs[body]] += J.T @ work.markers[number].force
     load[dofs] += kind.stage[:, LIFT : LIFT + 6]
-    gravity = work.sums[FIELD : FIELD + 3]
+    gravity = work.sums.gravity
     load[dofs[:, :3]] += kind.frame[:, MASS, None] * gravity
     for tank, (body, _, _) in enumerate(kind.tank_table):
         weight = kind.tanks[tank, TANK_MASS] * gravity

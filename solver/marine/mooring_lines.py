@@ -13,13 +13,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.connections import GROUND
 from heavylift.solver.interface import (
-    ELASTIC,
-    EXTERNAL_WORK,
     FORCES,
-    POINT,
-    POINT_FORCE,
-    STATUS_BODY,
-    STATUS_OUTCOME,
     Workspace,
     add_forces,
     begin_record,
@@ -219,14 +213,14 @@ def _check_span(
 def _hang(kind: MooringLines, i: int, work: Workspace) -> tuple[float, float, float]:
     """Solve a line for its ends; direction of its plane, and its span [m], not less than a hanging one has."""
     a, b = kind.ends[i, MARKER_A], kind.ends[i, MARKER_B]
-    x = work.markers[b, POINT] - work.markers[a, POINT]
-    y = work.markers[b, POINT + 1] - work.markers[a, POINT + 1]
-    z = work.markers[b, POINT + 2] - work.markers[a, POINT + 2]
+    x = work.markers[b].point[0] - work.markers[a].point[0]
+    y = work.markers[b].point[1] - work.markers[a].point[1]
+    z = work.markers[b].point[2] - work.markers[a].point[2]
     span = math.sqrt(x * x + y * y)
     solve_line(kind.sections, kind.table, kind.line, i, span, z, kind.state)
     bad = not (span * span + z * z < kind.limits[i] * kind.limits[i]) or kind.state[i, BRANCH] == FAILED
-    if bad and work.status[STATUS_OUTCOME] == 0:
-        work.status[STATUS_OUTCOME], work.status[STATUS_BODY] = LINE_OVERSTRETCHED, i
+    if bad and work.status.outcome == 0:
+        work.status.outcome, work.status.body = LINE_OVERSTRETCHED, i
     span = max(span, LEAST_SPAN * kind.line[i, TOTAL_LENGTH])
     return x / span, y / span, span
 
@@ -249,17 +243,17 @@ def add_mooring_lines(kind: MooringLines, time: float, work: Workspace) -> None:
         a, b = kind.ends[i, MARKER_A], kind.ends[i, MARKER_B]
         ex, ey, span = _hang(kind, i, work)
         H, V = kind.state[i, HORIZONTAL], kind.state[i, VERTICAL]
-        work.markers[b, POINT_FORCE] -= H * ex
-        work.markers[b, POINT_FORCE + 1] -= H * ey
-        work.markers[b, POINT_FORCE + 2] -= V
+        work.markers[b].force[0] -= H * ex
+        work.markers[b].force[1] -= H * ey
+        work.markers[b].force[2] -= V
         for k in range(3):
-            work.markers[b, POINT_FORCE + k] += kind.state[i, EXTRA + k]
+            work.markers[b].force[k] += kind.state[i, EXTRA + k]
         if (
             kind.table[i, 2] == kind.table[i, 1]
         ):  # the lower end of a line on the seabed is an anchor in the ground
-            work.markers[a, POINT_FORCE] += H * ex
-            work.markers[a, POINT_FORCE + 1] += H * ey
-            work.markers[a, POINT_FORCE + 2] += V - kind.line[i, TOTAL_WEIGHT]
+            work.markers[a].force[0] += H * ex
+            work.markers[a].force[1] += H * ey
+            work.markers[a].force[2] += V - kind.line[i, TOTAL_WEIGHT]
         kxx, kzz = kind.state[i, STIFFNESS], kind.state[i, STIFFNESS + 3]
         kxz = 0.5 * (kind.state[i, STIFFNESS + 1] + kind.state[i, STIFFNESS + 2])
         bound = math.sqrt(max(kxx * kzz, 0.0))
@@ -297,8 +291,8 @@ def record_mooring_lines(kind: MooringLines, time: float, work: Workspace, row: 
         H, V = kind.state[i, HORIZONTAL], kind.state[i, VERTICAL]
         read_ends(kind.sections, kind.table, kind.line, i, kind.state, kind.scratch)
         low_h, low_v = kind.scratch[i, 0], kind.scratch[i, 1]
-        x = work.markers[b, POINT] - work.markers[a, POINT]
-        y = work.markers[b, POINT + 1] - work.markers[a, POINT + 1]
+        x = work.markers[b].point[0] - work.markers[a].point[0]
+        y = work.markers[b].point[1] - work.markers[a].point[1]
         share = H / max(math.sqrt(x * x + y * y), LEAST_SPAN * kind.line[i, TOTAL_LENGTH])
         x, y, z = (
             share * x - kind.state[i, EXTRA],
@@ -309,10 +303,10 @@ def record_mooring_lines(kind: MooringLines, time: float, work: Workspace, row: 
         row[column + 1] = math.sqrt(low_h * low_h + low_v * low_v)
         row[column + 2] = H
         row[column + 3] = kind.scratch[i, 2]
-        energy = kind.scratch[i, 3] + kind.line[i, TOTAL_WEIGHT] * work.markers[a, POINT + 2]
+        energy = kind.scratch[i, 3] + kind.line[i, TOTAL_WEIGHT] * work.markers[a].point[2]
         if kind.state[i, STARTED] == 0.0:
             kind.state[i, START_ENERGY], kind.state[i, STARTED] = energy, 1.0
-        work.sums[ELASTIC] += energy - kind.state[i, START_ENERGY]
-        work.sums[EXTERNAL_WORK] += energy - kind.state[i, START_ENERGY]
+        work.sums.elastic += energy - kind.state[i, START_ENERGY]
+        work.sums.external_work += energy - kind.state[i, START_ENERGY]
         for k in range(STATE_WIDTH):
             kind.state[i, k] = kind.scratch[i, 4 + k]

@@ -14,9 +14,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.solver.interface import (
-    POINT,
-    POINT_FORCE,
-    POINT_VELOCITY,
     Workspace,
     add_forces,
     record_forces,
@@ -219,7 +216,7 @@ def _load(kind: FluidLoads, i: int, work: Workspace) -> Flow:
     """Force in world axes [N] and yaw moment [N m] of a load."""
     f, marker, heading = kind.loads[i, FLUID], kind.loads[i, PLACE], kind.loads[i, HEADING]
     side, extent = kind.field_values[f, SIDE], kind.load_values[i, EXTENT]
-    away = side * (work.markers[marker, POINT + 2] - kind.field_values[f, LEVEL])
+    away = side * (work.markers[marker].point[2] - kind.field_values[f, LEVEL])
     if kind.loads[i, SORT] == COEFFICIENTS:
         away = max(away, 0.0)  # tables are of the whole body: they act wherever their point is
     top = away + 0.5 * extent
@@ -228,12 +225,12 @@ def _load(kind: FluidLoads, i: int, work: Workspace) -> Flow:
     bottom = max(away - 0.5 * extent, 0.0)
     share = (top - bottom) / extent if extent > 0.0 else 1.0
     speed = _speed(kind, f, side * 0.5 * (top + bottom))
-    x = speed * kind.flow[f, COSINE] - work.markers[marker, POINT_VELOCITY]
-    y = speed * kind.flow[f, SINE] - work.markers[marker, POINT_VELOCITY + 1]
-    z = -work.markers[marker, POINT_VELOCITY + 2] * kind.load_values[i, VERTICAL]
+    x = speed * kind.flow[f, COSINE] - work.markers[marker].velocity[0]
+    y = speed * kind.flow[f, SINE] - work.markers[marker].velocity[1]
+    z = -work.markers[marker].velocity[2] * kind.load_values[i, VERTICAL]
     c, s = 1.0, 0.0
     if heading >= 0:
-        c, s = work.markers[heading, POINT], work.markers[heading, POINT + 1]
+        c, s = work.markers[heading].point[0], work.markers[heading].point[1]
         size = math.sqrt(c * c + s * s)
         c, s = (c / size, s / size) if size > 0.0 else (1.0, 0.0)
     ahead, across = c * x + s * y, c * y - s * x  # the relative flow along the heading and to port
@@ -283,14 +280,14 @@ def add_fluid_loads(kind: FluidLoads, time: float, work: Workspace) -> None:
     for i in range(kind.loads.shape[0]):
         fx, fy, fz, moment = _load(kind, i, work)
         marker, heading = kind.loads[i, PLACE], kind.loads[i, HEADING]
-        work.markers[marker, POINT_FORCE] += fx
-        work.markers[marker, POINT_FORCE + 1] += fy
-        work.markers[marker, POINT_FORCE + 2] += fz
+        work.markers[marker].force[0] += fx
+        work.markers[marker].force[1] += fy
+        work.markers[marker].force[2] += fz
         if moment != 0.0:
-            dx, dy = work.markers[heading, POINT], work.markers[heading, POINT + 1]
+            dx, dy = work.markers[heading].point[0], work.markers[heading].point[1]
             turn = moment / max(dx * dx + dy * dy, STEEPEST)
-            work.markers[heading, POINT_FORCE] -= turn * dy
-            work.markers[heading, POINT_FORCE + 1] += turn * dx
+            work.markers[heading].force[0] -= turn * dy
+            work.markers[heading].force[1] += turn * dx
 
 
 @implement(record_forces, FluidLoads)

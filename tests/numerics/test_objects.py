@@ -30,10 +30,9 @@ import numpy as np
 from heavylift.numerics import objects, sources
 from heavylift.solver.forces.gravity import UniformGravity
 from heavylift.solver.interface import Forces, Workspace, add_forces
-work = Workspace(np.zeros(6), np.zeros((0, 12)), np.zeros((0, 3, 6)), np.zeros(15), np.zeros(9), np.zeros(0),
-                 np.zeros(3, dtype=np.int64))
+work = Workspace.empty(6, 0)
 add_forces(Forces((UniformGravity(np.array([0.0, 0.0, -9.81])),)), 0.0, work)
-print(json.dumps([list(work.sums[:3]), sum(unit.seconds > 0.0 for unit in objects.compiled_units().values())]))
+print(json.dumps([list(work.sums.gravity), sum(unit.seconds > 0.0 for unit in objects.compiled_units().values())]))
 """
 
 

@@ -53,11 +53,7 @@ from heavylift.solver.bodies.ancf.step import add_gravity, write_free_bases
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
 from heavylift.solver.combination import PART, combine_part
 from heavylift.solver.interface import (
-    DISSIPATED,
-    ERROR,
-    EXTERNAL_WORK,
     FORCES,
-    STATUS_BODY,
     Systems,
     Workspace,
     begin_stage,
@@ -146,7 +142,7 @@ def _add_loads(kind: Meshes, body: int, work: Workspace) -> None:
         power += load[i] * speed[i]
     for i in range(first, last):
         right[i] += load[i]
-    work.sums[EXTERNAL_WORK] += power
+    work.sums.external_work += power
 
 
 @kernel(internal=True, reassociate=True)
@@ -169,7 +165,7 @@ def _add_damping(kind: Meshes, body: int, work: Workspace) -> None:
         lost += force[i] * speed[i]
     for i in range(first, last):
         right[i] -= force[i]
-    work.sums[DISSIPATED] += lost
+    work.sums.dissipated += lost
 
 
 @implement(complete_accelerations, FrameMeshes)
@@ -251,9 +247,9 @@ def measure_mesh_error(
             if error > largest or math.isnan(error):  # which stays
                 largest = error
         largest = math.sqrt(largest)
-        if largest > work.control[ERROR] or math.isnan(largest):
-            work.control[ERROR] = largest
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+        if largest > work.control.error or math.isnan(largest):
+            work.control.error = largest
+            work.status.body = kind.table[body, NUMBER]
 
 
 @implement(store_state, FrameMeshes)

@@ -77,7 +77,6 @@ from heavylift.solver.bodies.ancf.step import add_gravity, is_iterated, write_fr
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
 from heavylift.solver.contact.system_interface import meet_again
 from heavylift.solver.interface import (
-    CHANGED,
     Bodies,
     Joints,
     Systems,
@@ -235,6 +234,6 @@ def iterate_meshes(
         kind.body[body, CHANGE] = change
         size, stalled = kind.body[body, SIZE], change > STALLED * kind.body[body, BEFORE]
         if change > CONVERGED * size and not (stalled and change <= NEARLY * size):
-            work.control[CHANGED] += 1.0
+            work.control.changed += 1
             if kind.body[body, ITERATIONS] > MOST_ROUNDS:
                 blame_largest(kind, body, RIGHT, NOT_CONVERGED, work)

@@ -6,7 +6,7 @@ import math
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.kind import ELEMENTS, FIRST_ELEMENT, NUMBER, Meshes
-from heavylift.solver.interface import STATUS_BLOCK, STATUS_BODY, STATUS_OUTCOME, Workspace
+from heavylift.solver.interface import Workspace
 
 __all__ = ["blame_element", "blame_largest"]
 
@@ -14,9 +14,9 @@ __all__ = ["blame_element", "blame_largest"]
 @kernel(internal=True)
 def blame_element(kind: Meshes, body: int, element: int, outcome: int, work: Workspace) -> None:
     """Stop with an outcome; an element of a body stands in the status as minus its number, less one."""
-    work.status[STATUS_OUTCOME] = outcome
-    work.status[STATUS_BODY] = kind.table[body, NUMBER]
-    work.status[STATUS_BLOCK] = -1 - element
+    work.status.outcome = outcome
+    work.status.body = kind.table[body, NUMBER]
+    work.status.block = -1 - element
 
 
 @kernel(internal=True)

@@ -30,7 +30,7 @@ from heavylift.solver.bodies.ancf.kind import (
     TIME,
     Meshes,
 )
-from heavylift.solver.interface import FORCES, POINT_FORCE, Workspace
+from heavylift.solver.interface import FORCES, Workspace
 
 __all__ = ["gather_loads"]
 
@@ -85,9 +85,9 @@ def _add_marker_forces(kind: Meshes, work: Workspace) -> None:
             for c in range(3):
                 column = 3 * i + c
                 kind.nodal[LOAD, place + c] += (
-                    J[0, column] * force[POINT_FORCE]
-                    + J[1, column] * force[POINT_FORCE + 1]
-                    + J[2, column] * force[POINT_FORCE + 2]
+                    J[0, column] * force.force[0]
+                    + J[1, column] * force.force[1]
+                    + J[2, column] * force.force[2]
                 )
     for base in range(kind.bases.shape[0]):
         element, shape = kind.bases[base, BASE_ELEMENT], kind.bases[base, BASE_SHAPE]

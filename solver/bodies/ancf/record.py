@@ -43,14 +43,7 @@ from heavylift.solver.bodies.ancf.kind import (
 )
 from heavylift.solver.bodies.ancf.substitution import node_span
 from heavylift.solver.interface import (
-    ANGULAR_MOMENTUM,
-    DISSIPATED,
-    ELASTIC,
-    EXTERNAL_WORK,
-    FIELD,
-    KINETIC,
-    LINEAR_MOMENTUM,
-    POTENTIAL,
+    Sums,
     Workspace,
     add_totals,
     record,
@@ -124,7 +117,7 @@ def record_meshes(kind: Meshes, time: float, work: Workspace, row: NDArray[np.fl
 
 
 @kernel(internal=True)
-def _add_angular_momentum(kind: Meshes, body: int, out: NDArray[np.float64]) -> None:
+def _add_angular_momentum(kind: Meshes, body: int, out: Sums) -> None:
     """About the world origin: ``sum M_ab r_a x v_b`` in body axes, then with the origin of the body."""
     vectors = len(kind.shape[0]) // 3
     nodes = 2 if vectors == 2 else 4
@@ -141,16 +134,16 @@ def _add_angular_momentum(kind: Meshes, body: int, out: NDArray[np.float64]) -> 
                 x += m * (q[a + 1] * v[b + 2] - q[a + 2] * v[b + 1])
                 y += m * (q[a + 2] * v[b] - q[a] * v[b + 2])
                 z += m * (q[a] * v[b + 1] - q[a + 1] * v[b])
-    p = out
+    p = out.angular_momentum
     for k in range(3):
-        out[ANGULAR_MOMENTUM + k] += (
+        out.angular_momentum[k] += (
             R[ROTATION + 3 * k] * x + R[ROTATION + 3 * k + 1] * y + R[ROTATION + 3 * k + 2] * z
         )
     o1, o2, o3 = R[ORIGIN], R[ORIGIN + 1], R[ORIGIN + 2]
     p1, p2, p3 = R[SCRATCH], R[SCRATCH + 1], R[SCRATCH + 2]
-    p[ANGULAR_MOMENTUM] += o2 * p3 - o3 * p2
-    p[ANGULAR_MOMENTUM + 1] += o3 * p1 - o1 * p3
-    p[ANGULAR_MOMENTUM + 2] += o1 * p2 - o2 * p1
+    p[0] += o2 * p3 - o3 * p2
+    p[1] += o3 * p1 - o1 * p3
+    p[2] += o1 * p2 - o2 * p1
 
 
 @implement(add_totals, FrameMeshes)
@@ -186,14 +179,14 @@ def add_mesh_totals(kind: Meshes, work: Workspace) -> None:
                 s1 += w * q[node + a]
                 s2 += w * q[node + a + 1]
                 s3 += w * q[node + a + 2]
-        sums[KINETIC] += 0.5 * kinetic
-        sums[ELASTIC] += R[ELASTIC_ENERGY]
+        sums.kinetic += 0.5 * kinetic
+        sums.elastic += R[ELASTIC_ENERGY]
         for k in range(3):
             p = R[ROTATION + 3 * k] * p1 + R[ROTATION + 3 * k + 1] * p2 + R[ROTATION + 3 * k + 2] * p3
             s = R[ROTATION + 3 * k] * s1 + R[ROTATION + 3 * k + 1] * s2 + R[ROTATION + 3 * k + 2] * s3
             R[SCRATCH + k] = p
-            sums[LINEAR_MOMENTUM + k] += p
-            sums[POTENTIAL] -= sums[FIELD + k] * (s + R[MASS] * R[ORIGIN + k])
+            sums.linear_momentum[k] += p
+            sums.potential -= sums.gravity[k] * (s + R[MASS] * R[ORIGIN + k])
         _add_angular_momentum(kind, body, sums)
-        sums[EXTERNAL_WORK] += R[EXTERNAL]
-        sums[DISSIPATED] += R[DISSIPATED_WORK]
+        sums.external_work += R[EXTERNAL]
+        sums.dissipated += R[DISSIPATED_WORK]

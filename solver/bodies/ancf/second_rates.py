@@ -35,7 +35,7 @@ from heavylift.solver.bodies.ancf.kind import (
     Meshes,
 )
 from heavylift.solver.bodies.ancf.stage import base_value
-from heavylift.solver.interface import POINT_BIAS, Workspace
+from heavylift.solver.interface import Workspace
 
 __all__ = ["write_second_rates"]
 
@@ -53,7 +53,7 @@ def _put(kind: Meshes, body: int, out: Any, x: Vector) -> None:
     R = kind.body[body]
     for k in range(3):
         at = ROTATION + 3 * k
-        out[POINT_BIAS + k] = R[at] * x[0] + R[at + 1] * x[1] + R[at + 2] * x[2]
+        out.bias[k] = R[at] * x[0] + R[at + 1] * x[1] + R[at + 2] * x[2]
 
 
 @kernel(internal=True)

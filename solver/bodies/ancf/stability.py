@@ -28,7 +28,7 @@ from heavylift.solver.bodies.ancf.kind import (
     Q,
 )
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
-from heavylift.solver.interface import STEP_COUNT, Workspace
+from heavylift.solver.interface import Workspace
 
 __all__ = [
     "FIRST_ROUNDS",
@@ -123,6 +123,6 @@ def find_step_limit(kind: Meshes, body: int, rounds: int) -> None:
 @kernel(internal=True)
 def follow_step_limit(kind: Meshes, body: int, work: Workspace) -> float:
     """Largest step that is allowed [s], looked at again every now and then."""
-    if int(work.control[STEP_COUNT]) % EVERY == EVERY - 1:
+    if int(work.control.step_count) % EVERY == EVERY - 1:
         find_step_limit(kind, body, ROUNDS)
     return kind.body[body, STEP_LIMIT]

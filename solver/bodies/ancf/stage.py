@@ -35,7 +35,7 @@ from heavylift.solver.bodies.ancf.kind import (
     V,
 )
 from heavylift.solver.bodies.ancf.moving import write_points
-from heavylift.solver.interface import POINT, POINT_VELOCITY, Workspace, fill_markers
+from heavylift.solver.interface import Workspace, fill_markers
 from heavylift.solver.kinds import implement
 
 __all__ = ["base_value", "write_bases"]
@@ -80,8 +80,8 @@ def _to_world(R: NDArray[np.float64], a: Vector) -> Vector:
 
 
 @kernel(internal=True)
-def _put(out: NDArray[np.float64], at: int, value: Vector) -> None:
-    out[at], out[at + 1], out[at + 2] = value[0], value[1], value[2]
+def _put(out: NDArray[np.float64], value: Vector) -> None:
+    out[0], out[1], out[2] = value[0], value[1], value[2]
 
 
 @kernel(internal=True)
@@ -108,13 +108,13 @@ def _write_tangent(kind: Meshes, marker: int, work: Workspace) -> None:
     u = (size * t[0], size * t[1], size * t[2])
     along = u[0] * rate[0] + u[1] * rate[1] + u[2] * rate[2]
     scale = sense * size
-    _put(work.markers[number], POINT, _to_world(numbers, (sense * u[0], sense * u[1], sense * u[2])))
+    _put(work.markers[number].point, _to_world(numbers, (sense * u[0], sense * u[1], sense * u[2])))
     turned = (
         scale * (rate[0] - along * u[0]),
         scale * (rate[1] - along * u[1]),
         scale * (rate[2] - along * u[2]),
     )
-    _put(work.markers[number], POINT_VELOCITY, _to_world(numbers, turned))
+    _put(work.markers[number].velocity, _to_world(numbers, turned))
     M = kind.body[body]
     for k in range(3):
         for c in range(3):
@@ -166,8 +166,8 @@ def _write_triad(kind: Meshes, marker: int, work: Workspace) -> None:
         t2 += M[SCRATCH + 3] * rate[0] + M[SCRATCH + 4] * rate[1] + M[SCRATCH + 5] * rate[2]
         t3 += M[SCRATCH + 6] * rate[0] + M[SCRATCH + 7] * rate[1] + M[SCRATCH + 8] * rate[2]
         _put_columns(work.jacobian[number], column + 3 * which, numbers, M, SCRATCH)
-    _put(work.markers[number], POINT, _to_world(numbers, direction))
-    _put(work.markers[number], POINT_VELOCITY, _to_world(numbers, (t1, t2, t3)))
+    _put(work.markers[number].point, _to_world(numbers, direction))
+    _put(work.markers[number].velocity, _to_world(numbers, (t1, t2, t3)))
 
 
 @kernel(internal=True)
@@ -183,8 +183,8 @@ def _write_markers(kind: Meshes, level: int, work: Workspace) -> None:
             p = _to_world(numbers, base_value(kind, base, MID_Q))
             if which == POINT_MARKER:
                 p = (p[0] + numbers[ORIGIN], p[1] + numbers[ORIGIN + 1], p[2] + numbers[ORIGIN + 2])
-            _put(work.markers[number], POINT, p)
-            _put(work.markers[number], POINT_VELOCITY, _to_world(numbers, base_value(kind, base, MID_V)))
+            _put(work.markers[number].point, p)
+            _put(work.markers[number].velocity, _to_world(numbers, base_value(kind, base, MID_V)))
             column = 3 * (base - kind.table[body, FIRST_BASE])
             for k in range(3):
                 for c in range(3):

@@ -81,9 +81,6 @@ from heavylift.solver.bodies.ancf.stability import (
 from heavylift.solver.bodies.ancf.stage import base_value
 from heavylift.solver.bodies.ancf.substitution import copy_strains, node_span, solve_forward
 from heavylift.solver.interface import (
-    ERROR,
-    FIELD,
-    STATUS_BODY,
     Workspace,
     check,
     estimate_error,
@@ -124,12 +121,14 @@ def add_gravity(kind: Meshes, body: int, work: Workspace, factor: float) -> None
     R = kind.body[body]
     g = work.sums
     first, last = node_span(kind, body)
-    x = factor * (R[ROTATION] * g[FIELD] + R[ROTATION + 3] * g[FIELD + 1] + R[ROTATION + 6] * g[FIELD + 2])
+    x = factor * (
+        R[ROTATION] * g.gravity[0] + R[ROTATION + 3] * g.gravity[1] + R[ROTATION + 6] * g.gravity[2]
+    )
     y = factor * (
-        R[ROTATION + 1] * g[FIELD] + R[ROTATION + 4] * g[FIELD + 1] + R[ROTATION + 7] * g[FIELD + 2]
+        R[ROTATION + 1] * g.gravity[0] + R[ROTATION + 4] * g.gravity[1] + R[ROTATION + 7] * g.gravity[2]
     )
     z = factor * (
-        R[ROTATION + 2] * g[FIELD] + R[ROTATION + 5] * g[FIELD + 1] + R[ROTATION + 8] * g[FIELD + 2]
+        R[ROTATION + 2] * g.gravity[0] + R[ROTATION + 5] * g.gravity[1] + R[ROTATION + 8] * g.gravity[2]
     )
     right, weight = kind.nodal[RIGHT], kind.nodal[WEIGHT]
     for node in range(first, last, lanes):
@@ -273,6 +272,6 @@ def estimate_mesh_error(kind: Meshes, step: float, work: Workspace) -> None:
                 total += (found[k] - v[k] - 0.5 * step * a[k]) ** 2
             largest = max(largest, total)
         error = step * math.sqrt(largest)
-        if not error <= work.control[ERROR]:
-            work.control[ERROR] = error
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+        if not error <= work.control.error:
+            work.control.error = error
+            work.status.body = kind.table[body, NUMBER]

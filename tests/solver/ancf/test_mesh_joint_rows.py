@@ -28,8 +28,6 @@ from heavylift.solver.connections import (
 )
 from heavylift.solver.integrate.loop import start_scene
 from heavylift.solver.interface import (
-    POINT,
-    POINT_VELOCITY,
     RECORD,
     fill_bias,
     fill_markers,
@@ -390,16 +388,14 @@ def test_markers_move_as_their_jacobians_say(model: Model) -> None:
         model.fill()
         work = model.layout.work
         numbers = np.concatenate([kind.markers[:, MARKER_NUMBER] for kind in model.kinds])
-        slope = model.along(lambda: work.markers[numbers, POINT : POINT + 3])  # noqa: B023
-        np.testing.assert_allclose(
-            work.markers[numbers, POINT_VELOCITY : POINT_VELOCITY + 3], slope, atol=1e-8
-        )
+        slope = model.along(lambda: work.markers[numbers].point)  # noqa: B023
+        np.testing.assert_allclose(work.markers[numbers].velocity, slope, atol=1e-8)
         for kind in model.kinds:
             for number, body, *_ in kind.markers:
                 first, count = kind.table[body, 1], 3 * kind.table[body, 11]
                 J = work.jacobian[number]
                 rate = J[:, :count] @ work.velocity[first : first + count]
-                np.testing.assert_allclose(rate, work.markers[number, POINT_VELOCITY:][:3], atol=1e-11)
+                np.testing.assert_allclose(rate, work.markers[number].velocity, atol=1e-11)
                 assert not J[:, count:].any()
                 seen += 1
     assert seen > 300
@@ -439,7 +435,7 @@ def test_axes_of_a_following_force_are_the_triad_at_its_point(model: Model) -> N
         model.fill()
         spot, q = Spot(model.bodies["s3"], 1, (0.3, 0.8)), model.q("s3")
         position, R = pose_of(model.bodies["s3"])
-        found = model.layout.work.markers[:4, POINT : POINT + 3]
+        found = model.layout.work.markers[:4]["point"]
         np.testing.assert_allclose(found[0], position + R @ spot.vector(q, 0), atol=1e-13)
         axes = R @ spot.triad(q) @ spot.triad(spot.start).T
         np.testing.assert_allclose(found[1:], axes.T, atol=1e-13)

@@ -33,12 +33,7 @@ from heavylift.solver.bodies.ancf.types import type_of
 from heavylift.solver.contact.interface import aim_points, form_mesh_controls, settle_points
 from heavylift.solver.integrate.row_solver import assemble, factor_rows, solve_rows
 from heavylift.solver.interface import (
-    CHANGED,
-    CONTROL_COUNT,
-    FIELD,
     FORCES,
-    MARKER_WIDTH,
-    SUM_COUNT,
     Bodies,
     Joints,
     Systems,
@@ -155,9 +150,9 @@ def spread(
     complete(bodies, systems, at_midpoint, step, work)
     if at_midpoint:
         for _ in range(60):
-            work.control[CHANGED] = 0.0
+            work.control.changed = 0.0
             iterate(bodies, everything, systems, joints, work, 0.0, step)
-            if not work.control[CHANGED] > 0.0:
+            if not work.control.changed > 0.0:
                 break
         advance(bodies, 0.0, step, work)
 
@@ -274,16 +269,8 @@ def make(name: str, scheme: str) -> Model:
     matrices = mesh_matrices(kind)
     kind.nodal[Q, matrices.places] += 0.02 * rng.normal(size=len(matrices.places))
     kind.nodal[V, matrices.places] = 0.3 * rng.normal(size=len(matrices.places))
-    work = Workspace(
-        velocity=np.zeros(12),
-        markers=np.zeros((2, MARKER_WIDTH)),
-        jacobian=np.zeros((2, 3, 12)),
-        sums=np.zeros(SUM_COUNT),
-        control=np.zeros(CONTROL_COUNT),
-        corners=np.zeros(0),
-        status=np.zeros(3, dtype=np.int64),
-    )
-    work.sums[FIELD : FIELD + 3] = 1.0, -2.0, -9.81
+    work = Workspace.empty(12, 2, 12)
+    work.sums.gravity[:] = 1.0, -2.0, -9.81
     return Model(body, kind, work, matrices)
 
 

@@ -30,7 +30,7 @@ from heavylift.solver.contact.kind import (
 from heavylift.solver.contact.search_end import judge_searches, note_search
 from heavylift.solver.contact.search_start import start_at_point
 from heavylift.solver.contacts import BoxShape, Contact, Contour, LinearLaw, SphereShape
-from heavylift.solver.interface import STATUS_BLOCK, STATUS_OUTCOME, Workspace
+from heavylift.solver.interface import Workspace
 from heavylift.solver.layout import Layout, pack_scene
 from heavylift.solver.scene import RigidBody, Scene
 from heavylift.solver.stop_message import stop_message
@@ -157,13 +157,13 @@ def test_search_that_finds_nothing_leaves_the_last_place(both: tuple[tuple[Conto
     judge(contacts, True, work)
     assert contacts.state[0, FAILED] == 1.0
     assert contacts.state[0, SEARCH] == FOUND
-    assert work.status[STATUS_OUTCOME] == 0
+    assert work.status.outcome == 0
     contacts.state[0, [SEARCH, CLOSED, PRESENT]] = LOST, 1.0, 1.0
     judge(contacts, False, work)
     assert contacts.state[0, FAILED] == 2.0
-    assert work.status[STATUS_OUTCOME] == Outcome.NOT_CONVERGED
+    assert work.status.outcome == Outcome.NOT_CONVERGED
     contacts.state[0, [CLOSED, PRESENT]] = 0.0
-    work.status[:] = 0
+    work.status.words[:] = 0.0
 
 
 def test_stop_names_the_contact_and_what_is_wrong() -> None:
@@ -171,10 +171,10 @@ def test_stop_names_the_contact_and_what_is_wrong() -> None:
     contacts, work = layout.systems[1], layout.work
     contacts.state[0, SEARCH] = TOO_DEEP
     judge(contacts, False, work)
-    assert work.status[STATUS_OUTCOME] == 0, "in the middle of a step it may still be pushed out"
+    assert work.status.outcome == 0, "in the middle of a step it may still be pushed out"
     judge(contacts, True, work)
-    assert work.status[STATUS_OUTCOME] == Outcome.NOT_CONVERGED
-    assert layout.block_names[work.status[STATUS_BLOCK]] == "on waves"
+    assert work.status.outcome == Outcome.NOT_CONVERGED
+    assert layout.block_names[work.status.block] == "on waves"
     text = stop_message(layout, "t = 1 s")
     assert "contact 'on waves'" in text
     assert "larger radius" in text
