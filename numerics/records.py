@@ -1,10 +1,11 @@
 """Rows of memory with named fields: what a kind keeps of each of its things.
 
 A subclass of `Record` lists fields as a dataclass does: ``mass: float``, ``count: int``, ``slack: bool``,
-``position: Vector``, or another record. Its ``layout`` is the NumPy dtype, so ``row.mass`` and ``row.position[2]`` mean
-the same in kernels and in plain Python, where a record is a NumPy scalar that shares its memory, and
-``rows["mass"]`` are the masses of all. In kernels a record is a pointer: a field costs one load, and nothing counts
-columns by hand.
+``position: Vector``, or another record. ``twist: Annotated[NDArray[np.float64], (6,), "velocity"]`` spans the fields
+from ``velocity`` on: it shows six numbers of them as one vector and takes no memory. The ``layout`` is a NumPy dtype, so
+``row.mass`` and ``row.position[2]`` mean the same in kernels and in plain Python, where a record is a NumPy scalar that
+shares its memory, and ``rows["mass"]`` are the masses of all. In kernels a record is a pointer: a field costs one load,
+and nothing counts columns by hand.
 """
 
 from __future__ import annotations
@@ -98,13 +99,18 @@ class Record(_Scalar):
     def __init_subclass__(cls, *, whole_lines: bool = False) -> None:
         """Lay the fields out."""
         super().__init_subclass__()
-        names, formats, offsets, place = [], [], [], 0
+        names, formats, place = [], [], 0
+        offsets: list[int] = []
         for name, annotation in declared_types(cls).items():
             if typing.get_origin(annotation) is ClassVar or name in ("layout", "fields_of"):
                 continue
             of_field = _field_layout(cls, name, annotation)
+            first = _first_of_span(annotation)
             names.append(name)
             formats.append(of_field)
+            if first is not None:
+                offsets.append(offsets[names.index(first)])
+                continue
             offsets.append(place)
             place += -(-of_field.itemsize // WORD_BYTES) * WORD_BYTES
         size = -(-place // LINE) * LINE if whole_lines else place
@@ -168,6 +174,12 @@ def _field_layout(owner: type, name: str, annotation: Any) -> np.dtype[Any]:
     raise TypeError(
         f"{owner.__name__}.{name}: {annotation!r}, expected a number, an array of known shape or a record"
     )
+
+
+def _first_of_span(annotation: Any) -> str | None:
+    """Name of the first of the neighbouring fields that a field spans; None if it has memory of its own."""
+    words = typing.get_args(annotation) if typing.get_origin(annotation) is Annotated else ()
+    return words[2] if len(words) > 2 else None
 
 
 def _field_type(of_field: np.dtype[Any]) -> Any:

@@ -265,11 +265,11 @@ class Simulation:
         Stiff springs make accelerations that say nothing of the next step: errors of the stiff governor are a
         quarter of those along arcs. Redundant loops need arcs, whose midpoints are nearer to the constraints.
         """
-        from heavylift.solver.bodies.rigid import ARC, RigidBodies
+        from heavylift.solver.bodies.rigid import RigidBodies
 
         for kind in self._layout.bodies:
             if isinstance(kind, RigidBodies):
-                kind.frame[:, ARC] = 0.0
+                kind.frame["arc"] = 0.0
 
     def _probe(self) -> None:
         """Reactions at the start, from one tiny step that is taken back.

@@ -119,7 +119,7 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
                 expected="rigid joints and explicit forces for 'accurate'; or 'dele2'",
             )
     from heavylift.solver.bodies.ancf.kind import MARKER_LEVEL, SIZE, STATE_PLACE
-    from heavylift.solver.bodies.rigid import MOTION, REACH, RigidBodies
+    from heavylift.solver.bodies.rigid import RigidBodies
     from heavylift.solver.drive import DRIVEN as DRIVEN_MOTION
 
     rigid = [kind for kind in bodies if isinstance(kind, RigidBodies)]
@@ -131,11 +131,11 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
     size = padded(place + QUADRATURES)
     state = np.zeros(HEAD + SLOTS * NODE_ROWS * size)
     state[LENGTH] = max(
-        [kind.frame[:, REACH].max() for kind in rigid] + [kind.body[:, SIZE].max() for kind in meshes]
+        [kind.frame["reach"].max() for kind in rigid] + [kind.body[:, SIZE].max() for kind in meshes]
     )
     loaded = [(kind.markers[:, 4] > 0).any() for kind in rigid]
     state[LOADED] = any(loaded + [(kind.markers[:, MARKER_LEVEL] > 0).any() for kind in meshes])
-    driven = any((kind.table[:, MOTION] == DRIVEN_MOTION).any() for kind in rigid)
+    driven = any((kind.table["motion"] == DRIVEN_MOTION).any() for kind in rigid)
     state[DRIVEN] = driven or any(hasattr(kind, "profiles") for kind in joints)
     state[BASED] = bool(systems) and any(len(kind.bases) for kind in meshes)
     if all(is_tree(system) for system in systems):

@@ -7,8 +7,6 @@ import math
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.small import cholesky_factor
-from heavylift.solver.bodies.rigid import DOF as BODY_DOF
-from heavylift.solver.bodies.rigid import NUMBER
 from heavylift.solver.bodies.rigid_step import (
     check_rigid_bodies,
     end_velocity_rigid_bodies,
@@ -67,14 +65,14 @@ def check_hulls(kind: Hulls, step: float, work: Workspace) -> None:
         left = least > 0.0 and (clip[VOLUME] < least or not clip[PLANE_AREA] > 0.0)
         if left or math.isnan(total):
             work.status.outcome = OUTSIDE_DATABASE
-            work.status.body = kind.table[hull, NUMBER]
+            work.status.body = kind.table[hull].number
 
 
 @implement(apply_inverse, Hulls)
 @kernel(internal=True)
 def apply_inverse_of_hulls(kind: Hulls, at_midpoint: bool, system: RowArrays) -> None:
     """Of the attachments on these bodies; at the end of the step by the mass alone, which is factored here."""
-    last = kind.table[kind.table.shape[0] - 1, BODY_DOF]
+    last = kind.table[kind.table.shape[0] - 1].dof
     if not at_midpoint:
         for hull in range(kind.table.shape[0]):
             put_end(kind, hull, kind.stage[hull, HEADING])
@@ -85,7 +83,7 @@ def apply_inverse_of_hulls(kind: Hulls, at_midpoint: bool, system: RowArrays) ->
             cholesky_factor(kind.matrices[base : base + n * n], n)
     for i in range(system.attachments.shape[0]):
         dof = system.attachments[i, DOF]
-        if dof < kind.table[0, BODY_DOF] or dof > last:
+        if dof < kind.table[0].dof or dof > last:
             continue
         for group in range(kind.groups.shape[0]):
             if kind.groups[group, GROUP_DOF] == dof:

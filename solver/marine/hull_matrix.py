@@ -4,15 +4,6 @@ from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
-from heavylift.solver.bodies.rigid import (
-    ANGULAR_MOMENTUM,
-    DOF,
-    FORCE,
-    MASS,
-    MID_ROTATION,
-    PRINCIPAL,
-    VELOCITY,
-)
 from heavylift.solver.bodies.rigid_stage import stage_rotation
 from heavylift.solver.interface import (
     Workspace,
@@ -81,8 +72,8 @@ def assemble_mass(kind: Hulls, group: int, base: int, transform: int, at_end: bo
         hull = first + p
         frame = kind.frame[hull]
         for k in range(3):
-            matrix[base + (6 * p + k) * (n + 1)] += frame[MASS]
-            matrix[base + (6 * p + 3 + k) * (n + 1)] += frame[PRINCIPAL + k]
+            matrix[base + (6 * p + k) * (n + 1)] += frame.mass
+            matrix[base + (6 * p + 3 + k) * (n + 1)] += frame.principal_inertia[k]
         for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
             _add_tank_mass(kind, hull, tank, base + 6 * p * (n + 1), n, at_end)
 
@@ -94,11 +85,7 @@ def _add_tank_mass(kind: Hulls, hull: int, tank: int, base: int, n: int, at_end:
     r1 = kind.tanks[tank, TANK_POINT]
     r2 = kind.tanks[tank, TANK_POINT + 1]
     r3 = kind.tanks[tank, TANK_POINT + 2]
-    R = (
-        kind.stage[hull, ROTATION : ROTATION + 9]
-        if at_end
-        else kind.frame[hull, MID_ROTATION : MID_ROTATION + 9]
-    )
+    R = kind.stage[hull, ROTATION : ROTATION + 9] if at_end else kind.frame[hull].mid_rotation
     matrix = kind.matrices
     for k in range(3):
         matrix[base + k * (n + 1)] += m
@@ -118,7 +105,7 @@ def _add_tank_mass(kind: Hulls, hull: int, tank: int, base: int, n: int, at_end:
 def _add_stiffness(kind: Hulls, hull: int, base: int, n: int, step: float) -> None:
     """``h^2/4 K`` of the buoyancy, and ``h/2 K`` times the predicted displacement to the right-hand side."""
     stage = kind.stage[hull]
-    R = kind.frame[hull, MID_ROTATION : MID_ROTATION + 9]
+    R = kind.frame[hull].mid_rotation
     zz, zx, zy = stage[STIFFNESS], stage[STIFFNESS + 1], stage[STIFFNESS + 2]
     xx, yy, xy = stage[STIFFNESS + 3], stage[STIFFNESS + 4], stage[STIFFNESS + 5]
     quarter = 0.25 * step * step
@@ -214,7 +201,7 @@ def _add_line(kind: Hulls, work: Workspace, end: int, base: int, n: int, step: f
 def moved_on(kind: Hulls, work: Workspace, end: int, step: float) -> tuple[float, float, float]:
     """``(K + 2/h D)`` times how far the middle of one end, as found, lies from where the line was evaluated [N]."""
     hull = kind.line_ends[end, 0]
-    dof, d, half = kind.table[hull, DOF], kind.stage[hull, FORESEEN : FORESEEN + 6], 0.5 * step
+    dof, d, half = kind.table[hull].dof, kind.stage[hull, FORESEEN : FORESEEN + 6], 0.5 * step
     U = work.velocity[dof : dof + 6]
     f = line_force(
         kind, work, end, step,
@@ -229,12 +216,12 @@ def _load_hull(kind: Hulls, hull: int, step: float, work: Workspace) -> None:
     """Momentum of body, ballast and water at the start, half impulses of forces of markers, waves and weight."""
     frame, vectors = kind.frame[hull], kind.vectors
     h, R, out = step, stage_rotation(kind, hull), 6 * hull
-    L = rotate_back(R, frame[ANGULAR_MOMENTUM], frame[ANGULAR_MOMENTUM + 1], frame[ANGULAR_MOMENTUM + 2])
+    L = rotate_back(R, frame.angular_momentum[0], frame.angular_momentum[1], frame.angular_momentum[2])
     for k in range(3):
-        vectors[LOAD, out + k] = frame[MASS] * (frame[VELOCITY + k] + 0.5 * h * work.sums.gravity[k])
+        vectors[LOAD, out + k] = frame.mass * (frame.velocity[k] + 0.5 * h * work.sums.gravity[k])
         vectors[LOAD, out + 3 + k] = L[k]
     for k in range(6):
-        vectors[LOAD, out + k] += 0.5 * h * frame[FORCE + k]
+        vectors[LOAD, out + k] += 0.5 * h * frame.wrench[k]
     for i in range(6):
         force = 0.5 * h * (vectors[WAVE, out + i] + vectors[KNOWN, out + i])
         for j in range(kind.added_mass.shape[1]):

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Records
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid import AXES, CENTRE, COLUMN, pack_rigid_bodies
+from heavylift.solver.bodies.rigid import RigidFrame, pack_rigid_bodies
 from heavylift.solver.marine.clipping import CLIP_WIDTH, VOLUME, clip_surface_now
 from heavylift.solver.marine.hull_checks import check_hull_numbers, check_tank, check_volume
 from heavylift.solver.marine.hulls import (
@@ -95,7 +96,7 @@ def pack_hulls(
     rigid = pack_rigid_bodies(bodies, first_number, first_dof, first_column, markers, sensors)
     names = [body.name for body in bodies]
     count = len(bodies)
-    rigid.table[:, COLUMN] = first_column + np.arange(count) * _record_width()
+    rigid.table["column"] = first_column + np.arange(count) * _record_width()
     groups: list[tuple[str, ...]] = list(dict.fromkeys(body.group for body in bodies))
     group_rows, first_matrix = [], 0
     for group in groups:
@@ -113,8 +114,8 @@ def pack_hulls(
         of_body = [i for i, tank in enumerate(tanks) if tank.body == body.name]
         rows[row, FIRST_TANK] = of_body[0] if of_body else 0
         rows[row, LAST_TANK] = of_body[-1] + 1 if of_body else 0
-        axes = rotation_matrix(rigid.frame[row, AXES : AXES + 4]).T  # body to principal
-        centre = rigid.frame[row, CENTRE : CENTRE + 3]
+        axes = rotation_matrix(rigid.frame[row].axes).T  # body to principal
+        centre = rigid.frame[row].centre
         check_hull_numbers(body.hull)
         _fill_hull(data[row], rows[row], body, axes, centre, surfaces)
         at = slice(6 * row, 6 * row + 6)
@@ -170,14 +171,14 @@ def _cover(
     rows: NDArray[np.int64],
     data: NDArray[np.float64],
     surfaces: _Surfaces,
-    frame: NDArray[np.float64],
+    frame: Records[RigidFrame],
 ) -> None:
     """What a hull displaces must fit its database, at the reference point and as long as it floats."""
     if rows[row, RESTORING] != CLIPPED:
         return
     first, last, triangle, end = rows[row, FIRST_POINT : LAST_TRIANGLE + 1]
     points, triangles = surfaces.all_points[first:last], surfaces.all_triangles[triangle:end]
-    axes = rotation_matrix(frame[row, AXES : AXES + 4])
+    axes = rotation_matrix(frame[row].axes)
     check_volume(radiation, place, bodies[row], points, triangles, axes, data[row, REFERENCE : REFERENCE + 3])
     out, deep = np.zeros(CLIP_WIDTH), -2.0 * float(np.abs(points).max())
     clip_surface_now(points, triangles, np.eye(3).ravel(), deep * 2.0, np.zeros_like(points), out)
@@ -260,7 +261,7 @@ def _fill_hull(
 
 
 def _pack_tanks(
-    tanks: Sequence[Tank], names: Sequence[str], frame: NDArray[np.float64]
+    tanks: Sequence[Tank], names: Sequence[str], frame: Records[RigidFrame]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
     """Schedules, their places, and the numbers of each tank."""
     schedule, table = [np.zeros((0, 2))], []
@@ -270,10 +271,8 @@ def _pack_tanks(
         check_tank(tank)
         times, masses = np.atleast_1d(tank.times).astype(float), np.atleast_1d(tank.masses).astype(float)
         body = names.index(tank.body)
-        axes = rotation_matrix(frame[body, AXES : AXES + 4]).T
-        data[i, TANK_POINT : TANK_POINT + 3] = axes @ (
-            np.asarray(tank.point) - frame[body, CENTRE : CENTRE + 3]
-        )
+        axes = rotation_matrix(frame[body].axes).T
+        data[i, TANK_POINT : TANK_POINT + 3] = axes @ (np.asarray(tank.point) - frame[body].centre)
         data[i, TANK_SURFACE : TANK_SURFACE + 2] = tank.free_surface
         data[i, TANK_MASS] = np.interp(0.0, times, masses)
         table.append((body, first, len(times)))

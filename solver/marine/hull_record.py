@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate
-from heavylift.solver.bodies.rigid import COLUMN, MID_POSITION, POSITION, VELOCITY
 from heavylift.solver.bodies.rigid_record import add_rigid_totals, record_rigid_bodies
 from heavylift.solver.bodies.rigid_stage import stage_at_state, stage_rotation
 from heavylift.solver.interface import (
@@ -72,7 +71,7 @@ def _set_stage(kind: Hulls, time: float) -> None:
             kind.state[at + 4],
         )
         put_transform(kind, hull, TRANSFORM, stage[HEADING], R)
-        to_hydrodynamic(kind, hull, TRANSFORM, FINISH, kind.frame[hull, VELOCITY : VELOCITY + 6])
+        to_hydrodynamic(kind, hull, TRANSFORM, FINISH, kind.frame[hull].twist)
         for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
             put_tank_velocity(kind, hull, tank, R)
 
@@ -90,7 +89,7 @@ def record_hulls(kind: Hulls, time: float, work: Workspace, row: NDArray[np.floa
     memory_now(kind.radiation, vectors)
     for hull in range(kind.table.shape[0]):
         restore(kind, hull)
-        out = kind.table[hull, COLUMN] + 13
+        out = kind.table[hull].column + 13
         volume, x, y, z = _displaced(kind, hull)
         row[out], row[out + 1], row[out + 2], row[out + 3] = volume, x, y, z
         ballast = 0.0
@@ -123,7 +122,7 @@ def _displaced(kind: Hulls, hull: int) -> tuple[float, float, float, float]:
     """Volume and its centre in the world; the place of the hull if there is none."""
     sort = kind.hulls[hull, RESTORING]
     frame = kind.frame[hull]
-    x, y, z = frame[POSITION], frame[POSITION + 1], frame[POSITION + 2]
+    x, y, z = frame.position[0], frame.position[1], frame.position[2]
     if sort == CLIPPED:
         clip = kind.stage[hull, CLIP : CLIP + 12]
         V = clip[VOLUME]
@@ -160,9 +159,9 @@ def add_hull_totals(kind: Hulls, work: Workspace) -> None:
                 kind.tanks[tank, TANK_POINT + 2],
             )
             l1, l2, l3 = cross(
-                kind.frame[hull, MID_POSITION] + arm[0],
-                kind.frame[hull, MID_POSITION + 1] + arm[1],
-                kind.frame[hull, MID_POSITION + 2] + arm[2],
+                kind.frame[hull].mid_position[0] + arm[0],
+                kind.frame[hull].mid_position[1] + arm[1],
+                kind.frame[hull].mid_position[2] + arm[2],
                 m * kind.tanks[tank, TANK_VELOCITY],
                 m * kind.tanks[tank, TANK_VELOCITY + 1],
                 m * kind.tanks[tank, TANK_VELOCITY + 2],
@@ -174,4 +173,4 @@ def add_hull_totals(kind: Hulls, work: Workspace) -> None:
                 v = kind.tanks[tank, TANK_VELOCITY + k]
                 totals.kinetic += 0.5 * m * v * v
                 totals.linear_momentum[k] += m * v
-                totals.potential -= m * work.sums.gravity[k] * (kind.frame[hull, MID_POSITION + k] + arm[k])
+                totals.potential -= m * work.sums.gravity[k] * (kind.frame[hull].mid_position[k] + arm[k])

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate, rotate_back
-from heavylift.solver.bodies.rigid import MID_POSITION, MID_ROTATION
 from heavylift.solver.marine.clipping import (
     PLANE_AREA,
     PLANE_X,
@@ -58,8 +57,8 @@ def restore(kind: Hulls, hull: int) -> None:
     the world rotations x and y: zz, zx, zy, xx, yy, xy.
     """
     stage = kind.stage[hull]
-    R = kind.frame[hull, MID_ROTATION : MID_ROTATION + 9]
-    height = kind.frame[hull, MID_POSITION + 2] - kind.water[2]
+    R = kind.frame[hull].mid_rotation
+    height = kind.frame[hull].mid_position[2] - kind.water[2]
     weight = kind.water[0]
     sort = kind.hulls[hull, RESTORING]
     force = moment_x = moment_y = zz = zx = zy = xx = yy = xy = 0.0
@@ -139,8 +138,8 @@ def _free_surfaces(kind: Hulls, hull: int) -> tuple[float, float]:
 @kernel(internal=True)
 def restoring_potential(kind: Hulls, hull: int) -> float:
     """Potential of the buoyancy at the stage [J], after `restore`."""
-    R = kind.frame[hull, MID_ROTATION : MID_ROTATION + 9]
-    height = kind.frame[hull, MID_POSITION + 2] - kind.water[2]
+    R = kind.frame[hull].mid_rotation
+    height = kind.frame[hull].mid_position[2] - kind.water[2]
     weight, data = kind.water[0], kind.hull[hull]
     sort = kind.hulls[hull, RESTORING]
     potential = 0.0

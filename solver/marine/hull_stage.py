@@ -10,15 +10,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import write_rotation_matrix
 from heavylift.numerics.small import cross, rotate
-from heavylift.solver.bodies.rigid import (
-    ARC,
-    FORCE,
-    MID_POSITION,
-    POSITION,
-    SPIN,
-    SPIN_RATE,
-    VELOCITY,
-)
 from heavylift.solver.bodies.rigid_stage import (
     fill_rigid_markers,
     orientation_of,
@@ -173,14 +164,14 @@ def predict_hulls(kind: Hulls, time: float, step: float) -> None:
         x, y, _ = rotate(
             R, kind.hull[hull, REFERENCE], kind.hull[hull, REFERENCE + 1], kind.hull[hull, REFERENCE + 2]
         )
-        stage[TARGET], stage[TARGET + 1] = frame[MID_POSITION] + x, frame[MID_POSITION + 1] + y
+        stage[TARGET], stage[TARGET + 1] = frame.mid_position[0] + x, frame.mid_position[1] + y
         stage[TARGET + 2] = hull_yaw(kind, hull, R, kind.state[STATE_WIDTH * hull + YAW])
         advance_filter(kind, hull, 0.5 * step, False)
         heading = stage[HEADING]
         before = kind.stage[hull, ROTATION : ROTATION + 9]
         write_rotation_matrix(orientation_of(kind, hull), before)
         put_transform(kind, hull, TRANSFORM, heading, before)
-        to_hydrodynamic(kind, hull, TRANSFORM, START, kind.frame[hull, VELOCITY : VELOCITY + 6])
+        to_hydrodynamic(kind, hull, TRANSFORM, START, kind.frame[hull].twist)
         for k in range(6):
             lag = kind.state[STATE_WIDTH * hull + LAG + k]
             kind.vectors[LEAD, 6 * hull + k] = kind.vectors[START, 6 * hull + k] + 0.5 * step * step * lag
@@ -193,10 +184,10 @@ def predict_hulls(kind: Hulls, time: float, step: float) -> None:
                     kind.tanks[tank, TANK_VELOCITY + k] + 0.5 * step * step * lag
                 )
         put_transform(kind, hull, TRANSFORM, heading, R)
-        a = frame[ARC] * step * step
+        a = frame.arc * step * step
         for k in range(3):
-            stage[PREDICTED + k] = frame[MID_POSITION + k] - frame[POSITION + k]
-            stage[PREDICTED + 3 + k] = 0.5 * step * frame[SPIN + k] + a * frame[SPIN_RATE + k]
+            stage[PREDICTED + k] = frame.mid_position[k] - frame.position[k]
+            stage[PREDICTED + 3 + k] = 0.5 * step * frame.spin[k] + a * frame.spin_rate[k]
             stage[FORESEEN + k], stage[FORESEEN + 3 + k] = stage[PREDICTED + k], stage[PREDICTED + 3 + k]
     # in the axes of this step the water has another energy than in those that its state was recorded in
     kind.stage[0, TURNED] = water_energy(kind, START) - turned_energy(kind, START)
@@ -243,12 +234,12 @@ def put_tank_velocity(kind: Hulls, hull: int, tank: int, R: NDArray[np.float64])
     """Velocity of the water in a tank at the carried velocities."""
     frame = kind.frame[hull]
     c = cross(
-        frame[SPIN], frame[SPIN + 1], frame[SPIN + 2],
+        frame.spin[0], frame.spin[1], frame.spin[2],
         kind.tanks[tank, TANK_POINT], kind.tanks[tank, TANK_POINT + 1], kind.tanks[tank, TANK_POINT + 2],
     )  # fmt: skip
     rate = rotate(R, c[0], c[1], c[2])
     for k in range(3):
-        kind.tanks[tank, TANK_VELOCITY + k] = frame[VELOCITY + k] + rate[k]
+        kind.tanks[tank, TANK_VELOCITY + k] = frame.velocity[k] + rate[k]
 
 
 @kernel(internal=True)
@@ -296,7 +287,7 @@ def gather_hull_forces(kind: Hulls, work: Workspace) -> None:
     """Resultants (world axes) and moments about the centres of mass (body axes) of all marker forces."""
     for hull in range(kind.table.shape[0]):
         for j in range(6):
-            kind.frame[hull, FORCE + j] = 0.0
+            kind.frame[hull].force[j] = 0.0
     for marker in range(kind.markers.shape[0] - 1, -1, -1):
         if kind.markers[marker, 4] == RECORD:
             continue
@@ -306,7 +297,7 @@ def gather_hull_forces(kind: Hulls, work: Workspace) -> None:
         offset = kind.hulls[hull, OFFSET]
         jacobian = work.jacobian[number]
         for j in range(6):
-            kind.frame[hull, FORCE + j] += (
+            kind.frame[hull].force[j] += (
                 jacobian[0, offset + j] * work.markers[number].force[0]
                 + jacobian[1, offset + j] * work.markers[number].force[1]
                 + jacobian[2, offset + j] * work.markers[number].force[2]

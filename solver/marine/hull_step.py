@@ -8,15 +8,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
 from heavylift.numerics.small import cholesky_factor, cholesky_solve, cross, rotate, rotate_back
-from heavylift.solver.bodies.rigid import (
-    ANGULAR_MOMENTUM,
-    DOF,
-    FORCE,
-    INVERSE_PRINCIPAL,
-    MID_POSITION,
-    POSITION,
-    VELOCITY,
-)
 from heavylift.solver.bodies.rigid_stage import orientation_of, stage_rotation
 from heavylift.solver.bodies.rigid_step import advance_rigid_bodies, finish_rigid_bodies
 from heavylift.solver.contact.system_interface import meet_again
@@ -162,7 +153,7 @@ def _pose_at(kind: Hulls, hull: int, step: float, velocity: NDArray[np.float64],
     for k in range(3):
         stage[PREDICTED + k] = half * velocity[dof + k]
         stage[PREDICTED + 3 + k] = half * velocity[dof + 3 + k]
-        frame[MID_POSITION + k] = frame[POSITION + k] + half * velocity[dof + k]
+        frame.mid_position[k] = frame.position[k] + half * velocity[dof + k]
     q = rotate_by_exponential(
         orientation_of(kind, hull),
         half * velocity[dof + 3],
@@ -189,7 +180,7 @@ def advance_hulls(kind: Hulls, time: float, step: float, work: Workspace) -> Non
     """Configuration and momenta to the end of the step; works of lines, waves and radiation in its middle."""
     h, vectors = step, kind.vectors
     for hull in range(kind.table.shape[0]):
-        dof = kind.table[hull, DOF]
+        dof = kind.table[hull].dof
         to_hydrodynamic(kind, hull, TRANSFORM, MIDDLE, work.velocity[dof : dof + 6])
     for hull in range(kind.table.shape[0]):
         lost = supplied = 0.0
@@ -209,7 +200,7 @@ def advance_hulls(kind: Hulls, time: float, step: float, work: Workspace) -> Non
     _fill_work(kind, time, h)
     for hull in range(kind.table.shape[0]):
         for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
-            _lag_of_tank(kind, hull, tank, work.velocity, kind.table[hull, DOF], False, step)
+            _lag_of_tank(kind, hull, tank, work.velocity, kind.table[hull].dof, False, step)
     advance_rigid_bodies(kind, time, step, work)
     for hull in range(kind.table.shape[0]):
         _measure_lag(kind, hull, step)
@@ -228,11 +219,11 @@ def _measure_lag(kind: Hulls, hull: int, step: float) -> None:
     frame = kind.frame[hull]
     put_end(kind, hull, kind.stage[hull, HEADING])
     R = kind.stage[hull, ROTATION : ROTATION + 9]
-    L = rotate_back(R, frame[ANGULAR_MOMENTUM], frame[ANGULAR_MOMENTUM + 1], frame[ANGULAR_MOMENTUM + 2])
+    L = rotate_back(R, frame.angular_momentum[0], frame.angular_momentum[1], frame.angular_momentum[2])
     end = kind.vectors[SCRATCH, 6 * hull : 6 * hull + 6]
     for k in range(3):
-        end[k] = frame[VELOCITY + k]
-        end[3 + k] = L[k] * frame[INVERSE_PRINCIPAL + k]
+        end[k] = frame.velocity[k]
+        end[3 + k] = L[k] * frame.inverse_inertia[k]
     to_hydrodynamic(kind, hull, END_TRANSFORM, FINISH, end)
     moving = turning = 0.0
     for i in range(3):
@@ -297,7 +288,7 @@ def _fill_work(kind: Hulls, time: float, step: float) -> None:
                 kind.tanks[tank, TANK_POINT + 1],
                 kind.tanks[tank, TANK_POINT + 2],
             )
-            height = kind.frame[hull, MID_POSITION + 2] + arm
+            height = kind.frame[hull].mid_position[2] + arm
             kind.state[STATE_WIDTH * hull + SUPPLIED] += gained * (
                 0.5 * (v1 * v1 + v2 * v2 + v3 * v3) + kind.water[1] * height
             )
@@ -323,7 +314,7 @@ def _correct_line(kind: Hulls, work: Workspace, end: int, step: float) -> None:
         x, y, z = x - x2, y - y2, z - z2
     J, offset = work.jacobian[marker], kind.hulls[hull, OFFSET]
     for i in range(6):
-        kind.frame[hull, FORCE + i] -= J[0, offset + i] * x + J[1, offset + i] * y + J[2, offset + i] * z
+        kind.frame[hull].force[i] -= J[0, offset + i] * x + J[1, offset + i] * y + J[2, offset + i] * z
 
 
 @implement(finish, Hulls)
@@ -334,7 +325,7 @@ def finish_hulls(kind: Hulls, step: float, work: Workspace) -> None:
     for hull in range(kind.table.shape[0]):
         advance_filter(kind, hull, step, True)
         put_end(kind, hull, kind.stage[hull, HEADING])
-        to_hydrodynamic(kind, hull, END_TRANSFORM, FINISH, kind.frame[hull, VELOCITY : VELOCITY + 6])
+        to_hydrodynamic(kind, hull, END_TRANSFORM, FINISH, kind.frame[hull].twist)
     # the theory has no force where the axes of an uneven added mass turn: what that changes is supplied
     turned = turned_energy(kind, FINISH) - water_energy(kind, FINISH)
     kind.state[SUPPLIED] += kind.stage[0, TURNED] + turned

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from heavylift.solver.bodies.rigid import NUMBER
 from heavylift.solver.interface import Bodies
 from heavylift.solver.marine.clipping import VOLUME
 from heavylift.solver.marine.hulls import CLIP, HEADING, LEAST_VOLUME, WAVE
@@ -27,7 +26,7 @@ def left_because(bodies: Bodies, number: int) -> tuple[str, str]:
     for kind in bodies:
         if "hulls" not in kind._fields:
             continue
-        for row in np.flatnonzero(kind.table[:, NUMBER] == number):
+        for row in np.flatnonzero(kind.table["number"] == number):
             volume, least = kind.stage[row, CLIP + VOLUME], kind.hull[row, LEAST_VOLUME]
             if np.isnan(kind.vectors[WAVE, 6 * row : 6 * row + 6]).any():
                 turned = math.degrees(kind.stage[row, HEADING])

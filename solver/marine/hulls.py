@@ -18,8 +18,9 @@ from typing import ClassVar
 import numpy as np
 
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
+from heavylift.numerics.records import Records
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid import ORIENTATION, POSITION
+from heavylift.solver.bodies.rigid import RigidFrame, RigidIndex
 from heavylift.solver.kinds import Table
 from heavylift.solver.marine.clipping import CLIP_WIDTH
 
@@ -118,9 +119,9 @@ class Hulls(Arrays):
         "heavylift.solver.marine.hull_step",
     )
 
-    table: Ints2
+    table: Records[RigidIndex]
     constants: Floats1
-    frame: Floats2
+    frame: Records[RigidFrame]
     markers: Ints2
     sensors: Ints2
     hulls: Ints2
@@ -162,8 +163,8 @@ class Hulls(Arrays):
 def start_filters(kind: Hulls) -> None:
     """Position and heading that the waves see start at those of the hulls."""
     for row in range(len(kind.table)):
-        R = rotation_matrix(kind.frame[row, ORIENTATION : ORIENTATION + 4])
-        place = kind.frame[row, POSITION : POSITION + 3] + R @ kind.hull[row, REFERENCE : REFERENCE + 3]
+        R = rotation_matrix(kind.frame[row].orientation)
+        place = kind.frame[row].position + R @ kind.hull[row, REFERENCE : REFERENCE + 3]
         forward = R @ kind.hull[row, AXIS_X : AXIS_X + 3]
         at = STATE_WIDTH * row + LOW_PASS
         heading = np.arctan2(forward[1], forward[0])

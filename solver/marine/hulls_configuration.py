@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.objects import entry
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid import DOF, MASS, ORIENTATION
 from heavylift.solver.bodies.rigid_configuration import (
     move_rigid_bodies,
     put_rigid_velocity,
@@ -59,7 +58,7 @@ def restore_at_rest(kind: Hulls) -> None:
 def collect_hull_load(kind: Hulls, work: Workspace, load: NDArray[np.float64]) -> None:
     """``J^T f`` of the markers that forces act on, buoyancy, weight of body and ballast."""
     restore_at_rest(kind)
-    dofs = kind.table[:, DOF, None] + np.arange(6)
+    dofs = kind.table["dof"][:, None] + np.arange(6)
     for number, body, _, _, level in kind.markers:
         if level == FORCES:
             at = kind.hulls[body, OFFSET]
@@ -67,9 +66,9 @@ def collect_hull_load(kind: Hulls, work: Workspace, load: NDArray[np.float64]) -
             load[dofs[body]] += J.T @ work.markers[number].force
     load[dofs] += kind.stage[:, LIFT : LIFT + 6]
     gravity = work.sums.gravity
-    load[dofs[:, :3]] += kind.frame[:, MASS, None] * gravity
+    load[dofs[:, :3]] += kind.frame["mass"][:, None] * gravity
     for tank, (body, _, _) in enumerate(kind.tank_table):
         weight = kind.tanks[tank, TANK_MASS] * gravity
-        R = rotation_matrix(kind.frame[body, ORIENTATION : ORIENTATION + 4])
+        R = rotation_matrix(kind.frame[body].orientation)
         load[dofs[body, :3]] += weight
         load[dofs[body, 3:]] += np.cross(kind.tanks[tank, TANK_POINT : TANK_POINT + 3], R.T @ weight)

@@ -17,6 +17,7 @@ from heavylift.numerics.records import Matrix3, Record, Records, Vector, record_
 class Place(Record):
     position: Vector
     turned: bool
+    depth: Annotated[NDArray[np.float64], (2,), "position"]
 
 
 class Weight(Place):
@@ -106,10 +107,12 @@ def test_memory() -> None:
     assert Weight.layout.itemsize == 32 + 8 + 8 + 72 + 32 + 16
     assert Wide.layout.itemsize == 64
     assert records(Wide, 3).ctypes.data % 64 == 0
-    made = records(Place, [((1.0, 2.0, 3.0), True), ((0.0, 0.0, 0.0), False)])
-    np.testing.assert_array_equal(made["position"][0], [1.0, 2.0, 3.0])
-    assert made[0].turned
-    assert isinstance(made[1], Place)
+    made = records(Wide, [(1.5,), (2.5,)])
+    np.testing.assert_array_equal(made["value"], [1.5, 2.5])
+    assert isinstance(made[1], Wide)
+    place = Place.one()
+    place.depth[1] = 4.0
+    np.testing.assert_array_equal(place.position, [0.0, 4.0, 0.0])
 
 
 @kernel
@@ -131,7 +134,7 @@ def sum_of_places(values: Floats1, count: int) -> float:
     for i in range(count):
         place = PLACE_AT(values, 1 + 4 * i)
         total += place.position[1]
-        place.position[0] = 9.0
+        place.depth[0] = 9.0
     return total
 
 

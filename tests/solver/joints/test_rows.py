@@ -11,7 +11,6 @@ from joint_scenes import CLOSED, RESIDUALS, SLIDE_AXIS, Pose, angle, make_joint,
 from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.rigid import ORIENTATION, POSITION, SPIN, VELOCITY
 from heavylift.solver.connections import JointFrame
 from heavylift.solver.integrate.loop import start_scene
 from heavylift.solver.interface import (
@@ -91,26 +90,24 @@ class Model:
             point = np.array([0.0, 0.0, profile(TIME)])
         a, _ = self.frames(name, np.zeros(12), 0.0)
         R = a.axes @ turn(rotation) @ joint.frame_b.axes.T
-        self.state[1, POSITION : POSITION + 3] = a.point + a.axes @ point - R @ joint.frame_b.point
-        self.state[1, ORIENTATION : ORIENTATION + 4] = Rotation.from_matrix(R).as_quat(scalar_first=True)
+        self.state[1].position[:] = a.point + a.axes @ point - R @ joint.frame_b.point
+        self.state[1].orientation[:] = Rotation.from_matrix(R).as_quat(scalar_first=True)
 
     def place(self, rng: np.random.Generator) -> None:
         """Both bodies anywhere, moving anyhow."""
-        self.state[:, POSITION : POSITION + 3] = rng.normal(size=(2, 3))
-        self.state[:, ORIENTATION : ORIENTATION + 4] = Rotation.random(2, rng=rng).as_quat(scalar_first=True)
-        self.state[:, VELOCITY : VELOCITY + 3] = rng.normal(size=(2, 3))
-        self.state[:, SPIN : SPIN + 3] = rng.normal(size=(2, 3))
+        self.state["position"] = rng.normal(size=(2, 3))
+        self.state["orientation"] = Rotation.random(2, rng=rng).as_quat(scalar_first=True)
+        self.state["velocity"] = rng.normal(size=(2, 3))
+        self.state["spin"] = rng.normal(size=(2, 3))
 
     def frames(self, name: str, motion: np.ndarray, time: float) -> tuple[Pose, Pose]:
         """Joint frames after the bodies moved for a while with constant velocities, shape (12,)."""
         sides = []
         joint = self.joints[name]
         for body, frame in enumerate((joint.frame_a, joint.frame_b)):
-            R0 = Rotation.from_quat(
-                self.state[body, ORIENTATION : ORIENTATION + 4], scalar_first=True
-            ).as_matrix()
+            R0 = Rotation.from_quat(self.state[body].orientation, scalar_first=True).as_matrix()
             R = R0 @ turn(time * motion[6 * body + 3 : 6 * body + 6])
-            x = self.state[body, POSITION : POSITION + 3] + time * motion[6 * body : 6 * body + 3]
+            x = self.state[body].position + time * motion[6 * body : 6 * body + 3]
             # the bodies of this scene have their centre of mass in the origin and principal axes along their own
             sides.append(Pose(x + R @ frame.point, R @ frame.axes))
         return sides[0], sides[1]
@@ -148,7 +145,7 @@ class Model:
     @property
     def velocity(self) -> np.ndarray:
         """Velocities of both bodies, shape (12,)."""
-        return np.concatenate([[*s[VELOCITY : VELOCITY + 3], *s[SPIN : SPIN + 3]] for s in self.state])
+        return np.concatenate([[*s.velocity, *s.spin] for s in self.state])
 
 
 @pytest.fixture(scope="module")
@@ -230,10 +227,8 @@ def test_reaction_is_the_wrench_of_the_rows(model: Model, name: str, seed: int) 
     force, moment = record[column : column + 3], record[column + 3 : column + 6]
     anchor = model.frames(name, np.zeros(12), 0.0)[1].point
     for body, sign in ((0, -1.0), (1, 1.0)):
-        R = Rotation.from_quat(
-            model.state[body, ORIENTATION : ORIENTATION + 4], scalar_first=True
-        ).as_matrix()
-        arm = anchor - model.state[body, POSITION : POSITION + 3]
+        R = Rotation.from_quat(model.state[body].orientation, scalar_first=True).as_matrix()
+        arm = anchor - model.state[body].position
         turned = R.T @ (moment + np.cross(arm, force))
         np.testing.assert_allclose(
             sign * np.concatenate([force, turned]), generalised[6 * body : 6 * body + 6], atol=1e-12

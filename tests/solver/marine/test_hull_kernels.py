@@ -13,7 +13,6 @@ from scipy.spatial.transform import Rotation
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.surfaces import TriangleSurface
-from heavylift.solver.bodies.rigid import MID_POSITION, MID_ROTATION
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.marine.hull_restoring import restore, restoring_potential
 from heavylift.solver.marine.hull_stage import filtered, hull_yaw, put_transform
@@ -41,9 +40,9 @@ PLAIN, TANKED, LINEAR = range(3)
 def restore_at(kind, hull, position, R, out):  # type: ignore[no-untyped-def]
     """Force, moment, stiffness and potential at a pose."""
     for k in range(3):
-        kind.frame[hull, MID_POSITION + k] = position[k]
+        kind.frame[hull].mid_position[k] = position[k]
     for k in range(9):
-        kind.frame[hull, MID_ROTATION + k] = R[k]
+        kind.frame[hull].mid_rotation[k] = R[k]
     restore(kind, hull)
     for k in range(6):
         out[k] = kind.stage[hull, LIFT + k]
