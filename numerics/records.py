@@ -2,7 +2,7 @@
 
 A subclass of `Record` lists fields as a dataclass does: ``mass: float``, ``count: int``, ``slack: bool``,
 ``position: Vector``, or another record. ``twist: Annotated[NDArray[np.float64], (6,), "velocity"]`` spans the fields
-from ``velocity`` on: it shows six numbers of them as one vector and takes no memory. The ``layout`` is a NumPy dtype, so
+from ``velocity`` on: it shows six numbers of them as one vector and takes no memory. The ``layout`` is a NumPy dtype:
 ``row.mass`` and ``row.position[2]`` mean the same in kernels and in plain Python, where a record is a NumPy scalar that
 shares its memory, and ``rows["mass"]`` are the masses of all. In kernels a record is a pointer: a field costs one load,
 and nothing counts columns by hand.
