@@ -61,6 +61,8 @@ Vector = Annotated[NDArray[np.float64], (3,)]
 """Field of three numbers; one of another shape is ``Annotated[NDArray[...], shape]``."""
 Quaternion = Annotated[NDArray[np.float64], (4,)]
 Vector6 = Annotated[NDArray[np.float64], (6,)]
+Lanes = Annotated[NDArray[np.float64], (1,)]
+"""Field of `LaneRecords`: a vector whose length the array says."""
 Matrix3 = Annotated[NDArray[np.float64], (3, 3)]
 Matrix6 = Annotated[NDArray[np.float64], (6, 6)]
 
@@ -226,6 +228,56 @@ else:
             return _records_of(record)
 
 
+if TYPE_CHECKING:
+
+    class LaneRecords(Records[R_co]):
+        """Records whose fields are vectors of lanes, as many as the array says."""
+
+else:
+
+    class LaneRecords:
+        """Records whose fields are vectors of lanes; the record lists them as ``Lanes``. `lane_records` makes one."""
+
+        def __class_getitem__(cls, record: type[Record]) -> Any:
+            """The same object each time."""
+            return known_lanes(record, 0)
+
+
+class _LaneRecordsOf:
+    """Annotation of an array of records of lanes."""
+
+    def __init__(self, record: type[Record], lanes: int) -> None:
+        self.record, self.lanes = record, lanes
+
+    def numba_type(self) -> LaneRecordsType:
+        """Type in kernels."""
+        return LaneRecordsType(self.record, self.lanes)
+
+
+@cache
+def known_lanes(record: Any, lanes: int) -> Any:
+    """Annotation for kernels that know the number of lanes when they are compiled; the arrays are the same."""
+    return _LaneRecordsOf(record, lanes)
+
+
+def _with_lanes(record: Any, lanes: int) -> Any:
+    """The record with vectors of some length."""
+    fields = dict.fromkeys(record.fields_of, Annotated[NDArray[np.float64], (lanes,)])
+    return type(
+        f"{record.__name__}{lanes}", (Record,), {"__annotations__": fields, "__module__": record.__module__}
+    )
+
+
+_lanes_of: typing.Callable[[Any, int], Any] = cache(_with_lanes)
+"""As `_with_lanes`, one class for each length."""
+
+
+def lane_records(record: type[R], count: int, lanes: int) -> LaneRecords[R]:
+    """Array of records whose fields are vectors of some lanes, all 0; it begins at a cache line."""
+    made: Any = records(_lanes_of(record, lanes), count)
+    return made
+
+
 class _RecordsOf:
     """Annotation of an array of records."""
 
@@ -335,6 +387,80 @@ class RecordsType(Words):
         """Address and length of a structure."""
         made = cgutils.create_struct_proxy(self)(context, builder, value)
         return [builder.ptrtoint(made.data, WORD), made.count]
+
+
+class LaneRecordsType(Words):
+    """Numba type of an array of records of lanes: its address, its length, and its lanes unless the type has them."""
+
+    word_count = 3
+
+    def __init__(self, record: type[Record], lanes: int) -> None:
+        self.record, self.lanes = record, lanes
+        super().__init__(name=f"LaneRecords[{record.__module__}.{record.__qualname__}, {lanes}]")
+
+    def words(self, value: Any, where: str) -> list[int]:
+        """Address, length and lanes.
+
+        Raises
+        ------
+        TypeError
+            If kernels would misread the array.
+        """
+        lanes = value.dtype[0].shape[0] if isinstance(value, np.ndarray) and value.dtype.names else 0
+        if lanes == 0 or self.lanes not in {0, lanes}:
+            raise TypeError(f"{where}: expected {self}")
+        return [*RecordsType(_lanes_of(self.record, lanes)).words(value, where), lanes]
+
+    def described(self) -> str:
+        """All that compiled code knows of it."""
+        return f"{self}{list(self.record.fields_of)}"
+
+    def rebuild(self, context: Any, builder: Any, words: list[Any]) -> Any:
+        """Structure from address, length and lanes."""
+        made = cgutils.create_struct_proxy(self)(context, builder)
+        made.data = builder.inttoptr(words[0], WORD.as_pointer())
+        made.count, made.lanes = words[1], words[2]
+        return made._getvalue()  # noqa: SLF001
+
+    def to_words(self, context: Any, builder: Any, value: Any) -> list[Any]:
+        """Address, length and lanes of a structure."""
+        made = cgutils.create_struct_proxy(self)(context, builder, value)
+        return [builder.ptrtoint(made.data, WORD), made.count, made.lanes]
+
+
+class LaneRecordType(types.Type):
+    """Numba type of one record of lanes."""
+
+    def __init__(self, record: type[Record], lanes: int) -> None:
+        self.record, self.lanes = record, lanes
+        super().__init__(name=f"LaneRecord[{record.__module__}.{record.__qualname__}, {lanes}]")
+
+
+@register_model(LaneRecordsType)
+@register_model(LaneRecordType)
+class _LanesModel(models.StructModel):
+    def __init__(self, manager: Any, of_type: Any) -> None:
+        members = [("data", types.misc.CPointer(types.int64)), ("count", types.int64), ("lanes", types.int64)]
+        super().__init__(manager, of_type, members)
+
+
+@infer_getattr
+class _LaneFields(AttributeTemplate):
+    key = LaneRecordType
+
+    def generic_resolve(self, of_type: Any, name: str) -> Any:
+        """A vector of lanes."""
+        return types.Array(types.float64, 1, "C") if name in of_type.record.fields_of else None
+
+
+@lower_getattr_generic(LaneRecordType)
+def _lane_field(context: Any, builder: Any, of_type: Any, value: Any, name: str) -> Any:
+    one = cgutils.create_struct_proxy(of_type)(context, builder, value)
+    lanes = ir.Constant(WORD, of_type.lanes) if of_type.lanes else one.lanes
+    place = list(of_type.record.fields_of).index(name)
+    at = builder.gep(one.data, [builder.mul(ir.Constant(WORD, place), lanes)], source_etype=WORD)
+    vector = types.Array(types.float64, 1, "C")
+    return rebuild_array(context, builder, vector, [builder.ptrtoint(at, WORD), lanes])
 
 
 register_model(RecordType)(_PointerModel)
@@ -469,6 +595,8 @@ class _Item(AbstractTemplate):
         array, index = arguments
         if isinstance(array, RecordsType) and isinstance(index, types.Integer):
             return call_signature(RecordType(array.record), array, types.int64)
+        if isinstance(array, LaneRecordsType) and isinstance(index, types.Integer):
+            return call_signature(LaneRecordType(array.record, array.lanes), array, types.int64)
         if isinstance(array, RecordsType) and index == types.slice2_type:
             return call_signature(array, array, index)
         return None
@@ -486,6 +614,20 @@ def _item(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     if context.enable_boundscheck:
         cgutils.do_boundscheck(context, builder, values[1], array.count)
     return _record_pointer(builder, array, of_type.record, values[1])
+
+
+@lower_builtin(operator.getitem, LaneRecordsType, types.Integer)
+def _lane_item(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    of_type = signature.args[0]
+    array = cgutils.create_struct_proxy(of_type)(context, builder, values[0])
+    if context.enable_boundscheck:
+        cgutils.do_boundscheck(context, builder, values[1], array.count)
+    lanes = ir.Constant(WORD, of_type.lanes) if of_type.lanes else array.lanes
+    width = builder.mul(ir.Constant(WORD, len(of_type.record.fields_of)), lanes)
+    one = cgutils.create_struct_proxy(signature.return_type)(context, builder)
+    one.data = builder.gep(array.data, [builder.mul(values[1], width)], source_etype=WORD)
+    one.count, one.lanes = array.count, lanes
+    return one._getvalue()  # noqa: SLF001
 
 
 @lower_builtin(operator.getitem, RecordsType, types.slice2_type)
@@ -541,3 +683,52 @@ def record_at(record: type[R]) -> typing.Callable[[NDArray[np.float64], int], R]
     infer_global(seen, types.Function(Template))
     lower_builtin(seen, types.Array, types.Integer)(see)
     return seen
+
+
+def copy_record(target: R, source: R) -> None:
+    """All fields of a record into another one of its class; kernels copy the memory."""
+    target.words[:] = source.words
+
+
+def clear_record(record: Record) -> None:
+    """All fields 0."""
+    record.words[:] = 0.0
+
+
+def _words_of(context: Any, builder: Any, of_type: Any, value: Any) -> tuple[Any, Any]:
+    """Address and number of words of a record."""
+    if isinstance(of_type, LaneRecordType):
+        one = cgutils.create_struct_proxy(of_type)(context, builder, value)
+        lanes = ir.Constant(WORD, of_type.lanes) if of_type.lanes else one.lanes
+        return one.data, builder.mul(ir.Constant(WORD, len(of_type.record.fields_of)), lanes)
+    return value, ir.Constant(WORD, of_type.record.layout.itemsize // WORD_BYTES)
+
+
+@infer_global(copy_record)
+@infer_global(clear_record)
+class _OfRecords(AbstractTemplate):
+    def generic(self, arguments: Any, named: Any) -> Any:
+        """Of one record, or of two of one class."""
+        del named
+        known = all(
+            isinstance(one, (RecordType, LaneRecordType)) and one == arguments[0] for one in arguments
+        )
+        return call_signature(types.none, *arguments) if known else None
+
+
+@lower_builtin(copy_record, RecordType, RecordType)
+@lower_builtin(copy_record, LaneRecordType, LaneRecordType)
+def _copy(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    target, count = _words_of(context, builder, signature.args[0], values[0])
+    source, _ = _words_of(context, builder, signature.args[1], values[1])
+    cgutils.raw_memmove(builder, target, source, count, WORD_BYTES)
+    return context.get_dummy_value()
+
+
+@lower_builtin(clear_record, RecordType)
+@lower_builtin(clear_record, LaneRecordType)
+def _clear(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    target, count = _words_of(context, builder, signature.args[0], values[0])
+    with cgutils.for_range(builder, count) as loop:
+        builder.store(ir.Constant(WORD, 0), builder.gep(target, [loop.index], source_etype=WORD))
+    return context.get_dummy_value()

@@ -23,7 +23,6 @@ from heavylift.solver.integrate.loop import start_scene, write_record
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.mesh_warning import mesh_warning
-from heavylift.solver.rows import LAST_REACTION, REACTION, ROW_COLUMNS
 from heavylift.solver.scene import Scene
 from heavylift.solver.stop_message import stop_message
 
@@ -284,15 +283,13 @@ class Simulation:
             length, 0.0, 0, 1, 2, np.empty((0, self.column_count)),
         )  # fmt: skip
         system = layout.systems[0]
-        lanes = system.lanes
-        found = system.rows.reshape(-1, ROW_COLUMNS, lanes)[:, LAST_REACTION].copy()
+        found = system.rows["last_reaction"].copy()
         good = layout.work.status.outcome == 0
         layout.work.status.words[:] = 0.0
         for name, array in self._arrays():
             array[...] = before[name]
         if good:
-            for column in (REACTION, LAST_REACTION):
-                system.rows.reshape(-1, ROW_COLUMNS, lanes)[:, column] = found
+            system.rows["reaction"] = system.rows["last_reaction"] = found
 
     @property
     def solver_steps(self) -> int:

@@ -60,7 +60,6 @@ from heavylift.solver.contact.kind import (
 from heavylift.solver.drive import FIXED as FRAME_FIXED
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import PANEL
 
 __all__: list[str] = []
 
@@ -168,7 +167,7 @@ def put_flexible_contour_rows(kind: FlexibleBodies, contacts: ContactRows, conta
     put_frame_rows(contacts, contact)
     lanes = len(contacts.shape[1])
     n, scratch = kind.table[body, MODES], contacts.scratch
-    panel = contacts.attachments[2 * contact, PANEL] + 6 * lanes
+    panel = contacts.attachments[2 * contact].panel + 6 * lanes
     turning = scratch[HAS_SLOPES] > 0.0
     _sum_shapes(contacts, contour, count, n, WEIGHTS_AT, SHAPES)
     if turning:

@@ -82,7 +82,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.row_impulses import row_power
-from heavylift.solver.rows import PANEL, RowArrays
+from heavylift.solver.rows import RowArrays
 
 __all__: list[str] = []
 
@@ -98,7 +98,7 @@ def apply_inverse_of_floating_frames(kind: FloatingFrameBodies, at_midpoint: boo
         if body >= 0:
             scale_modal_panel(kind, body, system, i)
             if kind.table[body, MOTION] == FREE:
-                _apply_to_frame(kind, body, at_midpoint, system, system.attachments[i, PANEL])
+                _apply_to_frame(kind, body, at_midpoint, system, system.attachments[i].panel)
 
 
 @kernel(internal=True)

@@ -18,16 +18,7 @@ from heavylift.solver.bodies.floating_frame import (
 )
 from heavylift.solver.drive import FREE
 from heavylift.solver.rows import (
-    DOF as FIRST_VELOCITY,
-)
-from heavylift.solver.rows import (
     FACTORED,
-    HOLDER,
-    OWNER,
-    PANEL,
-    REACTION,
-    ROW_COLUMNS,
-    WIDTH,
     RowArrays,
 )
 
@@ -45,9 +36,9 @@ __all__ = [
 @kernel(inline=True, internal=True)
 def attached_body(kind: FlexibleBodies, system: RowArrays, attachment: int) -> int:
     """Row of the body that an attachment is on, -1 if that is not of this kind. Velocities grow with the rows."""
-    if system.attachments[attachment, HOLDER] != FACTORED:
+    if system.attachments[attachment].holder != FACTORED:
         return -1
-    dof = system.attachments[attachment, FIRST_VELOCITY]
+    dof = system.attachments[attachment].dof
     low, high = 0, kind.table.shape[0] - 1
     while low < high:
         middle = (low + high + 1) // 2
@@ -82,7 +73,7 @@ def _scale_modal_panel(
     G = system.panels
     lanes = len(shape[1])
     n, first = kind.table[body, MODES], kind.table[body, MODAL]
-    panel = system.attachments[attachment, PANEL]
+    panel = system.attachments[attachment].panel
     out = G.shape[0] // 2 + panel
     for r in range((6 + n) * lanes):
         G[out + r] = 0.0
@@ -106,12 +97,12 @@ def gather_row_forces(kind: FlexibleBodies, fresh: bool, system: RowArrays) -> N
         body = attached_body(kind, system, attachment)
         if body < 0 or kind.table[body, MOTION] == FREE:
             continue
-        first, panel = kind.table[body, MODAL], system.attachments[attachment, PANEL]
-        reaction = (system.attachments[attachment, OWNER] * ROW_COLUMNS + REACTION) * lanes
-        for k in range(system.attachments[attachment, WIDTH]):
+        first, panel = kind.table[body, MODAL], system.attachments[attachment].panel
+        reaction = system.rows[system.attachments[attachment].owner].reaction
+        for k in range(system.attachments[attachment].width):
             force = 0.0
             for r in range(lanes):
-                force += system.panels[panel + k * lanes + r] * system.rows[reaction + r]
+                force += system.panels[panel + k * lanes + r] * reaction[r]
             if k < 6:
                 kind.frame[body, JOINT_FORCE + k] += force
             else:

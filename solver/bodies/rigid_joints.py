@@ -8,8 +8,7 @@ from heavylift.solver.drive import DRIVEN, FREE
 from heavylift.solver.interface import Workspace, add_row_work, gather_reactions
 from heavylift.solver.kinds import implement
 from heavylift.solver.row_impulses import row_power
-from heavylift.solver.rows import DOF as FIRST_VELOCITY
-from heavylift.solver.rows import OWNER, PANEL, REACTION, ROW_COLUMNS, RowArrays
+from heavylift.solver.rows import RowArrays
 
 __all__: list[str] = []
 
@@ -17,7 +16,7 @@ __all__: list[str] = []
 @kernel(internal=True)
 def _attached(kind: RigidBodies, system: RowArrays, attachment: int) -> int:
     """Row of the body that an attachment is on, -1 if it is not of this kind or not held."""
-    dof = system.attachments[attachment, FIRST_VELOCITY]
+    dof = system.attachments[attachment].dof
     body = (dof - kind.table[0].dof) // 6
     if dof < kind.table[0].dof or body >= kind.table.shape[0] or kind.table[body].motion == FREE:
         return -1
@@ -49,10 +48,8 @@ def gather_reactions_on_rigid_bodies(kind: RigidBodies, fresh: bool, system: Row
         body = _attached(kind, system, i)
         if body < 0:
             continue
-        panel = system.attachments[i, PANEL]
-        reaction = (system.attachments[i, OWNER] * ROW_COLUMNS + REACTION) * lanes
+        panel = system.attachments[i].panel
+        reaction = system.rows[system.attachments[i].owner].reaction
         for k in range(6):
             for r in range(lanes):
-                kind.frame[body].joint_force[k] += (
-                    system.panels[panel + k * lanes + r] * system.rows[reaction + r]
-                )
+                kind.frame[body].joint_force[k] += system.panels[panel + k * lanes + r] * reaction[r]

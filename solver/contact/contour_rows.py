@@ -5,7 +5,6 @@ from __future__ import annotations
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.contact.kind import CONTOUR, DIRECTIONS, LEVER, ContactRows
-from heavylift.solver.rows import PANEL, WIDTH
 
 __all__ = ["put_frame_rows", "put_pose_rows"]
 
@@ -19,10 +18,10 @@ def put_frame_rows(contacts: ContactRows, contact: int) -> None:
 @kernel(internal=True)
 def put_pose_rows(contacts: ContactRows, attachment: int, pose_row: int, sign: float) -> None:
     """``sign d . [1, -R c~]`` of the three directions d at the lever c: velocity of the frame, own spin."""
-    if contacts.attachments[attachment, WIDTH] == 0:
+    if contacts.attachments[attachment].width == 0:
         return
     lanes = len(contacts.shape[1])
-    panel = contacts.attachments[attachment, PANEL]
+    panel = contacts.attachments[attachment].panel
     scratch = contacts.scratch
     pose = contacts.poses[pose_row]
     c1, c2, c3 = sign * scratch[LEVER], sign * scratch[LEVER + 1], sign * scratch[LEVER + 2]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.solver.carried import LINE
 from heavylift.solver.contact.kind import KNOWN, ContactRows
-from heavylift.solver.rows import ROW_COLUMNS
+from heavylift.solver.rows import ROW_VECTORS
 
 __all__ = ["copy_carried"]
 
@@ -22,8 +22,9 @@ def copy_carried(contacts: ContactRows, source: NDArray[np.float64], target: NDA
     known, whole = int(contacts.control[KNOWN]), source.shape[0]
     placed = whole - _lines(contacts.placed.size)
     states = placed - _lines(contacts.state.size)
-    rows = states - _lines(contacts.rows.size)
-    for i in range(rows + known * ROW_COLUMNS * len(contacts.shape[1])):
+    width = ROW_VECTORS * len(contacts.shape[1])
+    rows = states - _lines(len(contacts.rows) * width)
+    for i in range(rows + known * width):
         target[i] = source[i]
     for i in range(states, states + known * contacts.state.shape[1]):
         target[i] = source[i]

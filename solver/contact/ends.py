@@ -71,7 +71,6 @@ from heavylift.solver.contact.search_end import judge_searches
 from heavylift.solver.contact.stage import (
     assemble_response,
     friction_rows,
-    impulse_row,
     present_at,
     slip_stiffness,
     softness_of,
@@ -88,7 +87,6 @@ from heavylift.solver.interface import (
     close_step,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import HALF_IMPULSE, IMPULSE, REACTION
 
 __all__ = ["REST", "pressed_force"]
 
@@ -111,7 +109,7 @@ def _is_new(contacts: ContactRows, c: int, step: float, velocity: NDArray[np.flo
     state = contacts.state[c]
     if state[CLOSED] > 0.0 or contacts.table[c, LAW] == COMPLIANT:
         return False
-    if state[PRESENT] > 0.0 and contacts.rows[impulse_row(contacts, c, HALF_IMPULSE)] > 0.0:
+    if state[PRESENT] > 0.0 and contacts.rows[c].half_impulse[0] > 0.0:
         return True  # stopped by its row in the middle of the step
     rate = contact_rates(contacts, c, velocity)[0]
     soon = -SHORTEST * rate * contacts.control[NOMINAL]  # what would touch at once belongs to the same impact
@@ -137,9 +135,9 @@ def project_contact_rows(
     closed, hits = 0, 0
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
-        at = impulse_row(contacts, c, IMPULSE)
+        impulse = contacts.rows[c].impulse
         for r in range(3):
-            contacts.rows[at + r] = state[WARM + r] = 0.0
+            impulse[r] = state[WARM + r] = 0.0
         state[NEW] = 1.0 if _is_new(contacts, c, step, work.velocity) else 0.0
         if state[NEW] > 0.0 and state[PRESENT] == 0.0:
             hits += 1
@@ -151,10 +149,10 @@ def project_contact_rows(
             return
         add_row_work(bodies, 1.0, work, contacts)
         for c in range(contact_count(contacts)):
-            at, half = impulse_row(contacts, c, IMPULSE), impulse_row(contacts, c, HALF_IMPULSE)
+            impulse, half_impulse = contacts.rows[c].impulse, contacts.rows[c].half_impulse
             for r in range(3):
-                contacts.rows[half + r] += 0.5 * contacts.rows[at + r]
-                contacts.rows[at + r] = 0.0
+                half_impulse[r] += 0.5 * impulse[r]
+                impulse[r] = 0.0
     _project(contacts, bodies, rows, work, step, not apart, True)
 
 
@@ -221,9 +219,9 @@ def _tell_end(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -> N
     c = present_at(contacts, j)
     state, values, law = contacts.state[c], contacts.values[c], contacts.laws[j]
     friction_rows(contacts, j, softness_of(contacts, c), 0.0)
-    half = impulse_row(contacts, c, HALF_IMPULSE)
+    half_impulse = contacts.rows[c].half_impulse
     for r in range(3):
-        law[told.OFFSET + r] = 2.0 * contacts.rows[half + r] if smooth or state[NEW] > 0.0 else 0.0
+        law[told.OFFSET + r] = 2.0 * half_impulse[r] if smooth or state[NEW] > 0.0 else 0.0
     kind = contacts.table[c, LAW]
     if kind == COMPLIANT:
         contacts.kinds[j, 0] = told.NORMAL_GIVEN
@@ -247,7 +245,7 @@ def _book_impact(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -
     """Energy lost by an impact: its impulse on the mean of the rates before and after; by friction likewise."""
     c = present_at(contacts, j)
     state = contacts.state[c]
-    at = impulse_row(contacts, c, IMPULSE)
+    impulse = contacts.rows[c].impulse
     w, free = contacts.rates[2], contacts.rates[0]
     loss = 0.0
     first = 2 if contacts.table[c, LAW] == CURVE else 1
@@ -256,7 +254,7 @@ def _book_impact(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -
         first = 0
     for r in range(first, 3):
         before = free[3 * j + r]
-        loss -= 0.5 * contacts.rows[at + r] * (before + w[3 * j + r])
+        loss -= 0.5 * impulse[r] * (before + w[3 * j + r])
     state[LOSS] += loss
     if state[NEW] > 0.0:
         contacts.control[IMPACT] = 1.0
@@ -280,37 +278,37 @@ def close_contact_step(
 @kernel(internal=True)
 def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> None:
     state, values = contacts.state[c], contacts.values[c]
-    at, half = impulse_row(contacts, c, IMPULSE), impulse_row(contacts, c, HALF_IMPULSE)
-    reaction = impulse_row(contacts, c, REACTION)
+    impulse, half_impulse = contacts.rows[c].impulse, contacts.rows[c].half_impulse
+    reaction = contacts.rows[c].reaction
     kind = contacts.table[c, LAW]
     touched = state[PRESENT] > 0.0 or state[NEW] > 0.0 or state[CLOSED] > 0.0
     if not touched and state[SLEEP] > 0.0:
         state[STEP_IMPULSE] = 0.0
         state[NORMAL_FORCE] = state[FRICTION_FORCE] = state[SLIP_SPEED] = 0.0
         for r in range(3):
-            contacts.rows[reaction + r] = state[FORCE + r] = state[WARM + r] = state[MIDDLE_FORCE + r] = 0.0
+            reaction[r] = state[FORCE + r] = state[WARM + r] = state[MIDDLE_FORCE + r] = 0.0
         state[GAP], state[GAP_2] = state[END_GAP], state[END_GAP_2]
         # so near it has been searched, and has rows
         if state[END_GAP] <= CLOSE * values[SIZE] or contacts.table[c, SHAPE] == TRIANGLES:
             state[RATE] = contact_rates(contacts, c, work.velocity)[0]
         return
     a, b, d = contact_rates(contacts, c, work.velocity)
-    total = 2.0 * contacts.rows[half] + contacts.rows[at]
+    total = 2.0 * half_impulse[0] + impulse[0]
     if kind == CURVE:
-        total = math.hypot(total, 2.0 * contacts.rows[half + 1] + contacts.rows[at + 1])
+        total = math.hypot(total, 2.0 * half_impulse[1] + impulse[1])
     state[IMPULSES] += abs(total) if kind == CURVE else total
     state[STEP_IMPULSE] = total
     resting = state[PRESENT] > 0.0 and state[NEW] == 0.0
     ahead = step / (step + work.control.last_step)
     for r in range(3):
-        middle = (2.0 * contacts.rows[half + r] + contacts.rows[at + r]) / step if resting else 0.0
+        middle = (2.0 * half_impulse[r] + impulse[r]) / step if resting else 0.0
         before = state[MIDDLE_FORCE + r]
         continued = before != 0.0 and middle != 0.0 and kind != COMPLIANT
-        contacts.rows[reaction + r] = middle + (ahead * (middle - before) if continued else 0.0)
+        reaction[r] = middle + (ahead * (middle - before) if continued else 0.0)
         state[MIDDLE_FORCE + r] = middle
-        state[WARM + r] = contacts.rows[half + r]
+        state[WARM + r] = half_impulse[r]
     if kind == COMPLIANT:
-        contacts.rows[reaction] = pressed_force(contacts, c, a)
+        reaction[0] = pressed_force(contacts, c, a)
         if state[END_GAP] >= 0.0:
             state[TOUCH_DAMPING] = -1.0
     elif kind != BILATERAL and kind != CURVE:  # noqa: PLR1714  a set costs time here
@@ -324,7 +322,7 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
     bound = values[FRICTION] * abs(total)
     held = 0.0
     for r in range(first, 3):
-        held = math.hypot(held, 2.0 * contacts.rows[half + r] + contacts.rows[at + r])
+        held = math.hypot(held, 2.0 * half_impulse[r] + impulse[r])
     if (state[CLOSED] == 0.0 and kind != COMPLIANT) or held >= bound * (1.0 - STICKING):
         _let_slip(contacts, c, bound / step)
     speed = abs(d) if kind == CURVE else math.hypot(b, d)
@@ -359,19 +357,18 @@ def pressed_force(contacts: ContactRows, c: int, rate: float) -> float:
 
 
 @kernel(internal=True)
-def _keep_in_cone(contacts: ContactRows, c: int, reaction: int, kind: int) -> None:
+def _keep_in_cone(contacts: ContactRows, c: int, reaction: NDArray[np.float64], kind: int) -> None:
     """Forces that were carried on to the end of the step obey the law too: none pulls, friction has its bound."""
-    rows = contacts.rows
     first = 2 if kind == CURVE else 1
-    normal = math.hypot(rows[reaction], rows[reaction + 1]) if kind == CURVE else rows[reaction]
+    normal = math.hypot(reaction[0], reaction[1]) if kind == CURVE else reaction[0]
     if kind == RIGID or kind == COMPLIANT:  # noqa: PLR1714, SIM109  a set costs time here
-        normal = rows[reaction] = max(rows[reaction], 0.0)
+        normal = reaction[0] = max(reaction[0], 0.0)
     bound, found = contacts.values[c, FRICTION] * abs(normal), 0.0
     for r in range(first, 3):
-        found = math.hypot(found, rows[reaction + r])
+        found = math.hypot(found, reaction[r])
     if found > bound:
         for r in range(first, 3):
-            rows[reaction + r] *= bound / found
+            reaction[r] *= bound / found
 
 
 @kernel(inline=True, internal=True)
@@ -383,10 +380,10 @@ def _damping(contacts: ContactRows, c: int) -> float:
 
 
 @kernel(internal=True)
-def _write_force(contacts: ContactRows, c: int, reaction: int, kind: int) -> None:
+def _write_force(contacts: ContactRows, c: int, reaction: NDArray[np.float64], kind: int) -> None:
     """Force on what touches, in the world."""
     state = contacts.state[c]
-    f1, f2, f3 = contacts.rows[reaction], contacts.rows[reaction + 1], contacts.rows[reaction + 2]
+    f1, f2, f3 = reaction[0], reaction[1], reaction[2]
     n1, n2, n3 = state[NORMAL], state[NORMAL + 1], state[NORMAL + 2]
     t1, t2, t3 = state[TANGENT], state[TANGENT + 1], state[TANGENT + 2]
     # the third direction of a surface is n x t, and so is that of a curve: normals and tangent are its axes

@@ -74,11 +74,10 @@ from heavylift.solver.contact.mesh_interface import (
     keep_found,
     search_surfaces,
 )
-from heavylift.solver.contact.stage import NEAR, impulse_row, looks_ahead
+from heavylift.solver.contact.stage import NEAR, looks_ahead
 from heavylift.solver.contact.system_interface import after_step, before_advance, go_back, locate_ends
 from heavylift.solver.interface import Bodies, Workspace, add_row_work
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import DOF, HALF_IMPULSE, IMPULSE, WIDTH
 
 __all__ = ["CLOSE", "MOST_EVENTS", "SHORTEST", "gap_tolerance"]
 
@@ -129,29 +128,29 @@ def before_contact_advance(contacts: ContactRows, bodies: Bodies, work: Workspac
 def _book_middle(contacts: ContactRows, c: int, work: Workspace, step: float) -> None:
     """Losses of friction and dampers, elastic slip; the half impulses are kept for the end."""
     state, values = contacts.state[c], contacts.values[c]
-    at, half = impulse_row(contacts, c, IMPULSE), impulse_row(contacts, c, HALF_IMPULSE)
+    impulse, half_impulse = contacts.rows[c].impulse, contacts.rows[c].half_impulse
     for r in range(3):
-        contacts.rows[half + r] = contacts.rows[at + r]
+        half_impulse[r] = impulse[r]
     if state[PRESENT] == 0.0:
         return
     a, b, d = contact_rates(contacts, c, work.velocity)
     kind = contacts.table[c, LAW]
     if contacts.table[c, SHAPE] == TRIANGLES and kind == RIGID:
-        state[LOSS] -= 2.0 * contacts.rows[at] * a  # rows that look ahead stop what still moves
+        state[LOSS] -= 2.0 * impulse[0] * a  # rows that look ahead stop what still moves
         if state[CLOSED] == 0.0:
-            across = contacts.rows[at + 1] * b + contacts.rows[at + 2] * d
-            contacts.control[STOPPING] += 2.0 * (contacts.rows[at] * a + across)
+            across = impulse[1] * b + impulse[2] * d
+            contacts.control[STOPPING] += 2.0 * (impulse[0] * a + across)
     if kind == COMPLIANT:
         d0, d1 = -state[GAP], -state[GAP] - step * a
         law, k, n = contacts.table[c, FORCE_LAW], values[STIFFNESS], values[EXPONENT]
         stored = stored_energy(law, k, n, d1) - stored_energy(law, k, n, d0)
-        state[LOSS] -= 2.0 * contacts.rows[at] * a + stored
+        state[LOSS] -= 2.0 * impulse[0] * a + stored
     if kind != CURVE:
-        state[LOSS] -= 2.0 * contacts.rows[at + 1] * b
-    state[LOSS] -= 2.0 * contacts.rows[at + 2] * d
+        state[LOSS] -= 2.0 * impulse[1] * b
+    state[LOSS] -= 2.0 * impulse[2] * d
     state[SLIP] += step * b
     state[SLIP + 1] += step * d
-    if contacts.rows[at] != 0.0 or kind == CURVE:
+    if impulse[0] != 0.0 or kind == CURVE:
         state[SLIP_PATH] += step * (abs(d) if kind == CURVE else math.hypot(b, d))
 
 
@@ -162,7 +161,7 @@ def _shift(contacts: ContactRows, c: int, work: Workspace, step: float) -> float
         other = contacts.table[c, AXES]
         return contacts.poses[contacts.table[c, CONTOUR], STEP_SHIFT] + contacts.poses[other, STEP_SHIFT]
     marker, axes = contacts.table[c, CENTRE], contacts.table[c, AXES]
-    dof, width = contacts.attachments[2 * c + 1, DOF], contacts.attachments[2 * c + 1, WIDTH]
+    dof, width = contacts.attachments[2 * c + 1].dof, contacts.attachments[2 * c + 1].width
     speed = turning = 0.0
     for m in range(-1, 3):
         if m >= 0 and axes < 0:

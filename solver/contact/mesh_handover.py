@@ -47,8 +47,6 @@ from heavylift.solver.contact.mesh_kind import (
 )
 from heavylift.solver.contact.mesh_patches import BORDER
 from heavylift.solver.contact.mesh_sides import ALIGNED, aligned, evaluate, holds
-from heavylift.solver.contact.stage import impulse_row
-from heavylift.solver.rows import HALF_IMPULSE
 
 __all__ = ["book_jump", "goes_on", "turn_memory"]
 
@@ -148,6 +146,6 @@ def turn_memory(contacts: ContactRows, c: int, t1: float, t2: float, t3: float) 
     state[SLIP], state[SLIP + 1] = cosine * a - sine * b, sine * a + cosine * b
     a, b = state[MIDDLE_FORCE + 1], state[MIDDLE_FORCE + 2]
     state[MIDDLE_FORCE + 1], state[MIDDLE_FORCE + 2] = cosine * a - sine * b, sine * a + cosine * b
-    half = impulse_row(contacts, c, HALF_IMPULSE)
-    a, b = contacts.rows[half + 1], contacts.rows[half + 2]
-    contacts.rows[half + 1], contacts.rows[half + 2] = cosine * a - sine * b, sine * a + cosine * b
+    half_impulse = contacts.rows[c].half_impulse
+    a, b = half_impulse[1], half_impulse[2]
+    half_impulse[1], half_impulse[2] = cosine * a - sine * b, sine * a + cosine * b

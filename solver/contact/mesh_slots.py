@@ -7,6 +7,7 @@ new contacts with it, and a checkpoint holds all of them. Laws and sides of its 
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import clear_record, copy_record
 from heavylift.solver.contact.counts import contact_count, number_of, set_number
 from heavylift.solver.contact.facet_interface import take_slots
 from heavylift.solver.contact.kind import (
@@ -66,7 +67,7 @@ from heavylift.solver.contact.mesh_kind import (
     SurfacePairs,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import DOF, HOLDER, PANEL, PRESCRIBED, ROW_COLUMNS, WIDTH
+from heavylift.solver.rows import PRESCRIBED
 
 __all__ = ["add_contact", "header_row", "surface_count"]
 
@@ -106,9 +107,9 @@ def _assign(meshes: SurfacePairs, contacts: ContactRows, c: int) -> None:
     contacts.values[c, DAMPING] *= contacts.state[c, SHARE]
     for side in range(2):
         end, given = contacts.attachments[2 * c + side], meshes.sides[pair]
-        end[DOF] = given[3 * side + SIDE_DOF]
-        end[WIDTH] = given[3 * side + SIDE_WIDTH]
-        end[HOLDER] = given[3 * side + SIDE_HOLDER]
+        end.dof = given[3 * side + SIDE_DOF]
+        end.width = given[3 * side + SIDE_WIDTH]
+        end.holder = given[3 * side + SIDE_HOLDER]
 
 
 @kernel(internal=True)
@@ -116,10 +117,8 @@ def _release(contacts: ContactRows, c: int) -> None:
     """A place that no contact has: nothing hangs on it."""
     for side in range(2):
         end = contacts.attachments[2 * c + side]
-        end[DOF], end[WIDTH], end[HOLDER] = -1, 0, PRESCRIBED
-    lanes = len(contacts.shape[1])
-    for k in range(ROW_COLUMNS * lanes):
-        contacts.rows[c * ROW_COLUMNS * lanes + k] = 0.0
+        end.dof, end.width, end.holder = -1, 0, PRESCRIBED
+    clear_record(contacts.rows[c])
     for k in range(STATE_WIDTH):
         contacts.state[c, k] = 0.0
 
@@ -206,14 +205,12 @@ def _move(contacts: ContactRows, source: int, target: int) -> None:
     for k in range(STATE_WIDTH):
         contacts.state[target, k] = contacts.state[source, k]
     lanes = len(contacts.shape[1])
-    width = ROW_COLUMNS * lanes
-    for k in range(width):
-        contacts.rows[target * width + k] = contacts.rows[source * width + k]
+    copy_record(contacts.rows[target], contacts.rows[source])
     half = contacts.panels.shape[0] // 2
     for side in range(2):
-        old = contacts.attachments[2 * source + side, PANEL]
-        new = contacts.attachments[2 * target + side, PANEL]
-        for k in range(contacts.attachments[2 * source + side, WIDTH] * lanes):
+        old = contacts.attachments[2 * source + side].panel
+        new = contacts.attachments[2 * target + side].panel
+        for k in range(contacts.attachments[2 * source + side].width * lanes):
             contacts.panels[new + k] = contacts.panels[old + k]
             contacts.panels[half + new + k] = contacts.panels[half + old + k]
 

@@ -20,6 +20,7 @@ from heavylift.contours.convex import (
 )
 from heavylift.numerics.jit import in_python
 from heavylift.numerics.lanes import block_shape
+from heavylift.numerics.records import lane_records, records
 from heavylift.solver.connections import axes_about
 from heavylift.solver.contact import layout as told
 from heavylift.solver.contact.checks import check_contact
@@ -100,9 +101,7 @@ from heavylift.solver.contacts import (
 )
 from heavylift.solver.interface import FORCES
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows import DIAGONAL, HOLDER, PANEL, PRESCRIBED, ROW_COLUMNS, SCALE, WIDTH, Attachment
-from heavylift.solver.rows import DOF as FIRST_VELOCITY
-from heavylift.solver.rows import OWNER as BLOCK
+from heavylift.solver.rows import DIAGONAL, PRESCRIBED, Attachment, Row, Side
 from heavylift.solver.scene import Scene
 
 if TYPE_CHECKING:
@@ -230,14 +229,15 @@ def _kind(
     shape = block_shape(ROWS)
     lanes = len(shape[1])
     window = max([collided.widest, *(side.width for side in sides)])
-    attachments = np.zeros((2 * count, 5), dtype=np.int64)
-    attachments[:, PANEL] = np.arange(2 * count) * window * lanes
-    attachments[:, BLOCK] = np.arange(2 * count) // 2
-    attachments[:, FIRST_VELOCITY], attachments[:, HOLDER] = -1, PRESCRIBED
+    attachments = records(Side, 2 * count)
+    attachments["panel"] = np.arange(2 * count) * window * lanes
+    attachments["owner"] = np.arange(2 * count) // 2
+    attachments["dof"], attachments["holder"] = -1, PRESCRIBED
     for i, side in enumerate(sides):
-        attachments[i, [FIRST_VELOCITY, WIDTH, HOLDER]] = side.dof, side.width, side.holder
-    rows = np.zeros((count, ROW_COLUMNS, lanes))
-    rows[:, SCALE, :ROWS] = 1.0
+        given = attachments[i]
+        given.dof, given.width, given.holder = side.dof, side.width, side.holder
+    rows = lane_records(Row, count, lanes)
+    rows["scale"][:, :ROWS] = 1.0
     places = np.zeros(LARGEST_CONTROLS + 2 * count + PLACES_BEHIND, dtype=np.int64)
     behind = places[LARGEST_CONTROLS + count :]
     behind[FIRST_BLOCK], behind[ALL_RIGID] = block_count, int(rigid_only)
@@ -252,7 +252,7 @@ def _kind(
         lanes=lanes,
         attachments=attachments,
         panels=np.zeros(4 * count * window * lanes),
-        rows=rows.ravel(),
+        rows=rows,
         inverse_mass=np.ascontiguousarray(inverse_mass, dtype=np.float64),
         table=table,
         values=values,

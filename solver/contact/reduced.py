@@ -14,7 +14,6 @@ from heavylift.solver.contact.kind import LARGEST_CONTROLS, ContactRows
 from heavylift.solver.contact.newton import solve_on_velocities
 from heavylift.solver.contact.system_interface import respond
 from heavylift.solver.interface import Systems
-from heavylift.solver.rows import DOF, PANEL, WIDTH
 
 __all__ = ["assemble_reduced", "solve_reduced"]
 
@@ -33,7 +32,7 @@ def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> Non
         c = contacts.places[LARGEST_CONTROLS + j]
         for side in range(2):
             i = 2 * c + side
-            dof, width = contacts.attachments[i, DOF], contacts.attachments[i, WIDTH]
+            dof, width = contacts.attachments[i].dof, contacts.attachments[i].width
             reduced.ends[j, 2 * side + 1] = width
             if width == 0:
                 reduced.ends[j, 2 * side] = 0
@@ -44,7 +43,7 @@ def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> Non
                     reduced.velocities[size + k] = dof + k
                 size += width
             reduced.ends[j, 2 * side] = reduced.columns[dof]
-            panel = contacts.attachments[i, PANEL]
+            panel = contacts.attachments[i].panel
             for r in range(3):
                 for k in range(width):
                     reduced.blocks[j, 18 * side + 6 * r + k] = contacts.panels[panel + k * lanes + r]

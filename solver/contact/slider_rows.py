@@ -5,7 +5,6 @@ from __future__ import annotations
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.kind import ARM, AXES, CENTRE, DIRECTIONS, ContactRows
 from heavylift.solver.interface import Workspace
-from heavylift.solver.rows import PANEL, WIDTH
 
 __all__ = ["put_slider_rows"]
 
@@ -20,7 +19,7 @@ def put_slider_rows(contacts: ContactRows, contact: int, work: Workspace) -> Non
     ``J = J_point + sum (a . e_k) J_k`` for any kind of body.
     """
     lanes = len(contacts.shape[1])
-    panel, width = contacts.attachments[2 * contact + 1, PANEL], contacts.attachments[2 * contact + 1, WIDTH]
+    panel, width = contacts.attachments[2 * contact + 1].panel, contacts.attachments[2 * contact + 1].width
     scratch = contacts.scratch
     marker, first_axis = contacts.table[contact, CENTRE], contacts.table[contact, AXES]
     J = work.jacobian[marker]

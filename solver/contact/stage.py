@@ -68,13 +68,11 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.row_impulses import add_impulses
-from heavylift.solver.rows import IMPULSE, ROW_COLUMNS
 
 __all__ = [
     "NEAR",
     "assemble_response",
     "friction_rows",
-    "impulse_row",
     "looks_ahead",
     "present_at",
     "slip_stiffness",
@@ -109,12 +107,6 @@ SLIP_DAMPING = 0.2
 def present_at(contacts: ContactRows, j: int) -> int:
     """Number of the j-th contact that takes part."""
     return contacts.places[LARGEST_CONTROLS + j]
-
-
-@kernel(inline=True, internal=True)
-def impulse_row(contacts: ContactRows, contact: int, column: int) -> int:
-    """Place of a column of row data of a contact."""
-    return (contact * ROW_COLUMNS + column) * len(contacts.shape[1])
 
 
 @kernel(inline=True, internal=True)
@@ -159,9 +151,9 @@ def meet_contacts_midpoint(
     count = 0
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
-        at = impulse_row(contacts, c, IMPULSE)
+        impulse = contacts.rows[c].impulse
         for r in range(3):
-            contacts.rows[at + r] = 0.0
+            impulse[r] = 0.0
         state[PRESENT] = 0.0
         early = contacts.table[c, LAW] == COMPLIANT or looks_ahead(contacts, c)
         near = early and state[SLEEP] <= NEAR * state[SHIFT]
@@ -251,9 +243,9 @@ def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
         c = present_at(contacts, j)
         a, b, d = contact_rates(contacts, c, work.velocity)
         free[3 * j], free[3 * j + 1], free[3 * j + 2] = a, b, d
-        at = impulse_row(contacts, c, IMPULSE)
+        impulse = contacts.rows[c].impulse
         for r in range(3):
-            p[3 * j + r] = contacts.rows[at + r]
+            p[3 * j + r] = impulse[r]
     reduced = _on_velocities(contacts, count)
     if reduced:
         for i in range(3 * count):
@@ -295,12 +287,12 @@ def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
         return False
     for j in range(count):
         c = present_at(contacts, j)
-        at = impulse_row(contacts, c, IMPULSE)
+        impulse = contacts.rows[c].impulse
         for r in range(3):
-            change = p[3 * j + r] - contacts.rows[at + r]
+            change = p[3 * j + r] - impulse[r]
             if change != 0.0:
                 push(contacts, c, r, change, work.velocity)
-                contacts.rows[at + r] = p[3 * j + r]
+                impulse[r] = p[3 * j + r]
     return True
 
 

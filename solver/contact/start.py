@@ -32,7 +32,6 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.locate import locate
 from heavylift.solver.contact.mesh_interface import find_first_contacts
-from heavylift.solver.contact.stage import impulse_row
 from heavylift.solver.contact.system_interface import close_start, locate_start, project_contacts
 from heavylift.solver.interface import (
     FORCES,
@@ -48,7 +47,6 @@ from heavylift.solver.interface import (
     solve_end,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import REACTION
 
 __all__ = ["run_start"]
 
@@ -109,7 +107,7 @@ def close_contact_start(contacts: ContactRows, work: Workspace) -> None:
         if contacts.table[c, LAW] == COMPLIANT:
             force = pressed_force(contacts, c, after)
             state[NORMAL_FORCE] = force
-            contacts.rows[impulse_row(contacts, c, REACTION)] = force
+            contacts.rows[c].reaction[0] = force
             for k in range(3):
                 state[FORCE + k] = force * state[NORMAL + k]
     contacts.control[IMPACT] = 0.0

@@ -99,8 +99,6 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
     InputError
         If there are bodies with modes, or rows with a law or compliance.
     """
-    from heavylift.solver.rows import COMPLIANCE, ROW_COLUMNS
-
     for kind in bodies:
         if not begin_stage.serves(type(kind)):
             raise InputError(
@@ -110,8 +108,7 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
                 expected="rigid bodies, frames and shells for 'accurate'; or 'dele2'",
             )
     for system in systems:
-        table = system.rows.reshape(-1, ROW_COLUMNS, system.lanes)
-        if table[:, COMPLIANCE].any():
+        if system.rows["compliance"].any():
             raise InputError(
                 "ropes, stops, friction or compliant joints",
                 source="simulation",

@@ -49,7 +49,6 @@ from heavylift.solver.integrate.rows_at_rest import fill_at_rest
 from heavylift.solver.integrate.start_rows import StartRows
 from heavylift.solver.integrate.static_forces import STEP
 from heavylift.solver.interface import FORCES, collect_load, move
-from heavylift.solver.rows import SOFTNESS, TARGET
 
 __all__ = ["MeshSystem"]
 
@@ -253,7 +252,7 @@ class MeshSystem:
         reaction = np.zeros(len(rows.block))
         if layout.systems:
             soft = ~rows.rigid
-            reaction[soft] = 2.0 * rows.column(TARGET)[soft] / (STEP * rows.column(SOFTNESS)[soft])
+            reaction[soft] = 2.0 * rows.column("target")[soft] / (STEP * rows.column("softness")[soft])
             pull += rows.jacobian().T @ reaction
         pull[self._prescribed] = 0.0
         return pull, reaction

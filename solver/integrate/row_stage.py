@@ -56,20 +56,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.row_impulses import add_impulses
 from heavylift.solver.rows import (
-    COMPLIANCE,
-    HALF_IMPULSE,
-    HOLD,
-    IMPULSE,
-    LAST_REACTION,
-    REACTION,
     REGULARISATION,
-    RELAXATION,
-    RESIDUAL,
-    RIGID,
-    ROW_COLUMNS,
-    SCALE,
-    SOFTNESS,
-    TARGET,
     RowSystem,
 )
 
@@ -167,33 +154,31 @@ def _start_midpoint(
     fill_rows(joints, False, work, system)
     rate = 1.0 / nominal
     for node in range(system.attachments.shape[0] // 2):
-        at = node * ROW_COLUMNS * lanes
-        if system.rows[at + RIGID * lanes] == 0.0 or system.rows[at + RELAXATION * lanes] > 0.0:
-            _aim_compliant(system, at, step, nominal)
+        row = system.rows[node]
+        if row.rigid[0] == 0.0 or row.relaxation[0] > 0.0:
+            _aim_compliant(system, node, step, nominal)
             continue
         for r in range(lanes):
-            system.rows[at + IMPULSE * lanes + r] = 0.0
-            system.rows[at + TARGET * lanes + r] = -rate * system.rows[at + RESIDUAL * lanes + r]
-            system.rows[at + SOFTNESS * lanes + r] = system.rows[at + HOLD * lanes + r]
+            row.impulse[r] = 0.0
+            row.target[r] = -rate * row.residual[r]
+            row.softness[r] = row.hold[r]
     set_targets(joints, time, step, True, work, system)
     apply_inverse(bodies, True, system)
 
 
 @kernel(internal=True)
-def _aim_compliant(system: RowSystem, at: int, step: float, nominal: float) -> None:
+def _aim_compliant(system: RowSystem, node: int, step: float, nominal: float) -> None:
     """Targets and softness of a block with physical compliance or relaxation; laws replace them."""
-    lanes = len(system.shape[1])
+    row, lanes = system.rows[node], len(system.shape[1])
     for r in range(lanes):
-        system.rows[at + IMPULSE * lanes + r] = 0.0
-        scale = system.rows[at + SCALE * lanes + r]
+        row.impulse[r] = 0.0
+        scale = row.scale[r]
         if scale > 0.0:
-            compliance = system.rows[at + COMPLIANCE * lanes + r]
-            relaxation = system.rows[at + RELAXATION * lanes + r]
+            compliance = row.compliance[r]
+            relaxation = row.relaxation[r]
             delay = (nominal if compliance == 0.0 else 0.5 * nominal) + relaxation
-            system.rows[at + TARGET * lanes + r] = -system.rows[at + RESIDUAL * lanes + r] / delay
-            system.rows[at + SOFTNESS * lanes + r] = REGULARISATION * scale + 2.0 * compliance / (
-                step * (0.5 * step + relaxation)
-            )
+            row.target[r] = -row.residual[r] / delay
+            row.softness[r] = REGULARISATION * scale + 2.0 * compliance / (step * (0.5 * step + relaxation))
 
 
 @kernel(internal=True)
@@ -228,9 +213,9 @@ def end_row_system(
     end_velocity(bodies, step, work)
     fill_markers(bodies, False, FORCES, work)  # damped springs are rows on markers with rates
     for node in range(system.attachments.shape[0] // 2):
-        at = node * ROW_COLUMNS * lanes
+        row = system.rows[node]
         for r in range(lanes):
-            system.rows[at + HALF_IMPULSE * lanes + r] = system.rows[at + IMPULSE * lanes + r]
+            row.half_impulse[r] = row.impulse[r]
 
 
 @implement(solve_end, RowSystem)
@@ -242,11 +227,11 @@ def solve_end_rows(
     lanes = len(system.shape[1])
     fill_rows(joints, True, work, system)
     for node in range(system.attachments.shape[0] // 2):
-        at = node * ROW_COLUMNS * lanes
+        row = system.rows[node]
         for r in range(lanes):
-            system.rows[at + IMPULSE * lanes + r] = 0.0
-            system.rows[at + TARGET * lanes + r] = 0.0
-            system.rows[at + SOFTNESS * lanes + r] = system.rows[at + HOLD * lanes + r]
+            row.impulse[r] = 0.0
+            row.target[r] = 0.0
+            row.softness[r] = row.hold[r]
     set_targets(joints, time + step, step, False, work, system)
     apply_inverse(bodies, False, system)
     assemble(system)
@@ -268,15 +253,13 @@ def close_row_step(
     ahead = step / (step + work.control.last_step)
     rate = 1.0 / step
     for node in range(system.attachments.shape[0] // 2):
-        at = node * ROW_COLUMNS * lanes
+        row = system.rows[node]
         for r in range(lanes):
             # of second order in the middle of the step only, and only with the part of the projection
-            middle = rate * (
-                2.0 * system.rows[at + HALF_IMPULSE * lanes + r] + system.rows[at + IMPULSE * lanes + r]
-            )
-            before = system.rows[at + LAST_REACTION * lanes + r]
-            system.rows[at + REACTION * lanes + r] = middle + ahead * (middle - before)
-            system.rows[at + LAST_REACTION * lanes + r] = middle
+            middle = rate * (2.0 * row.half_impulse[r] + row.impulse[r])
+            before = row.last_reaction[r]
+            row.reaction[r] = middle + ahead * (middle - before)
+            row.last_reaction[r] = middle
 
 
 @implement(respond, RowSystem)
@@ -314,10 +297,10 @@ def _check_closed(system: RowSystem, work: Workspace) -> None:
     """Refuse a step that leaves a joint apart, or anything that is not a number."""
     lanes = len(system.shape[1])
     for node in range(system.attachments.shape[0] // 2):
-        at = node * ROW_COLUMNS * lanes
+        row = system.rows[node]
         total = 0.0
         for r in range(lanes):
-            total += abs(system.rows[at + RIGID * lanes + r] * system.rows[at + RESIDUAL * lanes + r])
+            total += abs(row.rigid[r] * row.residual[r])
         if not total <= 1.0:
             work.status.outcome = NOT_CLOSED
             work.status.block = node
@@ -344,10 +327,10 @@ def record_row_system(
     record_joints(joints, time, work, system, row)
     violation = 0.0
     for node in range(system.attachments.shape[0] // 2):
-        at = node * ROW_COLUMNS * lanes
+        rigid, residual = system.rows[node].rigid, system.rows[node].residual
         for r in range(lanes):
-            if system.rows[at + RIGID * lanes + r] > 0.0:
-                violation = max(violation, abs(system.rows[at + RESIDUAL * lanes + r]))
+            if rigid[r] > 0.0:
+                violation = max(violation, abs(residual[r]))
     if system.monitor >= 0:
         row[system.monitor] = violation
         row[system.monitor + 1] = smallest_pivot(system)

@@ -12,10 +12,6 @@ from heavylift.solver.integrate.start_rows import StartRows
 from heavylift.solver.interface import (
     collect_load,
 )
-from heavylift.solver.rows import (
-    SOFTNESS,
-    TARGET,
-)
 
 __all__ = ["StaticForces"]
 
@@ -79,7 +75,7 @@ class StaticForces:
         G = rows.jacobian()
         soft = ~rows.rigid
         reaction = np.zeros(len(rows.block))
-        reaction[soft] = 2.0 * rows.column(TARGET)[soft] / (STEP * rows.column(SOFTNESS)[soft])
+        reaction[soft] = 2.0 * rows.column("target")[soft] / (STEP * rows.column("softness")[soft])
         pull = G.T @ reaction
         pull[rows.inertia == 0.0] = 0.0
         gravity = float(np.linalg.norm(layout.work.sums.gravity))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import in_python, kernel
 from heavylift.solver.drive import pack_profile, profile_value
 from heavylift.solver.joints.row_writing import residuals, targets
-from heavylift.solver.rows import LAST_REACTION, ROW_COLUMNS, RowArrays
+from heavylift.solver.rows import RowArrays
 from heavylift.solver.scene_bodies import Profile
 
 __all__ = ["DRIVE_STATE", "PRESCRIBED", "aim", "drive_work", "pack_profiles"]
@@ -72,4 +72,4 @@ def drive_work(system: RowArrays, block: int, row: int, state: NDArray[np.float6
 @kernel(inline=True, internal=True)
 def _last_reaction(system: RowArrays, block: int, row: int) -> float:
     """Reaction in the middle of the last step."""
-    return system.rows[(block * ROW_COLUMNS + LAST_REACTION) * system.lanes + row]
+    return system.rows[block].last_reaction[row]

@@ -39,7 +39,7 @@ from heavylift.solver.joints.row_writing import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows import PANEL, WIDTH, RowArrays
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["EdgeSeams", "pack"]
 
@@ -91,9 +91,9 @@ def _put_scaled_rows(
 ) -> None:
     """``factor J[m]`` as three rows."""
     lanes = system.lanes
-    begin = system.attachments[attachment, PANEL] + first
+    begin = system.attachments[attachment].panel + first
     J = work.jacobian[marker]
-    for k in range(system.attachments[attachment, WIDTH]):
+    for k in range(system.attachments[attachment].width):
         for r in range(3):
             system.panels[begin + k * lanes + r] = factor * J[r, k]
 

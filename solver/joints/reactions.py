@@ -17,7 +17,7 @@ from heavylift.solver.joints.row_writing import (
     travel_rate,
     vector,
 )
-from heavylift.solver.rows import REACTION, ROW_COLUMNS, RowArrays
+from heavylift.solver.rows import RowArrays
 
 __all__ = [
     "ANGLE_CHANNELS",
@@ -48,9 +48,7 @@ ANGLE_STATE = 3
 @view
 def reactions(system: RowArrays, block: int) -> NDArray[np.float64]:
     """Reactions of the rows of a block at the end of the last step [N] or [N m], a view."""
-    lanes = system.lanes
-    begin = (block * ROW_COLUMNS + REACTION) * lanes
-    return system.rows[begin : begin + lanes]
+    return system.rows[block].reaction
 
 
 @kernel(internal=True)

@@ -33,7 +33,7 @@ from heavylift.solver.joints.law_rows import RETURN, fit_law, put_law, put_resid
 from heavylift.solver.joints.rope_path import path_length
 from heavylift.solver.joints.row_writing import add_direction_row
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import PANEL, WIDTH, RowArrays
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["Ropes"]
 
@@ -150,8 +150,8 @@ def fill_rope_rows(kind: Ropes, with_residual: bool, work: Workspace, system: Ro
         length = _find_path(kind, i, work)
         block, count, first = kind.table[i, BLOCK], kind.table[i, ATTACHMENTS], kind.table[i, FIRST]
         for side in range(2 * block, 2 * block + count):
-            panel = system.attachments[side, PANEL]
-            for k in range(system.attachments[side, WIDTH]):
+            panel = system.attachments[side].panel
+            for k in range(system.attachments[side].width):
                 system.panels[panel + k * lanes] = 0.0
         for p in range(first, first + kind.table[i, PLACES]):
             marker, axis, side = kind.places[p]

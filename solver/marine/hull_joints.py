@@ -38,7 +38,7 @@ from heavylift.solver.marine.hulls import (
     WAVE,
     Hulls,
 )
-from heavylift.solver.rows import DOF, PANEL, RowArrays
+from heavylift.solver.rows import RowArrays
 
 __all__: list[str] = []
 
@@ -82,14 +82,14 @@ def apply_inverse_of_hulls(kind: Hulls, at_midpoint: bool, system: RowArrays) ->
             assemble_mass(kind, group, base, END_TRANSFORM, True, 0.0)
             cholesky_factor(kind.matrices[base : base + n * n], n)
     for i in range(system.attachments.shape[0]):
-        dof = system.attachments[i, DOF]
+        dof = system.attachments[i].dof
         if dof < kind.table[0].dof or dof > last:
             continue
         for group in range(kind.groups.shape[0]):
             if kind.groups[group, GROUP_DOF] == dof:
                 n = 6 * kind.groups[group, COUNT]
                 base = kind.groups[group, MATRIX] + (0 if at_midpoint else n * n)
-                _solve_panel(kind, base, n, system, system.attachments[i, PANEL])
+                _solve_panel(kind, base, n, system, system.attachments[i].panel)
 
 
 @kernel(internal=True)

@@ -295,9 +295,7 @@ def _hull_part(kind: Any, row: int, name: str, sea: Sea) -> _Part:
 
 def _spring_damping(rows: Any, jacobian: NDArray[np.float64]) -> NDArray[np.float64]:
     """Of rows with a compliance 1/k and a relaxation time c/k: ``G^T c G``."""
-    from heavylift.solver.rows import COMPLIANCE, RELAXATION
-
-    compliance, relaxation = rows.column(COMPLIANCE), rows.column(RELAXATION)
+    compliance, relaxation = rows.column("compliance"), rows.column("relaxation")
     c = np.where(compliance > 0.0, relaxation / np.where(compliance > 0.0, compliance, 1.0), 0.0)
     return np.asarray(jacobian.T @ (c[:, None] * jacobian))
 

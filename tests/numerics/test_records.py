@@ -11,7 +11,20 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1, Reference, described
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
-from heavylift.numerics.records import Matrix3, Record, Records, Vector, record_at, records
+from heavylift.numerics.records import (
+    LaneRecords,
+    Lanes,
+    Matrix3,
+    Record,
+    Records,
+    Vector,
+    clear_record,
+    copy_record,
+    known_lanes,
+    lane_records,
+    record_at,
+    records,
+)
 
 
 class Place(Record):
@@ -164,3 +177,73 @@ def test_a_layout_names_the_object() -> None:
     text = described(Reference(Weights))
     assert "mass 32" in text
     assert "(3, 3)" in text
+
+
+class Sides(Record):
+    left: Lanes
+    right: Lanes
+
+
+class Known(Arrays):
+    rows: known_lanes(Sides, 4)  # type: ignore[valid-type]
+
+
+class Unknown(Arrays):
+    rows: LaneRecords[Sides]
+
+
+@kernel(internal=True)
+def swap(rows: LaneRecords[Sides], place: int) -> None:
+    row = rows[place]
+    for r in range(row.left.shape[0]):
+        row.left[r], row.right[r] = row.right[r], row.left[r]
+
+
+@entry
+def swap_known(group: Known, place: int) -> None:
+    swap(group.rows, place)
+
+
+@entry
+def copy_and_clear(group: Known, weights: Records[Weight]) -> None:
+    copy_record(group.rows[2], group.rows[0])
+    clear_record(group.rows[0])
+    copy_record(weights[1], weights[0])
+    clear_record(weights[0])
+
+
+def test_whole_records_are_copied_and_cleared() -> None:
+    """With all their fields, and no neighbour."""
+    rows, group = lane_records(Sides, 3, 4), weights()
+    rows["left"], rows["right"] = 1.0, np.arange(12.0).reshape(3, 4)
+    before = group.weights[0].words.copy()
+    copy_and_clear(Known(rows), group.weights)
+    np.testing.assert_array_equal(rows["right"], [[0.0] * 4, [4.0, 5.0, 6.0, 7.0], [0.0, 1.0, 2.0, 3.0]])
+    np.testing.assert_array_equal(rows["left"], np.repeat([[0.0], [1.0], [1.0]], 4, axis=1))
+    assert group.weights[1].words.tobytes() == before.tobytes()
+    assert not group.weights[0].words.any()
+    assert group.weights[2].mass == 7.0
+    copy_record(group.weights[0], group.weights[2])
+    assert group.weights[0].mass == 7.0
+    clear_record(group.weights[2])
+    assert group.weights[2].mass == 0.0
+
+
+@entry
+def swap_unknown(group: Unknown, place: int) -> None:
+    swap(group.rows, place)
+
+
+def test_records_of_lanes() -> None:
+    """The same memory for kernels that know the lanes and for those that do not."""
+    rows = lane_records(Sides, 3, 4)
+    rows["left"] = np.arange(12.0).reshape(3, 4)
+    swap_known(Known(rows), 1)
+    np.testing.assert_array_equal(rows[1].right, [4.0, 5.0, 6.0, 7.0])
+    np.testing.assert_array_equal(rows["left"][:, 0], [0.0, 0.0, 8.0])
+    swap_unknown(Unknown(rows), 1)
+    np.testing.assert_array_equal(rows["left"], np.arange(12.0).reshape(3, 4))
+    with pytest.raises(TypeError, match="expected LaneRecords"):
+        _ = Known(lane_records(Sides, 3, 2)).address
+    with pytest.raises(TypeError, match="expected LaneRecords"):
+        _ = Unknown(np.zeros(3)).address  # type: ignore[arg-type]

@@ -14,7 +14,6 @@ from start_scenes import DOWN, G, linkage, parallelograms, place, quaternion, ro
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.connections import GROUND, Ball, JointFrame, Rope, RopePoint, Spring
 from heavylift.solver.integrate.statics import find_equilibrium
-from heavylift.solver.rows import REACTION
 from heavylift.solver.scene import Fixed, FlexibleBody, PointForce, RigidBody, Scene
 
 
@@ -31,7 +30,7 @@ def test_pendulum_hangs_down(degrees: float) -> None:
     assert found.residual < 1e-8
     assert found.stable is True
     assert place(rows, "r0") == pytest.approx([0.0, -0.5, 0.0], abs=1e-8)
-    assert np.linalg.norm(rows.column(REACTION)[:3]) == pytest.approx(G, rel=1e-9)
+    assert np.linalg.norm(rows.column("reaction")[:3]) == pytest.approx(G, rel=1e-9)
     assert rows.survey()[2] == pytest.approx(np.zeros(6), abs=1e-12)
 
 
@@ -79,7 +78,7 @@ def test_chain_between_two_points_hangs_in_the_discrete_catenary() -> None:
     places = np.array([place(rows, f"r{i}") for i in range(count)])
     assert np.abs(places - (ends[1:] + ends[:-1]) / 2.0).max() < 1e-7
     first = rows.names.index("h0")
-    on_rod = rows.column(REACTION)[rows.block == first][:2]
+    on_rod = rows.column("reaction")[rows.block == first][:2]
     assert on_rod == pytest.approx([-along, -across], rel=1e-7)
 
 

@@ -74,7 +74,6 @@ from heavylift.solver.contact.kind import (
 from heavylift.solver.contact.kind import DOF as CONTOUR_DOF
 from heavylift.solver.interface import Systems, Workspace, joint_rows
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import PANEL, WIDTH
 
 __all__ = ["body_with_points"]
 
@@ -296,8 +295,8 @@ def put_mesh_contour_rows(kind: Meshes, contacts: ContactRows, contact: int, cou
         return
     lanes, scratch, pose = len(contacts.shape[1]), contacts.scratch, contacts.poses[contour]
     side = 2 * contact
-    column = contacts.attachments[side, WIDTH] - 3 * kind.table[body, MOVING] + 3 * slot
-    panel = contacts.attachments[side, PANEL] + column * lanes
+    column = contacts.attachments[side].width - 3 * kind.table[body, MOVING] + 3 * slot
+    panel = contacts.attachments[side].panel + column * lanes
     _aim(kind.moving, kind, dof, slot, contacts.places, scratch, WEIGHTS_AT, count)
     beside, turning = pose[RADIUS_OF] > 0.0 or pose[WIDTH_OF] > 0.0, scratch[HAS_SLOPES] > 0.0
     if turning:

@@ -37,7 +37,6 @@ from heavylift.solver.contact.facet_kind import OF_DOF, OF_POSE, OWN_POINT, POIN
 from heavylift.solver.contact.kind import DIRECTIONS, STEP_SHIFT, ContactRows
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import PANEL, WIDTH
 
 __all__: list[str] = []
 
@@ -146,10 +145,10 @@ def put_rows_on_meshes(
     if body < 0:
         return
     lanes, scratch = len(contacts.shape[1]), contacts.scratch
-    pose, width = contacts.poses[facets.rows[row, OF_POSE]], contacts.attachments[attachment, WIDTH]
+    pose, width = contacts.poses[facets.rows[row, OF_POSE]], contacts.attachments[attachment].width
     column = width - 3 * kind.table[body, MOVING] + 3 * slot
     _aim_at(kind.moving, kind, body, facets, row, slot, work, kind.table[body, DOF] + column)
-    panel = contacts.attachments[attachment, PANEL]
+    panel = contacts.attachments[attachment].panel
     for k in range(width * lanes):
         contacts.panels[panel + k] = 0.0
     panel += column * lanes

@@ -41,16 +41,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import (
-    DOF as FIRST_VELOCITY,
-)
-from heavylift.solver.rows import (
     FACTORED,
-    HOLDER,
-    IMPULSE,
-    OWNER,
-    PANEL,
-    ROW_COLUMNS,
-    WIDTH,
     RowArrays,
 )
 
@@ -60,9 +51,9 @@ __all__ = ["collect_impulses", "take_impulses"]
 @kernel(internal=True)
 def attached_mesh(kind: Meshes, system: RowArrays, attachment: int) -> int:
     """Row of the body that an attachment is on, -1 if that is not of this kind. Velocities grow with the rows."""
-    if system.attachments[attachment, HOLDER] != FACTORED or system.attachments[attachment, WIDTH] == 0:
+    if system.attachments[attachment].holder != FACTORED or system.attachments[attachment].width == 0:
         return -1
-    dof = system.attachments[attachment, FIRST_VELOCITY]
+    dof = system.attachments[attachment].dof
     for body in range(kind.table.shape[0]):
         if kind.table[body, DOF] == dof and kind.table[body, BASES] + kind.table[body, MOVING] > 0:
             return body
@@ -80,7 +71,7 @@ def apply_inverse_of_meshes(kind: Meshes, at_midpoint: bool, system: RowArrays) 
         body = attached_mesh(kind, system, i)
         if body < 0:
             continue
-        panel, width = system.attachments[i, PANEL], system.attachments[i, WIDTH]
+        panel, width = system.attachments[i].panel, system.attachments[i].width
         for r in range(width * lanes):
             G[half + panel + r] = 0.0
         stepped = at_midpoint and kind.table[body, SCHEME] != EXPLICIT
@@ -121,11 +112,11 @@ def collect_impulses(system: RowArrays, body_kind: Meshes, row: int) -> None:
         body = attached_mesh(body_kind, system, i)
         if body < 0:
             continue
-        panel, first = system.attachments[i, PANEL], body_kind.table[body, FIRST_BASE]
-        impulse = (system.attachments[i, OWNER] * ROW_COLUMNS + IMPULSE) * lanes
+        panel, first = system.attachments[i].panel, body_kind.table[body, FIRST_BASE]
+        impulse = system.rows[system.attachments[i].owner].impulse
         pushes = False
         for r in range(lanes):
-            pushes = pushes or system.rows[impulse + r] != 0.0
+            pushes = pushes or impulse[r] != 0.0
         if not pushes:  # most contacts that there may be
             continue
         for base in range(body_kind.table[body, BASES] + body_kind.table[body, MOVING]):
@@ -133,7 +124,7 @@ def collect_impulses(system: RowArrays, body_kind: Meshes, row: int) -> None:
             for k in range(3):
                 total = 0.0
                 for r in range(lanes):
-                    total += system.panels[panel + (3 * base + k) * lanes + r] * system.rows[impulse + r]
+                    total += system.panels[panel + (3 * base + k) * lanes + r] * impulse[r]
                 body_kind.nodal[row, place + k] -= total
 
 

@@ -47,7 +47,7 @@ from heavylift.solver.bodies.ancf.kind import (
     Meshes,
     MovingPoints,
 )
-from heavylift.solver.rows import PANEL, RowArrays
+from heavylift.solver.rows import RowArrays
 
 __all__ = [
     "add_point_compliance",
@@ -327,7 +327,7 @@ def add_point_compliance(
 ) -> None:
     """The part of ``X = C G^T`` of an attachment that comes from the moving points: all but bases with bases."""
     lanes, block_lanes = system.lanes, len(kind.shape[1])
-    G, half, panel = system.panels, system.panels.shape[0] // 2, system.attachments[attachment, PANEL]
+    G, half, panel = system.panels, system.panels.shape[0] // 2, system.attachments[attachment].panel
     bases, count = kind.table[body, BASES], kind.table[body, MOVING]
     first, length = moving.bodies[body, FIRST_POINT], vector_length(kind, body)
     shift, first_base = kind.table[body, FIRST_NODE] * block_lanes, kind.table[body, FIRST_BASE]

@@ -38,7 +38,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.mesh_shapes import line, quadrilateral, rectangle
 from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSection
-from heavylift.solver.rows import DOF, PANEL, RESIDUAL, ROW_COLUMNS, SCALE, TARGET, WIDTH
+from heavylift.solver.rows import RESIDUAL, ROW_COLUMNS, SCALE, TARGET
 from heavylift.solver.scene import PointForce, RigidBody, Scene
 
 pytestmark = pytest.mark.slow  # each scene compiles for half a minute
@@ -235,8 +235,8 @@ class Model:
         J = np.zeros((lanes, len(self.layout.work.velocity)))
         for side in (0, 1):
             entry = system.attachments[2 * block + side]
-            panel = system.panels[entry[PANEL] : entry[PANEL] + entry[WIDTH] * lanes].reshape(-1, lanes)
-            J[:, entry[DOF] : entry[DOF] + entry[WIDTH]] += panel.T
+            panel = system.panels[entry.panel : entry.panel + entry.width * lanes].reshape(-1, lanes)
+            J[:, entry.dof : entry.dof + entry.width] += panel.T
         return J[self.table[block, SCALE] > 0.0]
 
     def residual(self, name: str) -> np.ndarray:

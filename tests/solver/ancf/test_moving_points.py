@@ -54,7 +54,6 @@ from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSec
 from heavylift.solver.rows import (
     FACTORED,
     IMPULSE,
-    PANEL,
     PRESCRIBED,
     ROW_COLUMNS,
     TARGET,
@@ -249,7 +248,7 @@ class Model:
         lanes = len(system.shape[1])
         axes = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
         for block, column in enumerate(columns):
-            at = system.attachments[2 * block, PANEL] + column * lanes
+            at = system.attachments[2 * block].panel + column * lanes
             system.panels[at : at + 3 * lanes].reshape(3, lanes)[:, :3] = axes
         return system
 

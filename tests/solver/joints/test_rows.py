@@ -23,7 +23,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.joints.registry import joint_module
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.rows import PANEL, REACTION, RESIDUAL, ROW_COLUMNS, TARGET
+from heavylift.solver.rows import REACTION, RESIDUAL, ROW_COLUMNS, TARGET
 from heavylift.solver.scene import RigidBody, Scene
 
 NAMES = sorted(RESIDUALS)
@@ -127,7 +127,7 @@ class Model:
         lanes = len(self.system.shape[1])
         sides = []
         for side in (0, 1):
-            begin = self.system.attachments[2 * self.blocks[name] + side, PANEL]
+            begin = self.system.attachments[2 * self.blocks[name] + side].panel
             sides.append(self.system.panels[begin : begin + 6 * lanes].reshape(6, lanes))
         return np.vstack(sides).T[: COUNTS[name]]
 
