@@ -38,7 +38,6 @@ from heavylift.solver.interface import (
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.mesh_shapes import line, quadrilateral, rectangle
 from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSection
-from heavylift.solver.rows import RESIDUAL, ROW_COLUMNS, SCALE, TARGET
 from heavylift.solver.scene import PointForce, RigidBody, Scene
 
 pytestmark = pytest.mark.slow  # each scene compiles for half a minute
@@ -208,7 +207,7 @@ class Model:
             probe_second_rates(kind, layout.work)
         probe_targets(layout.joints, layout.systems[0], layout.work)
         block = self.block(name)
-        return self.table[block, TARGET][self.table[block, SCALE] > 0.0].copy()
+        return self.table[block].target[self.table[block].scale > 0.0].copy()
 
     def second(self, name: str, h: float = 1e-3) -> np.ndarray:
         """Second difference of the residual of a joint along even motions of all nodes."""
@@ -221,9 +220,8 @@ class Model:
         return (-values[0] + 16 * values[1] - 30 * values[2] + 16 * values[3] - values[4]) / (12 * h * h)
 
     @property
-    def table(self) -> np.ndarray:
-        system = self.layout.systems[0]
-        return system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))
+    def table(self) -> Any:
+        return self.layout.systems[0].rows
 
     def block(self, name: str) -> int:
         return self.layout.block_names.index(name)
@@ -237,11 +235,11 @@ class Model:
             entry = system.attachments[2 * block + side]
             panel = system.panels[entry.panel : entry.panel + entry.width * lanes].reshape(-1, lanes)
             J[:, entry.dof : entry.dof + entry.width] += panel.T
-        return J[self.table[block, SCALE] > 0.0]
+        return J[self.table[block].scale > 0.0]
 
     def residual(self, name: str) -> np.ndarray:
         block = self.block(name)
-        return self.table[block, RESIDUAL][self.table[block, SCALE] > 0.0]
+        return self.table[block].residual[self.table[block].scale > 0.0]
 
     def side(self, joint: Any, side: str) -> Pose:
         """Joint frame in the world: fixed in the triad of the point on a shell."""

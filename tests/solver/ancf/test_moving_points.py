@@ -53,10 +53,7 @@ from heavylift.solver.mesh_shapes import line, rectangle
 from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSection, Support
 from heavylift.solver.rows import (
     FACTORED,
-    IMPULSE,
     PRESCRIBED,
-    ROW_COLUMNS,
-    TARGET,
     Attachment,
     classify_rows,
     pack_rows,
@@ -347,11 +344,11 @@ def test_a_moving_point_is_as_good_as_a_base(name: str, scheme: str) -> None:
         model = make(name, scheme)
         kind, work = model.kind, model.work
         system = model.system(*columns)
-        table = system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))
+        table = system.rows
         begin(kind, work, STEP)
         for at_midpoint in (True, False):
-            table[:, IMPULSE] = 0.0
-            table[:, TARGET, :3] = [[0.1, -0.2, 0.3], [-0.1, 0.4, 0.2]]
+            table["impulse"] = 0.0
+            table["target"][:, :3] = [[0.1, -0.2, 0.3], [-0.1, 0.4, 0.2]]
             if not at_midpoint:
                 end_velocities(kind, STEP, work)
             model.aim(0, SPOT)
@@ -360,7 +357,7 @@ def test_a_moving_point_is_as_good_as_a_base(name: str, scheme: str) -> None:
             invert(kind, system, at_midpoint)
             solve(system, work)
             spread(kind, Bodies((kind,)), Systems((system,)), Joints(()), at_midpoint, work, STEP)
-        found = [model.row(row).copy() for row in (Q, V)] + [table[:, IMPULSE, :3].copy()]
+        found = [model.row(row).copy() for row in (Q, V)] + [table["impulse"][:, :3].copy()]
         np.testing.assert_allclose(model.jacobian(SPOT) @ found[1], work.velocity[:3], atol=1e-10)
         results.append(found)
     for one, other in zip(*results, strict=True):
@@ -380,15 +377,15 @@ def test_points_follow_rows_that_have_pushed_before(name: str) -> None:
     model = make(name, "carried")
     kind, work = model.kind, model.work
     system = model.system(3)
-    table = system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))
-    table[:, TARGET, :3] = [0.1, -0.2, 0.3]
+    table = system.rows
+    table["target"][:, :3] = [0.1, -0.2, 0.3]
     begin(kind, work, STEP)
     invert(kind, system, True)
     solve(system, work)
     model.aim(1, SPOT)
     settle(kind, Systems((system,)), True, work)
     np.testing.assert_allclose(work.velocity[9:], work.velocity[:3], rtol=1e-11)
-    table[:, TARGET, :3] = [0.5, 0.2, 0.1]
+    table["target"][:, :3] = [0.5, 0.2, 0.1]
     solve(system, work)
     np.testing.assert_allclose(work.velocity[9:], work.velocity[:3], rtol=1e-11)
 

@@ -23,7 +23,6 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.joints.registry import joint_module
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.rows import REACTION, RESIDUAL, ROW_COLUMNS, TARGET
 from heavylift.solver.scene import RigidBody, Scene
 
 NAMES = sorted(RESIDUALS)
@@ -116,11 +115,9 @@ class Model:
         """Independent residual a while after `TIME`."""
         return np.array(RESIDUALS[name](*self.frames(name, motion, time), TIME + time))
 
-    def column(self, name: str, column: int) -> np.ndarray:
+    def column(self, name: str, field: str) -> np.ndarray:
         """One vector of the rows of a joint, a view."""
-        lanes = len(self.system.shape[1])
-        begin = (self.blocks[name] * ROW_COLUMNS + column) * lanes
-        return self.system.rows[begin : begin + COUNTS[name]]
+        return self.system.rows[field][self.blocks[name], : COUNTS[name]]
 
     def rows(self, name: str) -> np.ndarray:
         """Jacobian over the velocities of both bodies, shape (rows, 12)."""
@@ -175,7 +172,7 @@ def test_residual_and_rows_are_those_of_the_geometry(model: Model, name: str, se
     model.place(np.random.default_rng(seed))
     model.evaluate()
     here = model.residual(name, np.zeros(12), 0.0)
-    np.testing.assert_allclose(model.column(name, RESIDUAL), here, atol=1e-13)
+    np.testing.assert_allclose(model.column(name, "residual"), here, atol=1e-13)
     assert len(here) == COUNTS[name]
     h, expected = 2e-4, np.empty((len(here), 12))
     for k, direction in enumerate(np.eye(12)):
@@ -195,7 +192,7 @@ def test_targets_of_accelerations_are_second_derivatives(model: Model, name: str
     at = [model.residual(name, velocity, i * h) for i in (-2, -1, 0, 1, 2)]
     second = (-at[0] + 16 * at[1] - 30 * at[2] + 16 * at[3] - at[4]) / (12 * h * h)
     np.testing.assert_allclose(
-        model.column(name, TARGET), -second, atol=2e-6 * max(1.0, np.abs(second).max())
+        model.column(name, "target"), -second, atol=2e-6 * max(1.0, np.abs(second).max())
     )
 
 
@@ -206,7 +203,7 @@ def test_rows_of_a_closed_joint_are_independent(model: Model, name: str, seed: i
     model.close(name, np.random.default_rng(seed))
     model.evaluate()
     np.testing.assert_allclose(model.residual(name, np.zeros(12), 0.0), 0.0, atol=1e-12)
-    np.testing.assert_allclose(model.column(name, RESIDUAL), 0.0, atol=1e-12)
+    np.testing.assert_allclose(model.column(name, "residual"), 0.0, atol=1e-12)
     values = np.linalg.svd(model.rows(name), compute_uv=False)
     assert len(values) == COUNTS[name]
     assert values[-1] > 1e-3 * values[0]
@@ -220,8 +217,8 @@ def test_reaction_is_the_wrench_of_the_rows(model: Model, name: str, seed: int) 
     model.close(name, rng)
     model.evaluate()
     rows = model.rows(name)
-    model.column(name, REACTION)[:] = rng.normal(size=len(rows))
-    generalised = model.column(name, REACTION) @ rows
+    model.column(name, "reaction")[:] = rng.normal(size=len(rows))
+    generalised = model.column(name, "reaction") @ rows
     record = model.record()
     column = next(c.column for c in model.layout.channels if c.name == f"{name}.reaction_force")
     force, moment = record[column : column + 3], record[column + 3 : column + 6]
@@ -280,9 +277,9 @@ def test_driven_rows_aim_at_the_end_of_the_step(model: Model, name: str) -> None
     rate = (profile(TIME - 2 * h) - 8 * profile(TIME - h) + 8 * profile(TIME + h) - profile(TIME + 2 * h)) / (
         12 * h
     )
-    np.testing.assert_allclose(model.column(name, TARGET)[5], rate, atol=1e-9)
-    model.column(name, TARGET)[:] = 0.0
+    np.testing.assert_allclose(model.column(name, "target")[5], rate, atol=1e-9)
+    model.column(name, "target")[:] = 0.0
     model.evaluate(at_midpoint=True)
-    assert model.column(name, TARGET)[5] == pytest.approx(
+    assert model.column(name, "target")[5] == pytest.approx(
         (profile(TIME + 0.1) - profile(TIME)) / 0.1, abs=1e-12
     )
