@@ -13,8 +13,13 @@ __all__ = ["CARRIED", "LINE", "share_state"]
 
 CARRIED = (
     "frame",
-    "modal",
-    "products",
+    "modal_position",
+    "modal_velocity",
+    "modal_acceleration",
+    "joint_load",
+    "position_products",
+    "velocity_products",
+    "acceleration_products",
     "rows",
     "state",
     "body",
