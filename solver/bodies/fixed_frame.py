@@ -131,17 +131,20 @@ def factor_fixed_frames(kind: FixedFrameBodies, step: float, work: Workspace) ->
     half = 0.5 * step
     for body in range(kind.table.shape[0]):
         n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
+        modes = slice(first, first + n)
+        modal_position = kind.modal_position[modes]
+        modal_velocity = kind.modal_velocity[modes]
+        stiffness = kind.stiffness[modes]
+        damping = kind.damping[modes]
+        modal_right_hand_side = kind.modal_right_hand_side[modes]
+        inverse_diagonal = kind.inverse_diagonal[modes]
         rates = work.velocity[dof + 6 : dof + 6 + n]
         for k in range(6):
             work.velocity[dof + k] = 0.0
         for i in range(n):
-            stiffness = kind.stiffness[first + i]
-            kind.inverse_diagonal[first + i] = 1.0 / (
-                1.0 + half * (half * stiffness + kind.damping[first + i])
-            )
-            rates[i] = kind.inverse_diagonal[first + i] * (
-                kind.modal_velocity[first + i]
-                + half * (kind.modal_right_hand_side[first + i] - stiffness * kind.modal_position[first + i])
+            inverse_diagonal[i] = 1.0 / (1.0 + half * (half * stiffness[i] + damping[i]))
+            rates[i] = inverse_diagonal[i] * (
+                modal_velocity[i] + half * (modal_right_hand_side[i] - stiffness[i] * modal_position[i])
             )
 
 
@@ -180,12 +183,16 @@ def advance_fixed_frames(kind: FixedFrameBodies, time: float, step: float, work:
     """Modal coordinates and rates to the end of the step."""
     for body in range(kind.table.shape[0]):
         n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
+        modes = slice(first, first + n)
+        modal_position = kind.modal_position[modes]
+        modal_velocity = kind.modal_velocity[modes]
+        modal_acceleration = kind.modal_acceleration[modes]
         rates = work.velocity[dof + 6 : dof + 6 + n]
         add_work(kind, body, step, rates)
         for i in range(n):
-            kind.modal_position[first + i] += step * rates[i]
-            kind.modal_acceleration[first + i] = 2.0 * (rates[i] - kind.modal_velocity[first + i]) / step
-            kind.modal_velocity[first + i] = 2.0 * rates[i] - kind.modal_velocity[first + i]
+            modal_position[i] += step * rates[i]
+            modal_acceleration[i] = 2.0 * (rates[i] - modal_velocity[i]) / step
+            modal_velocity[i] = 2.0 * rates[i] - modal_velocity[i]
 
 
 @implement(finish, FixedFrameBodies)
@@ -204,16 +211,17 @@ def thesis_velocity_fixed_frames(kind: FixedFrameBodies, time: float, step: floa
         n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
         for k in range(6):
             work.velocity[dof + k] = 0.0
+        modes = slice(first, first + n)
+        modal_position = kind.modal_position[modes]
+        modal_velocity = kind.modal_velocity[modes]
+        stiffness = kind.stiffness[modes]
+        damping = kind.damping[modes]
+        modal_right_hand_side = kind.modal_right_hand_side[modes]
         rates = work.velocity[dof + 6 : dof + 6 + n]
         for i in range(n):
-            elastic = 1.0 + 0.25 * h * h * kind.stiffness[first + i]
-            load = (
-                kind.modal_right_hand_side[first + i]
-                - kind.stiffness[first + i] * kind.modal_position[first + i]
-            )
-            rates[i] = (elastic * kind.modal_velocity[first + i] + h * load) / (
-                elastic + h * kind.damping[first + i]
-            )
+            elastic = 1.0 + 0.25 * h * h * stiffness[i]
+            load = modal_right_hand_side[i] - stiffness[i] * modal_position[i]
+            rates[i] = (elastic * modal_velocity[i] + h * load) / (elastic + h * damping[i])
 
 
 @implement(thesis_advance, FixedFrameBodies)
@@ -222,11 +230,14 @@ def thesis_advance_fixed_frames(kind: FixedFrameBodies, time: float, step: float
     """Modal coordinates by the end rates."""
     for body in range(kind.table.shape[0]):
         n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
+        modes = slice(first, first + n)
+        modal_position = kind.modal_position[modes]
+        modal_velocity = kind.modal_velocity[modes]
         rates = work.velocity[dof + 6 : dof + 6 + n]
         add_work(kind, body, step, rates)
         for i in range(n):
-            kind.modal_position[first + i] += step * rates[i]
-            kind.modal_velocity[first + i] = rates[i]
+            modal_position[i] += step * rates[i]
+            modal_velocity[i] = rates[i]
 
 
 @kernel(internal=True)
