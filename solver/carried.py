@@ -22,6 +22,8 @@ CARRIED = (
     "acceleration_products",
     "rows",
     "state",
+    "progress",
+    "nodes",
     "body",
     "nodal",
     "strains",
