@@ -6,17 +6,9 @@ import math
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.floating_frame import (
-    DOF,
-    INVERSE,
-    MODAL,
-    MODES,
-    RATE,
-    RATE2,
-    SHAPE_MASS,
     FixedFrameBodies,
 )
 from heavylift.solver.bodies.floating_frame_panels import attached_body, gather_row_forces, scale_modal_panel
-from heavylift.solver.bodies.floating_frame_shape import shape_of
 from heavylift.solver.interface import (
     Workspace,
     apply_inverse,
@@ -37,8 +29,8 @@ __all__: list[str] = []
 def apply_inverse_of_fixed_frames(kind: FixedFrameBodies, at_midpoint: bool, system: RowArrays) -> None:
     """Of the attachments of these bodies; at the end of the step the modal mass is one."""
     if not at_midpoint:
-        for i in range(kind.modal.shape[1]):
-            kind.modal[INVERSE, i] = 1.0
+        for i in range(kind.modal_position.shape[0]):
+            kind.inverse_diagonal[i] = 1.0
     for i in range(system.attachments.shape[0]):
         body = attached_body(kind, system, i)
         if body >= 0:
@@ -57,11 +49,11 @@ def gather_reactions_on_fixed_frames(kind: FixedFrameBodies, fresh: bool, system
 def write_velocity_of_fixed_frames(kind: FixedFrameBodies, work: Workspace) -> None:
     """Modal rates."""
     for body in range(kind.table.shape[0]):
-        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
+        n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
         for k in range(6):
             work.velocity[dof + k] = 0.0
         for i in range(n):
-            work.velocity[dof + 6 + i] = kind.modal[RATE, first + i]
+            work.velocity[dof + 6 + i] = kind.modal_velocity[first + i]
 
 
 @implement(end_velocity, FixedFrameBodies)
@@ -76,11 +68,11 @@ def end_velocity_of_fixed_frames(kind: FixedFrameBodies, step: float, work: Work
 def set_velocity_of_fixed_frames(kind: FixedFrameBodies, step: float, work: Workspace) -> None:
     """Projected modal rates."""
     for body in range(kind.table.shape[0]):
-        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
+        n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
         for i in range(n):
             rate = work.velocity[dof + 6 + i]
-            kind.modal[RATE2, first + i] += (rate - kind.modal[RATE, first + i]) / step
-            kind.modal[RATE, first + i] = rate
+            kind.modal_acceleration[first + i] += (rate - kind.modal_velocity[first + i]) / step
+            kind.modal_velocity[first + i] = rate
 
 
 @implement(estimate_error, FixedFrameBodies)
@@ -88,10 +80,10 @@ def set_velocity_of_fixed_frames(kind: FixedFrameBodies, step: float, work: Work
 def estimate_fixed_frame_error(kind: FixedFrameBodies, step: float, work: Workspace) -> None:
     """As of floating frames: mean velocity of deformation that was not predicted, over the step [m]."""
     for body in range(kind.table.shape[0]):
-        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
+        n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
         deformed = 0.0
         for i in range(n):
-            predicted = kind.modal[RATE, first + i] + 0.5 * step * kind.modal[RATE2, first + i]
+            predicted = kind.modal_velocity[first + i] + 0.5 * step * kind.modal_acceleration[first + i]
             deformed += (work.velocity[dof + 6 + i] - predicted) ** 2
-        error = step * math.sqrt(deformed / shape_of(kind, body)[SHAPE_MASS])
+        error = step * math.sqrt(deformed / kind.frame[body].mass)
         work.control.error = max(work.control.error, error)

@@ -14,22 +14,10 @@ from heavylift.contours.modal_sums import modal_points, modal_shapes
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.bodies.floating_frame import (
-    ACCELERATION,
-    AT_RATE2,
-    LAG,
-    MID_POSITION,
-    MID_Q,
-    MID_ROTATION,
-    MODAL,
-    MODES,
-    MOTION,
-    RATE2,
     FixedFrameBodies,
     FlexibleBodies,
     FloatingFrameBodies,
-    Q,
 )
-from heavylift.solver.bodies.floating_frame import DOF as BODY_DOF
 from heavylift.solver.bodies.floating_frame_stage import stage_at_state
 from heavylift.solver.contact.contour_rows import put_frame_rows
 from heavylift.solver.contact.interface import (
@@ -73,7 +61,7 @@ def owner_of(kind: FlexibleBodies, contacts: ContactRows, contour: int) -> int:
     if contacts.contours[contour, OWNER] == OF_MODES:
         dof = contacts.contours[contour, DOF]
         for body in range(kind.table.shape[0]):
-            if kind.table[body, BODY_DOF] == dof:
+            if kind.table[body].dof == dof:
                 return body
     return -1
 
@@ -93,8 +81,8 @@ def pose_floating_contours(kind: FloatingFrameBodies, at_midpoint: bool, contact
 def pose_fixed_contours(kind: FixedFrameBodies, at_midpoint: bool, contacts: ContactRows) -> None:
     """The frame stands still; likewise for the modes."""
     if not at_midpoint:
-        for i in range(kind.modal.shape[1]):
-            kind.modal[MID_Q, i] = kind.modal[Q, i]
+        for i in range(kind.modal_position.shape[0]):
+            kind.mid_modal_position[i] = kind.modal_position[i]
     _write_poses(kind, contacts)
 
 
@@ -105,9 +93,9 @@ def _write_poses(kind: FlexibleBodies, contacts: ContactRows) -> None:
         body = owner_of(kind, contacts, contour)
         if body >= 0:
             for k in range(9):
-                contacts.poses[contour, ROTATION + k] = kind.frame[body, MID_ROTATION + k]
+                contacts.poses[contour, ROTATION + k] = kind.frame[body].mid_rotation[k]
             for k in range(3):
-                contacts.poses[contour, ORIGIN + k] = kind.frame[body, MID_POSITION + k]
+                contacts.poses[contour, ORIGIN + k] = kind.frame[body].mid_position[k]
 
 
 @implement(form_controls, FloatingFrameBodies)
@@ -145,9 +133,9 @@ def _form_listed(kind: FlexibleBodies, body: int, contacts: ContactRows, contour
     modal_points(
         contacts.constants,
         row[CONTROLS],
-        kind.table[body, MODES],
-        kind.modal[MID_Q],
-        kind.table[body, MODAL],
+        kind.table[body].mode_count,
+        kind.mid_modal_position,
+        kind.table[body].first_mode,
         contacts.places,
         count,
         contacts.net,
@@ -166,7 +154,7 @@ def put_flexible_contour_rows(kind: FlexibleBodies, contacts: ContactRows, conta
         return
     put_frame_rows(contacts, contact)
     lanes = len(contacts.shape[1])
-    n, scratch = kind.table[body, MODES], contacts.scratch
+    n, scratch = kind.table[body].mode_count, contacts.scratch
     panel = contacts.attachments[2 * contact].panel + 6 * lanes
     turning = scratch[HAS_SLOPES] > 0.0
     _sum_shapes(contacts, contour, count, n, WEIGHTS_AT, SHAPES)
@@ -206,13 +194,13 @@ def bound_flexible_motion(kind: FlexibleBodies, contacts: ContactRows, step: flo
         body = owner_of(kind, contacts, contour)
         if body < 0:
             continue
-        n, dof = kind.table[body, MODES], kind.table[body, BODY_DOF]
+        n, dof = kind.table[body].mode_count, kind.table[body].dof
         row = contacts.contours[contour]
         speed = 0.0
         largest = row[CONTROLS] + row[COUNT_U] * row[COUNT_V] * (3 + 3 * n)
         for i in range(n):
             speed += abs(work.velocity[dof + 6 + i]) * contacts.constants[largest + i]
-        if kind.table[body, MOTION] != FRAME_FIXED:
+        if kind.table[body].motion != FRAME_FIXED:
             v, w = 0.0, 0.0
             for k in range(3):
                 v += work.velocity[dof + k] ** 2
@@ -226,18 +214,20 @@ def bound_flexible_motion(kind: FlexibleBodies, contacts: ContactRows, step: flo
 def forget_floating_accelerations(kind: FloatingFrameBodies) -> None:
     """Of frames, modes and products."""
     for body in range(kind.table.shape[0]):
+        frame = kind.frame[body]
+        for k in range(3):
+            frame.acceleration[k] = frame.spin_rate[k] = 0.0
         for k in range(6):
-            kind.frame[body, ACCELERATION + k] = 0.0
-            kind.frame[body, LAG + k] = 0.0
-    for i in range(kind.modal.shape[1]):
-        kind.modal[RATE2, i] = 0.0
-    for r in range(kind.products.shape[1]):
-        kind.products[AT_RATE2, r] = 0.0
+            frame.lag[k] = 0.0
+    for i in range(kind.modal_position.shape[0]):
+        kind.modal_acceleration[i] = 0.0
+    for r in range(kind.acceleration_products.shape[0]):
+        kind.acceleration_products[r] = 0.0
 
 
 @implement(forget_accelerations, FixedFrameBodies)
 @kernel(internal=True)
 def forget_fixed_frame_accelerations(kind: FixedFrameBodies) -> None:
     """Of the modes."""
-    for i in range(kind.modal.shape[1]):
-        kind.modal[RATE2, i] = 0.0
+    for i in range(kind.modal_position.shape[0]):
+        kind.modal_acceleration[i] = 0.0

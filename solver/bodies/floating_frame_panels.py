@@ -7,13 +7,6 @@ from typing import Any
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import add_multiple, block_shape
 from heavylift.solver.bodies.floating_frame import (
-    DOF,
-    INVERSE,
-    JOINT_FORCE,
-    JOINT_LOAD,
-    MODAL,
-    MODES,
-    MOTION,
     FlexibleBodies,
 )
 from heavylift.solver.drive import FREE
@@ -42,11 +35,11 @@ def attached_body(kind: FlexibleBodies, system: RowArrays, attachment: int) -> i
     low, high = 0, kind.table.shape[0] - 1
     while low < high:
         middle = (low + high + 1) // 2
-        if kind.table[middle, DOF] <= dof:
+        if kind.table[middle].dof <= dof:
             low = middle
         else:
             high = middle - 1
-    return low if kind.table[low, DOF] == dof else -1
+    return low if kind.table[low].dof == dof else -1
 
 
 LANES_1, LANES_2, LANES_4, LANES_8 = (block_shape(lanes) for lanes in (1, 2, 4, 8))
@@ -72,15 +65,14 @@ def _scale_modal_panel(
 ) -> None:
     G = system.panels
     lanes = len(shape[1])
-    n, first = kind.table[body, MODES], kind.table[body, MODAL]
+    n, first = kind.table[body].mode_count, kind.table[body].first_mode
     panel = system.attachments[attachment].panel
     out = G.shape[0] // 2 + panel
     for r in range((6 + n) * lanes):
         G[out + r] = 0.0
-    inverse = INVERSE * kind.modal.shape[1] + first
     for i in range(n):
         at = (6 + i) * lanes
-        add_multiple(shape, G, out + at, G, panel + at, kind.modal, inverse + i)
+        add_multiple(shape, G, out + at, G, panel + at, kind.inverse_diagonal, first + i)
 
 
 @kernel(internal=True)
@@ -90,20 +82,20 @@ def gather_row_forces(kind: FlexibleBodies, fresh: bool, system: RowArrays) -> N
     if fresh:
         for body in range(kind.table.shape[0]):
             for k in range(6):
-                kind.frame[body, JOINT_FORCE + k] = 0.0
-        for i in range(kind.modal.shape[1]):
-            kind.modal[JOINT_LOAD, i] = 0.0
+                kind.frame[body].joint_force[k] = 0.0
+        for i in range(kind.modal_position.shape[0]):
+            kind.joint_load[i] = 0.0
     for attachment in range(system.attachments.shape[0]):
         body = attached_body(kind, system, attachment)
-        if body < 0 or kind.table[body, MOTION] == FREE:
+        if body < 0 or kind.table[body].motion == FREE:
             continue
-        first, panel = kind.table[body, MODAL], system.attachments[attachment].panel
+        first, panel = kind.table[body].first_mode, system.attachments[attachment].panel
         reaction = system.rows[system.attachments[attachment].owner].reaction
         for k in range(system.attachments[attachment].width):
             force = 0.0
             for r in range(lanes):
                 force += system.panels[panel + k * lanes + r] * reaction[r]
             if k < 6:
-                kind.frame[body, JOINT_FORCE + k] += force
+                kind.frame[body].joint_force[k] += force
             else:
-                kind.modal[JOINT_LOAD, first + k - 6] += force
+                kind.joint_load[first + k - 6] += force

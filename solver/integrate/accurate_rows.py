@@ -81,7 +81,7 @@ def constrain(
     joints: Joints,
     work: Workspace,
     time: float,
-    solutions: float,
+    solutions: int,
     with_reactions: bool,
 ) -> None:
     """Rows: accelerations without joints in `work.velocity` become those with them."""
@@ -95,7 +95,7 @@ def constrain_rows(
     joints: Joints,
     work: Workspace,
     time: float,
-    solutions: float,
+    solutions: int,
     with_reactions: bool,
 ) -> None:
     """One factorisation; each solution starts without impulses, so later ones do not see the softness.
@@ -113,7 +113,7 @@ def constrain_rows(
         for node in range(nodes):
             for r in range(lanes):
                 system.rows[node].reaction[r] = 0.0
-    for _ in range(int(solutions)):
+    for _ in range(solutions):
         for node in range(nodes):
             for r in range(lanes):
                 system.rows[node].impulse[r] = 0.0

@@ -158,7 +158,7 @@ class MeshSystem:
             array
             for kind in (*self.others, *self.layout.joints)
             for array in kind
-            if isinstance(array, np.ndarray) and array.dtype == np.float64
+            if isinstance(array, np.ndarray) and (array.dtype == np.float64 or array.dtype.names)
         ]
         arrays += [kind.nodal[Q] for kind in self.meshes]
         return [(array, array.copy()) for array in arrays]

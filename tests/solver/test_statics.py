@@ -134,7 +134,7 @@ def test_modes_of_a_fixed_flexible_body_sag() -> None:
     find_equilibrium(rows)
     translation = np.einsum("n,mnk->mk", cloud.masses, cloud.shapes)
     expected = translation @ turn.inv().apply([0.0, -G, 0.0]) / cloud.stiffness
-    assert rows.layout.bodies[0].modal[0] == pytest.approx(expected, rel=1e-7)
+    assert rows.layout.bodies[0].modal_position == pytest.approx(expected, rel=1e-7)
 
 
 def test_flexible_body_on_a_ball_joint_hangs_and_bends() -> None:
@@ -151,7 +151,7 @@ def test_flexible_body_on_a_ball_joint_hangs_and_bends() -> None:
     found = find_equilibrium(rows)
     assert found.residual < 1e-8
     assert found.stable is True
-    pose, q = rows.survey()[0][0, 1:], rows.layout.bodies[0].modal[0]
+    pose, q = rows.survey()[0][0, 1:], rows.layout.bodies[0].modal_position
     turn = Rotation.from_quat(pose[[4, 5, 6, 3]])
     points = pose[:3] + turn.apply(cloud.deformed(q))
     centre = cloud.masses @ points / cloud.masses.sum()
