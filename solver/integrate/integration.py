@@ -118,7 +118,6 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
                 key="integrator",
                 expected="rigid joints and explicit forces for 'accurate'; or 'dele2'",
             )
-    from heavylift.solver.bodies.ancf.kind import MARKER_LEVEL, SIZE, STATE_PLACE
     from heavylift.solver.bodies.rigid import MOTION, REACH, RigidBodies
     from heavylift.solver.drive import DRIVEN as DRIVEN_MOTION
 
@@ -126,15 +125,15 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
     meshes = [kind for kind in bodies if not isinstance(kind, RigidBodies)]
     place = padded(work.velocity.shape[0] + 7 * sum(len(kind.table) for kind in rigid))
     for kind in meshes:
-        kind.table[:, STATE_PLACE] = place
+        kind.table["state_place"] = place
         place += 2 * kind.nodal.shape[1]
     size = padded(place + QUADRATURES)
     state = np.zeros(HEAD + SLOTS * NODE_ROWS * size)
     state[LENGTH] = max(
-        [kind.frame[:, REACH].max() for kind in rigid] + [kind.body[:, SIZE].max() for kind in meshes]
+        [kind.frame[:, REACH].max() for kind in rigid] + [kind.body["size"].max() for kind in meshes]
     )
     loaded = [(kind.markers[:, 4] > 0).any() for kind in rigid]
-    state[LOADED] = any(loaded + [(kind.markers[:, MARKER_LEVEL] > 0).any() for kind in meshes])
+    state[LOADED] = any(loaded + [(kind.markers["level"] > 0).any() for kind in meshes])
     driven = any((kind.table[:, MOTION] == DRIVEN_MOTION).any() for kind in rigid)
     state[DRIVEN] = driven or any(hasattr(kind, "profiles") for kind in joints)
     state[BASED] = bool(systems) and any(len(kind.bases) for kind in meshes)

@@ -37,10 +37,6 @@ from heavylift.solver.bodies.ancf.frame_data import (
     put_forces,
 )
 from heavylift.solver.bodies.ancf.kind import (
-    CONSTANTS,
-    ELEMENT_DATA,
-    ELEMENTS,
-    FIRST_ELEMENT,
     SHAPE_STRAIN,
     FrameMeshes,
     ShellMeshes,
@@ -54,7 +50,7 @@ __all__: list[str] = []
 @kernel(internal=True)
 def add_frame_elastic_forces(kind: FrameMeshes, body: int, q: int, force: int, factor: float) -> None:
     """By model."""
-    if kind.constants[kind.table[body, CONSTANTS]] == GREEN_LAGRANGE:
+    if kind.constants[kind.table[body].constants] == GREEN_LAGRANGE:
         _add_green_lagrange(kind, body, q, force, factor)
     else:
         _add_exact(kind, body, q, force, factor)
@@ -64,9 +60,9 @@ def add_frame_elastic_forces(kind: FrameMeshes, body: int, q: int, force: int, f
 def _add_green_lagrange(kind: FrameMeshes, body: int, q: int, force: int, factor: float) -> None:
     """The matrix of bending knows the difference of both positions only."""
     constants = kind.constants
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data = kind.elements[e, ELEMENT_DATA]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data = kind.elements[e].data
         x = load_element(kind, e, q)
         K = data + SCALAR_BENDING
         aa, ab, ac = factor * constants[K + 10], factor * constants[K + 9], factor * constants[K + 11]
@@ -102,9 +98,9 @@ def _add_green_lagrange(kind: FrameMeshes, body: int, q: int, force: int, factor
 def _add_exact(kind: FrameMeshes, body: int, q: int, force: int, factor: float) -> None:
     """Tension ``E A (|d| - 1 + e_0)`` along ``d/|d|``, and moments."""
     constants = kind.constants
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data = kind.elements[e, ELEMENT_DATA]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data = kind.elements[e].data
         x = load_element(kind, e, q)
         fa = fb = fc = (0.0, 0.0, 0.0)
         rest = constants[data + INITIAL_STRAIN] - 1.0

@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.ancf.kind import ELEMENT_BLOCKS, Meshes
+from heavylift.solver.bodies.ancf.kind import Meshes
 
 __all__ = [
     "AXIAL_POINTS",
@@ -85,7 +85,7 @@ FrameElement = tuple[Vector, Vector, Vector]
 def load_element(kind: Meshes, e: int, row: int) -> FrameElement:
     """What the derivatives along an element need of a row of `nodal`."""
     x = kind.nodal
-    i, j = kind.elements[e, 0], kind.elements[e, 1]
+    i, j = kind.elements[e].nodes[0], kind.elements[e].nodes[1]
     chord = (x[row, j] - x[row, i], x[row, j + 1] - x[row, i + 1], x[row, j + 2] - x[row, i + 2])
     return (
         chord,
@@ -163,7 +163,7 @@ def transpose(m: Full) -> Full:
 def put_forces(kind: Meshes, e: int, row: int, fa: Vector, fb: Vector, fc: Vector) -> None:
     """Add the forces on ``r_2 - r_1``, ``r'_1`` and ``r'_2`` to a row of `nodal`."""
     x = kind.nodal
-    i, j = kind.elements[e, 0], kind.elements[e, 1]
+    i, j = kind.elements[e].nodes[0], kind.elements[e].nodes[1]
     for k in range(3):
         x[row, i + k] -= fa[k]
         x[row, i + 3 + k] += fb[k]
@@ -184,15 +184,15 @@ def put_stiffness(
     kind: Meshes, e: int, aa: Symmetric, ab: Full, ac: Full, bb: Symmetric, bc: Full, cc: Symmetric
 ) -> None:
     """Add the stiffness against ``r_2 - r_1``, ``r'_1`` and ``r'_2`` to the blocks of the pairs of nodes."""
-    blocks, elements = kind.blocks, kind.elements
-    at = elements[e, ELEMENT_BLOCKS]
+    blocks, of_pairs = kind.blocks, kind.elements[e].blocks
+    at = of_pairs[0, 0]
     slopes = 3 * LANES  # the part of a block that belongs to the slope of its column node
     _put_matrix(blocks, at, 1.0, full(aa))
     _put_matrix(blocks, at + 3, -1.0, transpose(ab))
     _put_matrix(blocks, at + slopes, -1.0, ab)
     _put_matrix(blocks, at + slopes + 3, 1.0, full(bb))
-    at = elements[e, ELEMENT_BLOCKS + 2]
-    if elements[e, ELEMENT_BLOCKS + 3] == 0:
+    at = of_pairs[1, 0]
+    if of_pairs[1, 1] == 0:
         _put_matrix(blocks, at, -1.0, full(aa))
         _put_matrix(blocks, at + 3, -1.0, transpose(ac))
         _put_matrix(blocks, at + slopes, 1.0, ab)
@@ -202,7 +202,7 @@ def put_stiffness(
         _put_matrix(blocks, at + 3, 1.0, transpose(ab))
         _put_matrix(blocks, at + slopes, -1.0, ac)
         _put_matrix(blocks, at + slopes + 3, 1.0, bc)
-    at = elements[e, ELEMENT_BLOCKS + 4]
+    at = of_pairs[2, 0]
     _put_matrix(blocks, at, 1.0, full(aa))
     _put_matrix(blocks, at + 3, 1.0, transpose(ac))
     _put_matrix(blocks, at + slopes, 1.0, ac)

@@ -69,14 +69,6 @@ from heavylift.solver.bodies.ancf.frame_green_lagrange import (
     find_green_lagrange_strains,
 )
 from heavylift.solver.bodies.ancf.kind import (
-    CONSTANTS,
-    DRIFT,
-    DRIFT_ELEMENT,
-    ELASTIC_ENERGY,
-    ELEMENT_DATA,
-    ELEMENT_STRAIN,
-    ELEMENTS,
-    FIRST_ELEMENT,
     FrameMeshes,
     Q,
 )
@@ -87,7 +79,7 @@ __all__: list[str] = []
 
 @kernel(inline=True, internal=True)
 def _is_exact(kind: FrameMeshes, body: int) -> bool:
-    return kind.constants[kind.table[body, CONSTANTS]] != GREEN_LAGRANGE
+    return kind.constants[kind.table[body].constants] != GREEN_LAGRANGE
 
 
 @implement(find_strains, FrameMeshes)
@@ -162,10 +154,10 @@ def add_frame_stiffness(
 def measure_frame_energy(kind: FrameMeshes, body: int, strain: int) -> None:
     constants, strains = kind.constants, kind.strains
     exact = _is_exact(kind, body)
-    first = kind.table[body, FIRST_ELEMENT]
+    first = kind.table[body].first_element
     energy = 0.0
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
         for g in range(AXIAL_POINTS):
             s = strains[strain, place + g]
             energy += constants[data + AXIAL + g * AXIAL_COLUMNS + WEIGHT] * s * s
@@ -178,7 +170,7 @@ def measure_frame_energy(kind: FrameMeshes, body: int, strain: int) -> None:
                     s = strains[strain, place + k]
                     energy += weight * s * s
                 place += components
-    kind.body[body, ELASTIC_ENERGY] += 0.5 * energy
+    kind.body[body].elastic_energy += 0.5 * energy
 
 
 @implement(measure_drift, FrameMeshes)
@@ -186,11 +178,11 @@ def measure_frame_energy(kind: FrameMeshes, body: int, strain: int) -> None:
 def measure_frame_drift(kind: FrameMeshes, body: int, first: int, second: int) -> None:
     constants, strains = kind.constants, kind.strains
     exact = _is_exact(kind, body)
-    start = kind.table[body, FIRST_ELEMENT]
+    start = kind.table[body].first_element
     drift, worst = 0.0, 0
-    for number in range(kind.table[body, ELEMENTS]):
+    for number in range(kind.table[body].element_count):
         e = start + number
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+        data, place = kind.elements[e].data, kind.elements[e].strain
         count = AXIAL_POINTS
         if exact:
             count += BENDING_POINTS if constants[data + CURVED] != 0.0 else 3 * BENDING_POINTS
@@ -200,8 +192,8 @@ def measure_frame_drift(kind: FrameMeshes, body: int, first: int, second: int) -
                 distance *= constants[data + HEIGHT]
             if not distance <= drift and not math.isnan(drift):  # a lost number is a drift, and stays one
                 drift, worst = distance, number
-    kind.body[body, DRIFT] = drift
-    kind.body[body, DRIFT_ELEMENT] = worst
+    kind.body[body].drift = drift
+    kind.body[body].drift_element = worst
 
 
 @implement(add_follower_load, FrameMeshes)
@@ -211,7 +203,7 @@ def add_frame_follower(
 ) -> None:
     """Data: normal and tangential load [N/m of the reference], axis in axes of the body."""
     constants, x = kind.constants, kind.nodal
-    i, j, own = kind.elements[element, 0], kind.elements[element, 1], kind.elements[element, ELEMENT_DATA]
+    i, j, own = kind.elements[element].nodes[0], kind.elements[element].nodes[1], kind.elements[element].data
     normal, tangential = factor * constants[data], factor * constants[data + 1]
     axis = (constants[data + 2], constants[data + 3], constants[data + 4])
     shape = load_element(kind, element, q)
@@ -248,9 +240,9 @@ def record_frame_elements(kind: FrameMeshes, body: int, row: NDArray[np.float64]
     """Axial forces of all elements, then two moments of each, then stresses."""
     constants = kind.constants
     exact = _is_exact(kind, body)
-    first, count = kind.table[body, FIRST_ELEMENT], kind.table[body, ELEMENTS]
+    first, count = kind.table[body].first_element, kind.table[body].element_count
     for number in range(count):
-        data = kind.elements[first + number, ELEMENT_DATA]
+        data = kind.elements[first + number].data
         x = load_element(kind, first + number, Q)
         d = combine(constants, data + CENTRE, x)
         square = dot(d, d)

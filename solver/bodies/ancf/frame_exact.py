@@ -48,10 +48,6 @@ from heavylift.solver.bodies.ancf.frame_data import (
     transpose,
 )
 from heavylift.solver.bodies.ancf.kind import (
-    ELEMENT_DATA,
-    ELEMENT_STRAIN,
-    ELEMENTS,
-    FIRST_ELEMENT,
     FrameMeshes,
 )
 
@@ -195,9 +191,9 @@ def _outer(f: float, u: Vector, v: Vector) -> Full:
 def find_exact_strains(kind: FrameMeshes, body: int, q: int, strain: int) -> None:
     """Axial strains of an element, then its curvatures."""
     constants, strains = kind.constants, kind.strains
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
         curved = constants[data + CURVED] != 0.0
         x = load_element(kind, e, q)
         rest = constants[data + INITIAL_STRAIN] - 1.0
@@ -222,9 +218,9 @@ def find_exact_strains(kind: FrameMeshes, body: int, q: int, strain: int) -> Non
 def add_exact_rates(kind: FrameMeshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
     """``e' = t.d'`` and ``K' = (d' x c + d x c' - 2 (d.d') K) / |d|^2``."""
     constants, strains = kind.constants, kind.strains
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
         curved = constants[data + CURVED] != 0.0
         x, rate = load_element(kind, e, q), load_element(kind, e, v)
         for g in range(AXIAL_POINTS):
@@ -256,9 +252,9 @@ def add_exact_rates(kind: FrameMeshes, body: int, q: int, v: int, strain: int, f
 def add_exact_forces(kind: FrameMeshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
     """Axial stress along ``t``, moments along the derivatives of K."""
     constants, strains = kind.constants, kind.strains
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
         curved = constants[data + CURVED] != 0.0
         x = load_element(kind, e, q)
         fa = fb = fc = (0.0, 0.0, 0.0)
@@ -308,9 +304,9 @@ def add_exact_stiffness(
     A number ``k = |K|`` with the stress s has ``k' = K'.n`` and ``k'' = (n.K)'' + (P^T P - k' k'^T) / k``.
     """
     constants, strains = kind.constants, kind.strains
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
         curved = constants[data + CURVED] != 0.0
         x = load_element(kind, e, q)
         fa = fb = fc = (0.0, 0.0, 0.0)

@@ -47,10 +47,6 @@ from heavylift.solver.bodies.ancf.frame_data import (
     put_forces,
 )
 from heavylift.solver.bodies.ancf.kind import (
-    ELEMENT_DATA,
-    ELEMENT_STRAIN,
-    ELEMENTS,
-    FIRST_ELEMENT,
     FrameMeshes,
 )
 
@@ -110,9 +106,9 @@ def add_exact_mean_forces(
 ) -> None:
     """``factor B^T C s`` with ``B (q_end - q_start) = e_end - e_start`` and the mean strains s of a step."""
     constants, strains = kind.constants, kind.strains
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
         curved = constants[data + CURVED] != 0.0
         x0, x1 = load_element(kind, e, q_start), load_element(kind, e, q_end)
         rest = 2.0 - 2.0 * constants[data + INITIAL_STRAIN]

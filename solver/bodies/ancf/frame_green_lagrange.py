@@ -25,10 +25,6 @@ from heavylift.solver.bodies.ancf.frame_data import (
     put_stiffness,
 )
 from heavylift.solver.bodies.ancf.kind import (
-    ELEMENT_DATA,
-    ELEMENT_STRAIN,
-    ELEMENTS,
-    FIRST_ELEMENT,
     FrameMeshes,
 )
 
@@ -43,9 +39,9 @@ __all__ = [
 @kernel(internal=True)
 def find_green_lagrange_strains(kind: FrameMeshes, body: int, q: int, strain: int) -> None:
     """``e = (r'.r' - 1) / 2 + e_0``."""
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
         x = load_element(kind, e, q)
         rest = kind.constants[data + INITIAL_STRAIN] - 0.5
         for g in range(AXIAL_POINTS):
@@ -58,9 +54,9 @@ def add_green_lagrange_rates(
     kind: FrameMeshes, body: int, q: int, v: int, strain: int, factor: float
 ) -> None:
     """``r'.v'``."""
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
         x, rate = load_element(kind, e, q), load_element(kind, e, v)
         for g in range(AXIAL_POINTS):
             at = data + AXIAL + g * AXIAL_COLUMNS + SHAPE
@@ -73,9 +69,9 @@ def add_green_lagrange_forces(
     kind: FrameMeshes, body: int, q: int, strain: int, force: int, factor: float
 ) -> None:
     """``E A int e r' S'_a ds``."""
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
         x = load_element(kind, e, q)
         fa = fb = fc = (0.0, 0.0, 0.0)
         for g in range(AXIAL_POINTS):
@@ -100,9 +96,9 @@ def add_green_lagrange_stiffness(
     geometric: float,
 ) -> None:
     """``K = E A int (r' r'^T + e I) S'_a S'_b ds``."""
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
         x = load_element(kind, e, q)
         fa = fb = fc = (0.0, 0.0, 0.0)
         aa = ab = ac = bb = bc = cc = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

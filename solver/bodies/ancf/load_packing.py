@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.bodies.ancf.kind import DEAD_LOAD, FOLLOWER_ELEMENT, FOLLOWER_NODE
+from heavylift.numerics.records import Records, records
+from heavylift.solver.bodies.ancf.kind import DEAD_LOAD, FOLLOWER_ELEMENT, FOLLOWER_NODE, MeshLoad
 from heavylift.solver.bodies.ancf.types import type_of
 from heavylift.solver.meshes import DistributedLoad, FollowerLoad, FrameBody, MeshBody
 
@@ -23,9 +24,9 @@ class LoadBook:
     store: Callable[[NDArray[np.float64]], int]
     rows: list[tuple[int, int, int, int, int]] = field(default_factory=list)
 
-    def table(self) -> NDArray[np.int64]:
-        """All rows, shape (n, 5)."""
-        return np.array(self.rows, dtype=np.int64).reshape(-1, 5)
+    def table(self) -> Records[MeshLoad]:
+        """All rows."""
+        return records(MeshLoad, self.rows)
 
     def add(
         self,

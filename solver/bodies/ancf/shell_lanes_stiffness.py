@@ -78,8 +78,8 @@ def add_element_stiffness(  # type: ignore[no-untyped-def]
     n3,
     strains,
     at,
-    elements,
-    places,
+    of_pairs,
+    of_pairs_first,
     blocks,
     first,
     order,
@@ -109,7 +109,7 @@ def add_element_stiffness(  # type: ignore[no-untyped-def]
 
     arguments = (
         constants, tables, constants_2, data, nodal, n0, n1, n2, n3, strains, at,
-        elements, places, blocks, first, order, order_first, scale, geometric,
+        of_pairs, of_pairs_first, blocks, first, order, order_first, scale, geometric,
     )  # fmt: skip
     return element_code(arguments, (1, 1, 4, 1, 1, 1, 1), write)
 

@@ -11,16 +11,9 @@ from heavylift.numerics.block_pattern import LOWER, LOWER_COUNT, NODE, PIVOT
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.assembly import set_size
 from heavylift.solver.bodies.ancf.kind import (
-    BASE_NODES,
-    FIRST_COLUMN,
-    FIRST_NODE,
-    FIRST_STRAIN,
     FREE,
-    LAST_COLUMN,
     MASS_SET,
-    NODES,
     RIGHT,
-    STRAINS,
     Meshes,
 )
 from heavylift.solver.bodies.ancf.moving import add_point_forces, find_free_points
@@ -35,15 +28,15 @@ LANES = 8
 def node_span(kind: Meshes, body: int) -> tuple[int, int]:
     """Places of the nodes of a body in a row of `nodal`."""
     lanes = len(kind.shape[1])
-    first = kind.table[body, FIRST_NODE] * lanes
-    return first, first + kind.table[body, NODES] * lanes
+    first = kind.table[body].first_node * lanes
+    return first, first + kind.table[body].node_count * lanes
 
 
 @kernel(internal=True)
 def _forward_axes(kind: Meshes, body: int, base: int) -> None:
     """`forward_blocks` with a factor that does not couple axes: two numbers a node and axis."""
     x, blocks, lower = kind.nodal[RIGHT], kind.blocks, kind.lower
-    for column in range(kind.table[body, FIRST_COLUMN], kind.table[body, LAST_COLUMN]):
+    for column in range(kind.table[body].first_column, kind.table[body].last_column):
         z, pivot = kind.columns[column, NODE] * LANES, base + kind.columns[column, PIVOT]
         first, count = kind.columns[column, LOWER], kind.columns[column, LOWER_COUNT]
         for k in range(3):
@@ -65,7 +58,7 @@ def _forward_axes(kind: Meshes, body: int, base: int) -> None:
 def _backward_axes(kind: Meshes, body: int, base: int) -> None:
     """`backward_blocks` with a factor that does not couple axes."""
     x, blocks, lower = kind.nodal[RIGHT], kind.blocks, kind.lower
-    for column in range(kind.table[body, LAST_COLUMN] - 1, kind.table[body, FIRST_COLUMN] - 1, -1):
+    for column in range(kind.table[body].last_column - 1, kind.table[body].first_column - 1, -1):
         z, pivot = kind.columns[column, NODE] * LANES, base + kind.columns[column, PIVOT]
         first, count = kind.columns[column, LOWER], kind.columns[column, LOWER_COUNT]
         for k in range(3):
@@ -91,7 +84,7 @@ def solve_forward(kind: Meshes, body: int, which: int) -> None:
     right, free = kind.nodal[RIGHT], kind.nodal[FREE]
     for i in range(first, last):
         right[i] *= free[i]
-    for i in range(last, last + kind.table[body, BASE_NODES] * lanes):
+    for i in range(last, last + kind.table[body].base_node_count * lanes):
         right[i] = 0.0
     if which == MASS_SET and lanes == LANES:
         _forward_axes(kind, body, which * set_size(kind))
@@ -102,8 +95,8 @@ def solve_forward(kind: Meshes, body: int, which: int) -> None:
             kind.lower,
             kind.blocks,
             which * set_size(kind),
-            kind.table[body, FIRST_COLUMN],
-            kind.table[body, LAST_COLUMN],
+            kind.table[body].first_column,
+            kind.table[body].last_column,
             right,
             0,
         )
@@ -123,8 +116,8 @@ def scatter_back(kind: Meshes, body: int, which: int) -> None:
         kind.lower,
         kind.blocks,
         which * set_size(kind),
-        kind.table[body, FIRST_COLUMN],
-        kind.table[body, LAST_COLUMN],
+        kind.table[body].first_column,
+        kind.table[body].last_column,
         kind.nodal[RIGHT],
         0,
     )
@@ -133,6 +126,6 @@ def scatter_back(kind: Meshes, body: int, which: int) -> None:
 @kernel(internal=True)
 def copy_strains(kind: Meshes, body: int, of: int, to: int) -> None:
     """One row of `strains` into another, of one body."""
-    first = kind.table[body, FIRST_STRAIN]
-    for i in range(first, first + kind.table[body, STRAINS]):
+    first = kind.table[body].first_strain
+    for i in range(first, first + kind.table[body].strain_count):
         kind.strains[to, i] = kind.strains[of, i]
