@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
+from heavylift.numerics.block_pattern import FactorColumn, LowerBlock
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Matrix3, Record, Records, Vector
 
@@ -439,8 +440,8 @@ class Meshes(Arrays):
     body: Records[MeshNumbers]
     nodal: Floats2
     strains: Floats2
-    columns: Ints2
-    lower: Ints2
+    columns: Records[FactorColumn]
+    lower: Records[LowerBlock]
     updates: Ints1
     blocks: Floats1
     clears: Records[FixedCoordinate]

@@ -18,7 +18,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.block_pattern import LOWER, LOWER_COUNT, NODE, PIVOT
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import forward_pivot, subtract_forward
 from heavylift.solver.bodies.ancf.assembly import set_size
@@ -80,7 +79,7 @@ def _clear(moving: MovingPoints, kind: Meshes, body: int, point: int) -> None:
     length, first_node = vector_length(kind, body), kind.table[body].first_node
     path, begin = moving.points[point].path, moving.points[point].vectors
     for i in range(path, path + moving.points[point].path_count):
-        at = begin + (kind.columns[moving.paths[i], NODE] - first_node) * lanes
+        at = begin + (kind.columns[moving.paths[i]].node - first_node) * lanes
         for k in range(3):
             for r in range(lanes):
                 moving.vectors[at + k * length + r] = 0.0
@@ -110,21 +109,21 @@ def _find_vectors(moving: MovingPoints, kind: Meshes, body: int, point: int, whi
     path = moving.points[point].path
     count = 0
     for column in range(first, last):
-        node = columns[column, NODE]
+        node = columns[column].node
         if moving.marks[node] == 0:
             continue
         moving.marks[node] = 0
         moving.paths[path + count] = column
         count += 1
-        pivot, at, below = columns[column, PIVOT], columns[column, LOWER], columns[column, LOWER_COUNT]
+        pivot, at, below = columns[column].pivot, columns[column].first_lower, columns[column].lower_count
         z0 = begin + node * lanes
         z1, z2 = z0 + length, z0 + 2 * length
         forward_pivot(shape, Z, z0, kind.blocks, base + pivot)
         forward_pivot(shape, Z, z1, kind.blocks, base + pivot)
         forward_pivot(shape, Z, z2, kind.blocks, base + pivot)
         for l in range(at, at + below):
-            to, block = begin + lower[l, 0] * lanes, base + lower[l, 1]
-            moving.marks[lower[l, 0]] = 1
+            to, block = begin + lower[l].node * lanes, base + lower[l].place
+            moving.marks[lower[l].node] = 1
             subtract_forward(shape, Z, to, kind.blocks, block, Z, z0)
             subtract_forward(shape, Z, to + length, kind.blocks, block, Z, z1)
             subtract_forward(shape, Z, to + 2 * length, kind.blocks, block, Z, z2)
@@ -143,7 +142,7 @@ def _find_compliance(moving: MovingPoints, kind: Meshes, body: int, i: int, j: i
     c00 = c01 = c02 = c10 = c11 = c12 = c20 = c21 = c22 = 0.0
     for p in range(path, path + moving.points[first + i].path_count):
         column = moving.paths[p]
-        at, pivot = kind.columns[column, NODE] * lanes, base + kind.columns[column, PIVOT]
+        at, pivot = kind.columns[column].node * lanes, base + kind.columns[column].pivot
         for r in range(rows):
             d = 1.0 / kind.blocks[pivot + r * (lanes + 1)]
             u, v = a + at + r, b + at + r
@@ -197,7 +196,7 @@ def point_response(moving: MovingPoints, kind: Meshes, point: int, body: int, wh
     x = y = z = 0.0
     for p in range(path, path + moving.points[point].path_count):
         column = moving.paths[p]
-        at, pivot = kind.columns[column, NODE] * lanes, base + kind.columns[column, PIVOT]
+        at, pivot = kind.columns[column].node * lanes, base + kind.columns[column].pivot
         for r in range(rows):
             value = kind.nodal[row, at + r] / kind.blocks[pivot + r * (lanes + 1)]
             x += Z[begin + at + r] * value
@@ -281,7 +280,7 @@ def add_point_forces(moving: MovingPoints, kind: Meshes, body: int, which: int) 
         begin = moving.points[first + i].vectors - kind.table[body].first_node * lanes
         path = moving.points[first + i].path
         for p in range(path, path + moving.points[first + i].path_count):
-            at = kind.columns[moving.paths[p], NODE] * lanes
+            at = kind.columns[moving.paths[p]].node * lanes
             for r in range(at, at + rows):
                 kind.nodal[RIGHT, r] -= (
                     x * Z[begin + r] + y * Z[begin + length + r] + z * Z[begin + 2 * length + r]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.block_pattern import NODE, BlockPattern
+from heavylift.numerics.block_pattern import BlockPattern
 from heavylift.numerics.records import Records, records
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.ancf.kind import (
@@ -66,7 +66,7 @@ def pack_moving(
         controls += len(made.factors)
     nodes = int((table["node_count"] + table["base_node_count"]).sum())
     column_of = np.full(nodes, -1, dtype=np.int64)
-    column_of[pattern.columns[:, NODE]] = np.arange(len(pattern.columns))
+    column_of[pattern.columns["node"]] = np.arange(len(pattern.columns))
     return MovingPoints(
         bodies=rows,
         points=records(MovingPoint, points),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.block_pattern import LOWER_COUNT, NODE, PIVOT, BlockPattern
+from heavylift.numerics.block_pattern import BlockPattern
 from heavylift.numerics.records import Records, records
 from heavylift.solver.bodies.ancf.kind import (
     CLEAR_DIAGONAL,
@@ -31,7 +31,7 @@ def clears(
     for a, b in edges:
         on_node.setdefault(int(a), []).append(int(b))
         on_node.setdefault(int(b), []).append(int(a))
-    base = ~np.isin(np.arange(len(free)), pattern.columns[:, NODE])
+    base = ~np.isin(np.arange(len(free)), pattern.columns["node"])
     for node in np.flatnonzero(fixed.any(axis=1) & ~base):
         coordinates = np.flatnonzero(fixed[node])
         own, _ = pattern.place(int(node), int(node))
@@ -61,9 +61,9 @@ def block_ranges(
     pattern: BlockPattern, groups: NDArray[np.int64], base_blocks: Records[BaseBlock], size: int
 ) -> NDArray[np.int64]:
     """First place and the one behind the last of the blocks of each body, shape (bodies, 2)."""
-    of_column = groups[pattern.columns[:, NODE]]
-    counts = pattern.columns[:, LOWER_COUNT]
-    places = np.concatenate([pattern.columns[:, PIVOT], pattern.lower[:, 1], base_blocks["place"]])
+    of_column = groups[pattern.columns["node"]]
+    counts = pattern.columns["lower_count"]
+    places = np.concatenate([pattern.columns["pivot"], pattern.lower["place"], base_blocks["place"]])
     owners = np.concatenate([of_column, np.repeat(of_column, counts), base_blocks["body"]])
     ranges = np.array(
         [[places[owners == g].min(), places[owners == g].max() + size] for g in np.unique(groups)]

@@ -7,7 +7,6 @@ spend much of their time here, there are substitutions that read just that third
 from __future__ import annotations
 
 from heavylift.numerics.block_factor import backward_blocks, forward_blocks
-from heavylift.numerics.block_pattern import LOWER, LOWER_COUNT, NODE, PIVOT
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.assembly import set_size
 from heavylift.solver.bodies.ancf.kind import (
@@ -37,8 +36,8 @@ def _forward_axes(kind: Meshes, body: int, base: int) -> None:
     """`forward_blocks` with a factor that does not couple axes: two numbers a node and axis."""
     x, blocks, lower = kind.nodal[RIGHT], kind.blocks, kind.lower
     for column in range(kind.table[body].first_column, kind.table[body].last_column):
-        z, pivot = kind.columns[column, NODE] * LANES, base + kind.columns[column, PIVOT]
-        first, count = kind.columns[column, LOWER], kind.columns[column, LOWER_COUNT]
+        z, pivot = kind.columns[column].node * LANES, base + kind.columns[column].pivot
+        first, count = kind.columns[column].first_lower, kind.columns[column].lower_count
         for k in range(3):
             at = pivot + (LANES + 1) * k
             a = x[z + k]
@@ -47,7 +46,7 @@ def _forward_axes(kind: Meshes, body: int, base: int) -> None:
             b *= blocks[at + 3 * (LANES + 1)]
             x[z + k], x[z + 3 + k] = a, b
             for l in range(first, first + count):
-                later, place = lower[l, 0] * LANES + k, base + lower[l, 1] + (LANES + 1) * k
+                later, place = lower[l].node * LANES + k, base + lower[l].place + (LANES + 1) * k
                 u, v = x[later], x[later + 3]
                 u -= blocks[place] * a + blocks[place + 3 * LANES] * b
                 v -= blocks[place + 3] * a + blocks[place + 3 * LANES + 3] * b
@@ -59,13 +58,13 @@ def _backward_axes(kind: Meshes, body: int, base: int) -> None:
     """`backward_blocks` with a factor that does not couple axes."""
     x, blocks, lower = kind.nodal[RIGHT], kind.blocks, kind.lower
     for column in range(kind.table[body].last_column - 1, kind.table[body].first_column - 1, -1):
-        z, pivot = kind.columns[column, NODE] * LANES, base + kind.columns[column, PIVOT]
-        first, count = kind.columns[column, LOWER], kind.columns[column, LOWER_COUNT]
+        z, pivot = kind.columns[column].node * LANES, base + kind.columns[column].pivot
+        first, count = kind.columns[column].first_lower, kind.columns[column].lower_count
         for k in range(3):
             at = pivot + (LANES + 1) * k
             a = b = 0.0
             for l in range(first, first + count):
-                later, place = lower[l, 0] * LANES + k, base + lower[l, 1] + (LANES + 1) * k
+                later, place = lower[l].node * LANES + k, base + lower[l].place + (LANES + 1) * k
                 u, v = x[later], x[later + 3]
                 a += blocks[place] * u + blocks[place + 3] * v
                 b += blocks[place + 3 * LANES] * u + blocks[place + 3 * LANES + 3] * v
