@@ -129,7 +129,7 @@ class MeshSystem:
         )
         sizes = np.concatenate(
             [
-                *(mesh.body[m.body].size for mesh, m in zip(self.meshes, self.matrices, strict=True)),
+                *(mesh.body["size"][m.body] for mesh, m in zip(self.meshes, self.matrices, strict=True)),
                 np.full(len(self.dofs), self.length),
             ]
         )
@@ -147,7 +147,7 @@ class MeshSystem:
             array
             for kind in (*self.others, *self.layout.joints)
             for array in kind
-            if isinstance(array, np.ndarray) and array.dtype == np.float64
+            if isinstance(array, np.ndarray) and (array.dtype == np.float64 or array.dtype.names)
         ]
         arrays += [kind.nodal[Q] for kind in self.meshes]
         return [(array, array.copy()) for array in arrays]

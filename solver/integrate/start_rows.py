@@ -171,7 +171,7 @@ class StartRows:
             (array, array.copy())
             for kind in (*self.layout.bodies, *self.layout.joints)
             for array in kind
-            if isinstance(array, np.ndarray) and array.dtype == np.float64
+            if isinstance(array, np.ndarray) and (array.dtype == np.float64 or array.dtype.names)
         ]
 
     def restore(self, snapshot: list[tuple[NDArray[np.float64], NDArray[np.float64]]]) -> None:
