@@ -28,30 +28,16 @@ from heavylift.solver.bodies.ancf.elements import (
     record_elements,
 )
 from heavylift.solver.bodies.ancf.frame_data import (
-    AREA,
-    AXIAL,
-    AXIAL_COLUMNS,
     AXIAL_POINTS,
-    AXIAL_STIFFNESS,
-    BENDING,
-    BENDING_COLUMNS,
     BENDING_POINTS,
-    BENDING_STIFFNESS,
-    CENTRE,
-    CURVED,
-    END_CURVATURE,
-    END_SECOND,
     GREEN_LAGRANGE,
-    HEIGHT,
-    INITIAL_STRAIN,
-    LOADS,
-    SHAPE,
-    STRESS,
-    WEIGHT,
     Vector,
     add_vector,
+    axial_point,
+    bending_point,
     combine,
     dot,
+    frame_data,
     load_element,
 )
 from heavylift.solver.bodies.ancf.frame_exact import (
@@ -160,12 +146,12 @@ def measure_frame_energy(kind: FrameMeshes, body: int, strain: int) -> None:
         data, place = kind.elements[e].data, kind.elements[e].strain
         for g in range(AXIAL_POINTS):
             s = strains[strain, place + g]
-            energy += constants[data + AXIAL + g * AXIAL_COLUMNS + WEIGHT] * s * s
+            energy += axial_point(constants, data, g).stiffness * s * s
         if exact:
-            components = 1 if constants[data + CURVED] != 0.0 else 3
+            components = 1 if frame_data(constants, data).curved else 3
             place += AXIAL_POINTS
             for g in range(BENDING_POINTS):
-                weight = constants[data + BENDING + g * BENDING_COLUMNS + WEIGHT]
+                weight = bending_point(constants, data, g).stiffness
                 for k in range(components):
                     s = strains[strain, place + k]
                     energy += weight * s * s
@@ -185,11 +171,11 @@ def measure_frame_drift(kind: FrameMeshes, body: int, first: int, second: int) -
         data, place = kind.elements[e].data, kind.elements[e].strain
         count = AXIAL_POINTS
         if exact:
-            count += BENDING_POINTS if constants[data + CURVED] != 0.0 else 3 * BENDING_POINTS
+            count += BENDING_POINTS if frame_data(constants, data).curved else 3 * BENDING_POINTS
         for i in range(count):
             distance = abs(strains[first, place + i] - strains[second, place + i])
             if i >= AXIAL_POINTS:
-                distance *= constants[data + HEIGHT]
+                distance *= frame_data(constants, data).height
             if not distance <= drift and not math.isnan(drift):  # a lost number is a drift, and stays one
                 drift, worst = distance, number
     kind.body[body].drift = drift
@@ -209,16 +195,16 @@ def add_frame_follower(
     shape = load_element(kind, element, q)
     f1 = f2 = f3 = f4 = (0.0, 0.0, 0.0)
     for g in range(AXIAL_POINTS):
-        at = own + AXIAL + g * AXIAL_COLUMNS
-        d = combine(constants, at + SHAPE, shape)
+        point = axial_point(constants, own, g)
+        d = combine(point.first, shape)
         inverse = 1.0 / math.sqrt(dot(d, d))
         side = cross(axis[0], axis[1], axis[2], d[0], d[1], d[2])
         f = add_vector((0.0, 0.0, 0.0), inverse * normal, side)
         f = add_vector(f, inverse * tangential, d)
-        f1 = add_vector(f1, constants[at + LOADS], f)
-        f2 = add_vector(f2, constants[at + LOADS + 1], f)
-        f3 = add_vector(f3, constants[at + LOADS + 2], f)
-        f4 = add_vector(f4, constants[at + LOADS + 3], f)
+        f1 = add_vector(f1, point.loads[0], f)
+        f2 = add_vector(f2, point.loads[1], f)
+        f3 = add_vector(f3, point.loads[2], f)
+        f4 = add_vector(f4, point.loads[3], f)
     for k in range(3):
         x[load, i + k] += f1[k]
         x[load, i + 3 + k] += f2[k]
@@ -230,8 +216,9 @@ def add_frame_follower(
 def _bending_moment(kind: FrameMeshes, data: int, end: int, d: Vector, c: Vector) -> float:
     """Magnitude of the moment at an end [N m]."""
     k = curvature(d, c)
-    change = math.sqrt(dot(k, k)) - kind.constants[data + END_CURVATURE + end]
-    return abs(kind.constants[data + BENDING_STIFFNESS] * change)
+    own = frame_data(kind.constants, data)
+    change = math.sqrt(dot(k, k)) - own.end_curvature[end]
+    return abs(own.bending_stiffness * change)
 
 
 @implement(record_elements, FrameMeshes)
@@ -243,17 +230,17 @@ def record_frame_elements(kind: FrameMeshes, body: int, row: NDArray[np.float64]
     first, count = kind.table[body].first_element, kind.table[body].element_count
     for number in range(count):
         data = kind.elements[first + number].data
-        x = load_element(kind, first + number, Q)
-        d = combine(constants, data + CENTRE, x)
+        own, x = frame_data(constants, data), load_element(kind, first + number, Q)
+        d = combine(own.centre, x)
         square = dot(d, d)
         stretch = math.sqrt(square)
-        initial = constants[data + INITIAL_STRAIN]
+        initial = own.initial_strain
         strain = stretch - 1.0 + initial if exact else (0.5 * (square - 1.0) + initial) * stretch
-        force = constants[data + AXIAL_STIFFNESS] * strain
-        start = _bending_moment(kind, data, 0, x[1], combine(constants, data + END_SECOND, x))
-        end = _bending_moment(kind, data, 1, x[2], combine(constants, data + END_SECOND + 3, x))
+        force = own.axial_stiffness * strain
+        start = _bending_moment(kind, data, 0, x[1], combine(own.end_second[0], x))
+        end = _bending_moment(kind, data, 1, x[2], combine(own.end_second[1], x))
         row[column + number] = force
         row[column + count + 2 * number] = start
         row[column + count + 2 * number + 1] = end
-        bending = max(start, end) * constants[data + STRESS]
-        row[column + 3 * count + number] = force / constants[data + AREA] + math.copysign(bending, force)
+        bending = max(start, end) * own.stress
+        row[column + 3 * count + number] = force / own.area + math.copysign(bending, force)

@@ -388,8 +388,8 @@ def test_markers_move_as_their_jacobians_say(model: Model) -> None:
         model.fill()
         work = model.layout.work
         numbers = np.concatenate([kind.markers["number"] for kind in model.kinds])
-        slope = model.along(lambda: work.markers[numbers].point)  # noqa: B023
-        np.testing.assert_allclose(work.markers[numbers].velocity, slope, atol=1e-8)
+        slope = model.along(lambda: work.markers["point"][numbers])  # noqa: B023
+        np.testing.assert_allclose(work.markers["velocity"][numbers], slope, atol=1e-8)
         for kind in model.kinds:
             for marker in kind.markers:
                 number, line = marker.number, kind.table[marker.body]
