@@ -29,15 +29,11 @@ from heavylift.solver.bodies.ancf.kind import (
     ShellMeshes,
 )
 from heavylift.solver.bodies.ancf.shell_data import (
-    CENTRE,
-    COUNT,
     LANES,
-    LINE,
-    MATERIAL,
-    METRIC,
-    MODULI,
-    POINTS,
     STRAINS_PER_LINE,
+    shell_data,
+    shell_line,
+    shell_tables,
 )
 from heavylift.solver.bodies.ancf.shell_lanes import (
     add_element_forces,
@@ -167,17 +163,17 @@ def add_shell_stiffness(
 @kernel(internal=True, reassociate=True)
 def measure_shell_energy(kind: ShellMeshes, body: int, strain: int) -> None:
     """``e^T D e / 2`` over all Gauss points."""
-    C, e = kind.constants, kind.strains
-    count = int(C[kind.table[body].constants + COUNT])
+    e = kind.strains
+    count = shell_tables(kind.constants, kind.table[body].constants).count
     first, total = kind.table[body].first_element, 0.0
     for element in range(first, first + kind.table[body].element_count):
         for line in range(count):
             at = kind.elements[element].strain + line * STRAINS_PER_LINE
-            D = kind.elements[element].data + POINTS + line * LINE + MODULI
+            D = shell_line(kind.constants, kind.elements[element].data, line).moduli
             for g in range(LANES):
                 x, y, z = e[strain, at + g], e[strain, at + 8 + g], e[strain, at + 16 + g]
-                squares = C[D + g] * x * x + C[D + 8 + g] * y * y + C[D + 16 + g] * z * z
-                mixed = C[D + 24 + g] * x * y + (C[D + 32 + g] * x + C[D + 40 + g] * y) * z
+                squares = D[0, g] * x * x + D[1, g] * y * y + D[2, g] * z * z
+                mixed = D[3, g] * x * y + (D[4, g] * x + D[5, g] * y) * z
                 total += 0.5 * squares + mixed
     kind.body[body].elastic_energy += total
 
@@ -186,16 +182,16 @@ def measure_shell_energy(kind: ShellMeshes, body: int, strain: int) -> None:
 @kernel(internal=True)
 def measure_shell_drift(kind: ShellMeshes, body: int, first: int, second: int) -> None:
     """Differences per length squared of the mesh lines they belong to, which makes them strains."""
-    C, strains = kind.constants, kind.strains
-    count = int(C[kind.table[body].constants + COUNT])
+    strains = kind.strains
+    count = shell_tables(kind.constants, kind.table[body].constants).count
     begin, largest, found, lost = kind.table[body].first_element, -1.0, 0, 0.0
     for element in range(begin, begin + kind.table[body].element_count):
         before = largest
         for line in range(count):
             at = kind.elements[element].strain + line * STRAINS_PER_LINE
-            metric = kind.elements[element].data + POINTS + line * LINE + METRIC
+            metric = shell_line(kind.constants, kind.elements[element].data, line).metric
             for g in range(count):
-                xx, yy = 2.0 * C[metric + g], 2.0 * C[metric + 8 + g]
+                xx, yy = 2.0 * metric[0, g], 2.0 * metric[1, g]
                 d1 = abs(strains[first, at + g] - strains[second, at + g]) / xx
                 d2 = abs(strains[first, at + 8 + g] - strains[second, at + 8 + g]) / yy
                 d3 = abs(strains[first, at + 16 + g] - strains[second, at + 16 + g])
@@ -225,13 +221,13 @@ Vector = tuple[float, float, float]
 
 
 @kernel(inline=True, internal=True)
-def centre_vector(kind: ShellMeshes, element: int, place: int) -> Vector:
+def centre_vector(kind: ShellMeshes, element: int, row: NDArray[np.float64]) -> Vector:
     """A row of the centre of an element times its carried coordinates."""
     x = y = z = 0.0
     for node in range(4):
         at = kind.elements[element].nodes[node]
         for vector in range(4):
-            value, first = kind.constants[place + 4 * node + vector], at + 3 * vector
+            value, first = row[4 * node + vector], at + 3 * vector
             x += value * kind.nodal[Q, first]
             y += value * kind.nodal[Q, first + 1]
             z += value * kind.nodal[Q, first + 2]
@@ -260,18 +256,17 @@ def record_shell(kind: ShellMeshes, body: int, row: NDArray[np.float64], column:
     """
     begin, count = kind.table[body].first_element, kind.table[body].element_count
     for e in range(count):
-        data = kind.elements[begin + e].data
-        stretch, nu = kind.constants[data + MATERIAL], kind.constants[data + MATERIAL + 1]
-        bend, thickness = kind.constants[data + MATERIAL + 2], kind.constants[data + MATERIAL + 3]
-        a = centre_vector(kind, begin + e, data + CENTRE)
-        b = centre_vector(kind, begin + e, data + CENTRE + 16)
+        own = shell_data(kind.constants, kind.elements[begin + e].data)
+        stretch, nu, bend, thickness = own.stretching, own.poissons_ratio, own.plate_stiffness, own.thickness
+        a = centre_vector(kind, begin + e, own.centre[0])
+        b = centre_vector(kind, begin + e, own.centre[1])
         xx, yy, xy = 0.5 * (dot(a, a) - 1.0), 0.5 * (dot(b, b) - 1.0), 0.5 * dot(a, b)
         Nx, Ny, Nxy = stretch * (xx + nu * yy), stretch * (yy + nu * xx), stretch * (1.0 - nu) * xy
         n = cross(a[0], a[1], a[2], b[0], b[1], b[2])
         length = math.sqrt(dot(n, n))
-        kx = dot(n, centre_vector(kind, begin + e, data + CENTRE + 32)) / length
-        ky = dot(n, centre_vector(kind, begin + e, data + CENTRE + 48)) / length
-        kxy = dot(n, centre_vector(kind, begin + e, data + CENTRE + 64)) / length
+        kx = dot(n, centre_vector(kind, begin + e, own.centre[2])) / length
+        ky = dot(n, centre_vector(kind, begin + e, own.centre[3])) / length
+        kxy = dot(n, centre_vector(kind, begin + e, own.centre[4])) / length
         Mx, My, Mxy = bend * (kx + nu * ky), bend * (ky + nu * kx), bend * (1.0 - nu) * kxy
         at = column + 3 * e
         row[at], row[at + 1], row[at + 2] = Nx, Ny, Nxy

@@ -23,20 +23,25 @@ from heavylift.solver.bodies.ancf.kind import SHELL_PAIRS
 from heavylift.solver.bodies.ancf.shell_data import (
     FUNCTIONS,
     LANES,
-    LENGTHS,
     LINE,
-    MODULI,
-    PAIRS,
     POINTS,
-    PRODUCTS,
     STRAINS_PER_LINE,
-    XI,
     XI_PAIRS,
+    ShellData,
+    ShellLine,
+    ShellTables,
+    place_of,
 )
 from heavylift.solver.bodies.ancf.shell_lane_code import Lanes, element_code
 from heavylift.solver.bodies.ancf.shell_lanes import contracted, lines, slopes_of_line, stress_of_line
 
 __all__ = ["BLOCK_ORDER", "add_element_stiffness"]
+
+LENGTHS = place_of(ShellData, "lengths")
+MODULI = place_of(ShellLine, "moduli")
+PAIRS = place_of(ShellTables, "pairs")
+PRODUCTS = place_of(ShellTables, "products")
+XI = place_of(ShellTables, "xi")
 
 ROWS, COLUMNS = 12, 16
 LOWER = tuple((p, q) for p in range(3) for q in range(p + 1))
