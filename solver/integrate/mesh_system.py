@@ -21,6 +21,7 @@ from heavylift.solver.bodies.ancf.at_rest import (
     fill_stress_forces,
     fill_weight_and_loads,
 )
+from heavylift.solver.bodies.ancf.frame_data import frame_follower
 from heavylift.solver.bodies.ancf.kind import (
     FOLLOWER_ELEMENT,
     FOLLOWER_NODE,
@@ -318,8 +319,10 @@ class MeshSystem:
                 difference_follower((kind,), int(body_of[load]), load, amount, DIFFERENCE, places, out)
             else:
                 places = line.place + np.arange(matrices.rows)
-                data = kind.constants[line.data :][:5]
-                out = amount * _node_follower(kind.nodal[Q, places], data[0] * data[2:], data[1])
+                given = frame_follower(kind.constants, line.data)
+                out = amount * _node_follower(
+                    kind.nodal[Q, places], given.normal * given.axis, given.tangential
+                )
             number = matrices.number(places)
             entries.append((np.repeat(number, len(number)), np.tile(number, len(number)), out.ravel()))
         if not entries:

@@ -25,6 +25,7 @@ __all__ = [
     "BendingPoint",
     "FrameData",
     "FrameElement",
+    "FrameFollower",
     "Symmetric",
     "Vector",
     "add_full",
@@ -35,6 +36,7 @@ __all__ = [
     "combine",
     "dot",
     "frame_data",
+    "frame_follower",
     "full",
     "load_element",
     "put_forces",
@@ -134,6 +136,14 @@ class BendingPoint(Record):
     products: Annotated[NDArray[np.float64], (21,)]
 
 
+class FrameFollower(Record):
+    """Data of a follower load: normal and tangential part [N, N/m of the reference], axis in axes of the body."""
+
+    normal: float
+    tangential: float
+    axis: Vector3
+
+
 WORD = 8
 AXIAL_LENGTH, BENDING_LENGTH = AxialPoint.layout.itemsize // WORD, BendingPoint.layout.itemsize // WORD
 AXIAL = FrameData.layout.itemsize // WORD
@@ -142,11 +152,8 @@ BENDING = AXIAL + AXIAL_POINTS * AXIAL_LENGTH
 """Place of the bending points."""
 EXACT_LENGTH = BENDING + BENDING_POINTS * BENDING_LENGTH
 
-frame_data, _axial_point, _bending_point = (
-    record_at(FrameData),
-    record_at(AxialPoint),
-    record_at(BendingPoint),
-)
+frame_data, frame_follower = record_at(FrameData), record_at(FrameFollower)
+_axial_point, _bending_point = record_at(AxialPoint), record_at(BendingPoint)
 
 LANES = 8
 """Places of a node in a row of `nodal`, and of a column of a block."""

@@ -38,6 +38,7 @@ from heavylift.solver.bodies.ancf.frame_data import (
     combine,
     dot,
     frame_data,
+    frame_follower,
     load_element,
 )
 from heavylift.solver.bodies.ancf.frame_exact import (
@@ -187,11 +188,11 @@ def measure_frame_drift(kind: FrameMeshes, body: int, first: int, second: int) -
 def add_frame_follower(
     kind: FrameMeshes, body: int, q: int, element: int, load: int, data: int, factor: float
 ) -> None:
-    """Data: normal and tangential load [N/m of the reference], axis in axes of the body."""
+    """By `FrameFollower`."""
     constants, x = kind.constants, kind.nodal
     i, j, own = kind.elements[element].nodes[0], kind.elements[element].nodes[1], kind.elements[element].data
-    normal, tangential = factor * constants[data], factor * constants[data + 1]
-    axis = (constants[data + 2], constants[data + 3], constants[data + 4])
+    given = frame_follower(constants, data)
+    normal, tangential, axis = factor * given.normal, factor * given.tangential, given.axis
     shape = load_element(kind, element, q)
     f1 = f2 = f3 = f4 = (0.0, 0.0, 0.0)
     for g in range(AXIAL_POINTS):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
+from heavylift.solver.bodies.ancf.frame_data import FrameFollower
 from heavylift.solver.bodies.ancf.kind import DEAD_LOAD, FOLLOWER_ELEMENT, FOLLOWER_NODE, MeshLoad
 from heavylift.solver.bodies.ancf.types import type_of
 from heavylift.solver.meshes import DistributedLoad, FollowerLoad, FrameBody, MeshBody
@@ -99,7 +100,9 @@ class LoadBook:
                 key="loads",
                 expected="a direction that is not zero",
             )
-        data = self.store(np.array([load.normal, load.tangential, *(axis / (length or 1.0))]))
+        given = FrameFollower.one()
+        given.normal, given.tangential, given.axis = load.normal, load.tangential, axis / (length or 1.0)
+        data = self.store(given.words.copy())
         if load.node is None:
             self.rows += [(FOLLOWER_ELEMENT, data, table, len(times), first_element + int(e)) for e in chosen]
             return

@@ -6,6 +6,7 @@ import math
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.elements import add_follower_load
+from heavylift.solver.bodies.ancf.frame_data import frame_follower
 from heavylift.solver.bodies.ancf.kind import (
     DEAD_LOAD,
     FOLLOWER_ELEMENT,
@@ -40,8 +41,9 @@ def _add_node_follower(kind: Meshes, q: int, place: int, data: int, factor: floa
     t1, t2, t3 = kind.nodal[q, place + 3], kind.nodal[q, place + 4], kind.nodal[q, place + 5]
     size = 1.0 / math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
     t1, t2, t3 = size * t1, size * t2, size * t3
-    normal, along = factor * kind.constants[data], factor * kind.constants[data + 1]
-    a1, a2, a3 = kind.constants[data + 2], kind.constants[data + 3], kind.constants[data + 4]
+    given = frame_follower(kind.constants, data)
+    normal, along = factor * given.normal, factor * given.tangential
+    a1, a2, a3 = given.axis[0], given.axis[1], given.axis[2]
     kind.nodal[LOAD, place] += normal * (a2 * t3 - a3 * t2) + along * t1
     kind.nodal[LOAD, place + 1] += normal * (a3 * t1 - a1 * t3) + along * t2
     kind.nodal[LOAD, place + 2] += normal * (a1 * t2 - a2 * t1) + along * t3
