@@ -77,7 +77,9 @@ class _Writer:
         self.rows, self.lanes = shape.types[0].count, shape.types[1].count
 
     def data(self, array_type: Any, array: Any) -> Any:
-        return self.context.make_array(array_type)(self.context, self.builder, array).data
+        return cgutils.create_struct_proxy(array_type)(
+            self.context, self.builder, array
+        ).data  # or of records
 
     def at(self, pointer: Any, offset: Any, element: Any = DOUBLE) -> Any:
         place = ir.Constant(INTEGER, offset) if isinstance(offset, int) else offset

@@ -32,24 +32,18 @@ def mesh_warning(layout: Layout, loss: float) -> str:
             continue
         from heavylift.solver.bodies.ancf.kind import (
             CARRIED,
-            CHANGE_TIME,
-            CHANGED_OVER,
-            DRIFT_TOLERANCE,
-            LARGEST_DRIFT,
-            NUMBER,
-            SCHEME,
         )
 
         for line, numbers in zip(kind.table, kind.body, strict=True):
-            name = layout.body_names[line[NUMBER]]
-            if numbers[CHANGED_OVER]:
+            name = layout.body_names[line.number]
+            if numbers.changed_over:
                 parts.append(
-                    f"{name!r} changed over to the energy-momentum scheme at t = {numbers[CHANGE_TIME]:.6g} s,"
-                    f" where its carried strains had drifted by more than {numbers[DRIFT_TOLERANCE]:g}"
+                    f"{name!r} changed over to the energy-momentum scheme at t = {numbers.change_time:.6g} s,"
+                    f" where its carried strains had drifted by more than {numbers.drift_tolerance:g}"
                 )
-            elif line[SCHEME] == CARRIED and numbers[LARGEST_DRIFT] > numbers[DRIFT_TOLERANCE]:
+            elif line.scheme == CARRIED and numbers.largest_drift > numbers.drift_tolerance:
                 parts.append(
-                    f"the carried strains of {name!r} drifted by up to {numbers[LARGEST_DRIFT]:.3g} from those of its"
+                    f"the carried strains of {name!r} drifted by up to {numbers.largest_drift:.3g} from those of its"
                     " shape: its stresses are wrong by as much times the modulus; take a smaller step, or elasticity"
                     " 'auto'"
                 )
@@ -67,9 +61,8 @@ def explicit_limit(layout: Layout) -> str:
     for kind in layout.bodies:
         if "strains" not in kind._fields:
             continue
-        from heavylift.solver.bodies.ancf.kind import NUMBER, STEP_LIMIT
 
         for line, numbers in zip(kind.table, kind.body, strict=True):
-            if line[NUMBER] == layout.work.status.body:
-                return f"a step below {numbers[STEP_LIMIT]:.3g} s, the limit of explicit elastic forces"
+            if line.number == layout.work.status.body:
+                return f"a step below {numbers.step_limit:.3g} s, the limit of explicit elastic forces"
     return ""

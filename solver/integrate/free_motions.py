@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.ancf.kind import FIRST_NODE, FREE, NODES, NUMBER, ORIGIN, ROTATION, SIZE, Q
+from heavylift.solver.bodies.ancf.kind import FREE, Q
 from heavylift.solver.integrate.mesh_system import MeshSystem
 from heavylift.solver.integrate.motion_words import motion_words
 
@@ -101,13 +101,13 @@ def _rigid_motions(
     bodies = len(places)
     motions, fixed, parameters = [], [], []
     for number, (kind, matrices, first) in system.body_unknowns().items():
-        row = int(np.flatnonzero(kind.table[:, NUMBER] == number)[0])
+        row = int(np.flatnonzero(kind.table["number"] == number)[0])
         line, numbers = kind.table[row], kind.body[row]
-        size = float(numbers[SIZE])
-        R = numbers[ROTATION : ROTATION + 9].reshape(3, 3)
-        centre = R.T @ (places[number, 1:4] - numbers[ORIGIN : ORIGIN + 3])
+        size = float(numbers.size)
+        R = numbers.rotation
+        centre = R.T @ (places[number, 1:4] - numbers.origin)
         turn = rotation_matrix(places[number, 4:])
-        nodes = np.arange(line[FIRST_NODE], line[FIRST_NODE] + line[NODES]) * matrices.lanes
+        nodes = np.arange(line.first_node, line.first_node + line.node_count) * matrices.lanes
         slots = (nodes[:, None] + 3 * np.arange(matrices.vectors)).ravel()
         vectors = kind.nodal[Q, slots[:, None] + np.arange(3)]
         is_position = np.tile(np.arange(matrices.vectors) == 0, len(nodes))

@@ -151,7 +151,6 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
                 key="integrator",
                 expected="rigid joints and explicit forces for 'accurate'; or 'dele2'",
             )
-    from heavylift.solver.bodies.ancf.kind import MARKER_LEVEL, SIZE, STATE_PLACE
     from heavylift.solver.bodies.rigid import RigidBodies
     from heavylift.solver.drive import DRIVEN
 
@@ -159,15 +158,15 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
     meshes = [kind for kind in bodies if not isinstance(kind, RigidBodies)]
     place = padded(work.velocity.shape[0] + 7 * sum(len(kind.table) for kind in rigid))
     for kind in meshes:
-        kind.table[:, STATE_PLACE] = place
+        kind.table["state_place"] = place
         place += 2 * kind.nodal.shape[1]
     size = padded(place + QUADRATURES)
     progress = Progress.one()
     progress.length = max(
-        [kind.frame["reach"].max() for kind in rigid] + [kind.body[:, SIZE].max() for kind in meshes]
+        [kind.frame["reach"].max() for kind in rigid] + [kind.body["size"].max() for kind in meshes]
     )
     loaded = [(kind.markers[:, 4] > 0).any() for kind in rigid]
-    progress.loaded = any(loaded + [(kind.markers[:, MARKER_LEVEL] > 0).any() for kind in meshes])
+    progress.loaded = any(loaded + [(kind.markers["level"] > 0).any() for kind in meshes])
     driven = any((kind.table["motion"] == DRIVEN).any() for kind in rigid)
     progress.driven = driven or any(hasattr(kind, "profiles") for kind in joints)
     progress.based = bool(systems) and any(len(kind.bases) for kind in meshes)

@@ -21,23 +21,12 @@ from heavylift.solver.bodies.ancf.at_rest import (
     fill_stress_forces,
     fill_weight_and_loads,
 )
+from heavylift.solver.bodies.ancf.frame_data import frame_follower
 from heavylift.solver.bodies.ancf.kind import (
-    BASES,
-    DOF,
     FOLLOWER_ELEMENT,
     FOLLOWER_NODE,
     LOAD,
-    LOAD_COUNT,
-    LOAD_DATA,
-    LOAD_PLACE,
-    LOAD_TABLE,
-    LOAD_TYPE,
-    MARKER_BODY,
-    MARKER_LEVEL,
-    MARKER_NUMBER,
-    NUMBER,
     RIGHT,
-    SIZE,
     FrameMeshes,
     Q,
     ShellMeshes,
@@ -123,7 +112,7 @@ class MeshSystem:
     def _extent(self) -> float:
         """Size of the scene [m]."""
         places, inertia = self.rows.survey()[:2]
-        sizes = [float(size) for kind in self.meshes for size in kind.body[:, SIZE]]
+        sizes = [float(size) for kind in self.meshes for size in kind.body["size"]]
         sizes += [
             2.0 * float(np.sqrt(inertia[first + 3 : first + 6].max() / inertia[first]))
             for first in self.rows.owner_starts[np.isin(self.rows.owner_starts, self.dofs)]
@@ -140,7 +129,7 @@ class MeshSystem:
         )
         sizes = np.concatenate(
             [
-                *(mesh.body[m.body, SIZE] for mesh, m in zip(self.meshes, self.matrices, strict=True)),
+                *(mesh.body["size"][m.body] for mesh, m in zip(self.meshes, self.matrices, strict=True)),
                 np.full(len(self.dofs), self.length),
             ]
         )
@@ -222,11 +211,11 @@ class MeshSystem:
         """``J^T f`` of the markers on meshes that forces act on."""
         work = self.layout.work
         for kind in self.meshes:
-            for marker in kind.markers[kind.markers[:, MARKER_LEVEL] == FORCES]:
-                number, line = marker[MARKER_NUMBER], kind.table[marker[MARKER_BODY]]
-                width = 3 * line[BASES]
+            for marker in kind.markers[kind.markers["level"] == FORCES]:
+                number, line = marker.number, kind.table[marker.body]
+                width = 3 * line.base_count
                 force = work.markers[number].force
-                load[line[DOF] : line[DOF] + width] += work.jacobian[number, :, :width].T @ force
+                load[line.dof : line.dof + width] += work.jacobian[number, :, :width].T @ force
 
     def _elasticity(self) -> NDArray[np.float64]:
         """Elasticity of bodies with modes, shape (dof_count,); forces of the markers are lost."""
@@ -318,19 +307,21 @@ class MeshSystem:
         entries: list[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]] = []
         body_of = matrices.load_bodies(kind)
         for load, line in enumerate(kind.loads):
-            if line[LOAD_TYPE] not in (FOLLOWER_ELEMENT, FOLLOWER_NODE):
+            if line.type not in (FOLLOWER_ELEMENT, FOLLOWER_NODE):
                 continue
-            table = kind.constants[line[LOAD_TABLE] :][: 2 * line[LOAD_COUNT]].reshape(2, -1)
+            table = kind.constants[line.table :][: 2 * line.table_length].reshape(2, -1)
             amount = float(np.interp(self.rows.time, table[0], table[1]))
-            if line[LOAD_TYPE] == FOLLOWER_ELEMENT:
-                nodes = kind.elements[line[LOAD_PLACE], : matrices.nodes]
+            if line.type == FOLLOWER_ELEMENT:
+                nodes = kind.elements[line.place].nodes[: matrices.nodes]
                 places = (nodes[:, None] + np.arange(matrices.rows)).ravel()
                 out = np.zeros((len(places), len(places)))
                 difference_follower((kind,), int(body_of[load]), load, amount, DIFFERENCE, places, out)
             else:
-                places = line[LOAD_PLACE] + np.arange(matrices.rows)
-                data = kind.constants[line[LOAD_DATA] :][:5]
-                out = amount * _node_follower(kind.nodal[Q, places], data[0] * data[2:], data[1])
+                places = line.place + np.arange(matrices.rows)
+                given = frame_follower(kind.constants, line.data)
+                out = amount * _node_follower(
+                    kind.nodal[Q, places], given.normal * given.axis, given.tangential
+                )
             number = matrices.number(places)
             entries.append((np.repeat(number, len(number)), np.tile(number, len(number)), out.ravel()))
         if not entries:
@@ -373,7 +364,7 @@ class MeshSystem:
         for first, changes, dofs, kind in zip(
             self.first[:-1], self._changes, self.base_dofs, self.meshes, strict=True
         ):
-            step = DIFFERENCE * float(kind.body[:, SIZE].max())
+            step = DIFFERENCE * float(kind.body["size"].max())
             for column, dof in enumerate(dofs):
                 if changes[:, column].any():
                     direction = np.zeros(self.count)
@@ -408,7 +399,7 @@ class MeshSystem:
     def body_unknowns(self) -> dict[int, tuple[Any, MeshMatrices, int]]:
         """Kind, matrices and first unknown by number of each mesh."""
         return {
-            int(line[NUMBER]): (kind, matrices, int(first))
+            int(line.number): (kind, matrices, int(first))
             for kind, matrices, first in zip(self.meshes, self.matrices, self.first[:-1], strict=True)
             for line in kind.table
         }

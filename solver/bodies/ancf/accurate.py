@@ -23,23 +23,15 @@ from heavylift.solver.bodies.ancf.elements import (
 )
 from heavylift.solver.bodies.ancf.joints import take_impulses
 from heavylift.solver.bodies.ancf.kind import (
-    BASE_NODES,
-    FIRST_STRAIN,
     FORWARD,
     FREE,
     LOAD,
     MASS_SET,
     MID_Q,
     MID_V,
-    NUMBER,
     RIGHT,
     SHAPE_STRAIN,
-    STATE_PLACE,
-    STIFFNESS_DAMPING,
     STRAIN,
-    STRAINS,
-    TIME,
-    VISCOUS,
     FrameMeshes,
     Meshes,
     Q,
@@ -83,7 +75,7 @@ def _copy(source: NDArray[np.float64], at: int, to: NDArray[np.float64], to_at: 
 @kernel(internal=True)
 def load_mesh_state(kind: Meshes, values: NDArray[np.float64], at: int, work: Workspace) -> None:
     """Coordinates, then velocities; those of the bases too."""
-    place, count = at + kind.table[0, STATE_PLACE], kind.nodal.shape[1]
+    place, count = at + kind.table[0].state_place, kind.nodal.shape[1]
     for i in range(count):
         values[place + i] = kind.nodal[Q, i]
         values[place + count + i] = kind.nodal[V, i]
@@ -97,12 +89,12 @@ def begin_mesh_stage(
     kind: Meshes, time: float, values: NDArray[np.float64], at: int, rate: int, work: Workspace
 ) -> None:
     """Coordinates into the rows of the midpoint, then markers from these."""
-    place, count = kind.table[0, STATE_PLACE], kind.nodal.shape[1]
+    place, count = kind.table[0].state_place, kind.nodal.shape[1]
     _copy(values, at + place, kind.nodal[MID_Q], 0, count)
     _copy(values, at + place + count, kind.nodal[MID_V], 0, count)
     _copy(values, at + place + count, values, rate + place, count)
     for body in range(kind.table.shape[0]):
-        kind.body[body, TIME] = time
+        kind.body[body].time = time
     if kind.bases.shape[0] > 0:
         write_bases(kind, MID_V, values[at : at + work.velocity.shape[0]])
         fill_mesh_markers(kind, True, FORCES, work)
@@ -126,7 +118,7 @@ def free_mesh_acceleration(kind: Meshes, values: NDArray[np.float64], at: int, w
             _add_loads(kind, body, work)
         add_gravity(kind, body, work, 1.0)
         add_elastic_forces(kind, body, MID_Q, RIGHT, -1.0)
-        if kind.body[body, VISCOUS] > 0.0 or kind.body[body, STIFFNESS_DAMPING] > 0.0:
+        if kind.body[body].viscous_damping > 0.0 or kind.body[body].stiffness_damping > 0.0:
             _add_damping(kind, body, work)
         solve_forward(kind, body, MASS_SET)
         write_free_bases(kind, body, V, 0.0, work)
@@ -149,14 +141,14 @@ def _add_loads(kind: Meshes, body: int, work: Workspace) -> None:
 def _add_damping(kind: Meshes, body: int, work: Workspace) -> None:
     """``-a M v - b (B^T C B + K_b) v`` and the power that it takes."""
     first, last = node_span(kind, body)
-    viscous, stiff = kind.body[body, VISCOUS], kind.body[body, STIFFNESS_DAMPING]
+    viscous, stiff = kind.body[body].viscous_damping, kind.body[body].stiffness_damping
     right, force, speed = kind.nodal[RIGHT], kind.nodal[FORWARD], kind.nodal[MID_V]
     for i in range(first, last):
         force[i] = 0.0
     add_matrix_products(kind, body, MID_V, viscous, MID_V, stiff, FORWARD)
     if stiff > 0.0:
-        begin = kind.table[body, FIRST_STRAIN]
-        for i in range(begin, begin + kind.table[body, STRAINS]):
+        begin = kind.table[body].first_strain
+        for i in range(begin, begin + kind.table[body].strain_count):
             kind.strains[SHAPE_STRAIN, i] = 0.0
         add_strain_rates(kind, body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
         add_stress_forces(kind, body, MID_Q, SHAPE_STRAIN, FORWARD, 1.0)
@@ -176,7 +168,7 @@ def complete_mesh_accelerations(
 ) -> None:
     """Back substitution with the reactions on the bases."""
     take_impulses(kind, systems, RIGHT)
-    place, right = rate + kind.table[0, STATE_PLACE] + kind.nodal.shape[1], kind.nodal[RIGHT]
+    place, right = rate + kind.table[0].state_place + kind.nodal.shape[1], kind.nodal[RIGHT]
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         scatter_back(kind, body, MASS_SET)
@@ -193,11 +185,11 @@ def spread_mesh_impulses(
     if kind.bases.shape[0] == 0:
         return
     take_impulses(kind, systems, RIGHT)
-    place, right = at + kind.table[0, STATE_PLACE], kind.nodal[RIGHT]
+    place, right = at + kind.table[0].state_place, kind.nodal[RIGHT]
     if of_velocity:
         place += kind.nodal.shape[1]
     for body in range(kind.table.shape[0]):
-        if kind.table[body, BASE_NODES] > 0:
+        if kind.table[body].base_node_count > 0:
             first, last = node_span(kind, body)
             for i in range(first, last):
                 right[i] = 0.0
@@ -220,7 +212,7 @@ def complete_mesh_rates(
     kind: Meshes, values: NDArray[np.float64], at: int, rate: int, second: int, work: Workspace
 ) -> None:
     """``q' = v``, ``q'' = v'``; velocities are interpolated as rates of the coordinates only."""
-    place, count = kind.table[0, STATE_PLACE], kind.nodal.shape[1]
+    place, count = kind.table[0].state_place, kind.nodal.shape[1]
     for i in range(place, place + count):
         values[rate + i] = values[at + count + i]
         values[second + i] = values[rate + count + i]
@@ -234,7 +226,7 @@ def measure_mesh_error(
     kind: Meshes, values: NDArray[np.float64], fifth: int, third: int, work: Workspace
 ) -> None:
     """Of the nodes: ``e5^2 / sqrt(e5^2 + e3^2/100)``, as of DOP853."""
-    place, lanes = kind.table[0, STATE_PLACE] + kind.nodal.shape[1], len(kind.shape[1])
+    place, lanes = kind.table[0].state_place + kind.nodal.shape[1], len(kind.shape[1])
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         largest = 0.0
@@ -249,7 +241,7 @@ def measure_mesh_error(
         largest = math.sqrt(largest)
         if largest > work.control.error or math.isnan(largest):
             work.control.error = largest
-            work.status.body = kind.table[body, NUMBER]
+            work.status.body = kind.table[body].number
 
 
 @implement(store_state, FrameMeshes)
@@ -259,7 +251,7 @@ def store_mesh_state(
     kind: Meshes, time: float, values: NDArray[np.float64], at: int, rate: int, work: Workspace
 ) -> None:
     """Velocities are the rates of the coordinates; strains those of the shape."""
-    place, count = kind.table[0, STATE_PLACE], kind.nodal.shape[1]
+    place, count = kind.table[0].state_place, kind.nodal.shape[1]
     for i in range(count):
         speed = values[rate + place + i] * kind.nodal[FREE, i]
         values[at + place + count + i] = speed

@@ -13,25 +13,16 @@ from heavylift.solver.bodies.ancf.elements import (
 )
 from heavylift.solver.bodies.ancf.kind import (
     ACCELERATION,
-    CHANGED_OVER,
-    DISSIPATED_WORK,
-    ELASTIC_ENERGY,
     EXPLICIT,
-    EXTERNAL,
-    FIRST_STRAIN,
     LOAD,
     MID_Q,
     MID_V,
     OLD_STRAIN,
     RIGHT,
-    SCHEME,
     SHAPE_STRAIN,
     START_STRAIN,
-    STIFFNESS_DAMPING,
     STRAIN,
-    STRAINS,
     TRIAL,
-    VISCOUS,
     FrameMeshes,
     Meshes,
     Q,
@@ -74,29 +65,29 @@ def add_mesh_work(kind: Meshes, body: int, step: float, iterated: bool) -> None:
     external = 0.0
     for i in range(first, last):
         external += load[i] * speed[i]
-    kind.body[body, EXTERNAL] += step * external
-    viscous, stiff = kind.body[body, VISCOUS], kind.body[body, STIFFNESS_DAMPING]
+    kind.body[body].external_work += step * external
+    viscous, stiff = kind.body[body].viscous_damping, kind.body[body].stiffness_damping
     if viscous == 0.0 and stiff == 0.0:
         return
     for i in range(first, last):
         right[i] = 0.0
     add_matrix_products(kind, body, MID_V, viscous, MID_V, stiff, RIGHT)
     lost = 0.0
-    begin = kind.table[body, FIRST_STRAIN]
+    begin = kind.table[body].first_strain
     if stiff > 0.0 and iterated:
-        for i in range(begin, begin + kind.table[body, STRAINS]):
+        for i in range(begin, begin + kind.table[body].strain_count):
             kind.strains[SHAPE_STRAIN, i] -= kind.strains[START_STRAIN, i]
-        kind.body[body, ELASTIC_ENERGY] = 0.0
+        kind.body[body].elastic_energy = 0.0
         measure_strain_energy(kind, body, SHAPE_STRAIN)
-        lost = 2.0 * stiff * kind.body[body, ELASTIC_ENERGY] / (step * step)
+        lost = 2.0 * stiff * kind.body[body].elastic_energy / (step * step)
     elif stiff > 0.0:
-        for i in range(begin, begin + kind.table[body, STRAINS]):
+        for i in range(begin, begin + kind.table[body].strain_count):
             kind.strains[SHAPE_STRAIN, i] = 0.0
         add_strain_rates(kind, body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
         add_stress_forces(kind, body, MID_Q, SHAPE_STRAIN, RIGHT, 1.0)
     for i in range(first, last):
         lost += right[i] * speed[i]
-    kind.body[body, DISSIPATED_WORK] += step * lost
+    kind.body[body].dissipated_work += step * lost
 
 
 @kernel(internal=True)
@@ -108,9 +99,9 @@ def _advance_shape_strains(kind: Meshes, body: int) -> None:
     Without a change-over the strains are those of the shape: they are taken from it, so that rounding does not add up.
     """
     find_strains(kind, body, Q, SHAPE_STRAIN)
-    first = kind.table[body, FIRST_STRAIN]
-    keep = 1.0 - DECAY if kind.body[body, CHANGED_OVER] != 0.0 else 0.0
-    for i in range(first, first + kind.table[body, STRAINS]):
+    first = kind.table[body].first_strain
+    keep = 1.0 - DECAY if kind.body[body].changed_over else 0.0
+    for i in range(first, first + kind.table[body].strain_count):
         offset = kind.strains[STRAIN, i] - kind.strains[START_STRAIN, i]
         kind.strains[STRAIN, i] = kind.strains[SHAPE_STRAIN, i] + keep * offset
 
@@ -129,7 +120,7 @@ def advance_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> N
     rate = 2.0 / step
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
-        iterated, scheme = is_iterated(kind, body), kind.table[body, SCHEME]
+        iterated, scheme = is_iterated(kind, body), kind.table[body].scheme
         release_points(kind.moving, kind, body)
         add_mesh_work(kind, body, step, iterated)
         if not iterated and scheme != EXPLICIT:

@@ -15,16 +15,11 @@ from heavylift.solver.bodies.ancf.elements import (
     find_strains,
 )
 from heavylift.solver.bodies.ancf.kind import (
-    BASES,
-    FIRST_BASE,
     LOAD,
-    LOAD_DATA,
-    LOAD_PLACE,
     MASS_SET,
     RIGHT,
     SHAPE_STRAIN,
     STEP_SET,
-    TIME,
     TRIAL,
     FrameMeshes,
     Meshes,
@@ -78,8 +73,8 @@ def _prepare_mass(kind: Meshes) -> None:
 @implement(read_bases, ShellMeshes)
 @kernel(internal=True)
 def _read_bases(kind: Meshes, body: int, row: int, out: Floats1) -> None:
-    first = kind.table[body, FIRST_BASE]
-    for i in range(kind.table[body, BASES]):
+    first = kind.table[body].first_base
+    for i in range(kind.table[body].base_count):
         out[3 * i], out[3 * i + 1], out[3 * i + 2] = base_value(kind, first + i, row)
 
 
@@ -147,7 +142,7 @@ def _fill_weight_and_loads(kind: Meshes, work: Workspace, time: float) -> None:
     for i in range(kind.nodal.shape[1]):
         kind.nodal[RIGHT, i] = 0.0
     for body in range(kind.table.shape[0]):
-        kind.body[body, TIME] = time
+        kind.body[body].time = time
         add_gravity(kind, body, work, 1.0)
     gather_loads(kind, Q, work)
 
@@ -158,7 +153,7 @@ def _fill_weight_and_loads(kind: Meshes, work: Workspace, time: float) -> None:
 def _difference_follower(
     kind: Meshes, body: int, load: int, factor: float, step: float, places: Ints1, out: Floats2
 ) -> None:
-    element, data = kind.loads[load, LOAD_PLACE], kind.loads[load, LOAD_DATA]
+    element, data = kind.loads[load].place, kind.loads[load].data
     count = places.shape[0]
     for i in range(count):
         kind.nodal[TRIAL, places[i]] = kind.nodal[Q, places[i]]

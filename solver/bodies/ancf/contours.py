@@ -13,29 +13,13 @@ from heavylift.numerics.small import rotate_back
 from heavylift.solver.bodies.ancf.joints import apply_inverse_of_meshes, take_impulses
 from heavylift.solver.bodies.ancf.kind import (
     ACCELERATION,
-    BASE_PLACE,
-    BASES,
-    CHANGE,
     CHANGE_OF_V,
-    COMPLIANCE,
-    CURRENT,
-    DOF,
-    ENTRIES,
-    ENTRY_COUNT,
     EXPLICIT,
-    FIRST_BASE,
-    FIRST_CONTROL,
-    FIRST_NODE,
-    FIRST_POINT,
     FORWARD,
-    LIVE,
     MASS_SET,
     MID_Q,
     MID_V,
-    MOVING,
-    SCHEME,
     STEP_SET,
-    VECTORS,
     FrameMeshes,
     Meshes,
     MovingPoints,
@@ -82,7 +66,7 @@ __all__ = ["body_with_points"]
 def body_with_points(kind: Meshes, dof: int) -> int:
     """Row of the body with moving points whose first velocity this is, -1 if it is not of this kind."""
     for body in range(kind.table.shape[0]):
-        if kind.table[body, DOF] == dof and kind.table[body, MOVING] > 0:
+        if kind.table[body].dof == dof and kind.table[body].moving_count > 0:
             return body
     return -1
 
@@ -108,7 +92,7 @@ def _form(
     if body < 0:
         return
     count_u, count_v = contour[COUNT_U], contour[COUNT_V]
-    origin, q = moving.bodies[body, FIRST_CONTROL], kind.nodal[row]
+    origin, q = moving.bodies[body].first_control, kind.nodal[row]
     for i in range(first_u, last_u + 1):
         for j in range(first_v, last_v + 1):
             local = (i % count_u) * count_v + j % count_v
@@ -184,8 +168,8 @@ def _aim(
     body = body_with_points(kind, dof)
     if body < 0:
         return
-    point = moving.bodies[body, FIRST_POINT] + slot
-    begin, origin = moving.points[point, ENTRIES], moving.bodies[body, FIRST_CONTROL]
+    point = moving.bodies[body].first_point + slot
+    begin, origin = moving.points[point].first_entry, moving.bodies[body].first_control
     end = begin
     for c in range(count):
         weight, row = weights[first + c], origin + controls[c]
@@ -203,9 +187,9 @@ def _aim(
                 end += 1
                 moving.entries[at], moving.factors[at] = place, 0.0
             moving.factors[at] += factor
-    moving.points[point, ENTRY_COUNT] = end - begin
-    moving.points[point, LIVE] = 1
-    moving.points[point, CURRENT] = -1
+    moving.points[point].entry_count = end - begin
+    moving.points[point].live = True
+    moving.points[point].current_set = -1
 
 
 @implement(aim_points, FrameMeshes)
@@ -223,15 +207,15 @@ def _settle(moving: MovingPoints, kind: Meshes, systems: Systems, at_midpoint: b
     """`settle_points` of a kind."""
     take_impulses(kind, systems, CHANGE_OF_V)
     for body in range(kind.table.shape[0]):
-        first, count = moving.bodies[body, FIRST_POINT], kind.table[body, MOVING]
-        stepped = at_midpoint and kind.table[body, SCHEME] != EXPLICIT
+        first, count = moving.bodies[body].first_point, kind.table[body].moving_count
+        stepped = at_midpoint and kind.table[body].scheme != EXPLICIT
         which = STEP_SET if stepped else MASS_SET
         prepare_points(moving, kind, body, which)
         # bodies that iterate contain all impulses in their velocities of the midpoint
-        solved = at_midpoint and is_iterated(kind, body) and kind.body[body, CHANGE] >= 0.0
-        dof = kind.table[body, DOF] + 3 * kind.table[body, BASES]
+        solved = at_midpoint and is_iterated(kind, body) and kind.body[body].change >= 0.0
+        dof = kind.table[body].dof + 3 * kind.table[body].base_count
         for i in range(count):
-            if moving.points[first + i, LIVE] == 0:
+            if not moving.points[first + i].live:
                 continue
             x, y, z = point_value(moving, kind, first + i, MID_V if solved else V)
             if at_midpoint and not solved:
@@ -250,15 +234,15 @@ def _add_pushes(
     moving: MovingPoints, kind: Meshes, body: int, slot: int, velocity: NDArray[np.float64], at: int
 ) -> None:
     """What impulses do to a moving point; minus them stands in row `CHANGE_OF_V`."""
-    bases, count = kind.table[body, BASES], kind.table[body, MOVING]
+    bases, count = kind.table[body].base_count, kind.table[body].moving_count
     length = vector_length(kind, body)
-    begin = moving.points[moving.bodies[body, FIRST_POINT] + slot, VECTORS]
-    begin -= kind.table[body, FIRST_NODE] * len(kind.shape[1])
-    first = kind.table[body, FIRST_BASE]
+    begin = moving.points[moving.bodies[body].first_point + slot].vectors
+    begin -= kind.table[body].first_node * len(kind.shape[1])
+    first = kind.table[body].first_base
     for base in range(first, first + bases + count):
-        place = kind.bases[base, BASE_PLACE]
+        place = kind.bases[base].place
         moves = base - first - bases
-        row = moving.bodies[body, COMPLIANCE] + 9 * slot * count + 3 * moves
+        row = moving.bodies[body].compliance + 9 * slot * count + 3 * moves
         for c in range(3):
             push = kind.nodal[CHANGE_OF_V, place + c]
             if push == 0.0:
@@ -295,7 +279,7 @@ def put_mesh_contour_rows(kind: Meshes, contacts: ContactRows, contact: int, cou
         return
     lanes, scratch, pose = len(contacts.shape[1]), contacts.scratch, contacts.poses[contour]
     side = 2 * contact
-    column = contacts.attachments[side].width - 3 * kind.table[body, MOVING] + 3 * slot
+    column = contacts.attachments[side].width - 3 * kind.table[body].moving_count + 3 * slot
     panel = contacts.attachments[side].panel + column * lanes
     _aim(kind.moving, kind, dof, slot, contacts.places, scratch, WEIGHTS_AT, count)
     beside, turning = pose[RADIUS_OF] > 0.0 or pose[WIDTH_OF] > 0.0, scratch[HAS_SLOPES] > 0.0
@@ -321,7 +305,7 @@ def _bound(moving: MovingPoints, kind: Meshes, contacts: ContactRows, step: floa
         body = body_with_points(kind, row[CONTOUR_DOF]) if row[OWNER] == OF_MESH else -1
         if body < 0:
             continue
-        origin, speed = moving.bodies[body, FIRST_CONTROL], kind.nodal[MID_V]
+        origin, speed = moving.bodies[body].first_control, kind.nodal[MID_V]
         largest = 0.0
         for control in range(origin, origin + row[COUNT_U] * row[COUNT_V]):
             x = y = z = 0.0

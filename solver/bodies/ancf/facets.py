@@ -11,16 +11,8 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.bodies.ancf.contours import body_with_points
 from heavylift.solver.bodies.ancf.kind import (
-    CURRENT,
-    DOF,
-    ENTRIES,
-    ENTRY_COUNT,
-    FIRST_NODE,
-    FIRST_POINT,
-    LIVE,
     MID_Q,
     MID_V,
-    MOVING,
     FrameMeshes,
     Meshes,
     MovingPoints,
@@ -65,7 +57,7 @@ def form_points_of_meshes(
     body = body_with_points(kind, facets.rows[row, OF_DOF])
     if body < 0:
         return
-    begin, own = kind.table[body, FIRST_NODE] * len(kind.shape[1]), facets.rows[row, OWN_POINT]
+    begin, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row, OWN_POINT]
     for i in range(facets.rows[row, POINTS]):
         x, y, z = _sum_vectors(facets, kind.nodal[MID_Q], own + i, begin)
         points[first + i, 0], points[first + i, 1], points[first + i, 2] = x, y, z
@@ -81,7 +73,7 @@ def bound_points_of_meshes(
     body = body_with_points(kind, facets.rows[row, OF_DOF])
     if body < 0:
         return
-    begin, own = kind.table[body, FIRST_NODE] * len(kind.shape[1]), facets.rows[row, OWN_POINT]
+    begin, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row, OWN_POINT]
     fastest = 0.0
     for i in range(facets.rows[row, POINTS]):
         x, y, z = _sum_vectors(facets, kind.nodal[MID_V], own + i, begin)
@@ -101,9 +93,9 @@ def _aim_at(
     at: int,
 ) -> None:
     """A moving point becomes the touched point; its velocity into the workspace."""
-    shift, own = kind.table[body, FIRST_NODE] * len(kind.shape[1]), facets.rows[row, OWN_POINT]
-    point = moving.bodies[body, FIRST_POINT] + slot
-    begin = moving.points[point, ENTRIES]
+    shift, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row, OWN_POINT]
+    point = moving.bodies[body].first_point + slot
+    begin = moving.points[point].first_entry
     end = begin
     for corner in range(3):
         share, of = facets.shares[corner], own + facets.corners[corner]
@@ -119,9 +111,9 @@ def _aim_at(
                 end += 1
                 moving.entries[to], moving.factors[to] = place, 0.0
             moving.factors[to] += factor
-    moving.points[point, ENTRY_COUNT] = end - begin
-    moving.points[point, LIVE] = 1
-    moving.points[point, CURRENT] = -1
+    moving.points[point].entry_count = end - begin
+    moving.points[point].live = True
+    moving.points[point].current_set = -1
     x, y, z = point_value(moving, kind, point, V)
     work.velocity[at], work.velocity[at + 1], work.velocity[at + 2] = x, y, z
 
@@ -146,8 +138,8 @@ def put_rows_on_meshes(
         return
     lanes, scratch = len(contacts.shape[1]), contacts.scratch
     pose, width = contacts.poses[facets.rows[row, OF_POSE]], contacts.attachments[attachment].width
-    column = width - 3 * kind.table[body, MOVING] + 3 * slot
-    _aim_at(kind.moving, kind, body, facets, row, slot, work, kind.table[body, DOF] + column)
+    column = width - 3 * kind.table[body].moving_count + 3 * slot
+    _aim_at(kind.moving, kind, body, facets, row, slot, work, kind.table[body].dof + column)
     panel = contacts.attachments[attachment].panel
     for k in range(width * lanes):
         contacts.panels[panel + k] = 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.ancf.kind import ELEMENTS, FIRST_ELEMENT, NUMBER, Meshes
+from heavylift.solver.bodies.ancf.kind import Meshes
 from heavylift.solver.interface import Workspace
 
 __all__ = ["blame_element", "blame_largest"]
@@ -15,7 +15,7 @@ __all__ = ["blame_element", "blame_largest"]
 def blame_element(kind: Meshes, body: int, element: int, outcome: int, work: Workspace) -> None:
     """Stop with an outcome; an element of a body stands in the status as minus its number, less one."""
     work.status.outcome = outcome
-    work.status.body = kind.table[body, NUMBER]
+    work.status.body = kind.table[body].number
     work.status.block = -1 - element
 
 
@@ -24,12 +24,12 @@ def blame_largest(kind: Meshes, body: int, row: int, outcome: int, work: Workspa
     """Stop; to blame is the first element with a number that is not finite, or that with the largest displacement."""
     vectors = len(kind.shape[0]) // 3
     nodes = 2 if vectors == 2 else 4
-    first = kind.table[body, FIRST_ELEMENT]
+    first = kind.table[body].first_element
     worst, largest = 0, -1.0
-    for element in range(kind.table[body, ELEMENTS]):
+    for element in range(kind.table[body].element_count):
         total = 0.0
         for i in range(nodes):
-            place = kind.elements[first + element, i]
+            place = kind.elements[first + element].nodes[i]
             for k in range(3 * vectors):
                 size = abs(kind.nodal[row, place + k])
                 if k < 3 or not math.isfinite(size):

@@ -6,19 +6,11 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.assembly import set_size
 from heavylift.solver.bodies.ancf.kind import (
     ACCELERATION,
-    BASE_NODES,
-    BASE_PLACE,
-    BASES,
-    CHANGE,
-    DOF,
     EXPLICIT,
-    FIRST_BASE,
     FORWARD,
     MASS_SET,
     MID_V,
-    MOVING,
     RIGHT,
-    SCHEME,
     STEP_SET,
     FrameMeshes,
     Meshes,
@@ -55,7 +47,7 @@ def attached_mesh(kind: Meshes, system: RowArrays, attachment: int) -> int:
         return -1
     dof = system.attachments[attachment].dof
     for body in range(kind.table.shape[0]):
-        if kind.table[body, DOF] == dof and kind.table[body, BASES] + kind.table[body, MOVING] > 0:
+        if kind.table[body].dof == dof and kind.table[body].base_count + kind.table[body].moving_count > 0:
             return body
     return -1
 
@@ -74,9 +66,9 @@ def apply_inverse_of_meshes(kind: Meshes, at_midpoint: bool, system: RowArrays) 
         panel, width = system.attachments[i].panel, system.attachments[i].width
         for r in range(width * lanes):
             G[half + panel + r] = 0.0
-        stepped = at_midpoint and kind.table[body, SCHEME] != EXPLICIT
+        stepped = at_midpoint and kind.table[body].scheme != EXPLICIT
         which = STEP_SET if stepped else MASS_SET
-        _add_compliance(kind, body, which, system, panel, 3 * kind.table[body, BASES])
+        _add_compliance(kind, body, which, system, panel, 3 * kind.table[body].base_count)
         add_point_compliance(kind.moving, kind, body, which, system, i)
 
 
@@ -88,10 +80,10 @@ def _add_compliance(kind: Meshes, body: int, which: int, system: RowArrays, pane
     rows, block_lanes = len(kind.shape[0]), len(kind.shape[1])
     begin = which * set_size(kind)
     for i in range(kind.base_blocks.shape[0]):
-        if kind.base_blocks[i, 0] != body:
+        block = kind.base_blocks[i]
+        if block.body != body:
             continue
-        row, column = rows * kind.base_blocks[i, 1], rows * kind.base_blocks[i, 2]
-        place = begin + kind.base_blocks[i, 3]
+        row, column, place = rows * block.later, rows * block.earlier, begin + block.place
         for c in range(min(rows, width - column)):
             for k in range(min(rows, width - row)):
                 value = kind.blocks[place + c * block_lanes + k]
@@ -112,15 +104,15 @@ def collect_impulses(system: RowArrays, body_kind: Meshes, row: int) -> None:
         body = attached_mesh(body_kind, system, i)
         if body < 0:
             continue
-        panel, first = system.attachments[i].panel, body_kind.table[body, FIRST_BASE]
+        panel, first = system.attachments[i].panel, body_kind.table[body].first_base
         impulse = system.rows[system.attachments[i].owner].impulse
         pushes = False
         for r in range(lanes):
             pushes = pushes or impulse[r] != 0.0
         if not pushes:  # most contacts that there may be
             continue
-        for base in range(body_kind.table[body, BASES] + body_kind.table[body, MOVING]):
-            place = body_kind.bases[first + base, BASE_PLACE]
+        for base in range(body_kind.table[body].base_count + body_kind.table[body].moving_count):
+            place = body_kind.bases[first + base].place
             for k in range(3):
                 total = 0.0
                 for r in range(lanes):
@@ -132,7 +124,7 @@ def collect_impulses(system: RowArrays, body_kind: Meshes, row: int) -> None:
 def take_impulses(kind: Meshes, systems: Systems, row: int) -> None:
     """Minus the impulses of all rows in the places of bases and moving points, as `scatter_back` takes them."""
     for base in range(kind.bases.shape[0]):
-        place = kind.bases[base, BASE_PLACE]
+        place = kind.bases[base].place
         for k in range(3):
             kind.nodal[row, place + k] = 0.0
     for i in range(row_arrays(systems)):
@@ -149,14 +141,14 @@ def complete_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, step: flo
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         if at_midpoint:
-            if is_iterated(kind, body) and kind.body[body, CHANGE] >= 0.0:
+            if is_iterated(kind, body) and kind.body[body].change >= 0.0:
                 continue
             for i in range(first, last):
                 right[i] = kind.nodal[FORWARD, i]
-            scatter_back(kind, body, MASS_SET if kind.table[body, SCHEME] == EXPLICIT else STEP_SET)
+            scatter_back(kind, body, MASS_SET if kind.table[body].scheme == EXPLICIT else STEP_SET)
             for i in range(first, last):
                 kind.nodal[MID_V, i] = kind.nodal[V, i] + right[i]
-        elif kind.table[body, BASE_NODES] + kind.table[body, MOVING] > 0:
+        elif kind.table[body].base_node_count + kind.table[body].moving_count > 0:
             for i in range(first, last):
                 right[i] = 0.0
             scatter_back(kind, body, MASS_SET)

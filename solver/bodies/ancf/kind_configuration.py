@@ -12,17 +12,7 @@ from numpy.typing import NDArray
 from heavylift.solver.bodies.ancf.at_rest import read_bases, spread_base
 from heavylift.solver.bodies.ancf.kind import (
     ACCELERATION,
-    BASE_PLACE,
-    BASES,
-    DOF,
-    FIRST_BASE,
-    FIRST_NODE,
-    MASS,
-    NODES,
-    NUMBER,
-    ORIGIN,
     RIGHT,
-    ROTATION,
     WEIGHT,
     FrameMeshes,
     Meshes,
@@ -39,16 +29,16 @@ __all__: list[str] = []
 def _nodes(kind: Meshes, body: int) -> slice:
     """Places of the nodes of a body."""
     lanes = len(kind.shape[1])
-    first = int(kind.table[body, FIRST_NODE]) * lanes
-    return slice(first, first + int(kind.table[body, NODES]) * lanes)
+    first = int(kind.table[body].first_node) * lanes
+    return slice(first, first + int(kind.table[body].node_count) * lanes)
 
 
 def _spread(kind: Meshes, body: int, wanted: NDArray[np.float64]) -> NDArray[np.float64]:
     """Motion of all nodes that gives the bases what is wanted, flat over their places."""
     count = len(wanted)
     own = _nodes(kind, body)
-    first = int(kind.table[body, FIRST_BASE])
-    places = np.add.outer(kind.bases[first : first + count // 3, BASE_PLACE], np.arange(3)).ravel()
+    first = int(kind.table[body].first_base)
+    places = np.add.outer(kind.bases["place"][first : first + count // 3], np.arange(3)).ravel()
     right = kind.nodal[RIGHT]
     motions = np.zeros((count, own.stop - own.start))
     compliance = np.zeros((count, count))
@@ -74,18 +64,18 @@ def survey_meshes(
     for body, line in enumerate(kind.table):
         own = _nodes(kind, body)
         lanes, numbers = len(kind.shape[1]), kind.body[body]
-        rotation = numbers[ROTATION : ROTATION + 9].reshape(3, 3)
+        rotation = numbers.rotation
         rows = [
             kind.nodal[row, own].reshape(-1, lanes)[:, : len(kind.shape[0])].reshape(-1, 3)
             for row in (WEIGHT, Q)
         ]
-        centre = (rows[0] * rows[1]).sum(axis=0) / numbers[MASS]
-        places[line[NUMBER], 0] = line[DOF]
-        places[line[NUMBER], 1:4] = numbers[ORIGIN : ORIGIN + 3] + rotation @ centre
-        places[line[NUMBER], 4:] = 1.0, 0.0, 0.0, 0.0
-        count = 3 * int(line[BASES])
-        inertia[line[DOF] : line[DOF] + count] = numbers[MASS]
-        read_bases((kind,), body, V, velocity[line[DOF] : line[DOF] + count])
+        centre = (rows[0] * rows[1]).sum(axis=0) / numbers.mass
+        places[line.number, 0] = line.dof
+        places[line.number, 1:4] = numbers.origin + rotation @ centre
+        places[line.number, 4:] = 1.0, 0.0, 0.0, 0.0
+        count = 3 * int(line.base_count)
+        inertia[line.dof : line.dof + count] = numbers.mass
+        read_bases((kind,), body, V, velocity[line.dof : line.dof + count])
 
 
 @implement(move, FrameMeshes)
@@ -93,7 +83,7 @@ def survey_meshes(
 def move_meshes(kind: Meshes, increment: NDArray[np.float64]) -> None:
     """Displace the bases, and all nodes with them."""
     for body, line in enumerate(kind.table):
-        wanted = increment[line[DOF] : line[DOF] + 3 * line[BASES]]
+        wanted = increment[line.dof : line.dof + 3 * line.base_count]
         if np.any(wanted):
             kind.nodal[Q, _nodes(kind, body)] += _spread(kind, body, wanted)
 
@@ -103,11 +93,11 @@ def move_meshes(kind: Meshes, increment: NDArray[np.float64]) -> None:
 def put_mesh_velocity(kind: Meshes, velocity: NDArray[np.float64]) -> None:
     """Velocities of the bases; the other nodes change as little as possible."""
     for body, line in enumerate(kind.table):
-        count = 3 * int(line[BASES])
+        count = 3 * int(line.base_count)
         own, before = _nodes(kind, body), np.zeros(count)
         kind.nodal[ACCELERATION, own] = 0.0
         read_bases((kind,), body, V, before)
-        change = velocity[line[DOF] : line[DOF] + count] - before
+        change = velocity[line.dof : line.dof + count] - before
         if np.any(change):
             kind.nodal[V, own] += _spread(kind, body, change)
 

@@ -21,15 +21,8 @@ from typing import Any
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 from heavylift.solver.bodies.ancf.kind import (
-    MARKER_BASE,
-    MARKER_BODY,
-    MARKER_DATA,
-    MARKER_LEVEL,
-    MARKER_NUMBER,
-    MARKER_TYPE,
     MID_Q,
     MID_V,
-    ROTATION,
     TANGENT_MARKER,
     TRIAD_MARKER,
     Meshes,
@@ -50,16 +43,15 @@ def _dot(a: Vector, b: Vector) -> float:
 @kernel(internal=True)
 def _put(kind: Meshes, body: int, out: Any, x: Vector) -> None:
     """Into world axes."""
-    R = kind.body[body]
+    R = kind.body[body].rotation
     for k in range(3):
-        at = ROTATION + 3 * k
-        out.bias[k] = R[at] * x[0] + R[at + 1] * x[1] + R[at + 2] * x[2]
+        out.bias[k] = R[k, 0] * x[0] + R[k, 1] * x[1] + R[k, 2] * x[2]
 
 
 @kernel(internal=True)
 def _tangent(kind: Meshes, marker: int) -> Vector:
-    base = kind.markers[marker, MARKER_BASE]
-    sense = kind.constants[kind.markers[marker, MARKER_DATA]]
+    base = kind.markers[marker].base
+    sense = kind.constants[kind.markers[marker].data]
     t, w = base_value(kind, base, MID_Q), base_value(kind, base, MID_V)
     size = 1.0 / math.sqrt(_dot(t, t))
     u = (size * t[0], size * t[1], size * t[2])
@@ -75,7 +67,7 @@ def _tangent(kind: Meshes, marker: int) -> Vector:
 
 @kernel(internal=True)
 def _triad(kind: Meshes, marker: int) -> Vector:
-    base, data = kind.markers[marker, MARKER_BASE], kind.markers[marker, MARKER_DATA]
+    base, data = kind.markers[marker].base, kind.markers[marker].data
     d1, d2, d3 = kind.constants[data], kind.constants[data + 1], kind.constants[data + 2]
     a, b = base_value(kind, base, MID_Q), base_value(kind, base + 1, MID_Q)
     ra, rb = base_value(kind, base, MID_V), base_value(kind, base + 1, MID_V)
@@ -108,10 +100,10 @@ def _triad(kind: Meshes, marker: int) -> Vector:
 def write_second_rates(kind: Meshes, level: int, work: Workspace) -> None:
     """Of all markers that a level needs, at `MID_Q` and `MID_V`."""
     for marker in range(kind.markers.shape[0]):
-        if kind.markers[marker, MARKER_LEVEL] > level:
+        if kind.markers[marker].level > level:
             continue
-        which, body = kind.markers[marker, MARKER_TYPE], kind.markers[marker, MARKER_BODY]
-        out = work.markers[kind.markers[marker, MARKER_NUMBER]]
+        which, body = kind.markers[marker].type, kind.markers[marker].body
+        out = work.markers[kind.markers[marker].number]
         if which == TANGENT_MARKER:
             _put(kind, body, out, _tangent(kind, marker))
         elif which == TRIAD_MARKER:

@@ -19,11 +19,7 @@ from heavylift.solver.bodies.ancf.kind import (
     FREE,
     MASS_SET,
     RIGHT,
-    SIZE,
-    STEP_LIMIT,
-    STIFFNESS_DAMPING,
     TRIAL,
-    VISCOUS,
     Meshes,
     Q,
 )
@@ -86,7 +82,7 @@ def highest_frequency(kind: Meshes, body: int, rounds: int) -> float:
             largest = max(largest, abs(x[i]))
         if not largest > 0.0:
             return 0.0
-        length = DIFFERENCE * min(kind.body[body, SIZE], 1.0) / largest
+        length = DIFFERENCE * min(kind.body[body].size, 1.0) / largest
         for i in range(first, last):
             moved[i] = q[i] + length * x[i]
         _write_elastic_forces(kind, body, FORWARD, RIGHT)
@@ -112,12 +108,12 @@ def highest_frequency(kind: Meshes, body: int, rounds: int) -> float:
 def find_step_limit(kind: Meshes, body: int, rounds: int) -> None:
     """Largest step that is allowed, into `STEP_LIMIT`."""
     frequency = highest_frequency(kind, body, rounds)
-    kind.body[body, STEP_LIMIT] = math.inf
+    kind.body[body].step_limit = math.inf
     if frequency > 0.0:
         # damping forces take the velocity extrapolated from the step before, which doubles their part in the limit
-        damping = kind.body[body, STIFFNESS_DAMPING] * frequency + kind.body[body, VISCOUS] / frequency
+        damping = kind.body[body].stiffness_damping * frequency + kind.body[body].viscous_damping / frequency
         part = math.sqrt(1.0 + damping * damping) - damping
-        kind.body[body, STEP_LIMIT] = SHARE * 2.0 / frequency * part
+        kind.body[body].step_limit = SHARE * 2.0 / frequency * part
 
 
 @kernel(internal=True)
@@ -125,4 +121,4 @@ def follow_step_limit(kind: Meshes, body: int, work: Workspace) -> float:
     """Largest step that is allowed [s], looked at again every now and then."""
     if int(work.control.step_count) % EVERY == EVERY - 1:
         find_step_limit(kind, body, ROUNDS)
-    return kind.body[body, STEP_LIMIT]
+    return kind.body[body].step_limit

@@ -35,34 +35,19 @@ from heavylift.solver.bodies.ancf.elements import (
 from heavylift.solver.bodies.ancf.faults import blame_largest
 from heavylift.solver.bodies.ancf.kind import (
     ACCELERATION,
-    BASE_PLACE,
-    BASES,
-    CHANGE,
-    CHANGE_TIME,
-    CHANGED_OVER,
-    DOF,
     ENERGY_MOMENTUM,
     EXPLICIT,
-    FIRST_BASE,
-    FIRST_STRAIN,
     FORWARD,
     LOAD,
     MASS_SET,
     MID_Q,
     MID_V,
-    NUMBER,
     OLD_STRAIN,
     RIGHT,
-    ROTATION,
-    SCHEME,
     SHAPE_STRAIN,
     STEP_SET,
-    STIFFNESS_DAMPING,
     STRAIN,
-    STRAINS,
-    TIME,
     TRIAL,
-    VISCOUS,
     WEIGHT,
     FrameMeshes,
     Meshes,
@@ -99,15 +84,15 @@ NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE
 @kernel(inline=True, internal=True)
 def is_iterated(kind: Meshes, body: int) -> bool:
     """Whether the energy-momentum scheme steps this body."""
-    return kind.table[body, SCHEME] == ENERGY_MOMENTUM or kind.body[body, CHANGED_OVER] != 0.0
+    return kind.table[body].scheme == ENERGY_MOMENTUM or kind.body[body].changed_over
 
 
 @kernel(internal=True)
 def write_free_bases(kind: Meshes, body: int, row: int, start: float, work: Workspace) -> None:
     """What bases and points do without joints, after `solve_forward`, plus `start` times velocities of a row."""
-    dof, first = kind.table[body, DOF], kind.table[body, FIRST_BASE]
-    for i in range(kind.table[body, BASES]):
-        place = kind.bases[first + i, BASE_PLACE]
+    dof, first = kind.table[body].dof, kind.table[body].first_base
+    for i in range(kind.table[body].base_count):
+        place = kind.bases[first + i].place
         y = base_value(kind, first + i, row)
         for k in range(3):
             work.velocity[dof + 3 * i + k] = start * y[k] - kind.nodal[RIGHT, place + k]
@@ -122,13 +107,13 @@ def add_gravity(kind: Meshes, body: int, work: Workspace, factor: float) -> None
     g = work.sums
     first, last = node_span(kind, body)
     x = factor * (
-        R[ROTATION] * g.gravity[0] + R[ROTATION + 3] * g.gravity[1] + R[ROTATION + 6] * g.gravity[2]
+        R.rotation[0, 0] * g.gravity[0] + R.rotation[1, 0] * g.gravity[1] + R.rotation[2, 0] * g.gravity[2]
     )
     y = factor * (
-        R[ROTATION + 1] * g.gravity[0] + R[ROTATION + 4] * g.gravity[1] + R[ROTATION + 7] * g.gravity[2]
+        R.rotation[0, 1] * g.gravity[0] + R.rotation[1, 1] * g.gravity[1] + R.rotation[2, 1] * g.gravity[2]
     )
     z = factor * (
-        R[ROTATION + 2] * g.gravity[0] + R[ROTATION + 5] * g.gravity[1] + R[ROTATION + 8] * g.gravity[2]
+        R.rotation[0, 2] * g.gravity[0] + R.rotation[1, 2] * g.gravity[1] + R.rotation[2, 2] * g.gravity[2]
     )
     right, weight = kind.nodal[RIGHT], kind.nodal[WEIGHT]
     for node in range(first, last, lanes):
@@ -145,7 +130,7 @@ def start_meshes(kind: Meshes, time: float, work: Workspace) -> None:
     """Carried strains are those of the shape at the start; the explicit scheme learns what its steps may be."""
     for body in range(kind.table.shape[0]):
         find_strains(kind, body, Q, STRAIN)
-        if kind.table[body, SCHEME] == EXPLICIT:
+        if kind.table[body].scheme == EXPLICIT:
             start_power_iteration(kind, body)
             find_step_limit(kind, body, FIRST_ROUNDS)
 
@@ -167,9 +152,9 @@ def predict_meshes(kind: Meshes, time: float, step: float) -> None:
         mid_q[i] = q[i] + half * v[i]
         mid_v[i] = v[i] + half * a[i]
     for body in range(kind.table.shape[0]):
-        kind.body[body, TIME] = time + half
-        if kind.body[body, CHANGED_OVER] != 0.0 and kind.body[body, CHANGE_TIME] >= time:
-            kind.body[body, CHANGED_OVER] = 0.0  # in a step that was taken back
+        kind.body[body].time = time + half
+        if kind.body[body].changed_over and kind.body[body].change_time >= time:
+            kind.body[body].changed_over = False  # in a step that was taken back
 
 
 @implement(factor, FrameMeshes)
@@ -194,12 +179,12 @@ def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
         for i in range(first, last):
             right[i] = half * load[i]
         add_gravity(kind, body, work, half)
-        if kind.table[body, SCHEME] == EXPLICIT:
+        if kind.table[body].scheme == EXPLICIT:
             _add_explicit_forces(kind, body, half)
             solve_forward(kind, body, MASS_SET)
         else:
-            viscous = kind.body[body, VISCOUS]
-            delay = half + kind.body[body, STIFFNESS_DAMPING]
+            viscous = kind.body[body].viscous_damping
+            delay = half + kind.body[body].stiffness_damping
             for i in range(first, last):
                 ahead[i] = kind.nodal[Q, i] + delay * kind.nodal[V, i]
             add_matrix_products(kind, body, V, -half * viscous, TRIAL, -half, RIGHT)
@@ -214,19 +199,19 @@ def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
         for i in range(first, last):
             forward[i] = right[i]
         write_free_bases(kind, body, V, 1.0, work)
-        kind.body[body, CHANGE] = -1.0
+        kind.body[body].change = -1.0
 
 
 @kernel(internal=True)
 def _add_explicit_forces(kind: Meshes, body: int, half: float) -> None:
     """Elastic and damping forces at the midpoint: the position form of the leapfrog."""
-    viscous, stiff = kind.body[body, VISCOUS], kind.body[body, STIFFNESS_DAMPING]
+    viscous, stiff = kind.body[body].viscous_damping, kind.body[body].stiffness_damping
     add_elastic_forces(kind, body, MID_Q, RIGHT, -half)
     if viscous > 0.0 or stiff > 0.0:
         add_matrix_products(kind, body, MID_V, -half * viscous, MID_V, -half * stiff, RIGHT)
     if stiff > 0.0:
-        first = kind.table[body, FIRST_STRAIN]
-        for i in range(first, first + kind.table[body, STRAINS]):
+        first = kind.table[body].first_strain
+        for i in range(first, first + kind.table[body].strain_count):
             kind.strains[SHAPE_STRAIN, i] = 0.0
         add_strain_rates(kind, body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
         add_stress_forces(kind, body, MID_Q, SHAPE_STRAIN, RIGHT, -half)
@@ -245,7 +230,7 @@ def check_meshes(kind: Meshes, step: float, work: Workspace) -> None:
             total += abs(speed[i])
         if not math.isfinite(total):
             blame_largest(kind, body, MID_V, NOT_FINITE, work)
-        elif kind.table[body, SCHEME] == EXPLICIT and step > follow_step_limit(kind, body, work):
+        elif kind.table[body].scheme == EXPLICIT and step > follow_step_limit(kind, body, work):
             blame_largest(kind, body, TRIAL, STEP_TOO_LARGE, work)  # where the fastest vibration is
 
 
@@ -274,4 +259,4 @@ def estimate_mesh_error(kind: Meshes, step: float, work: Workspace) -> None:
         error = step * math.sqrt(largest)
         if not error <= work.control.error:
             work.control.error = error
-            work.status.body = kind.table[body, NUMBER]
+            work.status.body = kind.table[body].number

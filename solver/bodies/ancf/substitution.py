@@ -7,20 +7,12 @@ spend much of their time here, there are substitutions that read just that third
 from __future__ import annotations
 
 from heavylift.numerics.block_factor import backward_blocks, forward_blocks
-from heavylift.numerics.block_pattern import LOWER, LOWER_COUNT, NODE, PIVOT
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.assembly import set_size
 from heavylift.solver.bodies.ancf.kind import (
-    BASE_NODES,
-    FIRST_COLUMN,
-    FIRST_NODE,
-    FIRST_STRAIN,
     FREE,
-    LAST_COLUMN,
     MASS_SET,
-    NODES,
     RIGHT,
-    STRAINS,
     Meshes,
 )
 from heavylift.solver.bodies.ancf.moving import add_point_forces, find_free_points
@@ -35,17 +27,17 @@ LANES = 8
 def node_span(kind: Meshes, body: int) -> tuple[int, int]:
     """Places of the nodes of a body in a row of `nodal`."""
     lanes = len(kind.shape[1])
-    first = kind.table[body, FIRST_NODE] * lanes
-    return first, first + kind.table[body, NODES] * lanes
+    first = kind.table[body].first_node * lanes
+    return first, first + kind.table[body].node_count * lanes
 
 
 @kernel(internal=True)
 def _forward_axes(kind: Meshes, body: int, base: int) -> None:
     """`forward_blocks` with a factor that does not couple axes: two numbers a node and axis."""
     x, blocks, lower = kind.nodal[RIGHT], kind.blocks, kind.lower
-    for column in range(kind.table[body, FIRST_COLUMN], kind.table[body, LAST_COLUMN]):
-        z, pivot = kind.columns[column, NODE] * LANES, base + kind.columns[column, PIVOT]
-        first, count = kind.columns[column, LOWER], kind.columns[column, LOWER_COUNT]
+    for column in range(kind.table[body].first_column, kind.table[body].last_column):
+        z, pivot = kind.columns[column].node * LANES, base + kind.columns[column].pivot
+        first, count = kind.columns[column].first_lower, kind.columns[column].lower_count
         for k in range(3):
             at = pivot + (LANES + 1) * k
             a = x[z + k]
@@ -54,7 +46,7 @@ def _forward_axes(kind: Meshes, body: int, base: int) -> None:
             b *= blocks[at + 3 * (LANES + 1)]
             x[z + k], x[z + 3 + k] = a, b
             for l in range(first, first + count):
-                later, place = lower[l, 0] * LANES + k, base + lower[l, 1] + (LANES + 1) * k
+                later, place = lower[l].node * LANES + k, base + lower[l].place + (LANES + 1) * k
                 u, v = x[later], x[later + 3]
                 u -= blocks[place] * a + blocks[place + 3 * LANES] * b
                 v -= blocks[place + 3] * a + blocks[place + 3 * LANES + 3] * b
@@ -65,14 +57,14 @@ def _forward_axes(kind: Meshes, body: int, base: int) -> None:
 def _backward_axes(kind: Meshes, body: int, base: int) -> None:
     """`backward_blocks` with a factor that does not couple axes."""
     x, blocks, lower = kind.nodal[RIGHT], kind.blocks, kind.lower
-    for column in range(kind.table[body, LAST_COLUMN] - 1, kind.table[body, FIRST_COLUMN] - 1, -1):
-        z, pivot = kind.columns[column, NODE] * LANES, base + kind.columns[column, PIVOT]
-        first, count = kind.columns[column, LOWER], kind.columns[column, LOWER_COUNT]
+    for column in range(kind.table[body].last_column - 1, kind.table[body].first_column - 1, -1):
+        z, pivot = kind.columns[column].node * LANES, base + kind.columns[column].pivot
+        first, count = kind.columns[column].first_lower, kind.columns[column].lower_count
         for k in range(3):
             at = pivot + (LANES + 1) * k
             a = b = 0.0
             for l in range(first, first + count):
-                later, place = lower[l, 0] * LANES + k, base + lower[l, 1] + (LANES + 1) * k
+                later, place = lower[l].node * LANES + k, base + lower[l].place + (LANES + 1) * k
                 u, v = x[later], x[later + 3]
                 a += blocks[place] * u + blocks[place + 3] * v
                 b += blocks[place + 3 * LANES] * u + blocks[place + 3 * LANES + 3] * v
@@ -91,7 +83,7 @@ def solve_forward(kind: Meshes, body: int, which: int) -> None:
     right, free = kind.nodal[RIGHT], kind.nodal[FREE]
     for i in range(first, last):
         right[i] *= free[i]
-    for i in range(last, last + kind.table[body, BASE_NODES] * lanes):
+    for i in range(last, last + kind.table[body].base_node_count * lanes):
         right[i] = 0.0
     if which == MASS_SET and lanes == LANES:
         _forward_axes(kind, body, which * set_size(kind))
@@ -102,8 +94,8 @@ def solve_forward(kind: Meshes, body: int, which: int) -> None:
             kind.lower,
             kind.blocks,
             which * set_size(kind),
-            kind.table[body, FIRST_COLUMN],
-            kind.table[body, LAST_COLUMN],
+            kind.table[body].first_column,
+            kind.table[body].last_column,
             right,
             0,
         )
@@ -123,8 +115,8 @@ def scatter_back(kind: Meshes, body: int, which: int) -> None:
         kind.lower,
         kind.blocks,
         which * set_size(kind),
-        kind.table[body, FIRST_COLUMN],
-        kind.table[body, LAST_COLUMN],
+        kind.table[body].first_column,
+        kind.table[body].last_column,
         kind.nodal[RIGHT],
         0,
     )
@@ -133,6 +125,6 @@ def scatter_back(kind: Meshes, body: int, which: int) -> None:
 @kernel(internal=True)
 def copy_strains(kind: Meshes, body: int, of: int, to: int) -> None:
     """One row of `strains` into another, of one body."""
-    first = kind.table[body, FIRST_STRAIN]
-    for i in range(first, first + kind.table[body, STRAINS]):
+    first = kind.table[body].first_strain
+    for i in range(first, first + kind.table[body].strain_count):
         kind.strains[to, i] = kind.strains[of, i]

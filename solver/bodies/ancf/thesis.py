@@ -18,10 +18,7 @@ from heavylift.solver.bodies.ancf.kind import (
     MID_V,
     RIGHT,
     SHAPE_STRAIN,
-    STIFFNESS_DAMPING,
     STRAIN,
-    TIME,
-    VISCOUS,
     FrameMeshes,
     Meshes,
     Q,
@@ -43,12 +40,12 @@ __all__: list[str] = []
 def thesis_velocity_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> None:
     """``M (v+ - v) = h ( f - Q(q) - damping )``, without joints."""
     for body in range(kind.table.shape[0]):
-        kind.body[body, TIME] = time
+        kind.body[body].time = time
     gather_loads(kind, Q, work)
     right = kind.nodal[RIGHT]
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
-        viscous, stiff = kind.body[body, VISCOUS], kind.body[body, STIFFNESS_DAMPING]
+        viscous, stiff = kind.body[body].viscous_damping, kind.body[body].stiffness_damping
         for i in range(first, last):
             right[i] = step * kind.nodal[LOAD, i]
             kind.nodal[MID_Q, i] = kind.nodal[Q, i]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import records
 from heavylift.solver.bodies.ancf import shell_elements  # noqa: F401  registers the kernels
 from heavylift.solver.bodies.ancf.elements import (
     add_follower_load,
@@ -19,19 +20,13 @@ from heavylift.solver.bodies.ancf.elements import (
     record_elements,
 )
 from heavylift.solver.bodies.ancf.kind import (
-    BODY_COLUMNS,
-    CONSTANTS,
-    ELEMENT_BLOCKS,
-    ELEMENT_DATA,
-    ELEMENT_NODES,
-    ELEMENT_STRAIN,
-    ELEMENTS,
-    FIRST_ELEMENT,
     NODAL_ROWS,
     SHELL_PAIRS,
     STRAIN_ROWS,
-    TABLE_COLUMNS,
+    MeshNumbers,
+    MeshPlaces,
     Q,
+    ShellMeshElement,
     ShellMeshes,
 )
 from heavylift.solver.bodies.ancf.shell_packing import (
@@ -99,8 +94,11 @@ def rotation() -> np.ndarray:
 def pack(bodies: list[ShellBody], swaps: int = 0) -> ShellMeshes:
     """The kind of some shells; `swaps` seeds which blocks are stored transposed (none at 0)."""
     constants: list[np.ndarray] = []
-    table = np.zeros((len(bodies), TABLE_COLUMNS), dtype=np.int64)
-    elements, nodes, start, strains, pairs = [], 0, [], 0, 0
+    table, elements = (
+        records(MeshPlaces, len(bodies)),
+        records(ShellMeshElement, sum(len(b.elements) for b in bodies)),
+    )
+    number, nodes, start, strains, pairs = 0, 0, [], 0, 0
     rng = np.random.default_rng(swaps)
 
     def store(values: np.ndarray) -> int:
@@ -109,17 +107,17 @@ def pack(bodies: list[ShellBody], swaps: int = 0) -> ShellMeshes:
         return place
 
     for row, body in zip(table, bodies, strict=True):
-        row[CONSTANTS] = store(body_constants(body))
-        row[FIRST_ELEMENT], row[ELEMENTS] = len(elements), len(body.elements)
+        row.constants = store(body_constants(body))
+        row.first_element, row.element_count = number, len(body.elements)
         for own, data, count in zip(body.elements, element_data(body), strain_counts(body), strict=True):
-            line = np.zeros(ELEMENT_BLOCKS + 2 * len(SHELL_PAIRS), dtype=np.int64)
-            line[ELEMENT_NODES : ELEMENT_NODES + 4] = (nodes + own) * LANES
-            line[ELEMENT_DATA], line[ELEMENT_STRAIN] = store(data), strains
+            line = elements[number]
+            line.nodes[:] = (nodes + own) * LANES
+            line.data, line.strain = store(data), strains
             for p, (i, j) in enumerate(SHELL_PAIRS):
-                line[ELEMENT_BLOCKS + 2 * p] = pairs * BLOCK
-                line[ELEMENT_BLOCKS + 2 * p + 1] = int(swaps and i != j and rng.integers(2))
+                line.blocks[p, 0] = pairs * BLOCK
+                line.blocks[p, 1] = int(swaps and i != j and rng.integers(2))
                 pairs += 1
-            elements.append(line)
+            number += 1
             strains += int(count)
         nodes += len(body.nodes)
         start.append(start_coordinates(body).reshape(-1, 12))
@@ -127,9 +125,9 @@ def pack(bodies: list[ShellBody], swaps: int = 0) -> ShellMeshes:
     nodal[Q].reshape(nodes, LANES)[:, :12] = np.vstack(start)
     given = {
         "table": table,
-        "elements": np.array(elements),
+        "elements": elements,
         "constants": np.concatenate(constants),
-        "body": np.zeros((len(bodies), BODY_COLUMNS)),
+        "body": records(MeshNumbers, len(bodies)),
         "nodal": nodal,
         "strains": np.zeros((STRAIN_ROWS, strains)),
         "blocks": np.zeros(pairs * BLOCK),
@@ -155,11 +153,11 @@ def stiffness(kind: ShellMeshes) -> np.ndarray:
     out = np.zeros((nodes, 12, nodes, 12))
     for line in kind.elements:
         for p, (i, j) in enumerate(SHELL_PAIRS):
-            place, swap = line[ELEMENT_BLOCKS + 2 * p : ELEMENT_BLOCKS + 2 * p + 2]
+            place, swap = line.blocks[p]
             block = kind.blocks[place : place + BLOCK].reshape(12, LANES)
             assert not block[:, 12:].any()
             block = block[:, :12] if swap else block[:, :12].T
-            m, n = line[i] // LANES, line[j] // LANES
+            m, n = line.nodes[i] // LANES, line.nodes[j] // LANES
             out[m, :, n] += block
             if i != j:
                 out[n, :, m] += block.T

@@ -14,7 +14,6 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.bodies.ancf import elements as generics
 from heavylift.solver.bodies.ancf.kind import (
-    ITERATIONS,
     LOAD,
     MID_Q,
     OLD_STRAIN,
@@ -263,7 +262,7 @@ def steps_of(simulation: Simulation, kind: FrameMeshes, count: int) -> tuple[np.
     for _ in range(count // 10):
         parts.append(simulation.advance(10)[1])
         assert simulation.outcome is Outcome.COMPLETED, simulation.message
-        rounds.append(kind.body[0, ITERATIONS])
+        rounds.append(kind.body[0].iterations)
     return np.concatenate(parts), float(np.mean(rounds))
 
 

@@ -11,10 +11,6 @@ from scipy.linalg import eigh, expm
 
 from heavylift.solver.bodies.ancf.frame_packing import load_shape, result_channels
 from heavylift.solver.bodies.ancf.kind import (
-    DRIFT,
-    DRIFT_ELEMENT,
-    ELASTIC_ENERGY,
-    ELEMENT_DATA,
     LOAD,
     MID_Q,
     MID_V,
@@ -41,9 +37,9 @@ def deformed(kind: FrameMeshes, amount: float = 0.2) -> np.ndarray:
 def energy(kind: FrameMeshes, q: np.ndarray) -> float:
     put(kind, MID_Q, q)
     fm.find_strains(kind, 0, MID_Q, STRAIN)
-    kind.body[0, ELASTIC_ENERGY] = 0.0
+    kind.body[0].elastic_energy = 0.0
     fm.measure_strain_energy(kind, 0, STRAIN)
-    return kind.body[0, ELASTIC_ENERGY]
+    return kind.body[0].elastic_energy
 
 
 def forces(kind: FrameMeshes, q: np.ndarray) -> np.ndarray:
@@ -64,11 +60,11 @@ def tangent(kind: FrameMeshes, q: np.ndarray, geometric: float = 1.0) -> np.ndar
 
 def constant_matrix(kind: FrameMeshes, place: int) -> np.ndarray:
     """The mass (0) or bending matrix (16) of all elements, dense."""
-    size = 6 * kind.table[0, 4]
+    size = 6 * kind.table[0].node_count
     total = np.zeros((size, size))
     for row in kind.elements:
-        data = kind.constants[row[ELEMENT_DATA] + place :][:16].reshape(4, 4)
-        at = (6 * (row[:2] // 8)[:, None] + np.arange(6)).ravel()
+        data = kind.constants[row.data + place :][:16].reshape(4, 4)
+        at = (6 * (row.nodes[:2] // 8)[:, None] + np.arange(6)).ravel()
         total[np.ix_(at, at)] += np.kron(data, np.eye(3))
     return total
 
@@ -395,22 +391,22 @@ def test_drift_is_the_largest_difference_and_names_its_element(example: Example)
     kind.strains[OTHER, 2] += 1e-5
     kind.strains[OTHER, count + 4] -= 3e-5
     fm.measure_drift(kind, 0, SPARE, OTHER)
-    assert kind.body[0, DRIFT] == pytest.approx(3e-5)
-    assert kind.body[0, DRIFT_ELEMENT] == 1
+    assert kind.body[0].drift == pytest.approx(3e-5)
+    assert kind.body[0].drift_element == 1
     if example.body.model == "exact":  # a curvature counts as the strain of the outer fibre
         kind.strains[OTHER, 5] += 1e-2
         fm.measure_drift(kind, 0, SPARE, OTHER)
-        assert kind.body[0, DRIFT] == pytest.approx(1e-2 * 0.05)
-        assert kind.body[0, DRIFT_ELEMENT] == 0
+        assert kind.body[0].drift == pytest.approx(1e-2 * 0.05)
+        assert kind.body[0].drift_element == 0
     kind.strains[OTHER, 1] = np.nan
     fm.measure_drift(kind, 0, SPARE, OTHER)
-    assert np.isnan(kind.body[0, DRIFT])
+    assert np.isnan(kind.body[0].drift)
 
 
 def test_only_elements_of_the_body_are_touched() -> None:
     """A table row for the second element alone."""
     kind = pack(line([0.5, 0.8], model="exact"))
-    kind.table[0, [fm.FIRST_ELEMENT, fm.ELEMENTS]] = 1, 1
+    kind.table[0].first_element, kind.table[0].element_count = 1, 1
     put(kind, MID_Q, deformed(kind))
     fm.find_strains(kind, 0, MID_Q, STRAIN)
     fm.add_stiffness(kind, 0, MID_Q, STRAIN, LOAD, 1.0, 1.0, 1.0)

@@ -16,13 +16,8 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.bodies.ancf.elements import add_elastic_forces
 from heavylift.solver.bodies.ancf.kind import (
-    BASE_STEP,
     LOAD,
-    MARKER_DATA,
-    MARKER_TYPE,
     POINT_MARKER,
-    STATE_PLACE,
-    STEP_LIMIT,
     TANGENT_MARKER,
     TRIAD_MARKER,
     VECTOR_MARKER,
@@ -291,12 +286,12 @@ def test_second_rates_of_directions_are_those_of_differences() -> None:
     types = set()
     states, step = {}, 1e-5
     for kind in layout.bodies:
-        place, count = kind.table[0, STATE_PLACE], kind.nodal.shape[1]
+        place, count = kind.table[0].state_place, kind.nodal.shape[1]
         states[place] = (kind.nodal[0] + 0.1 * rng.normal(size=count), rng.normal(size=count))
-        types |= set(kind.markers[:, MARKER_TYPE])
-        slope = kind.markers[:, MARKER_TYPE] == VECTOR_MARKER  # the same vector, of unit length
-        kind.markers[slope, MARKER_TYPE] = TANGENT_MARKER
-        kind.markers[slope, MARKER_DATA] = kind.table[0, BASE_STEP]  # where a -1 stands
+        types |= set(kind.markers["type"])
+        slope = kind.markers["type"] == VECTOR_MARKER  # the same vector, of unit length
+        kind.markers["type"][slope] = TANGENT_MARKER
+        kind.markers["data"][slope] = kind.table[0].base_step  # where a -1 stands
     assert types == {POINT_MARKER, VECTOR_MARKER, TRIAD_MARKER}
 
     def markers(time: float) -> np.ndarray:
@@ -319,7 +314,7 @@ def test_the_explicit_scheme_knows_its_longest_step(count: int, expected: float)
     """Of eigenvalues of the dense matrices at rest."""
     simulation = Simulation(pinned(count, elasticity="explicit"), 1e-4)
     simulation.warm_up()
-    limit = simulation._layout.bodies[0].body[0, STEP_LIMIT]
+    limit = simulation._layout.bodies[0].body[0].step_limit
     assert limit == pytest.approx(SHARE * expected, rel=0.02)
     body = pinned(count).bodies[0]
     assert isinstance(body, MeshBody)

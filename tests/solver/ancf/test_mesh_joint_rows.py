@@ -15,7 +15,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "joints"))
 from joint_scenes import RESIDUALS, Pose, make_joint
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.ancf.kind import MARKER_NUMBER, FrameMeshes, Q, ShellMeshes, V
+from heavylift.solver.bodies.ancf.kind import FrameMeshes, Q, ShellMeshes, V
 from heavylift.solver.bodies.ancf.second_rates import write_second_rates
 from heavylift.solver.connections import (
     GROUND,
@@ -385,12 +385,13 @@ def test_markers_move_as_their_jacobians_say(model: Model) -> None:
         model.bend(seed)
         model.fill()
         work = model.layout.work
-        numbers = np.concatenate([kind.markers[:, MARKER_NUMBER] for kind in model.kinds])
-        slope = model.along(lambda: work.markers[numbers].point)  # noqa: B023
-        np.testing.assert_allclose(work.markers[numbers].velocity, slope, atol=1e-8)
+        numbers = np.concatenate([kind.markers["number"] for kind in model.kinds])
+        slope = model.along(lambda: work.markers["point"][numbers])  # noqa: B023
+        np.testing.assert_allclose(work.markers["velocity"][numbers], slope, atol=1e-8)
         for kind in model.kinds:
-            for number, body, *_ in kind.markers:
-                first, count = kind.table[body, 1], 3 * kind.table[body, 11]
+            for marker in kind.markers:
+                number, line = marker.number, kind.table[marker.body]
+                first, count = line.dof, 3 * line.base_count
                 J = work.jacobian[number]
                 rate = J[:, :count] @ work.velocity[first : first + count]
                 np.testing.assert_allclose(rate, work.markers[number].velocity, atol=1e-11)

@@ -20,7 +20,6 @@ from heavylift.solver.bodies.ancf.kind import (
     MID_Q,
     MID_V,
     RIGHT,
-    SCHEME,
     SHAPE_STRAIN,
     STEP_SET,
     Q,
@@ -261,7 +260,7 @@ def make(name: str, scheme: str) -> Model:
     empty = BodyMarkers((), (), ())
     markers = BodyMarkers((0, 1), tuple(points), (False, False), (FORCES, FORCES), tuple(points), (0, 0))
     kind = pack_meshes([body], 0, [0], 0, [markers], [empty], moving=[2])
-    kind.table[0, SCHEME] = SCHEMES[scheme]
+    kind.table[0].scheme = SCHEMES[scheme]
     matrices = mesh_matrices(kind)
     kind.nodal[Q, matrices.places] += 0.02 * rng.normal(size=len(matrices.places))
     kind.nodal[V, matrices.places] = 0.3 * rng.normal(size=len(matrices.places))

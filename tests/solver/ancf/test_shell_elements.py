@@ -27,9 +27,6 @@ from shell_scenes import (
 )
 
 from heavylift.solver.bodies.ancf.kind import (
-    DRIFT,
-    DRIFT_ELEMENT,
-    ELASTIC_ENERGY,
     LOAD,
     OLD_STRAIN,
     SHAPE_STRAIN,
@@ -71,9 +68,9 @@ def deformed(body: ShellBody, amount: float = 0.3, seed: int = 1) -> np.ndarray:
 def energy_at(kind: ShellMeshes, coordinates: np.ndarray) -> float:
     put(kind, TRIAL, coordinates)
     find(kind, 0, TRIAL, OLD_STRAIN)
-    kind.body[0, ELASTIC_ENERGY] = 0.0
+    kind.body[0].elastic_energy = 0.0
     energy(kind, 0, OLD_STRAIN)
-    return float(kind.body[0, ELASTIC_ENERGY])
+    return float(kind.body[0].elastic_energy)
 
 
 def forces_at(kind: ShellMeshes, coordinates: np.ndarray) -> np.ndarray:
@@ -134,10 +131,10 @@ def test_without_its_geometric_part_the_stiffness_is_that_of_the_strains(body: S
     put(kind, SPEED, v)
     kind.strains[STRAIN] = 0.0
     add_rates(kind, 0, TRIAL, SPEED, STRAIN, 2.0)
-    kind.body[0, ELASTIC_ENERGY] = 0.0
+    kind.body[0].elastic_energy = 0.0
     energy(kind, 0, STRAIN)
     assert 0.5 * v.ravel() @ material @ v.ravel() == pytest.approx(
-        kind.body[0, ELASTIC_ENERGY] / 4.0, rel=1e-12
+        kind.body[0].elastic_energy / 4.0, rel=1e-12
     )
 
 
@@ -354,17 +351,17 @@ def test_drift_is_the_largest_difference_as_a_strain() -> None:
     put(kind, TRIAL, stretched)
     find(kind, 0, TRIAL, SHAPE_STRAIN)
     drift(kind, 0, STRAIN, SHAPE_STRAIN)
-    assert kind.body[0, DRIFT] == pytest.approx(0.5 * (1.01**2 - 1.0), rel=1e-12)
+    assert kind.body[0].drift == pytest.approx(0.5 * (1.01**2 - 1.0), rel=1e-12)
     moved = start.copy()
     moved[mesh.corners[2], 0, 1] += 0.02
     put(kind, TRIAL, moved)
     find(kind, 0, TRIAL, SHAPE_STRAIN)
     drift(kind, 0, STRAIN, SHAPE_STRAIN)
-    assert mesh.corners[2] in body.elements[int(kind.body[0, DRIFT_ELEMENT])]
-    assert kind.body[0, DRIFT] > 0.01
+    assert mesh.corners[2] in body.elements[int(kind.body[0].drift_element)]
+    assert kind.body[0].drift > 0.01
     kind.strains[STRAIN, 26] = np.nan  # a number that is lost must not look like none
     drift(kind, 0, STRAIN, SHAPE_STRAIN)
-    assert np.isnan(kind.body[0, DRIFT])
+    assert np.isnan(kind.body[0].drift)
 
 
 def test_bodies_of_one_kind_keep_apart() -> None:
@@ -373,7 +370,7 @@ def test_bodies_of_one_kind_keep_apart() -> None:
     both.strains[STRAIN] = 7.0
     put(both, TRIAL, np.concatenate([deformed(bodies[0]), deformed(bodies[1])]))
     find(both, 1, TRIAL, STRAIN)
-    assert np.all(both.strains[STRAIN, : both.elements[1, 5]] == 7.0)
+    assert np.all(both.strains[STRAIN, : both.elements[1].strain] == 7.0)
     both.nodal[LOAD] = 0.0
     add_forces(both, 1, TRIAL, STRAIN, LOAD, 1.0)
     assert not taken(both, LOAD)[:4].any()
