@@ -14,11 +14,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.marine.clipping import (
-    CLIP_WIDTH,
-    VOLUME,
-    VOLUME_X,
-    VOLUME_Y,
-    VOLUME_Z,
+    Clip,
     buoyancy_stiffness,
     clip_surface_now,
 )
@@ -181,7 +177,7 @@ class FloatingHull:
         self.centre_of_gravity = moment / self.mass
         self.free_surface = np.array([tank.free_surface for tank in tanks]).reshape(-1, 2).sum(axis=0)
         self.size = float(np.ptp(hull.surface.bounds, axis=0).max())
-        self.out = np.zeros(CLIP_WIDTH)
+        self.out = Clip.one()
         self._placed = np.zeros_like(hull.covered.points)
 
     def volume(self, pose: Pose) -> float:
@@ -190,7 +186,7 @@ class FloatingHull:
         clip_surface_now(
             surface.points, surface.triangles, pose.rotation.ravel(), pose.height, self._placed, self.out
         )
-        return float(self.out[VOLUME])
+        return float(self.out.volume)
 
     def evaluate(self, pose: Pose) -> tuple[float, NDArray[np.float64]]:
         """Potential [J] and force [N] along z, moments [N m] about x and y of the world at the body's origin.
@@ -201,12 +197,12 @@ class FloatingHull:
         weight = self.mass * self.gravity
         buoyancy = self.density * self.gravity
         x, y, z = pose.rotation @ self.centre_of_gravity
-        energy = weight * (z + pose.height) - buoyancy * self.out[VOLUME_Z]
+        energy = weight * (z + pose.height) - buoyancy * self.out.moment[2]
         free_energy, free_moment = self._free_surface(pose)
         force = np.array([
-            buoyancy * self.out[VOLUME] - weight,
-            buoyancy * self.out[VOLUME_Y] - weight * y + free_moment[0],
-            -buoyancy * self.out[VOLUME_X] + weight * x + free_moment[1],
+            buoyancy * self.out.volume - weight,
+            buoyancy * self.out.moment[1] - weight * y + free_moment[0],
+            -buoyancy * self.out.moment[0] + weight * x + free_moment[1],
         ])  # fmt: skip
         return energy + free_energy, force
 
