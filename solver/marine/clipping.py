@@ -14,7 +14,7 @@ import numpy as np
 from heavylift.numerics.arrays import Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
-from heavylift.numerics.records import Record, Vector
+from heavylift.numerics.records import Record, Records, Vector
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -189,10 +189,10 @@ def clip_surface_now(
     rotation: Floats1,
     height: float,
     placed: Floats2,
-    out: Clip,
+    out: Records[Clip],
 ) -> None:
-    """Call `clip_surface` from Python."""
-    clip_surface(points, triangles, rotation, height, placed, out)
+    """Call `clip_surface` from Python, with an array of one record."""
+    clip_surface(points, triangles, rotation, height, placed, out[0])
 
 
 def buoyancy_stiffness(clip: Clip, height: float, density: float, gravity: float) -> NDArray[np.float64]:

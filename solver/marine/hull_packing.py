@@ -162,9 +162,9 @@ def _cover(
     triangles = surfaces.all_triangles[hull.first_triangle : hull.last_triangle]
     axes = rotation_matrix(frame[row, AXES : AXES + 4])
     check_volume(radiation, place, bodies[row], points, triangles, axes, hull.reference)
-    out, deep = Clip.one(), -2.0 * float(np.abs(points).max())
+    out, deep = records(Clip, 1), -2.0 * float(np.abs(points).max())
     clip_surface_now(points, triangles, np.eye(3).ravel(), deep * 2.0, np.zeros_like(points), out)
-    hull.least_volume = LEAST_SHARE * out.volume
+    hull.least_volume = LEAST_SHARE * out[0].volume
 
 
 def _record_width() -> int:

@@ -8,6 +8,7 @@ from hull_shapes import icosphere, outward_hull
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
+from heavylift.numerics.records import records
 from heavylift.preprocess.primitive_surfaces import box_surface
 from heavylift.solver.marine.clipping import (
     Clip,
@@ -33,11 +34,11 @@ BOX = np.array([
 
 def clip(points, triangles, rotation=EYE, height=0.0):
     points = np.ascontiguousarray(points, dtype=np.float64)
-    out = Clip.one()
-    out.words[:] = np.nan
+    out = records(Clip, 1)
+    out.view(float)[:] = np.nan
     flat = np.ascontiguousarray(rotation).ravel()
     clip_surface_now(points, triangles, flat, float(height), np.empty_like(points), out)
-    return out
+    return out[0]
 
 
 def lopsided(seed):
