@@ -28,6 +28,8 @@ CARRIED = (
     "nodal",
     "strains",
     "placed",
+    "tanks",
+    "memory_state",
 )
 """Fields of kinds that outlive a step."""
 

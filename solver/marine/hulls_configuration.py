@@ -24,7 +24,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.marine.hull_restoring import restore
 from heavylift.solver.marine.hull_stage import fill_tanks
-from heavylift.solver.marine.hulls import LIFT, OFFSET, TANK_MASS, TANK_POINT, Hulls, start_filters
+from heavylift.solver.marine.hulls import Hulls, start_filters
 
 __all__: list[str] = []
 
@@ -61,14 +61,14 @@ def collect_hull_load(kind: Hulls, work: Workspace, load: NDArray[np.float64]) -
     dofs = kind.table["dof"][:, None] + np.arange(6)
     for number, body, _, _, level in kind.markers:
         if level == FORCES:
-            at = kind.hulls[body, OFFSET]
+            at = kind.hulls[body].offset
             J = work.jacobian[number][:, at : at + 6]
             load[dofs[body]] += J.T @ work.markers[number].force
-    load[dofs] += kind.stage[:, LIFT : LIFT + 6]
+    load[dofs] += kind.stage["lift"]
     gravity = work.sums.gravity
     load[dofs[:, :3]] += kind.frame["mass"][:, None] * gravity
-    for tank, (body, _, _) in enumerate(kind.tank_table):
-        weight = kind.tanks[tank, TANK_MASS] * gravity
+    for tank in kind.tanks:
+        body, weight = tank.hull, tank.mass * gravity
         R = rotation_matrix(kind.frame[body].orientation)
         load[dofs[body, :3]] += weight
-        load[dofs[body, 3:]] += np.cross(kind.tanks[tank, TANK_POINT : TANK_POINT + 3], R.T @ weight)
+        load[dofs[body, 3:]] += np.cross(tank.point, R.T @ weight)

@@ -272,21 +272,19 @@ def _parts(layout: Any, scene: Scene) -> list[_Part]:
 
 
 def _hull_part(kind: Any, row: int, name: str, sea: Sea) -> _Part:
-    from heavylift.solver.marine.hulls import AXIS_X, FIRST_TANK, LAST_TANK, REFERENCE, TANK_MASS, TANK_POINT
-
-    frame = kind.frame[row]
+    frame, hull = kind.frame[row], kind.hulls[row]
     R = rotation_matrix(frame.orientation)
-    forward = R @ kind.hull[row, AXIS_X : AXIS_X + 3]
+    forward = R @ hull.axis_x
     heading = math.atan2(forward[1], forward[0])
-    reference = kind.hull[row, REFERENCE : REFERENCE + 3].copy()
+    reference = hull.reference.copy()
     T = hull_transform(R, reference, heading)
     P = T[3:, 3:]
     inertia = P @ np.diag(frame.principal_inertia) @ P.T
     mass = rigid_body_mass(frame.mass, -P @ reference, inertia)
-    for tank in range(kind.hulls[row, FIRST_TANK], kind.hulls[row, LAST_TANK]):
-        arm = P @ (kind.tanks[tank, TANK_POINT : TANK_POINT + 3] - reference)
-        mass = mass + rigid_body_mass(kind.tanks[tank, TANK_MASS], arm, np.zeros((3, 3)))
-    damping = next(hull.damping for hull in sea.hulls if hull.body == name)
+    for tank in kind.tanks[hull.first_tank : hull.last_tank]:
+        arm = P @ (tank.point - reference)
+        mass = mass + rigid_body_mass(tank.mass, arm, np.zeros((3, 3)))
+    damping = next(one.damping for one in sea.hulls if one.body == name)
     point = frame.position + R @ reference
     return _Part(
         name, int(kind.table[row].dof), heading, point, T, mass, np.asarray(damping, dtype=np.float64)

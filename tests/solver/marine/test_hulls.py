@@ -22,7 +22,6 @@ from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
 from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
 from heavylift.preprocess.primitive_surfaces import box_surface
 from heavylift.solver.connections import GROUND, FixedJoint, JointFrame
-from heavylift.solver.marine.hulls import LOW_PASS
 from heavylift.solver.marine.moorings import LineSection, MooringLine
 from heavylift.solver.marine.wave_trains import regular_wave
 from heavylift.solver.scene import Gravity, RigidBody, Scene
@@ -228,7 +227,7 @@ class TestHullsAlone:
         t = times[-1]
         lag = 2.0 * spin / cut
         expected = spin * t - lag + (lag + spin * t) * np.exp(-cut * t)
-        heading = simulation._layout.bodies[0].state[LOW_PASS + 4]
+        heading = simulation._layout.bodies[0].state[0].low_pass[4]
         assert heading == pytest.approx(expected, abs=1e-4)
         assert heading > 4.0 * np.pi
         w, z = history("barge.orientation")[-1, [0, 3]]

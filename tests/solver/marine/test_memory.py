@@ -322,7 +322,7 @@ def test_every_array_that_a_step_changes_is_carried_or_follows_from_the_step() -
         (
             run_exponential,
             pack_exponential_memory(POLES, RESIDUES),
-            {"coefficients", "step", "implicit", "explicit"},
+            {"decay", "of_start", "of_end", "halves", "step", "implicit", "explicit"},
         ),
         (run_direct, pack_direct_memory(K, 0.1, 8.0), set()),
     ):
