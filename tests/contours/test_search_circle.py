@@ -53,7 +53,7 @@ def search(
     out,
 ):
     # one kernel for all searches compiles once: start holds the task, (u, v, phi) and the window
-    if contour[4] == 0:
+    if contour.v.degree == 0:
         status = closest_shape_cold(
             contour, knots, weights, net, RING, shape, su, sv, points, reach, 0.0, distances, scratch, result
         )
