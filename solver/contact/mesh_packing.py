@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.contours.surface_layout import RelativeMotion, RelativePose
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.numerics.rotation import rotation_matrix
@@ -197,8 +198,8 @@ def pack_collisions(
         pairs=pairs,
         sides=sides,
         pair_values=values,
-        relative=np.zeros((count, 12)),
-        motions=np.zeros((count, 24)),
+        relative=records(RelativePose, count),
+        motions=records(RelativeMotion, count),
         found=np.zeros((room, FOUND_COLUMNS), dtype=np.int64),
         found_values=np.zeros((room, FOUND_NUMBERS)),
         touch=np.zeros(TOUCH_NUMBERS),
