@@ -106,16 +106,17 @@ def curve_point(
     start = place(contour, knots, u, scratch)
     count = contour.u.count
     wide = contour.u.degree + 1
+    first_weight, first_control = contour.first_weight, contour.first_control
     x = y = z = dx = dy = dz = ex = ey = ez = 0.0
     w = dw = ew = 0.0
     for i in range(wide):
         local = start + i
         local = local - count if local >= count else local
-        weight = weights[contour.first_weight + local] if contour.first_weight >= 0 else 1.0
+        weight = weights[first_weight + local] if first_weight >= 0 else 1.0
         n = weight * scratch[i]
         d = weight * scratch[wide + i]
         e = weight * scratch[2 * wide + i]
-        at = contour.first_control + local
+        at = first_control + local
         px, py, pz = net[at, 0], net[at, 1], net[at, 2]
         x += n * px
         y += n * py

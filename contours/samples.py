@@ -132,6 +132,7 @@ def sample_points(
     """
     count_u, count_v = contour.u.count, contour.v.count
     wide_u, wide_v = contour.u.degree + 1, contour.v.degree + 1
+    first_weight, first_control = contour.first_weight, contour.first_control
     a, b = first_u.size, first_v.size
     for i in range(count_u):
         for j in range(b):
@@ -140,11 +141,11 @@ def sample_points(
                 column = first_v[j] + k
                 local = i * count_v + (column - count_v if column >= count_v else column)
                 w = basis_v[j, k]
-                if contour.first_weight >= 0:
-                    w *= weights[contour.first_weight + local]
-                px += w * net[contour.first_control + local, 0]
-                py += w * net[contour.first_control + local, 1]
-                pz += w * net[contour.first_control + local, 2]
+                if first_weight >= 0:
+                    w *= weights[first_weight + local]
+                px += w * net[first_control + local, 0]
+                py += w * net[first_control + local, 1]
+                pz += w * net[first_control + local, 2]
                 total += w
             at = i * b + j
             across[0, at], across[1, at], across[2, at], across[3, at] = px, py, pz, total

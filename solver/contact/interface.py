@@ -95,7 +95,7 @@ def aim_points(
     """Bodies: what a moving point of the mesh whose first velocity is `dof` is from now on.
 
     It is the sum of `count` control points of the shape times their weights; control (i, j) has the number
-    ``i COUNT_V + j``. Control points of several elements may take part, as under a footprint. Weights that are
+    ``i count_v + j``. Control points of several elements may take part, as under a footprint. Weights that are
     derivatives of basis functions make it a tangent instead of a point.
     """
 

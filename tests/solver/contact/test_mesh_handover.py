@@ -78,7 +78,7 @@ def touched():
     contacts = pack_scene(scene).systems[1]
     (meshes,) = contacts.meshes
     count_kernel(contacts, 1)
-    for pose in (contacts.poses[meshes.pairs[0, mesh_kind.FIRST_POSE]], meshes.relative[0]):
+    for pose in (contacts.poses[meshes.pairs[0, mesh_kind.FIRST_POSE]], meshes.relative[0].words):
         pose[:12] = [*np.eye(3).ravel(), 0.0, 0.0, 0.0]
     (rail_edge,) = rows(meshes.surfaces, RAIL[None])
     edges = rows(meshes.surfaces, BARS)
