@@ -23,7 +23,6 @@ from heavylift.contours.feature_gap import EDGE_EDGE
 from heavylift.contours.feature_pairs import SWEPT
 from heavylift.contours.pair_list import make_pair_lists
 from heavylift.contours.patches import extreme_points, group_patches, patch_scratch_size
-from heavylift.contours.surface_layout import PAIR_COUNT, PAIR_TRAVERSALS
 from heavylift.contours.surface_pack import pack_surfaces
 
 CAPACITY = 8192
@@ -48,7 +47,7 @@ def measure(name, features, numbers):
         return contacts_kernel(surfaces, lists, 0, motion, reach, SWEPT, features, numbers)
 
     def forget():
-        lists.table[0, PAIR_COUNT] = -1
+        lists.table[0].count = -1
         ask()
 
     near = ask(0.02)
@@ -78,7 +77,7 @@ def lower(features, numbers):
         times[k] = time.thread_time() - begin
     print(
         f"lowering: {times.sum():.2f} s in {STEPS} steps, mean {1e3 * times.mean():.3f}, median "
-        f"{1e3 * np.median(times):.3f}, largest {1e3 * times.max():.2f} ms; {lists.table[0, PAIR_TRAVERSALS]} "
+        f"{1e3 * np.median(times):.3f}, largest {1e3 * times.max():.2f} ms; {lists.table[0].traversals} "
         f"searches, {found} contacts in the end"
     )
 

@@ -25,9 +25,10 @@ from collision_scenes import models, query
 
 from heavylift.contours.feature_pairs import SWEPT, contacts_of_pairs
 from heavylift.contours.pair_list import make_pair_lists
-from heavylift.contours.surface_layout import PAIR_COUNT
+from heavylift.contours.surface_layout import RelativeMotion
 from heavylift.contours.surface_pack import pack_surfaces
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import record_at
 from heavylift.preprocess.exclusion import ExclusionBox, exclude
 
 if TYPE_CHECKING:
@@ -42,10 +43,13 @@ REACH = 0.0  # m
 WIDE = np.inf
 
 
+motion_at = record_at(RelativeMotion)
+
+
 @kernel
 def all_pairs_kernel(surfaces, pairs, motion, reach, features, numbers):
     return contacts_of_pairs(
-        surfaces, 0, 1, pairs, 0, pairs.shape[0], motion, reach, SWEPT, True, features, numbers
+        surfaces, 0, 1, pairs, 0, pairs.shape[0], motion_at(motion, 0), reach, SWEPT, True, features, numbers
     )
 
 
@@ -74,7 +78,7 @@ class Step:
         )
 
     def _fresh(self) -> int:
-        self._lists.table[0, PAIR_COUNT] = -1
+        self._lists.table[0].count = -1
         return self._on_list()
 
     def tree(self) -> float:

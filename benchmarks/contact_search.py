@@ -24,16 +24,18 @@ from heavylift.contours.convex import (
     SHAPE_CENTRE,
     shape_row,
 )
-from heavylift.contours.evaluate import EVALUATION, SCRATCH, surface_point
+from heavylift.contours.evaluate import SCRATCH, Evaluation, surface_point
+from heavylift.contours.layout import PackedContour
 from heavylift.contours.samples import sample_grid, sample_points
 from heavylift.contours.search import closest_on_surface
-from heavylift.contours.search_circle import RING_ITERATIONS, RING_PHI, ring_on_surface, start_ring
+from heavylift.contours.search_circle import ring_on_surface, start_ring
 from heavylift.contours.search_circle_cold import RING_ANGLES, ring_cold
 from heavylift.contours.search_cold import closest_point_cold, closest_shape_cold
 from heavylift.contours.search_shape import closest_shape_on_surface
-from heavylift.contours.search_step import CONVERGED, ITERATIONS, RESULT_WIDTH, U, V, start_search
+from heavylift.contours.search_step import CONVERGED, ContourSearch, start_search
 from heavylift.contours.spaces import clamped_space
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import records
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -49,9 +51,9 @@ def evaluate(contour, knots, weights, net, starts, scratch, points, normals, out
     for i in range(starts.shape[0]):
         surface_point(contour, knots, weights, net, starts[i, 0], starts[i, 1], scratch, out)
         for k in range(3):
-            points[i, k] = out[k]
+            points[i, k] = out.position[k]
             a, b = (k + 1) % 3, (k + 2) % 3
-            normals[i, k] = out[3 + a] * out[6 + b] - out[3 + b] * out[6 + a]
+            normals[i, k] = out.tangent_u[a] * out.tangent_v[b] - out.tangent_u[b] * out.tangent_v[a]
 
 
 @kernel
@@ -62,7 +64,7 @@ def warm_points(contour, knots, weights, net, points, starts, scratch, result, f
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
         status = closest_on_surface(contour, knots, weights, net, x, y, z, -1, -1, scratch, result)
         failed += status != CONVERGED
-        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[ITERATIONS]
+        found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.iterations
     return failed
 
 
@@ -77,7 +79,7 @@ def cold_points(
             contour, knots, weights, net, x, y, z, su, sv, samples, reach, 0.0, distances, scratch, result
         )
         failed += status != CONVERGED
-        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[ITERATIONS]
+        found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.iterations
     return failed
 
 
@@ -90,7 +92,7 @@ def warm_shapes(contour, knots, weights, net, kind, shape, points, starts, scrat
         start_search(contour, starts[i, 0], starts[i, 1], result)
         status = closest_shape_on_surface(contour, knots, weights, net, kind, shape, -1, -1, scratch, result)
         failed += status != CONVERGED
-        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[ITERATIONS]
+        found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.iterations
     return failed
 
 
@@ -120,7 +122,7 @@ def cold_shapes(
             contour, knots, weights, net, kind, shape, su, sv, samples, reach, 0.0, distances, scratch, result
         )
         failed += status != CONVERGED
-        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[ITERATIONS]
+        found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.iterations
     return failed
 
 
@@ -133,8 +135,8 @@ def warm_rings(contour, knots, weights, net, shape, points, starts, scratch, res
         start_ring(contour, starts[i, 0], starts[i, 1], starts[i, 2], result)
         status = ring_on_surface(contour, knots, weights, net, shape, -1, -1, scratch, result)
         failed += status != CONVERGED
-        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[RING_ITERATIONS]
-        found[i, 3] = result[RING_PHI]
+        found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.ring.evaluations
+        found[i, 3] = result.ring.angle
     return failed
 
 
@@ -177,8 +179,8 @@ def cold_rings(
             result,
         )
         failed += status != CONVERGED
-        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[RING_ITERATIONS]
-        found[i, 3] = result[RING_PHI]
+        found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.ring.evaluations
+        found[i, 3] = result.ring.angle
     return failed
 
 
@@ -205,12 +207,13 @@ def main() -> None:
     su, sv = spaces
     x, y = np.meshgrid(np.linspace(0.0, 1.0, su.count), np.linspace(0.0, 0.5, sv.count), indexing="ij")
     net = np.stack([x, y, 0.05 * np.sin(9.0 * x) * np.cos(7.0 * y)], -1).reshape(-1, 3)
-    contour = np.array([3, su.count, 0, 0, 3, sv.count, 0, su.knots.size, 0, -1])
+    along, across = (3, su.count, False, 0), (3, sv.count, False, su.knots.size)
+    contour = records(PackedContour, [(along, across, 0, -1)])[0]
     arrays = contour, np.concatenate([su.knots, sv.knots]), np.zeros(0), np.ascontiguousarray(net)
-    scratch, result = np.zeros(SCRATCH), np.zeros(RESULT_WIDTH)
+    scratch, result = np.zeros(SCRATCH), ContourSearch.one()
     feet = 0.05 + 0.9 * generator.random((COUNT, 2))
     points, normals = np.zeros((COUNT, 3)), np.zeros((COUNT, 3))
-    out = np.zeros(EVALUATION)
+    out = Evaluation.one()
     print(f"{'':44s} {'time':>11s} {'evaluations':>8s} not converged")
     line(
         "evaluation",

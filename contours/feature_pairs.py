@@ -10,8 +10,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from heavylift.contours.feature_boxes import apart, box_around, box_of, grown, middle_of, stored_box
-from heavylift.contours.feature_gap import EDGE_EDGE, FACE_VERTEX, VERTEX_FACE, fixed_point, moved_point
-from heavylift.contours.feature_judge import HIT, NEITHER, judge_vertex, turn
+from heavylift.contours.feature_gap import (
+    EDGE_EDGE,
+    FACE_VERTEX,
+    VERTEX_FACE,
+    fixed_point,
+    moved,
+    moved_point,
+)
+from heavylift.contours.feature_judge import HIT, NEITHER, judge_vertex
 from heavylift.contours.feature_judge_edges import judge_edges
 from heavylift.contours.feature_report import report, room_for, shared_end
 from heavylift.contours.feature_rounded import in_axes_of_b, rounded_contacts
@@ -23,20 +30,7 @@ from heavylift.contours.position_difference import (
     difference_edges,
     difference_vertex_face,
 )
-from heavylift.contours.surface_layout import (
-    EDGE_AB,
-    EDGE_START,
-    FLAGS,
-    IS_FACE,
-    MOTION_P0,
-    MOTION_R0,
-    MOTION_R1,
-    OWNS_A,
-    OWNS_AB,
-    PAIR_FIRST,
-    PAIR_SURFACE_A,
-    PAIR_SURFACE_B,
-)
+from heavylift.contours.surface_layout import IS_FACE, OWNS_A, OWNS_AB
 from heavylift.contours.swept import swept_edges, swept_face_vertex, swept_vertex_face
 from heavylift.numerics.jit import kernel
 
@@ -45,6 +39,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.contours.pair_list import PairLists
+    from heavylift.contours.surface_layout import RelativeMotion
     from heavylift.contours.surface_pack import CollisionSurfaces
 
 __all__ = ["POSITION_DIFFERENCE", "SWEPT", "contacts_of_pairs", "find_contacts"]
@@ -75,7 +70,7 @@ def find_contacts(
     lists: PairLists,
     pair: int,
     # motion
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     reach: float,
     method: int,
     # out
@@ -89,8 +84,7 @@ def find_contacts(
     surfaces, lists, pair
         All surfaces of a scene, the lists of their pairs, and which of those.
     motion
-        Pose of B in the axes of A: rotation (9, row by row) and position [m] (3) at the start, then at the end.
-        In these axes the points of B move linearly in between. Shape (24,).
+        Of B in the axes of A, in which the points of B move linearly.
     reach
         Gap [m] at the end up to which features that are not hit are contacts too.
     method
@@ -118,10 +112,10 @@ def find_contacts(
         return count
     return contacts_of_pairs(
         surfaces,
-        lists.table[pair, PAIR_SURFACE_A],
-        lists.table[pair, PAIR_SURFACE_B],
+        lists.table[pair].surface_a,
+        lists.table[pair].surface_b,
         lists.pairs,
-        lists.table[pair, PAIR_FIRST],
+        lists.table[pair].first,
         count,
         motion,
         reach,
@@ -142,7 +136,7 @@ def contacts_of_pairs(
     first: int,
     count: int,
     # motion
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     reach: float,
     method: int,
     judged: bool,
@@ -160,9 +154,8 @@ def contacts_of_pairs(
         return -2
     # the middle of either surface in the axes of the other, at the start
     middle_a, middle_b = middle_of(surfaces, surface_a), middle_of(surfaces, surface_b)
-    x, y, z = turn(middle_b, motion, MOTION_R0, False)
-    b_in_a = (x + motion[MOTION_P0], y + motion[MOTION_P0 + 1], z + motion[MOTION_P0 + 2])
-    a_in_b = in_axes_of_b(middle_a, motion, MOTION_R0)
+    b_in_a = moved(middle_b, motion.start)
+    a_in_b = in_axes_of_b(middle_a, motion.start)
     found = 0
     last = -1
     box_b = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -171,8 +164,8 @@ def contacts_of_pairs(
         if tb != last:
             last = tb
             for i in range(3):
-                p = moved_point(points, triangles[tb, i], motion, MOTION_R0)
-                q = moved_point(points, triangles[tb, i], motion, MOTION_R1)
+                p = moved_point(points, triangles[tb].corners[i], motion.start)
+                q = moved_point(points, triangles[tb].corners[i], motion.end)
                 numbers[room + i, 0], numbers[room + i, 1], numbers[room + i, 2] = p
                 numbers[room + 3 + i, 0], numbers[room + 3 + i, 1], numbers[room + 3 + i, 2] = q
                 box = box_of(p, q, far)
@@ -180,7 +173,7 @@ def contacts_of_pairs(
         box_a = stored_box(surfaces.triangle_boxes, ta)
         if apart(box_a, box_b):
             continue
-        flags_a, flags_b = triangles[ta, FLAGS], triangles[tb, FLAGS]
+        flags_a, flags_b = triangles[ta].flags, triangles[tb].flags
         if flags_a & IS_FACE and flags_b & (7 * OWNS_A):
             found = vertices_on_face(
                 surfaces, ta, tb, box_a, b_in_a, middle_a, motion, radius, far, rounding, method, judged,
@@ -215,7 +208,7 @@ def vertices_on_face(
     b_in_a: Vector,
     middle_a: Vector,
     # motion
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     radius: float,
     far: float,
     rounding: float,
@@ -230,14 +223,14 @@ def vertices_on_face(
     """Report the vertices that a triangle of B owns and that touch a face of A."""
     points, triangles = surfaces.points, surfaces.triangles
     for i in range(3):
-        if not triangles[tb, FLAGS] & (OWNS_A << i):
+        if not triangles[tb].flags & (OWNS_A << i):
             continue
         x0, x1 = fixed_point(numbers, room + i), fixed_point(numbers, room + 3 + i)
         if apart(box_a, box_of(x0, x1, far)):
             continue
-        a = fixed_point(points, triangles[ta, 0])
-        b = fixed_point(points, triangles[ta, 1])
-        c = fixed_point(points, triangles[ta, 2])
+        a = fixed_point(points, triangles[ta].corners[0])
+        b = fixed_point(points, triangles[ta].corners[1])
+        c = fixed_point(points, triangles[ta].corners[2])
         if method == POSITION_DIFFERENCE:
             hit, time = difference_vertex_face(
                 x0[0], x0[1], x0[2], x1[0], x1[1], x1[2], a[0], a[1], a[2], a[0], a[1], a[2],
@@ -249,12 +242,12 @@ def vertices_on_face(
                 x0[0], x0[1], x0[2], x1[0], x1[1], x1[2],
                 p[0], p[1], p[2], q[0], q[1], q[2], r[0], r[1], r[2],
             )  # fmt: skip
-        vertex = triangles[tb, i]
+        vertex = triangles[tb].corners[i]
         verdict, side, gap = HIT if hit else NEITHER, 1.0, 0.0
         if judged:
             verdict, time, side, gap = judge_vertex(
                 points, surfaces.vertex_first, surfaces.vertex_neighbours, vertex,
-                (triangles[ta, 0], triangles[ta, 1], triangles[ta, 2]),
+                (triangles[ta].corners[0], triangles[ta].corners[1], triangles[ta].corners[2]),
                 a, b, c, fixed_point(surfaces.normals, ta), b_in_a, middle_a,
                 motion, False, x0, x1, hit, time, radius, far, rounding,
             )  # fmt: skip
@@ -278,7 +271,7 @@ def face_on_vertices(
     a_in_b: Vector,
     middle_b: Vector,
     # motion
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     radius: float,
     far: float,
     rounding: float,
@@ -293,9 +286,9 @@ def face_on_vertices(
     """Report the vertices that a triangle of A owns and that a face of B touches."""
     points, triangles = surfaces.points, surfaces.triangles
     for i in range(3):
-        vertex = triangles[ta, i]
+        vertex = triangles[ta].corners[i]
         x = fixed_point(points, vertex)
-        if not triangles[ta, FLAGS] & (OWNS_A << i) or apart(box_b, box_of(x, x, 0.0)):
+        if not triangles[ta].flags & (OWNS_A << i) or apart(box_b, box_of(x, x, 0.0)):
             continue
         a0, a1 = fixed_point(numbers, room), fixed_point(numbers, room + 3)
         b0, b1 = fixed_point(numbers, room + 1), fixed_point(numbers, room + 4)
@@ -316,12 +309,12 @@ def face_on_vertices(
         if judged:
             verdict, time, side, gap = judge_vertex(
                 points, surfaces.vertex_first, surfaces.vertex_neighbours, vertex,
-                (triangles[tb, 0], triangles[tb, 1], triangles[tb, 2]),
-                fixed_point(points, triangles[tb, 0]),
-                fixed_point(points, triangles[tb, 1]),
-                fixed_point(points, triangles[tb, 2]),
+                (triangles[tb].corners[0], triangles[tb].corners[1], triangles[tb].corners[2]),
+                fixed_point(points, triangles[tb].corners[0]),
+                fixed_point(points, triangles[tb].corners[1]),
+                fixed_point(points, triangles[tb].corners[2]),
                 fixed_point(surfaces.normals, tb), a_in_b, middle_b,
-                motion, True, in_axes_of_b(x, motion, MOTION_R0), in_axes_of_b(x, motion, MOTION_R1),
+                motion, True, in_axes_of_b(x, motion.start), in_axes_of_b(x, motion.end),
                 hit, time, radius, far, rounding,
             )  # fmt: skip
         if verdict != NEITHER:
@@ -345,7 +338,7 @@ def edges_on_edges(
     middle_a: Vector,
     b_in_a: Vector,
     # motion
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     radius: float,
     far: float,
     rounding: float,
@@ -360,20 +353,20 @@ def edges_on_edges(
     """Report the edges that two triangles own and that touch each other."""
     points, triangles, edges = surfaces.points, surfaces.triangles, surfaces.edges
     for i in range(3):
-        if not triangles[ta, FLAGS] & (OWNS_AB << i):
+        if not triangles[ta].flags & (OWNS_AB << i):
             continue
         # from its first to its second point as `edges` has them: on their order depends what a side means
-        edge_a = triangles[ta, EDGE_AB + i]
-        a0 = fixed_point(points, edges[edge_a, EDGE_START])
-        a1 = fixed_point(points, edges[edge_a, EDGE_START + 1])
+        edge_a = triangles[ta].edges[i]
+        a0 = fixed_point(points, edges[edge_a].ends[0])
+        a1 = fixed_point(points, edges[edge_a].ends[1])
         box = box_of(a0, a1, 0.0)
         if apart(box, box_b):
             continue
         for j in range(3):
-            if not triangles[tb, FLAGS] & (OWNS_AB << j):
+            if not triangles[tb].flags & (OWNS_AB << j):
                 continue
-            edge_b = triangles[tb, EDGE_AB + j]
-            start = j if edges[edge_b, EDGE_START] == triangles[tb, j] else (j + 1) % 3
+            edge_b = triangles[tb].edges[j]
+            start = j if edges[edge_b].ends[0] == triangles[tb].corners[j] else (j + 1) % 3
             end = 2 * j + 1 - start if j < 2 else 2 - start
             p0, p1 = fixed_point(numbers, room + start), fixed_point(numbers, room + 3 + start)
             q0, q1 = fixed_point(numbers, room + end), fixed_point(numbers, room + 3 + end)

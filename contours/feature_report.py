@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from heavylift.contours.surface_layout import Edge, RelativeMotion
+    from heavylift.numerics.records import Records
+
 __all__ = ["UNIQUE", "report", "room_for", "shared_end"]
 
 UNIQUE = -1
@@ -43,35 +46,35 @@ def room_for(features: NDArray[np.int64]) -> int:
 
 
 @kernel(inline=True, internal=True)
-def shared_end(edges: NDArray[np.int64], edge_a: int, edge_b: int, along_a: float, along_b: float) -> int:
+def shared_end(edges: Records[Edge], edge_a: int, edge_b: int, along_a: float, along_b: float) -> int:
     """The vertex at which two edges touch, that of B first; `UNIQUE` between their ends."""
     if abs(along_b) <= AT_END:
-        return edges[edge_b, 0]
+        return edges[edge_b].ends[0]
     if abs(along_b - 1.0) <= AT_END:
-        return edges[edge_b, 1]
+        return edges[edge_b].ends[1]
     if abs(along_a) <= AT_END:
-        return edges[edge_a, 0]
+        return edges[edge_a].ends[0]
     if abs(along_a - 1.0) <= AT_END:
-        return edges[edge_a, 1]
+        return edges[edge_a].ends[1]
     return UNIQUE
 
 
 @kernel(inline=True, internal=True)
-def meets(edges: NDArray[np.int64], edge: int, other: int, vertex: int) -> bool:
+def meets(edges: Records[Edge], edge: int, other: int, vertex: int) -> bool:
     """Whether two edges are the same, or both end in a vertex."""
     if edge == other:
         return True
-    return (edges[edge, 0] == vertex or edges[edge, 1] == vertex) and (
-        edges[other, 0] == vertex or edges[other, 1] == vertex
+    return (edges[edge].ends[0] == vertex or edges[edge].ends[1] == vertex) and (
+        edges[other].ends[0] == vertex or edges[other].ends[1] == vertex
     )
 
 
 @kernel(internal=True)
 def normal_of(
     points: NDArray[np.float64],
-    edges: NDArray[np.int64],
+    edges: Records[Edge],
     normals: NDArray[np.float64],
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     kind: int,
     feature_a: int,
     feature_b: int,
@@ -79,9 +82,13 @@ def normal_of(
 ) -> Vector:
     """Unit normal at the end, in axes that are the same for all contacts of a kind."""
     if kind == EDGE_EDGE:
-        u = minus(fixed_point(points, edges[feature_a, 1]), fixed_point(points, edges[feature_a, 0]))
-        w = minus(fixed_point(points, edges[feature_b, 1]), fixed_point(points, edges[feature_b, 0]))
-        v = turned(w[0], w[1], w[2], motion, 12)
+        u = minus(
+            fixed_point(points, edges[feature_a].ends[1]), fixed_point(points, edges[feature_a].ends[0])
+        )
+        w = minus(
+            fixed_point(points, edges[feature_b].ends[1]), fixed_point(points, edges[feature_b].ends[0])
+        )
+        v = turned(w[0], w[1], w[2], motion.end)
         n = cross(u[0], u[1], u[2], v[0], v[1], v[2])
         side /= math.sqrt(dot(n, n))
     else:
@@ -93,9 +100,9 @@ def normal_of(
 def report(
     # model
     points: NDArray[np.float64],
-    edges: NDArray[np.int64],
+    edges: Records[Edge],
     normals: NDArray[np.float64],
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     # contact
     kind: int,
     feature_a: int,

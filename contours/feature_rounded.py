@@ -13,14 +13,16 @@ from heavylift.contours.feature_gap import EDGE_VERTEX, VERTEX_EDGE, VERTEX_VERT
 from heavylift.contours.feature_judge import HIT, NEAR, NEITHER, between, dot, minus, turn, turn_at
 from heavylift.contours.feature_regions import SLACK, edge_is_nearest, vertex_is_nearest
 from heavylift.contours.feature_report import UNIQUE, report
-from heavylift.contours.surface_layout import EDGE_AB, FLAGS, OWNS_A, OWNS_AB
+from heavylift.contours.surface_layout import OWNS_A, OWNS_AB
 from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from heavylift.contours.surface_layout import Edge, RelativeMotion, RelativePose
     from heavylift.contours.surface_pack import CollisionSurfaces
+    from heavylift.numerics.records import Records
 
 __all__ = ["rounded_contacts"]
 
@@ -67,7 +69,7 @@ def unit(d: Vector) -> tuple[Vector, float]:
 def judge_vertex_edge(
     # model
     points: NDArray[np.float64],
-    edges: NDArray[np.int64],
+    edges: Records[Edge],
     vertex_first: NDArray[np.int64],
     vertex_neighbours: NDArray[np.int64],
     edge_first: NDArray[np.int64],
@@ -75,7 +77,7 @@ def judge_vertex_edge(
     vertex: int,
     edge: int,
     # motion
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     edge_moves: bool,
     x0: Vector,
     x1: Vector,
@@ -84,7 +86,7 @@ def judge_vertex_edge(
     far: float,
 ) -> tuple[int, float, float]:
     """Verdict on a vertex (at both ends of the interval in the axes of the edge) and an edge; time; gap [m]."""
-    a, b = fixed_point(points, edges[edge, 0]), fixed_point(points, edges[edge, 1])
+    a, b = fixed_point(points, edges[edge].ends[0]), fixed_point(points, edges[edge].ends[1])
     d0, s0 = off_line(x0, a, b)
     d1, s1 = off_line(x1, a, b)
     verdict, t = first_touch(d0, d1, radius, far)
@@ -111,7 +113,7 @@ def judge_vertices(
     vertex_a: int,
     vertex_b: int,
     # motion
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     x0: Vector,
     x1: Vector,
     # limits
@@ -134,9 +136,10 @@ def judge_vertices(
 
 
 @kernel(inline=True, internal=True)
-def in_axes_of_b(p: Vector, motion: NDArray[np.float64], at: int) -> Vector:
+def in_axes_of_b(p: Vector, pose: RelativePose) -> Vector:
     """Point of A [m] in the axes of B."""
-    return turn((p[0] - motion[at + 9], p[1] - motion[at + 10], p[2] - motion[at + 11]), motion, at, True)
+    shift = pose.origin
+    return turn((p[0] - shift[0], p[1] - shift[1], p[2] - shift[2]), pose, True)
 
 
 @kernel(inline=True, internal=True)
@@ -146,7 +149,7 @@ def rounded_contacts(
     ta: int,
     tb: int,
     # motion
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     radius: float,
     far: float,
     rounding: float,
@@ -161,11 +164,11 @@ def rounded_contacts(
     points, triangles, edges = surfaces.points, surfaces.triangles, surfaces.edges
     for i in range(3):
         for j in range(3):
-            row_a, row_b = triangles[ta, i], triangles[tb, j]
-            edge_a, edge_b = triangles[ta, EDGE_AB + i], triangles[tb, EDGE_AB + j]
-            own_a, own_b = triangles[ta, FLAGS] & (OWNS_A << i), triangles[tb, FLAGS] & (OWNS_A << j)
-            own_edge_a = triangles[ta, FLAGS] & (OWNS_AB << i)
-            own_edge_b = triangles[tb, FLAGS] & (OWNS_AB << j)
+            row_a, row_b = triangles[ta].corners[i], triangles[tb].corners[j]
+            edge_a, edge_b = triangles[ta].edges[i], triangles[tb].edges[j]
+            own_a, own_b = triangles[ta].flags & (OWNS_A << i), triangles[tb].flags & (OWNS_A << j)
+            own_edge_a = triangles[ta].flags & (OWNS_AB << i)
+            own_edge_b = triangles[tb].flags & (OWNS_AB << j)
             a = fixed_point(points, row_a)
             x0 = fixed_point(numbers, moved + j)
             x1 = fixed_point(numbers, moved + 3 + j)
@@ -180,7 +183,7 @@ def rounded_contacts(
                     )  # fmt: skip
                 elif kind == EDGE_VERTEX and own_a and own_edge_b:
                     feature_b = edge_b
-                    y0, y1 = in_axes_of_b(a, motion, 0), in_axes_of_b(a, motion, 12)
+                    y0, y1 = in_axes_of_b(a, motion.start), in_axes_of_b(a, motion.end)
                     verdict, time, gap = judge_vertex_edge(
                         points, edges, surfaces.vertex_first, surfaces.vertex_neighbours, surfaces.edge_first,
                         surfaces.edge_inward, row_a, edge_b, motion, True, y0, y1, radius, far,

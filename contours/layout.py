@@ -1,28 +1,51 @@
-"""Columns of the packed row of a contour: what evaluation and search kernels read."""
+"""Records of packed contours: what evaluation and search kernels read."""
 
 from __future__ import annotations
 
-__all__ = [
-    "CLOSED_U",
-    "CLOSED_V",
-    "CONTOUR_WIDTH",
-    "COUNT_U",
-    "COUNT_V",
-    "DEGREE_U",
-    "DEGREE_V",
-    "KNOTS_U",
-    "KNOTS_V",
-    "LARGEST_DEGREE",
-    "NET",
-    "WEIGHTS",
-]
+from heavylift.numerics.records import Record
 
-DEGREE_U, COUNT_U, CLOSED_U, KNOTS_U, DEGREE_V, COUNT_V, CLOSED_V, KNOTS_V, NET, WEIGHTS = range(10)
-"""Degree, number of distinct control points, 1 if closed, and first place in the knots, of both directions; first
-row of the control points, row-major with v running fastest; first place of the rational weights, -1 without. A curve
-has one control point of degree 0 in v."""
+__all__ = ["LARGEST_DEGREE", "PackedContour", "PackedDirection"]
 
-CONTOUR_WIDTH = 10
+
+class PackedDirection(Record):
+    """One direction of a contour.
+
+    Attributes
+    ----------
+    degree
+        0 across a curve.
+    count
+        Number of distinct control points; 1 across a curve.
+    closed
+        Whether its end is its start.
+    first_knot
+        First place in the knots.
+    """
+
+    degree: int
+    count: int
+    closed: bool
+    first_knot: int
+
+
+class PackedContour(Record):
+    """A contour in flat arrays of knots, rational weights and control points.
+
+    Attributes
+    ----------
+    u, v
+        Its directions. A curve has one control point of degree 0 in v.
+    first_control
+        First row of the control points, row-major with v running fastest.
+    first_weight
+        First place of the rational weights, -1 without.
+    """
+
+    u: PackedDirection
+    v: PackedDirection
+    first_control: int
+    first_weight: int
+
 
 LARGEST_DEGREE = 7
 """Of a contour: scratch arrays of the kernels are made for it."""

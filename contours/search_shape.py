@@ -29,16 +29,16 @@ from heavylift.contours.search_step import (
     CONVERGED,
     DEEP,
     EVALUATE,
-    FLAGS,
     NEED_SPAN,
-    TRIAL_U,
-    TRIAL_V,
     step_search,
 )
 from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from heavylift.contours.layout import PackedContour
+    from heavylift.contours.search_step import ContourSearch
 
 __all__ = ["closest_shape_on_curve", "closest_shape_on_surface", "into_shape", "shape_gap"]
 
@@ -66,23 +66,16 @@ def _out_of_shape(shape: NDArray, x: float, y: float, z: float) -> tuple[float, 
 
 
 @kernel(inline=True, internal=True)
-def _resolution(shape: NDArray, result: NDArray) -> float:
+def _resolution(shape: NDArray, result: ContourSearch) -> float:
     """Rounding error of positions about the shape."""
-    c = SHAPE_CENTRE
-    size = (
-        abs(result[0])
-        + abs(result[1])
-        + abs(result[2])
-        + abs(shape[c])
-        + abs(shape[c + 1])
-        + abs(shape[c + 2])
-    )
+    c, s = SHAPE_CENTRE, result.position
+    size = abs(s[0]) + abs(s[1]) + abs(s[2]) + abs(shape[c]) + abs(shape[c + 1]) + abs(shape[c + 2])
     return ROUNDING * (size + shape[SHAPE_SIZES] + shape[SHAPE_SIZES + 1] + shape[SHAPE_SIZES + 2])
 
 
 @kernel(internal=True)
 def closest_shape_on_surface(
-    contour: NDArray,
+    contour: PackedContour,
     knots: NDArray,
     weights: NDArray,
     net: NDArray,
@@ -91,7 +84,7 @@ def closest_shape_on_surface(
     span_u: int,
     span_v: int,
     scratch: NDArray,
-    result: NDArray,
+    result: ContourSearch,
 ) -> int:
     """Go on with the search for the point of a surface that is closest to, or deepest in, a primitive.
 
@@ -104,21 +97,22 @@ def closest_shape_on_surface(
 
     Returns
     -------
-    Status as there. DISTANCE_SQUARED is that of the core, shifted by the SHAPE_SHIFT of the row; the gap is from
+    Status as there. `squared_distance` is that of the core, shifted by the SHAPE_SHIFT of the row; the gap is from
     `shape_gap`. BEHIND is set if the normal of the surface points away from the primitive, DEEP if the gap is not above
     minus the radius.
     """
     while True:
         if leaves_window(contour, knots, span_u, span_v, result):
             return NEED_SPAN
-        surface_point(contour, knots, weights, net, result[TRIAL_U], result[TRIAL_V], scratch, result)
-        a1, a2, a3 = result[3], result[4], result[5]
-        b1, b2, b3 = result[6], result[7], result[8]
+        surface_point(contour, knots, weights, net, result.trial_u, result.trial_v, scratch, result)
+        a1, a2, a3 = result.tangent_u[0], result.tangent_u[1], result.tangent_u[2]
+        b1, b2, b3 = result.tangent_v[0], result.tangent_v[1], result.tangent_v[2]
+        uu, uv, vv = result.derivative_uu, result.derivative_uv, result.derivative_vv
         x, y, z = into_shape(
             shape,
-            result[0] - shape[SHAPE_CENTRE],
-            result[1] - shape[SHAPE_CENTRE + 1],
-            result[2] - shape[SHAPE_CENTRE + 2],
+            result.position[0] - shape[SHAPE_CENTRE],
+            result.position[1] - shape[SHAPE_CENTRE + 1],
+            result.position[2] - shape[SHAPE_CENTRE + 2],
         )
         value, m1, m2, m3, h11, h22, h33, h12, h13, h23 = core_distance(kind, shape, x, y, z)
         g1, g2, g3 = _out_of_shape(shape, m1, m2, m3)
@@ -135,20 +129,20 @@ def closest_shape_on_surface(
             0.5 * value * value,
             g1 * a1 + g2 * a2 + g3 * a3,
             g1 * b1 + g2 * b2 + g3 * b3,
-            p1 * hp1 + p2 * hp2 + p3 * hp3 + g1 * result[9] + g2 * result[10] + g3 * result[11],
-            p1 * hq1 + p2 * hq2 + p3 * hq3 + g1 * result[12] + g2 * result[13] + g3 * result[14],
-            q1 * hq1 + q2 * hq2 + q3 * hq3 + g1 * result[15] + g2 * result[16] + g3 * result[17],
+            p1 * hp1 + p2 * hp2 + p3 * hp3 + g1 * uu[0] + g2 * uu[1] + g3 * uu[2],
+            p1 * hq1 + p2 * hq2 + p3 * hq3 + g1 * uv[0] + g2 * uv[1] + g3 * uv[2],
+            q1 * hq1 + q2 * hq2 + q3 * hq3 + g1 * vv[0] + g2 * vv[1] + g3 * vv[2],
             _resolution(shape, result),
             result,
         )
         if status == CONVERGED:
             gap, _, _, _, _, _, _, side = shape_gap(kind, shape, result)
-            flags = int(result[FLAGS])
+            flags = result.flags
             if kind != ELLIPSOID and gap + shape[SHAPE_RADIUS] <= ROUNDING:
                 flags |= DEEP
             elif side > 0.0:
                 flags |= BEHIND
-            result[FLAGS] = float(flags)
+            result.flags = flags
             return status
         if status != EVALUATE:
             return status
@@ -156,7 +150,7 @@ def closest_shape_on_surface(
 
 @kernel(internal=True)
 def closest_shape_on_curve(
-    contour: NDArray,
+    contour: PackedContour,
     knots: NDArray,
     weights: NDArray,
     net: NDArray,
@@ -164,7 +158,7 @@ def closest_shape_on_curve(
     shape: NDArray,
     span_u: int,
     scratch: NDArray,
-    result: NDArray,
+    result: ContourSearch,
 ) -> int:
     """Go on with the search for the point of a curve that is closest to, or deepest in, a primitive.
 
@@ -173,13 +167,14 @@ def closest_shape_on_curve(
     while True:
         if leaves_window(contour, knots, span_u, 0, result):
             return NEED_SPAN
-        curve_point(contour, knots, weights, net, result[TRIAL_U], scratch, result)
-        a1, a2, a3 = result[3], result[4], result[5]
+        curve_point(contour, knots, weights, net, result.trial_u, scratch, result)
+        a1, a2, a3 = result.tangent_u[0], result.tangent_u[1], result.tangent_u[2]
+        uu = result.derivative_uu
         x, y, z = into_shape(
             shape,
-            result[0] - shape[SHAPE_CENTRE],
-            result[1] - shape[SHAPE_CENTRE + 1],
-            result[2] - shape[SHAPE_CENTRE + 2],
+            result.position[0] - shape[SHAPE_CENTRE],
+            result.position[1] - shape[SHAPE_CENTRE + 1],
+            result.position[2] - shape[SHAPE_CENTRE + 2],
         )
         value, m1, m2, m3, h11, h22, h33, h12, h13, h23 = core_distance(kind, shape, x, y, z)
         g1, g2, g3 = _out_of_shape(shape, m1, m2, m3)
@@ -193,9 +188,9 @@ def closest_shape_on_curve(
             + h22 * p2 * p2
             + h33 * p3 * p3
             + 2.0 * (h12 * p1 * p2 + h13 * p1 * p3 + h23 * p2 * p3)
-            + g1 * result[9]
-            + g2 * result[10]
-            + g3 * result[11],
+            + g1 * uu[0]
+            + g2 * uu[1]
+            + g3 * uu[2],
             0.0,
             1.0,
             _resolution(shape, result),
@@ -207,7 +202,7 @@ def closest_shape_on_curve(
 
 @kernel(internal=True)
 def shape_gap(
-    kind: int, shape: NDArray, result: NDArray
+    kind: int, shape: NDArray, result: ContourSearch
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Gap of a primitive to the contour point of a result, and where it is touched.
 
@@ -218,15 +213,16 @@ def shape_gap(
         normal of a surface; point of the primitive [m], ``S = x + g m``; sine of m above the tangents of a surface,
         below 0 if its normal faces the primitive.
     """
-    s1, s2, s3 = result[0], result[1], result[2]
+    s1, s2, s3 = result.position[0], result.position[1], result.position[2]
     x, y, z = into_shape(
         shape, s1 - shape[SHAPE_CENTRE], s2 - shape[SHAPE_CENTRE + 1], s3 - shape[SHAPE_CENTRE + 2]
     )
     value, d1, d2, d3, _, _, _, _, _, _ = core_distance(kind, shape, x, y, z)
     m1, m2, m3 = _out_of_shape(shape, d1 / value, d2 / value, d3 / value)
     gap = value - shape[SHAPE_SHIFT] - shape[SHAPE_RADIUS]
-    n1 = result[4] * result[8] - result[5] * result[7]
-    n2 = result[5] * result[6] - result[3] * result[8]
-    n3 = result[3] * result[7] - result[4] * result[6]
+    a, b = result.tangent_u, result.tangent_v
+    n1 = a[1] * b[2] - a[2] * b[1]
+    n2 = a[2] * b[0] - a[0] * b[2]
+    n3 = a[0] * b[1] - a[1] * b[0]
     side = (m1 * n1 + m2 * n2 + m3 * n3) / math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
     return gap, m1, m2, m3, s1 - gap * m1, s2 - gap * m2, s3 - gap * m3, side

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 
-from heavylift.contours.layout import COUNT_U, COUNT_V, NET
 from heavylift.contours.modal_sums import modal_points, modal_shapes
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
@@ -29,14 +28,11 @@ from heavylift.solver.contact.interface import (
 )
 from heavylift.solver.contact.kind import (
     CONTOUR,
-    CONTROLS,
     DIRECTIONS,
-    DOF,
     HAS_SLOPES,
     LARGEST_CONTROLS,
     OF_MODES,
     ORIGIN,
-    OWNER,
     REACH,
     ROTATION,
     SHAPES,
@@ -58,8 +54,8 @@ AT_ONCE = 512
 @kernel(inline=True, internal=True)
 def owner_of(kind: FlexibleBodies, contacts: ContactRows, contour: int) -> int:
     """Row of the body that a contour is on, -1 if that is not of this kind."""
-    if contacts.contours[contour, OWNER] == OF_MODES:
-        dof = contacts.contours[contour, DOF]
+    if contacts.contours[contour].owner == OF_MODES:
+        dof = contacts.contours[contour].dof
         for body in range(kind.table.shape[0]):
             if kind.table[body].dof == dof:
                 return body
@@ -118,7 +114,7 @@ def form_flexible_controls(
     count = 0
     for i in range(first_u, last_u + 1):
         for j in range(first_v, last_v + 1):
-            contacts.places[count] = (i % row[COUNT_U]) * row[COUNT_V] + j % row[COUNT_V]
+            contacts.places[count] = (i % row.u.count) * row.v.count + j % row.v.count
             count += 1
             if count == AT_ONCE:
                 _form_listed(kind, body, contacts, contour, count)
@@ -132,14 +128,14 @@ def _form_listed(kind: FlexibleBodies, body: int, contacts: ContactRows, contour
     row = contacts.contours[contour]
     modal_points(
         contacts.constants,
-        row[CONTROLS],
+        row.controls,
         kind.table[body].mode_count,
         kind.mid_modal_position,
         kind.table[body].first_mode,
         contacts.places,
         count,
         contacts.net,
-        row[NET],
+        row.first_control,
     )
 
 
@@ -180,7 +176,7 @@ def put_flexible_contour_rows(kind: FlexibleBodies, contacts: ContactRows, conta
 @kernel(inline=True, internal=True)
 def _sum_shapes(contacts: ContactRows, contour: int, count: int, n: int, weights: int, out: int) -> None:
     """Weighted mode shapes of some control points, component by component."""
-    begin = contacts.contours[contour, CONTROLS]
+    begin = contacts.contours[contour].controls
     scratch = contacts.scratch
     modal_shapes(contacts.constants, begin, n, contacts.places, count, scratch, weights, scratch, out)
 
@@ -197,7 +193,7 @@ def bound_flexible_motion(kind: FlexibleBodies, contacts: ContactRows, step: flo
         n, dof = kind.table[body].mode_count, kind.table[body].dof
         row = contacts.contours[contour]
         speed = 0.0
-        largest = row[CONTROLS] + row[COUNT_U] * row[COUNT_V] * (3 + 3 * n)
+        largest = row.controls + row.u.count * row.v.count * (3 + 3 * n)
         for i in range(n):
             speed += abs(work.velocity[dof + 6 + i]) * contacts.constants[largest + i]
         if kind.table[body].motion != FRAME_FIXED:

@@ -19,13 +19,11 @@ from heavylift.solver.contact.kind import (
     CONTOUR,
     OF_RIGID,
     ORIGIN,
-    OWNER,
     REACH,
     ROTATION,
     STEP_SHIFT,
     ContactRows,
 )
-from heavylift.solver.contact.kind import DOF as FIRST_VELOCITY
 from heavylift.solver.drive import FREE
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
@@ -36,9 +34,9 @@ __all__: list[str] = []
 @kernel(inline=True, internal=True)
 def owner_of(kind: RigidBodies, contacts: ContactRows, contour: int) -> int:
     """Row of the body that a contour is on, -1 if that is not of this kind."""
-    if contacts.contours[contour, OWNER] != OF_RIGID:
+    if contacts.contours[contour].owner != OF_RIGID:
         return -1
-    body = (contacts.contours[contour, FIRST_VELOCITY] - kind.table[0].dof) // 6
+    body = (contacts.contours[contour].dof - kind.table[0].dof) // 6
     return body if 0 <= body < kind.table.shape[0] else -1  # of another kind: rigid bodies that float
 
 
@@ -71,7 +69,7 @@ def bound_rigid_motion(kind: RigidBodies, contacts: ContactRows, step: float, wo
     for contour in range(contacts.contours.shape[0]):
         if owner_of(kind, contacts, contour) >= 0:
             v, w = 0.0, 0.0
-            dof = contacts.contours[contour, FIRST_VELOCITY]
+            dof = contacts.contours[contour].dof
             for k in range(3):
                 v += work.velocity[dof + k] ** 2
                 w += work.velocity[dof + 3 + k] ** 2

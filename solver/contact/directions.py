@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from heavylift.contours.layout import DEGREE_U, DEGREE_V
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate
 from heavylift.solver.contact.interface import form_controls
-from heavylift.solver.contact.kind import ARM, DIRECTIONS, OF_GROUND, OF_RIGID, OWNER, ContactRows
+from heavylift.solver.contact.kind import ARM, DIRECTIONS, OF_GROUND, OF_RIGID, ContactRows
 from heavylift.solver.interface import Bodies
 
 __all__ = ["form_span", "put_ball", "put_directions"]
@@ -16,10 +15,8 @@ __all__ = ["form_span", "put_ball", "put_directions"]
 def form_span(contacts: ContactRows, bodies: Bodies, contour: int, span_u: int, span_v: int) -> None:
     """Control points of one span in both directions."""
     row = contacts.contours[contour]
-    if row[OWNER] != OF_RIGID and row[OWNER] != OF_GROUND:
-        form_controls(
-            bodies, contacts, contour, span_u - row[DEGREE_U], span_u, span_v - row[DEGREE_V], span_v
-        )
+    if row.owner not in (OF_RIGID, OF_GROUND):
+        form_controls(bodies, contacts, contour, span_u - row.u.degree, span_u, span_v - row.v.degree, span_v)
 
 
 @kernel(internal=True)

@@ -10,16 +10,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from heavylift.contours.layout import CONTOUR_WIDTH
+from heavylift.contours.layout import PackedContour
+from heavylift.contours.search_step import ContourSearch
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.lanes import block_shape
+from heavylift.numerics.records import Records, record_at
 from heavylift.solver.kinds import Table
 from heavylift.solver.rows import RowArrays
 
 if TYPE_CHECKING:
     from heavylift.solver.contact.newton import ContactSolvers
 
-__all__ = ["Colliding", "ContactRows", "Features", "Reduced", "Samples"]
+__all__ = ["Colliding", "ContactContour", "ContactRows", "Features", "Reduced", "Samples", "search_at"]
 
 # columns of `table`: a row is a contact
 CONTOUR, SHAPE, LAW, CENTRE, AXES, COLUMN, FORCE_LAW, EVENTS, SLOT, PRIMITIVE_KIND, TABLE_WIDTH = range(11)
@@ -101,12 +103,34 @@ FOUND, LOST, NOT_A_NUMBER, TOO_DEEP = 0, 2, 3, 4
 """How a search ended: well; without converging or at something that is not finite, which are statuses of the
 searches; the contour has reached the core of a primitive."""
 
-# columns of `contours`: those of the spline, then
-OWNER, DOF, CONTROLS, DIMENSION, FLIP, BODY = range(CONTOUR_WIDTH, CONTOUR_WIDTH + 6)
-CONTOUR_COLUMNS = CONTOUR_WIDTH + 6
-"""Kind of its body; first velocity; place of the data of its control points in `constants`; 1 of curves, 2 of
-surfaces; -1 if the normal is turned round, else 1; number of the body. Of flexible bodies the largest
-displacements of a control point by each mode follow the data of the control points."""
+
+class ContactContour(PackedContour):
+    """A contour on a body.
+
+    Attributes
+    ----------
+    owner
+        Kind of its body.
+    dof
+        First velocity; -1 on the ground.
+    controls
+        Place of the data of its control points in `constants`. Of flexible bodies the largest displacements of a
+        control point by each mode follow them.
+    dimension
+        1 of curves, 2 of surfaces.
+    flip
+        -1 if the normal is turned round, else 1.
+    body
+        Number of the body; -1 of the ground.
+    """
+
+    owner: int
+    dof: int
+    controls: int
+    dimension: int
+    flip: int
+    body: int
+
 
 OF_GROUND, OF_RIGID, OF_MODES, OF_MESH, OF_FACETS = range(5)
 
@@ -116,9 +140,8 @@ ROTATION, ORIGIN, REACH, STEP_SHIFT, DIRECTOR, RADIUS_OF, WIDTH_OF, POSE_WIDTH =
 one moves in the step at most; constants of derived contours: direction across a band, radius and width [m]."""
 
 # places in `scratch`
-RESULT, RESULT_END, DIRECTIONS, LEVER, SLOPES, HAS_SLOPES, ARM, SHAPE_ROW, EVALUATE = (
+RESULT, DIRECTIONS, LEVER, SLOPES, HAS_SLOPES, ARM, SHAPE_ROW, EVALUATE = (
     0,
-    72,
     72,
     81,
     84,
@@ -127,9 +150,12 @@ RESULT, RESULT_END, DIRECTIONS, LEVER, SLOPES, HAS_SLOPES, ARM, SHAPE_ROW, EVALU
     97,
     120,
 )
-"""Result of a search; directions of the three rows in the world; touched point in the axes of the contour; factors
-of the rates of its tangent in the rows, and whether there are any; from the point of the shape to where it
+"""A search, see `search_at`; directions of the three rows in the world; touched point in the axes of the contour;
+factors of the rates of its tangent in the rows, and whether there are any; from the point of the shape to where it
 touches, in the world; row of a primitive; scratch of evaluation and search."""
+
+search_at = record_at(ContourSearch)
+"""The search of the contact at hand, in `scratch` at RESULT."""
 
 LARGEST_CONTROLS = 1024
 """Control points under a footprint, and under a point."""
@@ -243,7 +269,7 @@ class ContactRows(RowArrays):
     table, values, state
         Of each contact, shapes (nc, 10), (nc, 32), (nc, 59).
     contours
-        Packed rows of the contours, shape (n, 16).
+        All contours, shape (n,).
     poses
         Shape (n, 20).
     constants
@@ -292,7 +318,7 @@ class ContactRows(RowArrays):
     table: Ints2
     values: Floats2
     state: Floats2
-    contours: Ints2
+    contours: Records[ContactContour]
     poses: Floats2
     constants: Floats1
     net: Floats2

@@ -6,7 +6,6 @@ flexible body are formed where they are needed.
 
 from __future__ import annotations
 
-from heavylift.contours.search_step import U, V
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate, rotate_back
 from heavylift.solver.contact.features import sample, touch, weigh
@@ -29,7 +28,6 @@ from heavylift.solver.contact.kind import (
     OF_GROUND,
     OF_RIGID,
     ORIGIN,
-    OWNER,
     RESULT,
     SEARCH,
     SHAPE,
@@ -37,6 +35,7 @@ from heavylift.solver.contact.kind import (
     TOUCHED,
     TRIANGLES,
     ContactRows,
+    search_at,
 )
 from heavylift.solver.contact.mesh_interface import touch_triangles
 from heavylift.solver.contact.slider_rows import put_slider_rows
@@ -74,11 +73,12 @@ def locate(contacts: ContactRows, bodies: Bodies, c: int, cold: bool, work: Work
         sample(contacts.features, contacts, bodies, contour)
     scratch[HAS_SLOPES] = 0.0
     touch(contacts.features, contacts, bodies, c, cold, y1, y2, y3, work)
-    state[AT_U], state[AT_V] = scratch[RESULT + U], scratch[RESULT + V]
+    result = search_at(scratch, RESULT)
+    state[AT_U], state[AT_V] = result.u, result.v
     if state[CLOSED] == 0.0 and LOST <= state[SEARCH] <= NOT_A_NUMBER:
         state[END_GAP] = state[GAP]  # nothing is known of it
     contacts.places[CONTROL_COUNT] = 0
-    if contacts.contours[contour, OWNER] != OF_RIGID and contacts.contours[contour, OWNER] != OF_GROUND:
+    if contacts.contours[contour].owner != OF_RIGID and contacts.contours[contour].owner != OF_GROUND:
         weigh(contacts.features, contacts, bodies, c, y1, y2, y3)
     s = rotate(pose, scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2])
     for k in range(3):

@@ -15,7 +15,6 @@ from heavylift.contours.feature_gap import (
     VERTEX_EDGE,
     VERTEX_FACE,
 )
-from heavylift.contours.surface_layout import CORNER_A, FIRST_POINT
 from heavylift.contours.surface_pack import CollisionSurfaces
 from heavylift.contours.surface_refit import refit_surface
 from heavylift.numerics.jit import kernel
@@ -43,7 +42,6 @@ from heavylift.solver.contact.kind import (
     FEATURES,
     LEVER,
     OF_CONTOURS,
-    ORIGIN,
     OTHER_FEATURE,
     PAIR,
     POINT_SLOT,
@@ -72,7 +70,7 @@ def form_facet_points(facets: FacetSurfaces, surfaces: CollisionSurfaces, bodies
     """Surface by surface."""
     for row in range(facets.rows.shape[0]):
         surface = facets.rows[row, OF_SURFACE]
-        form_surface_points(bodies, facets, row, surfaces.surfaces[surface, FIRST_POINT], surfaces.points)
+        form_surface_points(bodies, facets, row, surfaces.surfaces[surface].first_point, surfaces.points)
         refit_surface(surfaces, surface)
 
 
@@ -123,7 +121,7 @@ def _is_taken(meshes: SurfacePairs, contacts: ContactRows, contact: int, dof: in
 def _share_on_edge(facets: FacetSurfaces, meshes: SurfacePairs, edge: int, x: Vector) -> None:
     """Of a point of the line along an edge."""
     points = meshes.surfaces.points
-    a, b = meshes.surfaces.edges[edge, 0], meshes.surfaces.edges[edge, 1]
+    a, b = meshes.surfaces.edges[edge].ends[0], meshes.surfaces.edges[edge].ends[1]
     along = square = 0.0
     for k in range(3):
         d = points[b, k] - points[a, k]
@@ -138,9 +136,9 @@ def _share_in_face(facets: FacetSurfaces, meshes: SurfacePairs, face: int, x: Ve
     """Of a point of the plane of a triangle (Ericson, *Real-Time Collision Detection*, 2005, section 3.4)."""
     points = meshes.surfaces.points
     a, b, c = (
-        meshes.surfaces.triangles[face, CORNER_A],
-        meshes.surfaces.triangles[face, CORNER_A + 1],
-        meshes.surfaces.triangles[face, CORNER_A + 2],
+        meshes.surfaces.triangles[face].corners[0],
+        meshes.surfaces.triangles[face].corners[1],
+        meshes.surfaces.triangles[face].corners[2],
     )
     n = meshes.surfaces.normals[face]
     u1, u2, u3 = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
@@ -177,7 +175,7 @@ def _share(
         facets.corners[0] = facets.corners[1] = facets.corners[2] = feature
         facets.shares[0], facets.shares[1], facets.shares[2] = 1.0, 0.0, 0.0
     for k in range(3):
-        facets.corners[k] -= meshes.surfaces.surfaces[surface, FIRST_POINT]
+        facets.corners[k] -= meshes.surfaces.surfaces[surface].first_point
 
 
 @implement(touch_facets, FacetSurfaces)
@@ -202,9 +200,8 @@ def touch_facet_contact(
         at = own if row >= 0 else POINT_AT + OTHER_AT - own
         x = touch[at], touch[at + 1], touch[at + 2]
         if side == 1:
-            x = rotate_back(
-                relative, x[0] - relative[ORIGIN], x[1] - relative[ORIGIN + 1], x[2] - relative[ORIGIN + 2]
-            )
+            origin = relative.origin
+            x = rotate_back(relative.rotation, x[0] - origin[0], x[1] - origin[1], x[2] - origin[2])
         if row >= 0:
             feature = int(state[OTHER_FEATURE if side == 1 else FEATURE])
             _share(facets, meshes, int(state[FEATURES]), feature, side == 1, facets.rows[row, OF_SURFACE], x)

@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import ClassVar
 
 from heavylift.contours.pair_list import PairLists
+from heavylift.contours.surface_layout import RelativeMotion, RelativePose
 from heavylift.contours.surface_pack import CollisionSurfaces
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
+from heavylift.numerics.records import Records
 from heavylift.solver.kinds import Table
 
 __all__ = ["Clearing", "DeformingSurfaces", "SurfacePairs"]
@@ -62,9 +64,9 @@ class SurfacePairs(Arrays):
     pairs, sides, pair_values
         Of each pair, shapes (np, 12), (np, 6), (np, 37).
     relative
-        Pose of the second surface in the axes of the first at the stage: rotation matrix and origin, shape (np, 12).
+        Pose of the second surface in the axes of the first at the stage, shape (np,).
     motions
-        The same at both ends of the step, shape (np, 24).
+        The same at both ends of the step, shape (np,).
     found, found_values
         What the search of a pair has found: shapes (n, 4), (n, 3).
     touch
@@ -99,8 +101,8 @@ class SurfacePairs(Arrays):
     pairs: Ints2
     sides: Ints2
     pair_values: Floats2
-    relative: Floats2
-    motions: Floats2
+    relative: Records[RelativePose]
+    motions: Records[RelativeMotion]
     found: Ints2
     found_values: Floats2
     touch: Floats1

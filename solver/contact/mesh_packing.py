@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.contours.surface_layout import RelativeMotion, RelativePose
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.rigid import principal_frame
 from heavylift.solver.connections import GROUND
@@ -27,10 +29,7 @@ from heavylift.solver.contact.facet_kind import (
     FacetSurfaces,
 )
 from heavylift.solver.contact.kind import (
-    BODY,
     COMPLIANT,
-    CONTOUR_COLUMNS,
-    DOF,
     EXTENT,
     FRICTION,
     INVERSE_MASS,
@@ -38,7 +37,6 @@ from heavylift.solver.contact.kind import (
     OF_GROUND,
     OF_RIGID,
     ORIGIN,
-    OWNER,
     POSE_WIDTH,
     REACH,
     RIGID,
@@ -46,6 +44,7 @@ from heavylift.solver.contact.kind import (
     SIZE,
     STATE_WIDTH,
     Colliding,
+    ContactContour,
 )
 from heavylift.solver.contact.laws_packing import force_law, put_law
 from heavylift.solver.contact.mesh_clearance import make_clearances
@@ -137,11 +136,11 @@ def pack_collisions(
     from heavylift.contours.surface_pack import pack_surfaces
 
     by_name = {body.name: body for body in ordered}
-    contours, poses, moved = [], [], []
+    contours = records(ContactContour, len(scene.surfaces))
+    poses, moved = [], []
     deforming: dict[int, FacetBook] = {}
     for i, one in enumerate(scene.surfaces):
-        row, pose, surface, book = _pack_surface(one, by_name, dofs)
-        contours.append(row)
+        contours[i], pose, surface, book = _pack_surface(one, by_name, dofs)
         poses.append(pose)
         moved.append(surface)
         if book is not None:
@@ -199,8 +198,8 @@ def pack_collisions(
         pairs=pairs,
         sides=sides,
         pair_values=values,
-        relative=np.zeros((count, 12)),
-        motions=np.zeros((count, 24)),
+        relative=records(RelativePose, count),
+        motions=records(RelativeMotion, count),
         found=np.zeros((room, FOUND_COLUMNS), dtype=np.int64),
         found_values=np.zeros((room, FOUND_NUMBERS)),
         touch=np.zeros(TOUCH_NUMBERS),
@@ -222,7 +221,7 @@ def pack_collisions(
     )
     return PackedCollisions(
         meshes=Colliding((meshes,)),
-        contours=np.array(contours, dtype=np.int64).reshape(-1, CONTOUR_COLUMNS),
+        contours=contours,
         poses=np.array(poses).reshape(-1, POSE_WIDTH),
         placed=np.zeros((len(moved) + count + 1, 12)),
         most=most,
@@ -281,7 +280,7 @@ def _patch_size(surface: TriangleSurface) -> float:
 
 def _pack_surface(
     one: CollisionSurface, by_name: Mapping[str, AnyBody], dofs: Mapping[str, int]
-) -> tuple[NDArray[np.int64], NDArray[np.float64], TriangleSurface, FacetBook | None]:
+) -> tuple[ContactContour, NDArray[np.float64], TriangleSurface, FacetBook | None]:
     """Row and pose of a surface, its triangles in the axes in which its body is measured, and how they deform."""
     from heavylift.preprocess.surfaces import TriangleSurface
 
@@ -307,10 +306,10 @@ def _pack_surface(
     surface = TriangleSurface(
         (one.surface.points - origin) @ axes, one.surface.triangles, one.surface.radius, one.name
     )
-    row = np.zeros(CONTOUR_COLUMNS, dtype=np.int64)
-    row[OWNER] = OF_GROUND if body is None else OF_RIGID
-    row[DOF] = -1 if body is None else dofs[one.body]
-    row[BODY] = -1 if body is None else list(by_name).index(one.body)
+    row = ContactContour.one()
+    row.owner = OF_GROUND if body is None else OF_RIGID
+    row.dof = -1 if body is None else dofs[one.body]
+    row.body = -1 if body is None else list(by_name).index(one.body)
     pose = np.zeros(POSE_WIDTH)
     pose[ROTATION : ROTATION + 9] = np.eye(3).ravel()
     if body is not None:
@@ -323,7 +322,7 @@ def _pack_surface(
 
 def _pack_own_surface(
     one: CollisionSurface, body: MeshBody, number: int, dofs: Mapping[str, int]
-) -> tuple[NDArray[np.int64], NDArray[np.float64], TriangleSurface, FacetBook]:
+) -> tuple[ContactContour, NDArray[np.float64], TriangleSurface, FacetBook]:
     """The same of a frame or shell: axes are those in which it was placed, and stand still."""
     from heavylift.solver.bodies.ancf.facet_packing import facet_surface
 
@@ -337,8 +336,8 @@ def _pack_own_surface(
     if one.facets < 1:
         raise InputError(f"{one.facets}", source=one.name, key="facets", expected="1 or more")
     book = facet_surface(body, one.facets, one.name)
-    row = np.zeros(CONTOUR_COLUMNS, dtype=np.int64)
-    row[OWNER], row[DOF], row[BODY] = OF_FACETS, dofs[one.body], number
+    row = ContactContour.one()
+    row.owner, row.dof, row.body = OF_FACETS, dofs[one.body], number
     pose = np.zeros(POSE_WIDTH)
     pose[ROTATION : ROTATION + 9] = rotation_matrix(np.asarray(body.orientation, dtype=np.float64)).ravel()
     pose[ORIGIN : ORIGIN + 3] = body.position

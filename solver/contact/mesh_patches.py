@@ -118,7 +118,6 @@ def _put_item(
         meshes.pair_values[pair, RADII],
         side,
         meshes.relative[pair],
-        0,
         touch,
     )
     for k in range(3):

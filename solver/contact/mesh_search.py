@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from heavylift.contours.feature_gap import copy_pose
 from heavylift.contours.feature_pairs import find_contacts
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
@@ -121,12 +122,12 @@ def _search_all(
     fill_table(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
         a, b = meshes.pairs[pair, FIRST_POSE], meshes.pairs[pair, SECOND_POSE]
-        relative_pose(contacts.placed[a - first_row], contacts.placed[b - first_row], meshes.motions[pair], 0)
-        relative_pose(contacts.poses[a], contacts.poses[b], meshes.motions[pair], 12)
-        for k in range(12):
-            meshes.relative[pair, k] = meshes.motions[pair, 12 + k]
-            if meshes.pairs[pair, DEFORMS] > 0:  # its points are those of the end, so paths say nothing
-                meshes.motions[pair, k] = meshes.motions[pair, 12 + k]
+        motion = meshes.motions[pair]
+        relative_pose(contacts.placed[a - first_row], contacts.placed[b - first_row], motion.start)
+        relative_pose(contacts.poses[a], contacts.poses[b], motion.end)
+        copy_pose(motion.end, meshes.relative[pair])
+        if meshes.pairs[pair, DEFORMS] > 0:  # its points are those of the end, so paths say nothing
+            copy_pose(motion.end, motion.start)
         moved = contacts.poses[a, STEP_SHIFT] + contacts.poses[b, STEP_SHIFT]
         _search_pair(meshes, contacts, bodies, pair, moved, step, first, work)
     _finish_contacts(meshes, contacts)

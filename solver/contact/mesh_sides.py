@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from heavylift.contours.feature_gap import EDGE_EDGE, feature_gap
+from heavylift.contours.surface_layout import RelativePose
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate
 from heavylift.solver.contact.counts import contact_count, number_of
@@ -63,7 +61,7 @@ def holds(contacts: ContactRows, c: int) -> bool:
 
 
 @kernel(internal=True)
-def evaluate(meshes: SurfacePairs, pair: int, i: int, pose: NDArray[np.float64], side: float) -> float:
+def evaluate(meshes: SurfacePairs, pair: int, i: int, pose: RelativePose, side: float) -> float:
     """Gap of what was found, at a pose; normal and points are left in `touch`."""
     found = meshes.found[i]
     return feature_gap(
@@ -74,7 +72,6 @@ def evaluate(meshes: SurfacePairs, pair: int, i: int, pose: NDArray[np.float64],
         meshes.pair_values[pair, RADII],
         side,
         pose,
-        0,
         meshes.touch,
     )
 
@@ -86,10 +83,10 @@ def gap_at_start(meshes: SurfacePairs, pair: int, i: int) -> float:
     if meshes.found[i, FOUND_KIND] == EDGE_EDGE:
         evaluate(meshes, pair, i, meshes.relative[pair], side)
         n1, n2, n3 = touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2]
-        evaluate(meshes, pair, i, meshes.motions[pair], side)
+        evaluate(meshes, pair, i, meshes.motions[pair].start, side)
         if n1 * touch[NORMAL_AT] + n2 * touch[NORMAL_AT + 1] + n3 * touch[NORMAL_AT + 2] < 0.0:
             side = -side
-    return evaluate(meshes, pair, i, meshes.motions[pair], side)
+    return evaluate(meshes, pair, i, meshes.motions[pair].start, side)
 
 
 @kernel(internal=True)

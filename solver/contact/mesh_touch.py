@@ -16,7 +16,7 @@ from heavylift.contours.feature_gap import (
     contact_gap,
     feature_gap,
 )
-from heavylift.contours.surface_layout import CORNER_A, CORNER_B
+from heavylift.contours.surface_layout import RelativePose
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate, rotate_back
 from heavylift.solver.contact.contour_rows import put_pose_rows
@@ -62,14 +62,12 @@ Direction = tuple[float, float, float]
 
 
 @kernel(internal=True)
-def relative_pose(
-    first: NDArray[np.float64], second: NDArray[np.float64], out: NDArray[np.float64], at: int
-) -> None:
-    """``R = R_A^T R_B`` and ``p = R_A^T (p_B - p_A)`` of two poses, row by row, into 12 places from `at`."""
+def relative_pose(first: NDArray[np.float64], second: NDArray[np.float64], out: RelativePose) -> None:
+    """``R = R_A^T R_B`` and ``p = R_A^T (p_B - p_A)`` of two poses."""
     for j in range(3):
         r = rotate_back(first, second[j], second[3 + j], second[6 + j])
         for i in range(3):
-            out[at + 3 * i + j] = r[i]
+            out.rotation[3 * i + j] = r[i]
     p = rotate_back(
         first,
         second[ORIGIN] - first[ORIGIN],
@@ -77,7 +75,7 @@ def relative_pose(
         second[ORIGIN + 2] - first[ORIGIN + 2],
     )
     for i in range(3):
-        out[at + 9 + i] = p[i]
+        out.origin[i] = p[i]
 
 
 @implement(pose_surfaces, SurfacePairs)
@@ -87,7 +85,7 @@ def pose_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows, bodies: Bodi
     form_facets(meshes.facets, meshes.surfaces, bodies)
     for pair in range(meshes.pairs.shape[0]):
         first = contacts.poses[meshes.pairs[pair, FIRST_POSE]]
-        relative_pose(first, contacts.poses[meshes.pairs[pair, SECOND_POSE]], meshes.relative[pair], 0)
+        relative_pose(first, contacts.poses[meshes.pairs[pair, SECOND_POSE]], meshes.relative[pair])
 
 
 @implement(bound_surfaces, SurfacePairs)
@@ -109,16 +107,16 @@ def _tangent(
     on_second = kind == FACE_VERTEX
     a, b = 0, 0
     if kind == VERTEX_FACE:
-        a, b = meshes.surfaces.triangles[feature, CORNER_A], meshes.surfaces.triangles[feature, CORNER_B]
+        a, b = meshes.surfaces.triangles[feature].corners[0], meshes.surfaces.triangles[feature].corners[1]
     elif kind == FACE_VERTEX:
-        a, b = meshes.surfaces.triangles[other, CORNER_A], meshes.surfaces.triangles[other, CORNER_B]
+        a, b = meshes.surfaces.triangles[other].corners[0], meshes.surfaces.triangles[other].corners[1]
     elif kind != VERTEX_VERTEX:
         on_second = kind == EDGE_VERTEX
         edge = other if on_second else feature
-        a, b = meshes.surfaces.edges[edge, 0], meshes.surfaces.edges[edge, 1]
+        a, b = meshes.surfaces.edges[edge].ends[0], meshes.surfaces.edges[edge].ends[1]
     t1, t2, t3 = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
     if on_second:
-        t1, t2, t3 = rotate(meshes.relative[pair], t1, t2, t3)
+        t1, t2, t3 = rotate(meshes.relative[pair].rotation, t1, t2, t3)
     share = t1 * n1 + t2 * n2 + t3 * n3
     t1, t2, t3 = t1 - share * n1, t2 - share * n2, t3 - share * n3
     size = math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
@@ -139,7 +137,7 @@ def _keep_side(meshes: SurfacePairs, contacts: ContactRows, c: int, pair: int) -
         return
     feature, other = int(state[FEATURE]), int(state[OTHER_FEATURE])
     relative = meshes.relative[pair]
-    contact_gap(meshes.surfaces, EDGE_EDGE, feature, other, 0.0, state[SIDE], relative, 0, touch)
+    contact_gap(meshes.surfaces, EDGE_EDGE, feature, other, 0.0, state[SIDE], relative, touch)
     pose = contacts.poses[contacts.table[c, CONTOUR]]
     n1, n2, n3 = rotate(pose, touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2])
     if n1 * state[NORMAL] + n2 * state[NORMAL + 1] + n3 * state[NORMAL + 2] < 0.0:
@@ -166,7 +164,6 @@ def touch_mesh_contact(
         meshes.pair_values[pair, RADII],
         state[SIDE],
         relative,
-        0,
         touch,
     )
     state[BESIDE] = touch[BESIDE_AT]
@@ -183,7 +180,8 @@ def touch_mesh_contact(
     put_pose_rows(contacts, 2 * c, first_pose, -1.0)
     pose = contacts.poses[first_pose]
     s = rotate(pose, x1, x2, x3)
-    y = rotate_back(relative, x1 - relative[ORIGIN], x2 - relative[ORIGIN + 1], x3 - relative[ORIGIN + 2])
+    origin = relative.origin
+    y = rotate_back(relative.rotation, x1 - origin[0], x2 - origin[1], x3 - origin[2])
     for k in range(3):
         state[TOUCHED + k] = pose[ORIGIN + k] + s[k]
         state[NORMAL + k] = scratch[DIRECTIONS + k]

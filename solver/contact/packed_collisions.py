@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.contact.kind import CONTOUR_COLUMNS, POSE_WIDTH, Colliding
+from heavylift.numerics.records import Records, records
+from heavylift.solver.contact.kind import POSE_WIDTH, Colliding, ContactContour
 
 __all__ = ["PackedCollisions", "no_collisions"]
 
@@ -33,7 +34,7 @@ class PackedCollisions:
     """
 
     meshes: Colliding
-    contours: NDArray[np.int64]
+    contours: Records[ContactContour]
     poses: NDArray[np.float64]
     placed: NDArray[np.float64]
     most: int
@@ -45,7 +46,7 @@ def no_collisions() -> PackedCollisions:
     """Of scenes whose contacts are all with contours."""
     return PackedCollisions(
         Colliding(()),
-        np.zeros((0, CONTOUR_COLUMNS), dtype=np.int64),
+        records(ContactContour, 0),
         np.zeros((0, POSE_WIDTH)),
         np.zeros((1, 12)),
         0,

@@ -49,7 +49,6 @@ from heavylift.solver.contact.kind import (
     COUNT,
     CURVE,
     DENSE,
-    DOF,
     EVENTS,
     EXTENT,
     FIRST_BLOCK,
@@ -62,7 +61,6 @@ from heavylift.solver.contact.kind import (
     NORMAL,
     OF_CONTOURS,
     OF_MODES,
-    OWNER,
     PLACES_BEHIND,
     POINT,
     POINTS_AT,
@@ -80,6 +78,7 @@ from heavylift.solver.contact.kind import (
     TOUCH_DAMPING,
     VALUE_WIDTH,
     WATCHED,
+    ContactContour,
     ContactRows,
     Features,
     Reduced,
@@ -242,7 +241,7 @@ def _kind(
     behind = places[LARGEST_CONTROLS + count :]
     behind[FIRST_BLOCK], behind[ALL_RIGID] = block_count, int(rigid_only)
     behind[COUNT] = behind[OF_CONTOURS] = of_contours
-    bodies = len({side.dof for side in sides if side.width} | set(collided.contours[:, DOF]) - {-1})
+    bodies = len({side.dof for side in sides if side.width} | set(collided.contours["dof"]) - {-1})
     reduced = _reduced(*((count, bodies, len(inverse_mass)) if rigid_only else (0, 0, 0)))
     size = max(3 * own, len(reduced.start))
     control = np.zeros(CONTROL_WIDTH)
@@ -257,7 +256,7 @@ def _kind(
         table=table,
         values=values,
         state=state,
-        contours=np.concatenate([packed.rows, collided.contours]),
+        contours=records(ContactContour, [*packed.rows, *collided.contours]),
         poses=np.concatenate([packed.poses, collided.poses]),
         constants=packed.constants,
         net=packed.net,
@@ -299,7 +298,7 @@ def _reduced(contact_count: int, body_count: int, velocity_count: int) -> Reduce
 def _features(packed: PackedContours, table: NDArray[np.int64], values: NDArray[np.float64]) -> Features:
     """Kinds of contact that are there."""
     on_curve = np.array([packed.is_curve[i] for i in table[:, CONTOUR]], dtype=bool)
-    deforms = packed.rows[table[:, CONTOUR], OWNER] >= OF_MODES
+    deforms = packed.rows["owner"][table[:, CONTOUR]] >= OF_MODES
     counts = {
         Surfaces: np.count_nonzero(~on_curve & (table[:, SHAPE] == POINT)),
         SurfaceWeights: np.count_nonzero(~on_curve & deforms),

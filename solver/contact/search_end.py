@@ -6,7 +6,7 @@ A search in a trial step that is taken back does no harm, so its end is judged w
 from __future__ import annotations
 
 from heavylift.contours.evaluate import surface_point
-from heavylift.contours.search_step import CONVERGED, FLAGS, U, V
+from heavylift.contours.search_step import CONVERGED
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.contact.counts import block_of, contact_count
@@ -22,11 +22,11 @@ from heavylift.solver.contact.kind import (
     NOT_A_NUMBER,
     PRESENT,
     RESULT,
-    RESULT_END,
     SEARCH,
     TOO_DEEP,
     WEIGHTS_AT,
     ContactRows,
+    search_at,
 )
 from heavylift.solver.interface import Workspace
 
@@ -49,10 +49,10 @@ def note_search(contacts: ContactRows, c: int, status: int) -> None:
     state[SEARCH] = FOUND
     if status != CONVERGED:
         contour = contacts.contours[contacts.table[c, CONTOUR]]
-        result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+        result, evaluate = search_at(scratch, RESULT), scratch[EVALUATE:WEIGHTS_AT]
         u, v, knots = state[AT_U], state[AT_V], contacts.constants
         surface_point(contour, knots, knots, contacts.net, u, v, evaluate, result)
-        result[U], result[V], result[FLAGS] = u, v, 0.0
+        result.u, result.v, result.flags = u, v, 0
         state[SEARCH] = status
 
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from heavylift.contours.layout import COUNT_U, COUNT_V
 from heavylift.contours.samples import sample_points
 from heavylift.contours.search_cold import closest_point_cold
-from heavylift.contours.search_step import U, V
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.features import Deforming, sample
 from heavylift.solver.contact.interface import form_controls
@@ -16,16 +14,15 @@ from heavylift.solver.contact.kind import (
     EVALUATE,
     OF_GROUND,
     OF_RIGID,
-    OWNER,
     POINTS_AT,
     RESULT,
-    RESULT_END,
     U_AT,
     U_COUNT,
     V_AT,
     V_COUNT,
     WEIGHTS_AT,
     ContactRows,
+    search_at,
 )
 from heavylift.solver.interface import Bodies
 from heavylift.solver.kinds import implement
@@ -38,9 +35,9 @@ __all__ = ["start_at_point"]
 def sample_deforming(feature: Deforming, contacts: ContactRows, bodies: Bodies, contour: int) -> None:
     """Form all control points, then the samples; those of rigid contours stand still."""
     row, samples, net = contacts.contours[contour], contacts.samples, contacts.net
-    if row[OWNER] == OF_RIGID or row[OWNER] == OF_GROUND:
+    if row.owner in (OF_RIGID, OF_GROUND):
         return
-    form_controls(bodies, contacts, contour, 0, row[COUNT_U] - 1, 0, row[COUNT_V] - 1)
+    form_controls(bodies, contacts, contour, 0, row.u.count - 1, 0, row.v.count - 1)
     grid = samples.grids[contour]
     i, j, at = grid[U_AT], grid[V_AT], grid[POINTS_AT]
     m, n = i + grid[U_COUNT], j + grid[V_COUNT]
@@ -62,7 +59,7 @@ def start_at_point(contacts: ContactRows, c: int, y1: float, y2: float, y3: floa
     """Nearest point of a curve or surface to a point in its axes [m], into the state of a contact."""
     contour = contacts.table[c, CONTOUR]
     samples, scratch, state = contacts.samples, contacts.scratch, contacts.state[c]
-    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = search_at(scratch, RESULT), scratch[EVALUATE:WEIGHTS_AT]
     grid = samples.grids[contour]
     i, j, at = grid[U_AT], grid[V_AT], grid[POINTS_AT]
     closest_point_cold(
@@ -82,4 +79,4 @@ def start_at_point(contacts: ContactRows, c: int, y1: float, y2: float, y3: floa
         evaluate,
         result,
     )
-    state[AT_U], state[AT_V] = result[U], result[V]
+    state[AT_U], state[AT_V] = result.u, result.v

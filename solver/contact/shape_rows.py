@@ -17,6 +17,7 @@ from heavylift.solver.contact.kind import (
     RESULT,
     SHAPE_ROW,
     ContactRows,
+    search_at,
 )
 from heavylift.solver.interface import Workspace
 
@@ -51,10 +52,11 @@ def put_touch(
 ) -> None:
     """Directions from the normal, lever, and arm x, all in the axes of the contour."""
     contour, scratch = contacts.table[c, CONTOUR], contacts.scratch
-    a1, a2, a3 = scratch[RESULT + 3], scratch[RESULT + 4], scratch[RESULT + 5]
+    result = search_at(scratch, RESULT)
+    a1, a2, a3 = result.tangent_u[0], result.tangent_u[1], result.tangent_u[2]
     share = a1 * n1 + a2 * n2 + a3 * n3
     if share * share > 0.8 * (a1 * a1 + a2 * a2 + a3 * a3):  # at an edge the normal may lie along it
-        a1, a2, a3 = scratch[RESULT + 6], scratch[RESULT + 7], scratch[RESULT + 8]
+        a1, a2, a3 = result.tangent_v[0], result.tangent_v[1], result.tangent_v[2]
         share = a1 * n1 + a2 * n2 + a3 * n3
     t1, t2, t3 = a1 - share * n1, a2 - share * n2, a3 - share * n3
     size = 1.0 / math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
@@ -62,4 +64,4 @@ def put_touch(
     x = rotate(contacts.poses[contour], x1, x2, x3)
     for k in range(3):
         scratch[ARM + k] = x[k]
-        scratch[LEVER + k] = scratch[RESULT + k]
+        scratch[LEVER + k] = result.position[k]

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from heavylift.contours.evaluate import surface_weights
-from heavylift.contours.search_step import U, V
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.features import SurfaceWeights, weigh
 from heavylift.solver.contact.kind import (
     CONTOUR,
     CONTROL_COUNT,
-    DIMENSION,
     EVALUATE,
     FOOTPRINT,
     LARGEST_CONTROLS,
     RESULT,
-    RESULT_END,
     WEIGHTS_AT,
     ContactRows,
+    search_at,
 )
 from heavylift.solver.interface import Bodies
 from heavylift.solver.kinds import implement
@@ -31,11 +29,11 @@ def weigh_surface(
 ) -> None:
     """Control points of the span, and their weights."""
     contour = contacts.table[c, CONTOUR]
-    if contacts.contours[contour, DIMENSION] == 2 and contacts.values[c, FOOTPRINT] == 0.0:
+    if contacts.contours[contour].dimension == 2 and contacts.values[c, FOOTPRINT] == 0.0:
         row, scratch = contacts.contours[contour], contacts.scratch
-        result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+        result, evaluate = search_at(scratch, RESULT), scratch[EVALUATE:WEIGHTS_AT]
         weights = scratch[WEIGHTS_AT : WEIGHTS_AT + LARGEST_CONTROLS]
         knots = contacts.constants
         contacts.places[CONTROL_COUNT] = surface_weights(
-            row, knots, knots, result[U], result[V], evaluate, contacts.places, weights
+            row, knots, knots, result.u, result.v, evaluate, contacts.places, weights
         )

@@ -6,9 +6,8 @@ import math
 
 from heavylift.contours.basis import find_span
 from heavylift.contours.evaluate import curve_point, curve_weights
-from heavylift.contours.layout import CLOSED_U, COUNT_U, DEGREE_U, KNOTS_U
 from heavylift.contours.search import closest_on_curve
-from heavylift.contours.search_step import CONVERGED, NEED_SPAN, SPAN_U, U, V, start_search
+from heavylift.contours.search_step import CONVERGED, NEED_SPAN, start_search
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate_back
 from heavylift.solver.contact.directions import form_span, put_ball, put_directions
@@ -19,13 +18,11 @@ from heavylift.solver.contact.kind import (
     CONTOUR,
     CONTROL_COUNT,
     CURVE,
-    DIMENSION,
     DIRECTIONS,
     DIRECTOR,
     END_GAP,
     END_GAP_2,
     EVALUATE,
-    FLIP,
     FOUND,
     HAS_SLOPES,
     LARGEST_CONTROLS,
@@ -35,7 +32,6 @@ from heavylift.solver.contact.kind import (
     RADIUS,
     RADIUS_OF,
     RESULT,
-    RESULT_END,
     SEARCH,
     SIZE,
     SLOPES,
@@ -43,6 +39,7 @@ from heavylift.solver.contact.kind import (
     WEIGHTS_AT,
     WIDTH_OF,
     ContactRows,
+    search_at,
 )
 from heavylift.solver.contact.search_start import start_at_point
 from heavylift.solver.interface import Bodies, Workspace
@@ -69,7 +66,7 @@ def touch_curve(
 ) -> None:
     """Nearest point of the curve, then what is about it."""
     contour = contacts.table[c, CONTOUR]
-    if contacts.contours[contour, DIMENSION] == 1:
+    if contacts.contours[contour].dimension == 1:
         if cold:
             start_at_point(contacts, c, y1, y2, y3)
         status = _find_point(contacts, bodies, contour, contacts.state[c, AT_U], y1, y2, y3)
@@ -86,15 +83,15 @@ def weigh_curve(
 ) -> None:
     """Control points of the span, their weights in the point, and in the tangent if the offset turns with it."""
     contour = contacts.table[c, CONTOUR]
-    if contacts.contours[contour, DIMENSION] != 1:
+    if contacts.contours[contour].dimension != 1:
         return
     row, scratch = contacts.contours[contour], contacts.scratch
-    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = search_at(scratch, RESULT), scratch[EVALUATE:WEIGHTS_AT]
     weights = scratch[WEIGHTS_AT : WEIGHTS_AT + 2 * LARGEST_CONTROLS]
     knots = contacts.constants
-    count = curve_weights(row, knots, knots, result[U], evaluate, contacts.places, weights)
+    count = curve_weights(row, knots, knots, result.u, evaluate, contacts.places, weights)
     if scratch[HAS_SLOPES] > 0.0:
-        stride = row[DEGREE_U] + 1
+        stride = row.u.degree + 1
         for i in range(count):
             weights[LARGEST_CONTROLS + i] = weights[stride + i]
     contacts.places[CONTROL_COUNT] = count
@@ -106,16 +103,16 @@ def _find_point(
 ) -> int:
     """Nearest point; control points are formed span by span as the search asks for them."""
     row, scratch = contacts.contours[contour], contacts.scratch
-    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = search_at(scratch, RESULT), scratch[EVALUATE:WEIGHTS_AT]
     knots, net = contacts.constants, contacts.net
-    span = find_span(knots, row[KNOTS_U], row[DEGREE_U], row[COUNT_U] + row[CLOSED_U] * row[DEGREE_U], u)
+    span = find_span(knots, row.u.first_knot, row.u.degree, row.u.count + row.u.closed * row.u.degree, u)
     start_search(row, u, 0.0, result)
     status = NEED_SPAN
     while status == NEED_SPAN:
         form_span(contacts, bodies, contour, span, 0)
         status = closest_on_curve(row, knots, knots, net, y1, y2, y3, span, evaluate, result)
         if status == NEED_SPAN:
-            span = int(result[SPAN_U])
+            span = result.span_u
     return status
 
 
@@ -123,10 +120,10 @@ def _find_point(
 def _keep_place(contacts: ContactRows, c: int) -> None:
     """The last place, after a search that found nothing."""
     scratch, u, knots = contacts.scratch, contacts.state[c, AT_U], contacts.constants
-    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = search_at(scratch, RESULT), scratch[EVALUATE:WEIGHTS_AT]
     row = contacts.contours[contacts.table[c, CONTOUR]]
     curve_point(row, knots, knots, contacts.net, u, evaluate, result)
-    result[U], result[V] = u, 0.0
+    result.u, result.v = u, 0.0
 
 
 @kernel(internal=True)
@@ -134,10 +131,11 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
     """Gaps, directions, lever and arm from the nearest point."""
     contour = contacts.table[c, CONTOUR]
     pose, scratch, state = contacts.poses[contour], contacts.scratch, contacts.state[c]
-    result = scratch[RESULT:RESULT_END]
-    speed = math.sqrt(result[3] ** 2 + result[4] ** 2 + result[5] ** 2)
-    t1, t2, t3 = result[3] / speed, result[4] / speed, result[5] / speed
-    d1, d2, d3 = y1 - result[0], y2 - result[1], y3 - result[2]
+    result = search_at(scratch, RESULT)
+    s, along = result.position, result.tangent_u
+    speed = math.sqrt(along[0] ** 2 + along[1] ** 2 + along[2] ** 2)
+    t1, t2, t3 = along[0] / speed, along[1] / speed, along[2] / speed
+    d1, d2, d3 = y1 - s[0], y2 - s[1], y3 - s[2]
     radius = contacts.values[c, RADIUS]
     o1 = o2 = o3 = 0.0
     if contacts.table[c, LAW] == CURVE:
@@ -159,7 +157,7 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
     elif pose[WIDTH_OF] > 0.0:
         # the director lies along the width; the normal is square to it and to the curve
         n1, n2, n3 = cross(pose[DIRECTOR], pose[DIRECTOR + 1], pose[DIRECTOR + 2], t1, t2, t3)
-        size = contacts.contours[contour, FLIP] / math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
+        size = contacts.contours[contour].flip / math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
         n1, n2, n3 = size * n1, size * n2, size * n3
         b1, b2, b3 = cross(t1, t2, t3, n1, n2, n3)
         across = b1 * d1 + b2 * d2 + b3 * d3
@@ -187,7 +185,7 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
             g1, g2, g3 = rotate_back(pose, state[TANGENT], state[TANGENT + 1], state[TANGENT + 2])
             put_directions(contacts, contour, n1, n2, n3, g1, g2, g3)
         put_ball(contacts, contour, distance - pose[RADIUS_OF], n1, n2, n3)
-    scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2] = result[0] + o1, result[1] + o2, result[2] + o3
+    scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2] = (s[0] + o1, s[1] + o2, s[2] + o3)
     if o1 != 0.0 or o2 != 0.0 or o3 != 0.0:
         _put_slopes(contacts, contour, o1, o2, o3, t1, t2, t3, speed)
 

@@ -10,9 +10,10 @@ from heavylift.contours.feature_gap import contact_gap, feature_gap
 from heavylift.contours.feature_pairs import SWEPT, contacts_of_pairs, find_contacts
 from heavylift.contours.pair_list import make_pair_lists
 from heavylift.contours.pair_search import refresh_pairs
-from heavylift.contours.surface_layout import PAIR_FIRST, PAIR_SURFACE_A, PAIR_SURFACE_B
+from heavylift.contours.surface_layout import RelativeMotion, RelativePose
 from heavylift.contours.surface_pack import pack_surfaces
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import record_at
 from heavylift.preprocess.surfaces import TriangleSurface
 
 if TYPE_CHECKING:
@@ -21,9 +22,13 @@ if TYPE_CHECKING:
     from heavylift.contours.surface_pack import CollisionSurfaces
 
 
+motion_at = record_at(RelativeMotion)
+pose_at = record_at(RelativePose)
+
+
 @kernel
 def gap_kernel(surfaces, kind, feature_a, feature_b, radius, side, pose, at, out):
-    return feature_gap(surfaces, kind, feature_a, feature_b, radius, side, pose, at, out)
+    return feature_gap(surfaces, kind, feature_a, feature_b, radius, side, pose_at(pose, at), out)
 
 
 @kernel
@@ -33,30 +38,37 @@ def gaps_kernel(surfaces, features, numbers, radius, pose, repeats, out):
     for _ in range(repeats):
         for k in range(features.shape[0]):
             total += contact_gap(
-                surfaces, features[k, 0], features[k, 1], features[k, 2], radius, numbers[k, 1], pose, 0, out
+                surfaces,
+                features[k, 0],
+                features[k, 1],
+                features[k, 2],
+                radius,
+                numbers[k, 1],
+                pose_at(pose, 0),
+                out,
             )
     return total
 
 
 @kernel
 def contacts_kernel(surfaces, lists, pair, motion, reach, method, features, numbers):
-    return find_contacts(surfaces, lists, pair, motion, reach, method, features, numbers)
+    return find_contacts(surfaces, lists, pair, motion_at(motion, 0), reach, method, features, numbers)
 
 
 @kernel
 def hits_kernel(surfaces, lists, pair, motion, reach, method, features, numbers):
     """All that the swept tests report."""
-    count = refresh_pairs(surfaces, lists, pair, motion, reach)
+    count = refresh_pairs(surfaces, lists, pair, motion_at(motion, 0), reach)
     if count <= 0:
         return count
     return contacts_of_pairs(
         surfaces,
-        lists.table[pair, PAIR_SURFACE_A],
-        lists.table[pair, PAIR_SURFACE_B],
+        lists.table[pair].surface_a,
+        lists.table[pair].surface_b,
         lists.pairs,
-        lists.table[pair, PAIR_FIRST],
+        lists.table[pair].first,
         count,
-        motion,
+        motion_at(motion, 0),
         reach,
         method,
         False,

@@ -62,11 +62,11 @@ def test_gap_is_the_distance_of_the_flats_through_the_features(kind):
         points = surfaces.points.copy()
         points[3:] = points[3:] @ R.T + p
         corners = {
-            VERTEX_FACE: (surfaces.triangles[0, :3], [b]),
-            FACE_VERTEX: ([a], surfaces.triangles[1, :3]),
-            EDGE_EDGE: (surfaces.edges[a, :2], surfaces.edges[b, :2]),
-            VERTEX_EDGE: (surfaces.edges[a, :2], [b]),
-            EDGE_VERTEX: ([a], surfaces.edges[b, :2]),
+            VERTEX_FACE: (surfaces.triangles[0].corners, [b]),
+            FACE_VERTEX: ([a], surfaces.triangles[1].corners),
+            EDGE_EDGE: (surfaces.edges[a].ends, surfaces.edges[b].ends),
+            VERTEX_EDGE: (surfaces.edges[a].ends, [b]),
+            EDGE_VERTEX: ([a], surfaces.edges[b].ends),
             VERTEX_VERTEX: ([a], [b]),
         }[kind]
         x, y = (points[list(c)] for c in corners)

@@ -216,9 +216,9 @@ def test_surfaces_meet_no_earlier_than_the_first_contact():
     for surfaces, motion in throws(40, 4):
         contacts = contacts_of(surfaces, motion)
         first = contacts.times[contacts.hit].min() if contacts.hit.any() else np.inf
-        n = surfaces.surfaces[1, 0]
-        split = surfaces.surfaces[1, 1]
-        of_b = surfaces.edges[:, 0] >= n
+        n = surfaces.surfaces[1].first_point
+        split = surfaces.surfaces[1].first_triangle
+        of_b = surfaces.edges["ends"][:, 0] >= n
         for t in np.linspace(0.0, 1.0, 101):
             x = surfaces.points.copy()
             ends = [
@@ -226,7 +226,7 @@ def test_surfaces_meet_no_earlier_than_the_first_contact():
                 for k in (0, 12)
             ]
             x[n:] = (1.0 - t) * ends[0] + t * ends[1]
-            edges, faces = x[surfaces.edges[:, :2]], x[surfaces.triangles[:, :3]]
+            edges, faces = x[surfaces.edges["ends"]], x[surfaces.triangles["corners"]]
             if edges_through(edges[of_b], faces[:split]) or edges_through(edges[~of_b], faces[split:]):
                 assert first <= t
                 met += 1

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.contours.layout import COUNT_U, COUNT_V, NET
+from heavylift.contours.layout import PackedContour
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.bodies.ancf.joints import apply_inverse_of_meshes, take_impulses
@@ -46,7 +46,6 @@ from heavylift.solver.contact.kind import (
     HAS_SLOPES,
     LARGEST_CONTROLS,
     OF_MESH,
-    OWNER,
     RADIUS_OF,
     SLOPES,
     SLOT,
@@ -55,7 +54,6 @@ from heavylift.solver.contact.kind import (
     WIDTH_OF,
     ContactRows,
 )
-from heavylift.solver.contact.kind import DOF as CONTOUR_DOF
 from heavylift.solver.interface import Systems, Workspace, joint_rows
 from heavylift.solver.kinds import implement
 
@@ -80,7 +78,7 @@ def _form(
     kind: Meshes,
     dof: int,
     row: int,
-    contour: NDArray[np.int64],
+    contour: PackedContour,
     first_u: int,
     last_u: int,
     first_v: int,
@@ -91,7 +89,7 @@ def _form(
     body = body_with_points(kind, dof)
     if body < 0:
         return
-    count_u, count_v = contour[COUNT_U], contour[COUNT_V]
+    count_u, count_v = contour.u.count, contour.v.count
     origin, q = moving.bodies[body].first_control, kind.nodal[row]
     for i in range(first_u, last_u + 1):
         for j in range(first_v, last_v + 1):
@@ -105,7 +103,7 @@ def _form(
                 x += factor * q[at]
                 y += factor * q[at + 1]
                 z += factor * q[at + 2]
-            to = contour[NET] + local
+            to = contour.first_control + local
             net[to, 0], net[to, 1], net[to, 2] = x, y, z
 
 
@@ -116,7 +114,7 @@ def form_controls_of_meshes(
     kind: Meshes,
     dof: int,
     at_midpoint: bool,
-    contour: NDArray[np.int64],
+    contour: PackedContour,
     first_u: int,
     last_u: int,
     first_v: int,
@@ -136,8 +134,8 @@ def form_contour_controls(
 ) -> None:
     """Of the stage."""
     row = contacts.contours[contour]
-    if row[OWNER] == OF_MESH:
-        _form(kind.moving, kind, row[CONTOUR_DOF], MID_Q, row, first_u, last_u, first_v, last_v, contacts.net)
+    if row.owner == OF_MESH:
+        _form(kind.moving, kind, row.dof, MID_Q, row, first_u, last_u, first_v, last_v, contacts.net)
 
 
 @implement(pose_contours, FrameMeshes)
@@ -271,9 +269,9 @@ def settle_points_of_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, w
 def put_mesh_contour_rows(kind: Meshes, contacts: ContactRows, contact: int, count: int) -> None:
     """``-d`` into the columns of the moving point, ``-e`` into those of the tangent beside a curve."""
     contour = contacts.table[contact, CONTOUR]
-    if contacts.contours[contour, OWNER] != OF_MESH:
+    if contacts.contours[contour].owner != OF_MESH:
         return
-    dof, slot = contacts.contours[contour, CONTOUR_DOF], contacts.table[contact, SLOT]
+    dof, slot = contacts.contours[contour].dof, contacts.table[contact, SLOT]
     body = body_with_points(kind, dof)
     if body < 0:
         return
@@ -302,12 +300,12 @@ def _bound(moving: MovingPoints, kind: Meshes, contacts: ContactRows, step: floa
     """`bound_motion` of a kind."""
     for contour in range(contacts.contours.shape[0]):
         row = contacts.contours[contour]
-        body = body_with_points(kind, row[CONTOUR_DOF]) if row[OWNER] == OF_MESH else -1
+        body = body_with_points(kind, row.dof) if row.owner == OF_MESH else -1
         if body < 0:
             continue
         origin, speed = moving.bodies[body].first_control, kind.nodal[MID_V]
         largest = 0.0
-        for control in range(origin, origin + row[COUNT_U] * row[COUNT_V]):
+        for control in range(origin, origin + row.u.count * row.v.count):
             x = y = z = 0.0
             for k in range(4):
                 at, factor = moving.control_places[control, k], moving.control_factors[control, k]

@@ -13,7 +13,9 @@ from scipy.interpolate import BSpline
 import heavylift.solver.bodies.ancf.contours
 import heavylift.solver.bodies.ancf.frame_kind
 import heavylift.solver.bodies.ancf.shell_kind  # noqa: F401
+from heavylift.contours.layout import PackedContour
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import records
 from heavylift.solver.bodies.ancf.assembly import set_size
 from heavylift.solver.bodies.ancf.elements import add_stiffness
 from heavylift.solver.bodies.ancf.kind import (
@@ -396,12 +398,13 @@ def test_control_points_make_the_shape_of_the_mesh(name: str) -> None:
     model = make(name, "carried")
     made = mesh_contour(model.body)
     counts = [space.count for space in made.spaces] + [1] * (2 - len(made.spaces))
-    row = np.array([3, counts[0], 0, 0, 3, counts[1], 0, 0, 5, -1])
+    along, across = (3, counts[0], False, 0), (3, counts[1], False, 0)
+    contour = records(PackedContour, [(along, across, 5, -1)])[0]
     model.kind.nodal[MID_Q] = model.kind.nodal[Q] + 0.1 * model.kind.nodal[V]
     lanes, count = len(model.kind.shape[1]), len(type_of(model.body).vectors)
     for at_midpoint, of in ((True, MID_Q), (False, Q)):
         net = np.full((5 + len(made.factors), 3), np.nan)
-        form((model.kind,), at_midpoint, row, 0, counts[0] - 1, counts[1] - 1, net)
+        form((model.kind,), at_midpoint, contour, 0, counts[0] - 1, counts[1] - 1, net)
         q = model.kind.nodal[of].reshape(-1, lanes)[: len(model.body.nodes), : 3 * count].reshape(-1, 3)
         for _ in range(20):
             spot = (int(rng.integers(len(model.body.elements))), (float(rng.random()), float(rng.random())))

@@ -48,7 +48,7 @@ def rows(surfaces, segments: np.ndarray) -> list[int]:
     """Numbers of segments among the edges of all surfaces."""
     found = []
     for segment in segments:
-        ends = surfaces.points[surfaces.edges[:, :2]]
+        ends = surfaces.points[surfaces.edges["ends"]]
         same = np.abs(ends - segment).max(axis=(1, 2)) < 1e-12
         same |= np.abs(ends[:, ::-1] - segment).max(axis=(1, 2)) < 1e-12
         found.append(int(np.flatnonzero(same)[0]))
@@ -57,7 +57,7 @@ def rows(surfaces, segments: np.ndarray) -> list[int]:
 
 def upwards(surfaces, first: int, second: int) -> float:
     """Side with which the common normal of two edges points up."""
-    a, b = (np.diff(surfaces.points[surfaces.edges[e, :2]], axis=0)[0] for e in (first, second))
+    a, b = (np.diff(surfaces.points[surfaces.edges[e].ends], axis=0)[0] for e in (first, second))
     return float(np.sign(np.cross(a, b)[2]))
 
 
@@ -78,7 +78,7 @@ def touched():
     contacts = pack_scene(scene).systems[1]
     (meshes,) = contacts.meshes
     count_kernel(contacts, 1)
-    for pose in (contacts.poses[meshes.pairs[0, mesh_kind.FIRST_POSE]], meshes.relative[0]):
+    for pose in (contacts.poses[meshes.pairs[0, mesh_kind.FIRST_POSE]], meshes.relative[0].words):
         pose[:12] = [*np.eye(3).ravel(), 0.0, 0.0, 0.0]
     (rail_edge,) = rows(meshes.surfaces, RAIL[None])
     edges = rows(meshes.surfaces, BARS)
