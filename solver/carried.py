@@ -21,6 +21,7 @@ CARRIED = (
     "nodal",
     "strains",
     "placed",
+    "wraps",
 )
 """Fields of kinds that outlive a step."""
 
