@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.contours.pair_list import LIST_SHARE, make_pair_lists
+from heavylift.contours.pair_list import make_pair_lists
 from heavylift.contours.pair_search import refresh_pairs
 from heavylift.contours.surface_layout import MOTION_P1, MOTION_R1, MOTION_WIDTH, PAIR_COUNT, PAIR_TRAVERSALS
 from heavylift.contours.surface_pack import pack_surfaces
@@ -45,7 +45,7 @@ def refresh_often(surfaces, lists, motion, reach, times, fresh, share):
     for _ in range(times):
         if fresh:
             lists.table[0, PAIR_COUNT] = -1
-            lists.values[0, LIST_SHARE] = share
+            lists.values[0].share = share
         count = refresh_pairs(surfaces, lists, 0, motion, reach)
     return count
 

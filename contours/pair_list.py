@@ -8,9 +8,10 @@ is linear in the position.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.contours.surface_layout import (
     BOX_HALF,
@@ -29,6 +30,7 @@ from heavylift.contours.surface_layout import (
 from heavylift.contours.surface_tree import tree_depth
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Record, Records, Vector6, records
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,15 +39,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FRAME_WIDTH",
-    "LIST_BOX",
-    "LIST_PATH",
-    "LIST_SHARE",
-    "LIST_SIZE",
-    "LIST_SLACK",
-    "LIST_START",
-    "LIST_TRAVEL",
-    "LIST_TRAVEL_LATEST",
-    "LIST_WIDTH",
+    "ListMemory",
     "PairLists",
     "make_pair_lists",
 ]
@@ -53,16 +47,37 @@ __all__ = [
 FRAME_WIDTH = 12
 """A box of B in the axes of A: its centre, and its three half axes [m]."""
 
-# what a list remembers: box around B in its own axes (centre, half lengths); where that box began its path in the axes
-# of A, and how far it was to go; distance within which all pairs are listed, without the radii; ways that points had
-# gone in refits when the list was made, and when it was last asked for; mean size of the smaller triangles; share of
-# the margin that the capacity allows
-LIST_BOX = 0
-LIST_START = BOX_WIDTH
-LIST_PATH = LIST_START + FRAME_WIDTH
-LIST_SLACK = LIST_PATH + FRAME_WIDTH
-LIST_TRAVEL, LIST_TRAVEL_LATEST, LIST_SIZE, LIST_SHARE = range(LIST_SLACK + 1, LIST_SLACK + 5)
-LIST_WIDTH = LIST_SLACK + 5
+Frame = Annotated[NDArray[np.float64], (FRAME_WIDTH,)]
+
+
+class ListMemory(Record):
+    """What a list remembers of its making.
+
+    Attributes
+    ----------
+    box
+        Box around B in its own axes: centre and half lengths [m].
+    start, path
+        Where that box began its path in the axes of A, and how far it was to go [m].
+    slack
+        Distance within which all pairs are listed, without the radii [m].
+    travel, travel_latest
+        Ways that points had gone in refits when the list was made, and when it was last asked for [m].
+    mean_size
+        Of the smaller triangles [m].
+    share
+        Share of the margin that the capacity allows.
+    """
+
+    box: Vector6
+    start: Frame
+    path: Frame
+    slack: float
+    travel: float
+    travel_latest: float
+    mean_size: float
+    share: float
+
 
 LEAST_CAPACITY = 131072
 PAIRS_PER_TRIANGLE = 24
@@ -79,7 +94,7 @@ class PairLists(Arrays):
     table
         Shape (np, 6), see `surface_layout`.
     values
-        What each list remembers of its making, shape (np, 35).
+        What each list remembers of its making.
     stack, stack_boxes
         Nodes of A and B that are still to be compared, shape (m, 2), and the swept box of that of B, shape (m, 6).
     swept_boxes, swept_marks
@@ -94,7 +109,7 @@ class PairLists(Arrays):
 
     pairs: Ints2
     table: Ints2
-    values: Floats2
+    values: Records[ListMemory]
     stack: Ints2
     stack_boxes: Floats2
     swept_boxes: Floats2
@@ -129,7 +144,7 @@ def make_pair_lists(
             f"{capacity}", source="pair lists", key="capacity", expected="at least one place for each pair"
         )
     table = np.zeros((len(pairs), PAIR_WIDTH), dtype=np.int64)
-    values = np.zeros((len(pairs), LIST_WIDTH))
+    values = records(ListMemory, len(pairs))
     sizes = [_mean_size(surfaces, s) for s in range(count)]
     depths = [tree_depth(surfaces.nodes, int(row[ROOT_NODE])) for row in surfaces.surfaces]
     first = 0
@@ -146,8 +161,8 @@ def make_pair_lists(
         most = min(most, rows[0] * rows[1])
         table[i, [PAIR_SURFACE_A, PAIR_SURFACE_B]] = a, b
         table[i, [PAIR_FIRST, PAIR_CAPACITY, PAIR_COUNT]] = first, most, -1
-        values[i, LIST_SIZE] = min(sizes[a], sizes[b])
-        values[i, LIST_SHARE] = 1.0
+        values[i].mean_size = min(sizes[a], sizes[b])
+        values[i].share = 1.0
         first += most
     # every pair of nodes taken from the stack puts at most two back, one level deeper
     deepest = max((depths[a] + depths[b] for a, b in pairs), default=0) + 2

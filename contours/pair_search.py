@@ -20,17 +20,7 @@ from heavylift.contours.box_sweep import (
     swept_triangle,
     write_box,
 )
-from heavylift.contours.pair_list import (
-    FRAME_WIDTH,
-    LIST_BOX,
-    LIST_PATH,
-    LIST_SHARE,
-    LIST_SIZE,
-    LIST_SLACK,
-    LIST_START,
-    LIST_TRAVEL,
-    LIST_TRAVEL_LATEST,
-)
+from heavylift.contours.pair_list import FRAME_WIDTH
 from heavylift.contours.surface_layout import (
     BOX_WIDTH,
     FIRST_TRIANGLE,
@@ -55,7 +45,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.contours.box_sweep import Box
-    from heavylift.contours.pair_list import PairLists
+    from heavylift.contours.pair_list import ListMemory, PairLists
     from heavylift.contours.surface_pack import CollisionSurfaces
 
 __all__ = ["refresh_pairs"]
@@ -111,7 +101,7 @@ def refresh_pairs(
     about ``r theta^2 / 8``, if B turns about that origin by the angle theta: this counts as reach.
     """
     table = lists.table
-    values = lists.values
+    memory = lists.values[pair]
     frames = lists.frames
     a = table[pair, PAIR_SURFACE_A]
     b = table[pair, PAIR_SURFACE_B]
@@ -121,23 +111,23 @@ def refresh_pairs(
     boxes = surfaces.boxes
     need = reach + _chord_height(motion, surfaces.reaches[b])
     if table[pair, PAIR_COUNT] >= 0:
-        _place_box(values, pair, motion, frames)
-        moved = max(_off_path(values, pair, frames, 0), _off_path(values, pair, frames, 1))
-        if moved + travel - values[pair, LIST_TRAVEL] + need <= values[pair, LIST_SLACK]:
-            values[pair, LIST_TRAVEL_LATEST] = travel
+        _place_box(memory, motion, frames)
+        moved = max(_off_path(memory, frames, 0), _off_path(memory, frames, 1))
+        if moved + travel - memory.travel + need <= memory.slack:
+            memory.travel_latest = travel
             return table[pair, PAIR_COUNT]
 
     for k in range(BOX_WIDTH):
-        values[pair, LIST_BOX + k] = boxes[root_b, k]
-    _place_box(values, pair, motion, frames)
+        memory.box[k] = boxes[root_b, k]
+    _place_box(memory, motion, frames)
     for k in range(FRAME_WIDTH):
-        values[pair, LIST_START + k] = frames[0, k]
-        values[pair, LIST_PATH + k] = frames[1, k] - frames[0, k]
-    step = _farthest_corner(values, pair, LIST_PATH)
-    refitted = travel - values[pair, LIST_TRAVEL_LATEST]
-    values[pair, LIST_TRAVEL] = travel
-    values[pair, LIST_TRAVEL_LATEST] = travel
-    size = values[pair, LIST_SIZE]
+        memory.start[k] = frames[0, k]
+        memory.path[k] = frames[1, k] - frames[0, k]
+    step = _farthest_corner(memory.path)
+    refitted = travel - memory.travel_latest
+    memory.travel = travel
+    memory.travel_latest = travel
+    size = memory.mean_size
     margin = min(MARGIN_STEPS * step + PATH_STEPS * refitted, LARGEST_MARGIN * size)
     margin = max(margin, LEAST_MARGIN * size)
     path = lists.path
@@ -148,12 +138,12 @@ def refresh_pairs(
     inner = surfaces.radii[a] + surfaces.radii[b] + ROUNDING * (extent(root) + extent(box_at(boxes, root_a)))
     gap = math.sqrt(squared_gap(root, box_at(boxes, root_a))) - inner
     if gap > need + margin:
-        values[pair, LIST_SLACK] = gap
+        memory.slack = gap
         table[pair, PAIR_COUNT] = 0
         return 0
 
     ahead = min((PATH_STEPS - 1.0) * step, LONGEST_PATH * size) / step if step > 0.0 else 0.0
-    share = values[pair, LIST_SHARE]
+    share = memory.share
     table[pair, PAIR_TRAVERSALS] += 1
     while True:
         slack = need + share * margin
@@ -185,9 +175,9 @@ def refresh_pairs(
             break
         share = 0.5 * share if share > LEAST_SHARE else 0.0
     for k in range(FRAME_WIDTH):
-        values[pair, LIST_PATH + k] *= longer
-    values[pair, LIST_SHARE] = min(1.0, max(LEAST_SHARE, 2.0 * share))
-    values[pair, LIST_SLACK] = slack
+        memory.path[k] *= longer
+    memory.share = min(1.0, max(LEAST_SHARE, 2.0 * share))
+    memory.slack = slack
     table[pair, PAIR_COUNT] = count
     return count
 
@@ -272,9 +262,7 @@ def _chord_height(motion: NDArray[np.float64], radius: float) -> float:
 
 
 @kernel(internal=True)
-def _place_box(
-    values: NDArray[np.float64], pair: int, motion: NDArray[np.float64], frames: NDArray[np.float64]
-) -> None:
+def _place_box(memory: ListMemory, motion: NDArray[np.float64], frames: NDArray[np.float64]) -> None:
     """Centre and half axes of the remembered box of B in the axes of A, at the start and at the end."""
     for end in range(2):
         start = MOTION_R1 * end
@@ -282,32 +270,32 @@ def _place_box(
             centre = motion[start + MOTION_P0 + i]
             for k in range(3):
                 entry = motion[start + 3 * i + k]
-                centre += entry * values[pair, LIST_BOX + k]
-                frames[end, 3 + 3 * k + i] = entry * values[pair, LIST_BOX + 3 + k]
+                centre += entry * memory.box[k]
+                frames[end, 3 + 3 * k + i] = entry * memory.box[3 + k]
             frames[end, i] = centre
 
 
 @kernel(internal=True)
-def _off_path(values: NDArray[np.float64], pair: int, frames: NDArray[np.float64], end: int) -> float:
+def _off_path(memory: ListMemory, frames: NDArray[np.float64], end: int) -> float:
     """Bound on how far points of B are from where they were at the nearest place of the remembered path [m]."""
     along = 0.0
     squared = 0.0
     for k in range(FRAME_WIDTH):
-        way = values[pair, LIST_PATH + k]
-        along += way * (frames[end, k] - values[pair, LIST_START + k])
+        way = memory.path[k]
+        along += way * (frames[end, k] - memory.start[k])
         squared += way * way
     s = min(1.0, max(0.0, along / squared)) if squared > 0.0 else 0.0
     for k in range(FRAME_WIDTH):
-        frames[end, k] -= values[pair, LIST_START + k] + s * values[pair, LIST_PATH + k]
-    return _farthest_corner(frames, end, 0)
+        frames[end, k] -= memory.start[k] + s * memory.path[k]
+    return _farthest_corner(frames[end])
 
 
 @kernel(internal=True)
-def _farthest_corner(table: NDArray[np.float64], row: int, first: int) -> float:
+def _farthest_corner(frame: NDArray[np.float64]) -> float:
     """Longest of the vectors ``v +- u1 +- u2 +- u3`` [m], with v and the three u one after another."""
     vv = 0.0
     for k in range(3):
-        vv += table[row, first + k] * table[row, first + k]
+        vv += frame[k] * frame[k]
     longest = 0.0
     for signs in range(4):
         second = 1.0 if signs & 1 else -1.0
@@ -315,12 +303,8 @@ def _farthest_corner(table: NDArray[np.float64], row: int, first: int) -> float:
         vw = 0.0
         ww = 0.0
         for k in range(3):
-            w = (
-                table[row, first + 3 + k]
-                + second * table[row, first + 6 + k]
-                + third * table[row, first + 9 + k]
-            )
-            vw += table[row, first + k] * w
+            w = frame[3 + k] + second * frame[6 + k] + third * frame[9 + k]
+            vw += frame[k] * w
             ww += w * w
         longest = max(longest, ww + 2.0 * abs(vw))
     return math.sqrt(vv + longest)
