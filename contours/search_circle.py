@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from heavylift.contours.convex import SHAPE_AXES, SHAPE_CENTRE, SHAPE_RADIUS, SHAPE_SIZES
 from heavylift.contours.search import ROUNDING, closest_on_surface, signed_gap
 from heavylift.contours.search_step import (
     ABOVE_U,
@@ -33,6 +32,8 @@ from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from heavylift.contours.convex import Primitive
 
 __all__ = [
     "RING_GAP",
@@ -64,7 +65,7 @@ def start_ring(contour: NDArray, u: float, v: float, phi: float, result: NDArray
 
 
 @kernel(inline=True, internal=True)
-def ring_point(shape: NDArray, phi: float) -> tuple[float, float, float, float, float, float]:
+def ring_point(shape: Primitive, phi: float) -> tuple[float, float, float, float, float, float]:
     """Point of the ring's circle at an angle from its first axis, from the centre of the ring, and derivative by it.
 
     Returns
@@ -72,11 +73,11 @@ def ring_point(shape: NDArray, phi: float) -> tuple[float, float, float, float, 
     r1, r2, r3, d1, d2, d3
         ``R (cos phi e_1 + sin phi e_2)`` [m] and its derivative; the second derivative is ``-r``.
     """
-    radius = shape[SHAPE_SIZES]
+    radius = shape.sizes[0]
     c = radius * math.cos(phi)
     s = radius * math.sin(phi)
-    e1, e2, e3 = shape[SHAPE_AXES], shape[SHAPE_AXES + 3], shape[SHAPE_AXES + 6]
-    f1, f2, f3 = shape[SHAPE_AXES + 1], shape[SHAPE_AXES + 4], shape[SHAPE_AXES + 7]
+    e1, e2, e3 = shape.axes[0, 0], shape.axes[1, 0], shape.axes[2, 0]
+    f1, f2, f3 = shape.axes[0, 1], shape.axes[1, 1], shape.axes[2, 1]
     return (
         c * e1 + s * f1,
         c * e2 + s * f2,
@@ -88,7 +89,9 @@ def ring_point(shape: NDArray, phi: float) -> tuple[float, float, float, float, 
 
 
 @kernel(internal=True)
-def ring_gap_slopes(shape: NDArray, phi: float, result: NDArray) -> tuple[float, float, float, float, float]:
+def ring_gap_slopes(
+    shape: Primitive, phi: float, result: NDArray
+) -> tuple[float, float, float, float, float]:
     """Signed gap of a point of the ring to its closest point of the surface, and how both change with the angle.
 
     Parameters
@@ -113,9 +116,9 @@ def ring_gap_slopes(shape: NDArray, phi: float, result: NDArray) -> tuple[float,
     what passes beyond the border does not penetrate the patch.
     """
     r1, r2, r3, d1, d2, d3 = ring_point(shape, phi)
-    x = shape[SHAPE_CENTRE] + r1
-    y = shape[SHAPE_CENTRE + 1] + r2
-    z = shape[SHAPE_CENTRE + 2] + r3
+    x = shape.centre[0] + r1
+    y = shape.centre[1] + r2
+    z = shape.centre[2] + r3
     a1, a2, a3 = result[3], result[4], result[5]
     b1, b2, b3 = result[6], result[7], result[8]
     w1 = x - result[0]
@@ -169,7 +172,7 @@ def ring_on_surface(
     knots: NDArray,
     weights: NDArray,
     net: NDArray,
-    shape: NDArray,
+    shape: Primitive,
     span_u: int,
     span_v: int,
     scratch: NDArray,
@@ -193,9 +196,9 @@ def ring_on_surface(
     while True:
         trial = result[_TRIAL_PHI]
         r1, r2, r3, _, _, _ = ring_point(shape, trial)
-        x = shape[SHAPE_CENTRE] + r1
-        y = shape[SHAPE_CENTRE + 1] + r2
-        z = shape[SHAPE_CENTRE + 2] + r3
+        x = shape.centre[0] + r1
+        y = shape.centre[1] + r2
+        z = shape.centre[2] + r3
         status = closest_on_surface(contour, knots, weights, net, x, y, z, span_u, span_v, scratch, result)
         if status != CONVERGED:
             return status
@@ -207,11 +210,11 @@ def ring_on_surface(
         last = math.inf
         accepted = True
         size = abs(x) + abs(y) + abs(z) + abs(result[0]) + abs(result[1]) + abs(result[2])
-        noise = ROUNDING * (size + shape[SHAPE_SIZES])
+        noise = ROUNDING * (size + shape.sizes[0])
         if stage == 1.0:
             region = result[_REGION]
             last = result[_STEP]
-            before = result[RING_GAP] + shape[SHAPE_RADIUS]
+            before = result[RING_GAP] + shape.radius
             predicted = result[_PREDICTED]
             if predicted > noise:
                 ratio = (before - g) / predicted
@@ -225,7 +228,7 @@ def ring_on_surface(
         if stage != 2.0:
             if accepted:
                 result[RING_PHI] = trial
-                result[RING_GAP] = g - shape[SHAPE_RADIUS]
+                result[RING_GAP] = g - shape.radius
                 result[_SLOPE] = slope
                 result[_CURVATURE] = curvature
                 result[_U] = result[U]
@@ -254,6 +257,6 @@ def ring_on_surface(
                 result[_STAGE] = 2.0
                 start_search(contour, result[_U], result[_V], result)
                 continue
-        if not result[_CURVATURE] > 1e-9 * shape[SHAPE_SIZES]:
+        if not result[_CURVATURE] > 1e-9 * shape.sizes[0]:
             result[FLAGS] = float(int(result[FLAGS]) | DEGENERATE)
         return CONVERGED

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from heavylift.contours.convex import SHAPE_CENTRE, SHAPE_RADIUS, SHAPE_SIZES
 from heavylift.contours.search_circle import (
     RING_GAP,
     RING_PHI,
@@ -20,6 +19,8 @@ from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from heavylift.contours.convex import Primitive
 
 __all__ = ["RING_ANGLES", "ring_cold"]
 
@@ -37,7 +38,7 @@ def ring_cold(
     knots: NDArray,
     weights: NDArray,
     net: NDArray,
-    shape: NDArray,
+    shape: Primitive,
     sample_u: NDArray,
     sample_v: NDArray,
     points: NDArray,
@@ -67,7 +68,7 @@ def ring_cold(
     turn = 2.0 * math.pi / n
     for k in range(n):
         r1, r2, r3, _, _, _ = ring_point(shape, turn * k)
-        x, y, z = shape[SHAPE_CENTRE] + r1, shape[SHAPE_CENTRE + 1] + r2, shape[SHAPE_CENTRE + 2] + r3
+        x, y, z = shape.centre[0] + r1, shape.centre[1] + r2, shape.centre[2] + r3
         status = closest_point_cold(
             contour,
             knots,
@@ -106,7 +107,7 @@ def ring_cold(
                 least = angles[3 * n + k]
                 at = k
         # the gap changes by no more than the way along the ring
-        if at < 0 or angles[at] - 0.5 * turn * shape[SHAPE_SIZES] - shape[SHAPE_RADIUS] > best + separation:
+        if at < 0 or angles[at] - 0.5 * turn * shape.sizes[0] - shape.radius > best + separation:
             break
         start_ring(contour, angles[n + at], angles[2 * n + at], turn * at, result)
         status = ring_on_surface(contour, knots, weights, net, shape, -1, -1, scratch, result)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from heavylift.contours.basis import find_span
-from heavylift.contours.convex import SHAPE_WIDTH
+from heavylift.contours.convex import primitive_at
 from heavylift.contours.layout import (
     CLOSED_U,
     CLOSED_V,
@@ -84,7 +84,7 @@ def touch_primitive(
     row, scratch, state = contacts.contours[contour], contacts.scratch, contacts.state[c]
     result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
     knots, net = contacts.constants, contacts.net
-    shape = scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH]
+    shape = primitive_at(scratch, SHAPE_ROW)
     place_shape(contacts, c, y1, y2, y3, work)
     if cold:
         _start_anywhere(contacts, c)
@@ -126,7 +126,7 @@ def _start_anywhere(contacts: ContactRows, c: int) -> None:
         contacts.constants,
         contacts.net,
         contacts.table[c, PRIMITIVE_KIND],
-        scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH],
+        primitive_at(scratch, SHAPE_ROW),
         samples.parameters[i : i + grid[U_COUNT]],
         samples.parameters[j : j + grid[V_COUNT]],
         samples.points[at : at + 3],

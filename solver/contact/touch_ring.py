@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from heavylift.contours.basis import find_span
-from heavylift.contours.convex import SHAPE_RADIUS, SHAPE_WIDTH
+from heavylift.contours.convex import primitive_at
 from heavylift.contours.layout import (
     CLOSED_U,
     CLOSED_V,
@@ -86,7 +86,7 @@ def touch_ring(
     row, scratch, state = contacts.contours[contour], contacts.scratch, contacts.state[c]
     result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
     knots, net = contacts.constants, contacts.net
-    shape = scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH]
+    shape = primitive_at(scratch, SHAPE_ROW)
     place_shape(contacts, c, y1, y2, y3, work)
     if cold:
         _start_anywhere(contacts, c)
@@ -105,7 +105,7 @@ def touch_ring(
         result[RING_PHI] = state[END_GAP_2]
     r1, r2, r3, _, _, _ = ring_point(shape, result[RING_PHI])
     gap, n1, n2, n3 = signed_gap(y1 + r1, y2 + r2, y3 + r3, result)
-    flip, rounding = row[FLIP], shape[SHAPE_RADIUS]
+    flip, rounding = row[FLIP], shape.radius
     n1, n2, n3 = flip * n1, flip * n2, flip * n3
     gap *= flip
     if int(result[FLAGS]) & BORDER:
@@ -129,7 +129,7 @@ def _start_anywhere(contacts: ContactRows, c: int) -> None:
         contacts.constants,
         contacts.constants,
         contacts.net,
-        scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH],
+        primitive_at(scratch, SHAPE_ROW),
         samples.parameters[i : i + grid[U_COUNT]],
         samples.parameters[j : j + grid[V_COUNT]],
         samples.points[at : at + 3],
