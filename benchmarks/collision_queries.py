@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "contours
 from collision_kernels import contacts_kernel, gaps_kernel
 from collision_scenes import NAMES, query
 
-from heavylift.contours.feature_gap import EDGE_EDGE
+from heavylift.contours.feature_gap import EDGE_EDGE, FeatureTouch
 from heavylift.contours.feature_pairs import SWEPT
 from heavylift.contours.pair_list import make_pair_lists
 from heavylift.contours.patches import extreme_points, group_patches, patch_scratch_size
@@ -89,7 +89,7 @@ def contacts(features, numbers):
     surfaces = pack_surfaces([a, b])
     lists = make_pair_lists(surfaces, [(0, 1)])
     n = contacts_kernel(surfaces, lists, 0, motion, 0.0, SWEPT, features, numbers)
-    out = np.zeros(10)
+    out = FeatureTouch.one()
     pose = motion[12:].copy()
     gaps_kernel(surfaces, features[:n], numbers, 0.0, pose, 1, out)
     gap = median(lambda: gaps_kernel(surfaces, features[:n], numbers, 0.0, pose, 100, out), 11)

@@ -13,6 +13,8 @@ import math
 from typing import TYPE_CHECKING
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record
+from heavylift.numerics.records import Vector as VectorField
 from heavylift.numerics.small import cross
 
 if TYPE_CHECKING:
@@ -29,6 +31,7 @@ __all__ = [
     "VERTEX_EDGE",
     "VERTEX_FACE",
     "VERTEX_VERTEX",
+    "FeatureTouch",
     "contact_gap",
     "feature_gap",
 ]
@@ -52,6 +55,25 @@ PARALLEL = 1e-6
 """Sine of the angle between two edges below which their common normal says nothing."""
 
 Vector = tuple[float, float, float]
+
+
+class FeatureTouch(Record):
+    """Where two features are nearest, all in the axes of A.
+
+    Attributes
+    ----------
+    normal
+        From A to B, of unit length.
+    point_a, point_b
+        Nearest points [m]: on the surfaces without rounding, and on the plane of the face or the lines of the edges.
+    beyond
+        How far they lie outside of the face or edges [m].
+    """
+
+    normal: VectorField
+    point_a: VectorField
+    point_b: VectorField
+    beyond: float
 
 
 @kernel(inline=True, internal=True)
@@ -92,11 +114,11 @@ def turned_back(x: float, y: float, z: float, pose: NDArray[np.float64], at: int
 
 
 @kernel(inline=True, internal=True)
-def fill(out: NDArray[np.float64], n: Vector, a: Vector, b: Vector) -> None:
+def fill(out: FeatureTouch, n: Vector, a: Vector, b: Vector) -> None:
     """Write normal and both points."""
-    out[0], out[1], out[2] = n
-    out[3], out[4], out[5] = a
-    out[6], out[7], out[8] = b
+    out.normal[0], out.normal[1], out.normal[2] = n
+    out.point_a[0], out.point_a[1], out.point_a[2] = a
+    out.point_b[0], out.point_b[1], out.point_b[2] = b
 
 
 @kernel(inline=True, internal=True)
@@ -108,7 +130,7 @@ def foot_on_line(p: Vector, a: Vector, b: Vector) -> Vector:
 
 
 @kernel(inline=True, internal=True)
-def gap_between(a: Vector, b: Vector, radius: float, out: NDArray[np.float64]) -> float:
+def gap_between(a: Vector, b: Vector, radius: float, out: FeatureTouch) -> float:
     """Gap [m] of two points, and the direction between them; where they coincide, any."""
     dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     distance = math.sqrt(dx * dx + dy * dy + dz * dz)
@@ -121,7 +143,7 @@ def gap_between(a: Vector, b: Vector, radius: float, out: NDArray[np.float64]) -
 
 @kernel(inline=True, internal=True)
 def gap_of_edges(
-    a0: Vector, a1: Vector, b0: Vector, b1: Vector, radius: float, side: float, out: NDArray[np.float64]
+    a0: Vector, a1: Vector, b0: Vector, b1: Vector, radius: float, side: float, out: FeatureTouch
 ) -> float:
     """Gap [m] of the lines along two edges; of parallel ones from the middle of the second."""
     ax, ay, az = a1[0] - a0[0], a1[1] - a0[1], a1[2] - a0[2]
@@ -162,7 +184,7 @@ def contact_gap(
     pose: NDArray[np.float64],
     at: int,
     # out
-    out: NDArray[np.float64],
+    out: FeatureTouch,
 ) -> float:
     """Gap [m] between two features, with its normal and points; cheap enough for every stage of every contact.
 
@@ -182,8 +204,7 @@ def contact_gap(
     pose, at
         Rotation (9, row by row) and position [m] (3) of B in the axes of A begin at place `at`.
     out
-        Written: unit normal from A to B (3), nearest point of A (3) and of B (3) [m], all in the axes of A; the points
-        lie on the surfaces without rounding, and on the plane of the face or the lines of the edges. Shape (>= 9,).
+        Written, but for `beyond`.
 
     Returns
     -------
@@ -265,12 +286,13 @@ def overshoot(
     # state
     pose: NDArray[np.float64],
     at: int,
-    out: NDArray[np.float64],
+    out: FeatureTouch,
 ) -> float:
     """How far [m] the nearest points that `contact_gap` left in `out` lie outside of their face or edges."""
     points, triangles, edges = surfaces.points, surfaces.triangles, surfaces.edges
-    a = (out[3], out[4], out[5])
-    x, y, z = turned_back(out[6] - pose[at + 9], out[7] - pose[at + 10], out[8] - pose[at + 11], pose, at)
+    a = (out.point_a[0], out.point_a[1], out.point_a[2])
+    q = out.point_b
+    x, y, z = turned_back(q[0] - pose[at + 9], q[1] - pose[at + 10], q[2] - pose[at + 11], pose, at)
     b = (x, y, z)  # in its own axes, where its face and edges stand still
     if kind in (VERTEX_FACE, FACE_VERTEX):
         face = feature_a if kind == VERTEX_FACE else feature_b
@@ -304,9 +326,9 @@ def feature_gap(
     pose: NDArray[np.float64],
     at: int,
     # out
-    out: NDArray[np.float64],
+    out: FeatureTouch,
 ) -> float:
-    """`contact_gap`, and in ``out[9]`` how far [m] the nearest points lie outside of the face or edges.
+    """`contact_gap`, and in ``out.beyond`` how far [m] the nearest points lie outside of the face or edges.
 
     Notes
     -----
@@ -314,5 +336,5 @@ def feature_gap(
     inside; a pair with a positive one has slid off its features. Two vertices cannot: minus infinity.
     """
     gap = contact_gap(surfaces, kind, feature_a, feature_b, radius, side, pose, at, out)
-    out[9] = overshoot(surfaces, kind, feature_a, feature_b, pose, at, out)
+    out.beyond = overshoot(surfaces, kind, feature_a, feature_b, pose, at, out)
     return gap

@@ -33,16 +33,10 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.mesh_kind import (
-    FIRST,
-    FIRST_POSE,
     FOUND_FIRST,
     FOUND_KIND,
     FOUND_SECOND,
     FOUND_SIDE,
-    NORMAL_AT,
-    OTHER_AT,
-    POINT_AT,
-    SECOND,
     SurfacePairs,
 )
 from heavylift.solver.contact.mesh_patches import BORDER
@@ -117,13 +111,13 @@ def goes_on(
 def _distance(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int, turned: float) -> float:
     """From where a contact touches to the place left in `touch` [m], whose normal may be turned round."""
     touch, state = meshes.touch, contacts.state[c]
-    pose, radii = contacts.poses[meshes.pairs[pair, FIRST_POSE]], meshes.surfaces.radii
-    shift = 0.5 * turned * (radii[meshes.pairs[pair, FIRST]] - radii[meshes.pairs[pair, SECOND]])
+    pose, radii = contacts.poses[meshes.pairs[pair].poses[0]], meshes.surfaces.radii
+    shift = 0.5 * turned * (radii[meshes.pairs[pair].surfaces[0]] - radii[meshes.pairs[pair].surfaces[1]])
     x1, x2, x3 = rotate(
         pose,
-        0.5 * (touch[POINT_AT] + touch[OTHER_AT]) + shift * touch[NORMAL_AT],
-        0.5 * (touch[POINT_AT + 1] + touch[OTHER_AT + 1]) + shift * touch[NORMAL_AT + 1],
-        0.5 * (touch[POINT_AT + 2] + touch[OTHER_AT + 2]) + shift * touch[NORMAL_AT + 2],
+        0.5 * (touch.point_a[0] + touch.point_b[0]) + shift * touch.normal[0],
+        0.5 * (touch.point_a[1] + touch.point_b[1]) + shift * touch.normal[1],
+        0.5 * (touch.point_a[2] + touch.point_b[2]) + shift * touch.normal[2],
     )
     d1 = x1 + pose[ORIGIN] - state[TOUCHED]
     d2 = x2 + pose[ORIGIN + 1] - state[TOUCHED + 1]

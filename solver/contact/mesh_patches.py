@@ -37,7 +37,6 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.mesh_kind import (
-    DEFORMS,
     FOUND_COLUMNS,
     FOUND_FIRST,
     FOUND_HIT,
@@ -45,12 +44,6 @@ from heavylift.solver.contact.mesh_kind import (
     FOUND_NUMBERS,
     FOUND_SECOND,
     FOUND_SIDE,
-    NORMAL_AT,
-    OTHER_AT,
-    PATCH_COSINE,
-    PATCH_SIZE,
-    POINT_AT,
-    RADII,
     SurfacePairs,
 )
 from heavylift.solver.contact.mesh_table import look_up
@@ -115,15 +108,15 @@ def _put_item(
         kind,
         feature,
         other,
-        meshes.pair_values[pair, RADII],
+        meshes.pairs[pair].radii,
         side,
         meshes.relative[pair],
         0,
         touch,
     )
     for k in range(3):
-        meshes.points[n, k] = 0.5 * (touch[POINT_AT + k] + touch[OTHER_AT + k])
-        meshes.normals[n, k] = touch[NORMAL_AT + k]
+        meshes.points[n, k] = 0.5 * (touch.point_a[k] + touch.point_b[k])
+        meshes.normals[n, k] = touch.normal[k]
     meshes.owners[n] = owner
 
 
@@ -156,8 +149,8 @@ def choose_contacts(meshes: SurfacePairs, contacts: ContactRows, pair: int, coun
         n,
         meshes.points,
         meshes.normals,
-        meshes.pair_values[pair, PATCH_COSINE],
-        meshes.pair_values[pair, PATCH_SIZE],
+        meshes.pairs[pair].patch_cosine,
+        meshes.pairs[pair].patch_size,
         meshes.grid,
         meshes.patch_of,
     )
@@ -172,8 +165,8 @@ def choose_contacts(meshes: SurfacePairs, contacts: ContactRows, pair: int, coun
         meshes.chosen,
     )
     deeper = DEEPER * size
-    if meshes.pairs[pair, DEFORMS] > 0:
-        deeper = max(deeper, DEEPER_ON_MESHES * meshes.pair_values[pair, RADII])
+    if meshes.pairs[pair].deforms:
+        deeper = max(deeper, DEEPER_ON_MESHES * meshes.pairs[pair].radii)
     _mark_chosen(meshes, contacts, n, patches, deeper, ahead)
     return patches
 

@@ -36,13 +36,8 @@ from heavylift.solver.contact.kind import (
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.mesh_interface import record_clearance, record_pairs
 from heavylift.solver.contact.mesh_kind import (
-    GONE_IMPACTS,
-    GONE_IMPULSE,
-    GONE_LOSS,
-    PAIR_COLUMN,
-    PAIR_REACH,
-    RECORDED,
     SurfacePairs,
+    gone_contacts,
 )
 from heavylift.solver.contact.mesh_slots import surface_count
 from heavylift.solver.interface import Workspace
@@ -96,7 +91,7 @@ def record_mesh_pairs(
 ) -> None:
     """Pair by pair."""
     for pair in range(meshes.pairs.shape[0]):
-        at = meshes.pairs[pair, PAIR_COLUMN]
+        at = meshes.pairs[pair].column
         _record_sums(meshes, contacts, pair, work, row, at)
         _record_largest(meshes, contacts, pair, row, at + CONTACTS_AT)
 
@@ -106,14 +101,14 @@ def _record_sums(
     meshes: SurfacePairs, contacts: ContactRows, pair: int, work: Workspace, row: NDArray[np.float64], at: int
 ) -> None:
     """What all contacts of a pair do together; its gap is the reach of the search while nothing is nearer."""
-    gone = contacts.placed[surface_count(contacts, meshes) + pair]
+    gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + pair], 0)
     for k in range(CONTACTS_AT):
         row[at + k] = 0.0
-    row[at + GAP_AT] = meshes.pair_values[pair, PAIR_REACH]
+    row[at + GAP_AT] = meshes.pairs[pair].reach
     row[at + IMPULSE_AT], row[at + LOSS_AT], row[at + IMPACTS_AT] = (
-        gone[GONE_IMPULSE],
-        gone[GONE_LOSS],
-        gone[GONE_IMPACTS],
+        gone.impulse,
+        gone.loss,
+        gone.impacts,
     )
     highest = -1.0
     for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
@@ -162,7 +157,7 @@ def _record_largest(
 ) -> None:
     """Contacts in the order of their normal forces, those of equal ones in that of their places."""
     before, last = math.inf, -1
-    for i in range(meshes.pairs[pair, RECORDED]):
+    for i in range(meshes.pairs[pair].recorded):
         best, largest = -1, -1.0
         for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
             state = contacts.state[c]

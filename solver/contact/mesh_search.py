@@ -46,21 +46,11 @@ from heavylift.solver.contact.kind import (
 from heavylift.solver.contact.mesh_handover import book_jump, goes_on, turn_memory
 from heavylift.solver.contact.mesh_interface import find_first_contacts, search_surfaces
 from heavylift.solver.contact.mesh_kind import (
-    BESIDE_AT,
-    DEFORMS,
-    FIRST_POSE,
     FOUND_FIRST,
     FOUND_HIT,
     FOUND_KIND,
     FOUND_SECOND,
     FOUND_SIDE,
-    METHOD,
-    MOST,
-    PAIR_EVENTS,
-    PAIR_LAW,
-    PAIR_PATCHES,
-    PAIR_REACH,
-    SECOND_POSE,
     SurfacePairs,
 )
 from heavylift.solver.contact.mesh_patches import (
@@ -120,24 +110,24 @@ def _search_all(
     form_facets(meshes.facets, meshes.surfaces, bodies)
     fill_table(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
-        a, b = meshes.pairs[pair, FIRST_POSE], meshes.pairs[pair, SECOND_POSE]
+        a, b = meshes.pairs[pair].poses[0], meshes.pairs[pair].poses[1]
         relative_pose(contacts.placed[a - first_row], contacts.placed[b - first_row], meshes.motions[pair], 0)
         relative_pose(contacts.poses[a], contacts.poses[b], meshes.motions[pair], 12)
         for k in range(12):
             meshes.relative[pair, k] = meshes.motions[pair, 12 + k]
-            if meshes.pairs[pair, DEFORMS] > 0:  # its points are those of the end, so paths say nothing
+            if meshes.pairs[pair].deforms:  # its points are those of the end, so paths say nothing
                 meshes.motions[pair, k] = meshes.motions[pair, 12 + k]
         moved = contacts.poses[a, STEP_SHIFT] + contacts.poses[b, STEP_SHIFT]
         _search_pair(meshes, contacts, bodies, pair, moved, step, first, work)
     _finish_contacts(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
-        if meshes.pairs[pair, PAIR_LAW] == COMPLIANT:
+        if meshes.pairs[pair].law == COMPLIANT:
             share_stiffness(
                 meshes,
                 contacts,
                 pair,
-                int(meshes.pair_values[pair, PAIR_PATCHES]),
-                meshes.pair_values[pair, PAIR_REACH],
+                meshes.pairs[pair].patches,
+                meshes.pairs[pair].reach,
             )
 
 
@@ -174,12 +164,12 @@ def _search_pair(
 ) -> None:
     """Search, look up, hand over, add."""
     size = meshes.pair_values[pair, SIZE]
-    early = meshes.pairs[pair, PAIR_LAW] != RIGID or meshes.pairs[pair, PAIR_EVENTS] == 0
-    early = early or meshes.pairs[pair, DEFORMS] > 0
+    early = meshes.pairs[pair].law != RIGID or not meshes.pairs[pair].events
+    early = early or meshes.pairs[pair].deforms
     reach = (AT_START if first else NEAR_ENOUGH) * size + (AHEAD * moved if early else 0.0)
-    meshes.pair_values[pair, PAIR_REACH] = reach
+    meshes.pairs[pair].reach = reach
     further = 0.0
-    if meshes.pairs[pair, PAIR_LAW] == RIGID:
+    if meshes.pairs[pair].law == RIGID:
         further = DEEPER * deepest_of(meshes, contacts, pair)
     count = find_contacts(
         meshes.surfaces,
@@ -187,7 +177,7 @@ def _search_pair(
         pair,
         meshes.motions[pair],
         reach + further,
-        meshes.pairs[pair, METHOD],
+        meshes.pairs[pair].method,
         meshes.found,
         meshes.found_values,
     )
@@ -197,7 +187,7 @@ def _search_pair(
     lost = _follow_contacts(meshes, contacts, bodies, pair, size, work)
     sort_found(meshes, count)
     settle_sides(meshes, contacts, pair, count, first)
-    unsplit = meshes.pairs[pair, PAIR_LAW] == RIGID and meshes.pairs[pair, PAIR_EVENTS] == 0
+    unsplit = meshes.pairs[pair].law == RIGID and not meshes.pairs[pair].events
     patches = choose_contacts(meshes, contacts, pair, count, 0.5 * reach if unsplit else -math.inf)
     for i in range(count):
         found = meshes.found[i]
@@ -222,7 +212,7 @@ def _search_pair(
         if not _add(meshes, contacts, bodies, pair, i, moved, step, work):
             _stop(contacts, pair, work)
             return
-    meshes.pair_values[pair, PAIR_PATCHES] = patches
+    meshes.pairs[pair].patches = patches
 
 
 @kernel(internal=True)
@@ -279,7 +269,7 @@ def _has_room(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> bool:
     for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
         if contacts.state[c, PAIR] == pair:
             count += 1
-    return bool(count < meshes.pairs[pair, MOST])
+    return bool(count < meshes.pairs[pair].most)
 
 
 @kernel(internal=True)
@@ -296,7 +286,7 @@ def _add(
     """A new contact; false if there is no place for it."""
     found, side = meshes.found[i], meshes.found_values[i, FOUND_SIDE]
     start = gap_at_start(meshes, pair, i)
-    beside = meshes.touch[BESIDE_AT]
+    beside = meshes.touch.beyond
     if not _has_room(meshes, contacts, pair):
         return False
     c = add_contact(meshes, contacts, pair)
@@ -314,7 +304,7 @@ def _add(
     touch_mesh_contact(meshes, contacts, bodies, c, work)
     # the rate at the start of the step, of a gap that is a parabola
     rate = contact_rates(contacts, c, work.velocity)[0]
-    if meshes.pairs[pair, DEFORMS] > 0:
+    if meshes.pairs[pair].deforms:
         state[START_GAP] = state[GAP] = state[END_GAP] - step * rate
         state[RATE] = state[START_RATE] = rate
     else:
@@ -334,12 +324,12 @@ def _finish_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
         beside = state[BESIDE] > BORDER * size
         # from one side to the other in a step without a hit: round the border
         gone_round = state[GAP] > nothing and state[END_GAP] < -nothing and not holds(contacts, c)
-        gone_round = gone_round and meshes.pairs[int(state[PAIR]), DEFORMS] == 0
+        gone_round = gone_round and not meshes.pairs[int(state[PAIR])].deforms
         if (beside or gone_round) and state[HIT] == 0.0:
             gap = state[END_GAP]
             if not holds(contacts, c):  # goes; if it comes back, it is found with the side it comes from
                 state[PATCH] = -1.0
-                state[END_GAP] = FAR_AWAY * (size + meshes.pair_values[int(state[PAIR]), PAIR_REACH])
+                state[END_GAP] = FAR_AWAY * (size + meshes.pairs[int(state[PAIR])].reach)
             elif state[LEFT] > 0.0:  # nothing beyond the border took it over for a whole step
                 state[END_GAP] = max(state[END_GAP], size)
             book_jump(contacts, c, gap)  # what it has stored is lost

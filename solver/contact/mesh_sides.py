@@ -23,16 +23,11 @@ from heavylift.solver.contact.kind import (
     ContactRows,
 )
 from heavylift.solver.contact.mesh_kind import (
-    DEFORMS,
-    FIRST_POSE,
     FOUND_FIRST,
     FOUND_HIT,
     FOUND_KIND,
     FOUND_SECOND,
     FOUND_SIDE,
-    NORMAL_AT,
-    POINT_AT,
-    RADII,
     SurfacePairs,
 )
 from heavylift.solver.contact.mesh_patches import UNKNOWN
@@ -71,7 +66,7 @@ def evaluate(meshes: SurfacePairs, pair: int, i: int, pose: NDArray[np.float64],
         found[FOUND_KIND],
         found[FOUND_FIRST],
         found[FOUND_SECOND],
-        meshes.pair_values[pair, RADII],
+        meshes.pairs[pair].radii,
         side,
         pose,
         0,
@@ -85,9 +80,9 @@ def gap_at_start(meshes: SurfacePairs, pair: int, i: int) -> float:
     side, touch = meshes.found_values[i, FOUND_SIDE], meshes.touch
     if meshes.found[i, FOUND_KIND] == EDGE_EDGE:
         evaluate(meshes, pair, i, meshes.relative[pair], side)
-        n1, n2, n3 = touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2]
+        n1, n2, n3 = touch.normal[0], touch.normal[1], touch.normal[2]
         evaluate(meshes, pair, i, meshes.motions[pair], side)
-        if n1 * touch[NORMAL_AT] + n2 * touch[NORMAL_AT + 1] + n3 * touch[NORMAL_AT + 2] < 0.0:
+        if n1 * touch.normal[0] + n2 * touch.normal[1] + n3 * touch.normal[2] < 0.0:
             side = -side
     return evaluate(meshes, pair, i, meshes.motions[pair], side)
 
@@ -96,8 +91,8 @@ def gap_at_start(meshes: SurfacePairs, pair: int, i: int) -> float:
 def aligned(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int) -> float:
     """Cosine between the normal left in `touch` and that of a contact."""
     touch, state = meshes.touch, contacts.state[c]
-    pose = contacts.poses[meshes.pairs[pair, FIRST_POSE]]
-    n1, n2, n3 = rotate(pose, touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2])
+    pose = contacts.poses[meshes.pairs[pair].poses[0]]
+    n1, n2, n3 = rotate(pose, touch.normal[0], touch.normal[1], touch.normal[2])
     return n1 * state[NORMAL] + n2 * state[NORMAL + 1] + n3 * state[NORMAL + 2]
 
 
@@ -114,8 +109,8 @@ def deepest_of(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> float:
 @kernel(internal=True)
 def _is_turned(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, near: float) -> bool:
     """Whether the normal left in `touch` is against that of the nearest contact that touches along the same line."""
-    touch, pose = meshes.touch, contacts.poses[meshes.pairs[pair, FIRST_POSE]]
-    x1, x2, x3 = rotate(pose, touch[POINT_AT], touch[POINT_AT + 1], touch[POINT_AT + 2])
+    touch, pose = meshes.touch, contacts.poses[meshes.pairs[pair].poses[0]]
+    x1, x2, x3 = rotate(pose, touch.point_a[0], touch.point_a[1], touch.point_a[2])
     x1, x2, x3 = x1 + pose[ORIGIN], x2 + pose[ORIGIN + 1], x3 + pose[ORIGIN + 2]
     turned, nearest = False, math.inf
     for k in range(number_of(contacts, OF_CONTOURS), count):
@@ -137,9 +132,9 @@ def settle_sides(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: 
     Which side it comes from is told by what touches already, and it may be as deep inside as that.
     """
     nothing = ABOUT_NOTHING * meshes.pair_values[pair, SIZE] + 2.0 * deepest_of(meshes, contacts, pair)
-    deforms, inside = meshes.pairs[pair, DEFORMS] > 0, nothing
+    deforms, inside = meshes.pairs[pair].deforms, nothing
     if deforms:  # where only the rounding is inside, the side is known
-        inside = meshes.pair_values[pair, RADII]
+        inside = meshes.pairs[pair].radii
     for i in range(count):
         found = meshes.found[i]
         if look_up(meshes, contacts, pair, found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]) >= 0:

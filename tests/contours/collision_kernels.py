@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from heavylift.contours.feature_gap import contact_gap, feature_gap
+from heavylift.contours.feature_gap import FeatureTouch, contact_gap, feature_gap
 from heavylift.contours.feature_pairs import SWEPT, contacts_of_pairs, find_contacts
 from heavylift.contours.pair_list import make_pair_lists
 from heavylift.contours.pair_search import refresh_pairs
 from heavylift.contours.surface_layout import PAIR_FIRST, PAIR_SURFACE_A, PAIR_SURFACE_B
 from heavylift.contours.surface_pack import pack_surfaces
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import records
 from heavylift.preprocess.surfaces import TriangleSurface
 
 if TYPE_CHECKING:
@@ -95,7 +96,7 @@ def contacts_of(
     count = contacts_kernel(surfaces, lists, 0, motion, reach, method, features, numbers)
     assert count >= 0
     features, numbers = features[:count], numbers[:count]
-    geometry = np.zeros((count, 10))
+    geometry = records(FeatureTouch, count)
     for k in range(count):
         gap = gap_kernel(
             surfaces, *features[k, :3], surfaces.radii[:2].sum(), numbers[k, 1], motion, 12, geometry[k]
@@ -108,9 +109,9 @@ def contacts_of(
         numbers[:, 0],
         numbers[:, 1],
         numbers[:, 2],
-        geometry[:, :3],
-        geometry[:, 3:6],
-        geometry[:, 6:9],
+        geometry["normal"],
+        geometry["point_a"],
+        geometry["point_b"],
     )
 
 

@@ -78,7 +78,7 @@ def touched():
     contacts = pack_scene(scene).systems[1]
     (meshes,) = contacts.meshes
     count_kernel(contacts, 1)
-    for pose in (contacts.poses[meshes.pairs[0, mesh_kind.FIRST_POSE]], meshes.relative[0]):
+    for pose in (contacts.poses[meshes.pairs[0].poses[0]], meshes.relative[0]):
         pose[:12] = [*np.eye(3).ravel(), 0.0, 0.0, 0.0]
     (rail_edge,) = rows(meshes.surfaces, RAIL[None])
     edges = rows(meshes.surfaces, BARS)
@@ -94,9 +94,9 @@ def touched():
     state[kind.TOUCHED : kind.TOUCHED + 3] = 0.2, 0.0, -0.5 * DEPTH
     contacts.table[0, kind.LAW], contacts.table[0, kind.FORCE_LAW] = (
         kind.COMPLIANT,
-        meshes.pairs[0, mesh_kind.PAIR_FORCE_LAW],
+        meshes.pairs[0].force_law,
     )
-    contacts.values[0] = meshes.pair_values[0, : contacts.values.shape[1]]
+    contacts.values[0] = meshes.pair_values[0]
     return meshes, contacts
 
 
