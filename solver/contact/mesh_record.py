@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record, Vector, record_at
 from heavylift.solver.channels import XYZ
 from heavylift.solver.contact.counts import contact_count, number_of
 from heavylift.solver.contact.kind import (
@@ -71,9 +72,39 @@ ONE_CONTACT: tuple[tuple[str, str, tuple[str, ...]], ...] = (
 )
 """The same of each recorded contact."""
 
-GAP_AT, NUMBER_AT, PATCHES_AT, FORCE_AT, SUM_AT, LARGEST_AT, IMPULSE_AT = 0, 1, 2, 3, 6, 7, 8
-CENTRE_AT, SLIP_AT, LOSS_AT, IMPACTS_AT, CONTACTS_AT = 9, 12, 13, 14, 15
-POINT_OF, NORMAL_OF, GAP_OF, FORCE_OF, FRICTION_OF, IMPULSE_OF, PATCH_OF, ONE_WIDTH = 0, 3, 6, 7, 8, 9, 10, 11
+
+class CollisionColumns(Record):
+    """Columns of a collision, see `COLLISION_CHANNELS`."""
+
+    gap: float
+    contacts: float
+    patches: float
+    force: Vector
+    normal_force: float
+    largest_force: float
+    impulse: float
+    point: Vector
+    slip: float
+    dissipated: float
+    impacts: float
+
+
+class ContactColumns(Record):
+    """Columns of a recorded contact, behind those of its collision; see `ONE_CONTACT`."""
+
+    point: Vector
+    normal: Vector
+    gap: float
+    force: float
+    friction: float
+    impulse: float
+    patch: float
+
+
+CONTACTS_AT, ONE_WIDTH = (columns.layout.itemsize // 8 for columns in (CollisionColumns, ContactColumns))
+"""How many columns these are."""
+
+collision_columns, contact_columns = record_at(CollisionColumns), record_at(ContactColumns)
 
 
 def collision_channels(recorded: int) -> list[tuple[str, str, tuple[str, ...]]]:
@@ -104,21 +135,18 @@ def _record_sums(
     gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + pair], 0)
     for k in range(CONTACTS_AT):
         row[at + k] = 0.0
-    row[at + GAP_AT] = meshes.pairs[pair].reach
-    row[at + IMPULSE_AT], row[at + LOSS_AT], row[at + IMPACTS_AT] = (
-        gone.impulse,
-        gone.loss,
-        gone.impacts,
-    )
+    sums = collision_columns(row, at)
+    sums.gap = meshes.pairs[pair].reach
+    sums.impulse, sums.dissipated, sums.impacts = gone.impulse, gone.loss, gone.impacts
     highest = -1.0
     for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
         state = contacts.state[c]
         if state[PAIR] != pair:
             continue
-        row[at + GAP_AT] = min(row[at + GAP_AT], state[GAP])
-        row[at + IMPULSE_AT] += state[IMPULSES]
-        row[at + LOSS_AT] += state[LOSS]
-        row[at + IMPACTS_AT] += state[IMPACTS]
+        sums.gap = min(sums.gap, state[GAP])
+        sums.impulse += state[IMPULSES]
+        sums.dissipated += state[LOSS]
+        sums.impacts += state[IMPACTS]
         if contacts.table[c, LAW] == COMPLIANT:
             values = contacts.values[c]
             work.sums.elastic += stored_energy(
@@ -127,18 +155,18 @@ def _record_sums(
         force = state[NORMAL_FORCE]
         if not (force > 0.0 or state[CLOSED] > 0.0):
             continue
-        row[at + NUMBER_AT] += 1.0
+        sums.contacts += 1.0
         highest = max(highest, state[PATCH])
-        row[at + SUM_AT] += force
-        row[at + SLIP_AT] = max(row[at + SLIP_AT], state[SLIP_SPEED])
+        sums.normal_force += force
+        sums.slip = max(sums.slip, state[SLIP_SPEED])
         for k in range(3):
-            row[at + FORCE_AT + k] += state[FORCE + k]
-            row[at + CENTRE_AT + k] += force * state[TOUCHED + k]
-    work.sums.dissipated += row[at + LOSS_AT]
-    record_clearance(meshes.clearances, meshes, contacts, pair, row, at + GAP_AT)
-    if row[at + SUM_AT] > 0.0:
+            sums.force[k] += state[FORCE + k]
+            sums.point[k] += force * state[TOUCHED + k]
+    work.sums.dissipated += sums.dissipated
+    record_clearance(meshes.clearances, meshes, contacts, pair, row, at)
+    if sums.normal_force > 0.0:
         for k in range(3):
-            row[at + CENTRE_AT + k] /= row[at + SUM_AT]
+            sums.point[k] /= sums.normal_force
     for patch in range(int(highest) + 1):
         total, members = 0.0, 0
         for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
@@ -147,8 +175,8 @@ def _record_sums(
             if state[PAIR] == pair and state[PATCH] == patch and touches:
                 total += state[NORMAL_FORCE]
                 members += 1
-        row[at + LARGEST_AT] = max(row[at + LARGEST_AT], total)
-        row[at + PATCHES_AT] += 1.0 if members > 0 else 0.0
+        sums.largest_force = max(sums.largest_force, total)
+        sums.patches += 1.0 if members > 0 else 0.0
 
 
 @kernel(internal=True)
@@ -169,14 +197,15 @@ def _record_largest(
         place = at + i * ONE_WIDTH
         for k in range(ONE_WIDTH):
             row[place + k] = 0.0
-        row[place + PATCH_OF] = -1.0
+        columns = contact_columns(row, place)
+        columns.patch = -1.0
         if best < 0:
             continue
         before, last = largest, best
         state = contacts.state[best]
         for k in range(3):
-            row[place + POINT_OF + k] = state[TOUCHED + k]
-            row[place + NORMAL_OF + k] = state[NORMAL + k]
-        row[place + GAP_OF], row[place + FORCE_OF] = state[GAP], state[NORMAL_FORCE]
-        row[place + FRICTION_OF], row[place + IMPULSE_OF] = state[FRICTION_FORCE], state[STEP_IMPULSE]
-        row[place + PATCH_OF] = state[PATCH]
+            columns.point[k] = state[TOUCHED + k]
+            columns.normal[k] = state[NORMAL + k]
+        columns.gap, columns.force = state[GAP], state[NORMAL_FORCE]
+        columns.friction, columns.impulse = state[FRICTION_FORCE], state[STEP_IMPULSE]
+        columns.patch = state[PATCH]
