@@ -13,7 +13,7 @@ from heavylift.contours.feature_boxes import apart, box_around, box_of, grown, m
 from heavylift.contours.feature_gap import EDGE_EDGE, FACE_VERTEX, VERTEX_FACE, fixed_point, moved_point
 from heavylift.contours.feature_judge import HIT, NEITHER, judge_vertex, turn
 from heavylift.contours.feature_judge_edges import judge_edges
-from heavylift.contours.feature_report import report, room_for, shared_end
+from heavylift.contours.feature_report import report, shared_end
 from heavylift.contours.feature_rounded import in_axes_of_b, rounded_contacts
 from heavylift.contours.pair_search import refresh_pairs
 from heavylift.contours.position_difference import (
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from heavylift.contours.feature_report import ContactList
     from heavylift.contours.pair_list import PairLists
     from heavylift.contours.surface_pack import CollisionSurfaces
 
@@ -52,9 +53,6 @@ __all__ = ["POSITION_DIFFERENCE", "SWEPT", "contacts_of_pairs", "find_contacts"]
 SWEPT = 0
 POSITION_DIFFERENCE = 1
 """Method of the 2018 thesis, section 2.6, which misses collisions; for comparison."""
-
-MOVED = 6
-"""Rows of `numbers` that hold the corners of a triangle of B at the start and at the end."""
 
 ROUNDING = 1e-6
 """Part of the smaller surface by which positions that touch may differ: a simulation leaves bodies at rest a little
@@ -79,8 +77,7 @@ def find_contacts(
     reach: float,
     method: int,
     # out
-    features: NDArray[np.int64],
-    numbers: NDArray[np.float64],
+    out: ContactList,
 ) -> int:
     """Contacts of one pair of surfaces A and B during an interval.
 
@@ -95,17 +92,13 @@ def find_contacts(
         Gap [m] at the end up to which features that are not hit are contacts too.
     method
         `SWEPT` or `POSITION_DIFFERENCE`.
-    features
-        Written: kind, feature of A and of B (rows of points, edges or triangles), 1 if hit in the interval, else 0.
-        Shape (capacity, 4); the last rows are scratch.
-    numbers
-        Written: time of impact in [0, 1] (1 if not hit), side as `contact_gap` takes it, gap at the end [m].
-        Shape (capacity, 3).
+    out
+        Written.
 
     Returns
     -------
     count
-        Of contacts; -1 if the pair lists are too small, -2 if `features` is.
+        Of contacts; -1 if the pair lists are too small, -2 if `out` is.
 
     Notes
     -----
@@ -127,8 +120,7 @@ def find_contacts(
         reach,
         method,
         True,
-        features,
-        numbers,
+        out,
     )
 
 
@@ -147,17 +139,13 @@ def contacts_of_pairs(
     method: int,
     judged: bool,
     # out
-    features: NDArray[np.int64],
-    numbers: NDArray[np.float64],
+    out: ContactList,
 ) -> int:
     """`find_contacts` for listed pairs of triangles; not `judged`, all that the swept tests report, and only that."""
-    points, triangles = surfaces.points, surfaces.triangles
+    points, triangles, corners = surfaces.points, surfaces.triangles, out.corners
     radius = surfaces.radii[surface_a] + surfaces.radii[surface_b]
     far = reach + radius
     rounding = ROUNDING * min(surfaces.reaches[surface_a], surfaces.reaches[surface_b])
-    room = room_for(features)
-    if features.shape[0] - room < MOVED:
-        return -2
     # the middle of either surface in the axes of the other, at the start
     middle_a, middle_b = middle_of(surfaces, surface_a), middle_of(surfaces, surface_b)
     x, y, z = turn(middle_b, motion, MOTION_R0, False)
@@ -173,8 +161,8 @@ def contacts_of_pairs(
             for i in range(3):
                 p = moved_point(points, triangles[tb, i], motion, MOTION_R0)
                 q = moved_point(points, triangles[tb, i], motion, MOTION_R1)
-                numbers[room + i, 0], numbers[room + i, 1], numbers[room + i, 2] = p
-                numbers[room + 3 + i, 0], numbers[room + 3 + i, 1], numbers[room + 3 + i, 2] = q
+                corners[i, 0], corners[i, 1], corners[i, 2] = p
+                corners[3 + i, 0], corners[3 + i, 1], corners[3 + i, 2] = q
                 box = box_of(p, q, far)
                 box_b = box if i == 0 else box_around(box_b, box)
         box_a = stored_box(surfaces.triangle_boxes, ta)
@@ -184,22 +172,20 @@ def contacts_of_pairs(
         if flags_a & IS_FACE and flags_b & (7 * OWNS_A):
             found = vertices_on_face(
                 surfaces, ta, tb, box_a, b_in_a, middle_a, motion, radius, far, rounding, method, judged,
-                found, room, features, numbers,
+                found, out,
             )  # fmt: skip
         if flags_b & IS_FACE and flags_a & (7 * OWNS_A) and found >= 0:
             found = face_on_vertices(
                 surfaces, ta, tb, box_b, a_in_b, middle_b, motion, radius, far, rounding, method, judged,
-                found, room, features, numbers,
+                found, out,
             )  # fmt: skip
         if flags_a & (7 * OWNS_AB) and flags_b & (7 * OWNS_AB) and found >= 0:
             found = edges_on_edges(
                 surfaces, ta, tb, box_b, middle_a, b_in_a, motion, radius, far, rounding, method, judged,
-                found, room, features, numbers,
+                found, out,
             )  # fmt: skip
         if radius > 0.0 and judged and found >= 0:
-            found = rounded_contacts(
-                surfaces, ta, tb, motion, radius, far, rounding, room, found, room, features, numbers
-            )
+            found = rounded_contacts(surfaces, ta, tb, motion, radius, far, rounding, found, out)
         if found < 0:
             return found
     return found
@@ -223,16 +209,14 @@ def vertices_on_face(
     judged: bool,
     # list
     found: int,
-    room: int,
-    features: NDArray[np.int64],
-    numbers: NDArray[np.float64],
+    out: ContactList,
 ) -> int:
     """Report the vertices that a triangle of B owns and that touch a face of A."""
     points, triangles = surfaces.points, surfaces.triangles
     for i in range(3):
         if not triangles[tb, FLAGS] & (OWNS_A << i):
             continue
-        x0, x1 = fixed_point(numbers, room + i), fixed_point(numbers, room + 3 + i)
+        x0, x1 = fixed_point(out.corners, i), fixed_point(out.corners, 3 + i)
         if apart(box_a, box_of(x0, x1, far)):
             continue
         a = fixed_point(points, triangles[ta, 0])
@@ -261,7 +245,7 @@ def vertices_on_face(
         if verdict != NEITHER:
             found = report(
                 points, surfaces.edges, surfaces.normals, motion, VERTEX_FACE, ta, vertex, vertex if judged else -1,
-                verdict, time, side, gap, rounding, found, room, features, numbers,
+                verdict, time, side, gap, rounding, found, out,
             )  # fmt: skip
             if found < 0:
                 return found
@@ -286,9 +270,7 @@ def face_on_vertices(
     judged: bool,
     # list
     found: int,
-    room: int,
-    features: NDArray[np.int64],
-    numbers: NDArray[np.float64],
+    out: ContactList,
 ) -> int:
     """Report the vertices that a triangle of A owns and that a face of B touches."""
     points, triangles = surfaces.points, surfaces.triangles
@@ -297,9 +279,9 @@ def face_on_vertices(
         x = fixed_point(points, vertex)
         if not triangles[ta, FLAGS] & (OWNS_A << i) or apart(box_b, box_of(x, x, 0.0)):
             continue
-        a0, a1 = fixed_point(numbers, room), fixed_point(numbers, room + 3)
-        b0, b1 = fixed_point(numbers, room + 1), fixed_point(numbers, room + 4)
-        c0, c1 = fixed_point(numbers, room + 2), fixed_point(numbers, room + 5)
+        a0, a1 = fixed_point(out.corners, 0), fixed_point(out.corners, 3)
+        b0, b1 = fixed_point(out.corners, 1), fixed_point(out.corners, 4)
+        c0, c1 = fixed_point(out.corners, 2), fixed_point(out.corners, 5)
         if method == POSITION_DIFFERENCE:
             hit, time = difference_vertex_face(
                 x[0], x[1], x[2], x[0], x[1], x[2], a0[0], a0[1], a0[2], a1[0], a1[1], a1[2],
@@ -328,7 +310,7 @@ def face_on_vertices(
             # the vertex is on a side of the face; the face is on the other of the vertex
             found = report(
                 points, surfaces.edges, surfaces.normals, motion, FACE_VERTEX, vertex, tb, vertex if judged else -1,
-                verdict, time, -side, gap, rounding, found, room, features, numbers,
+                verdict, time, -side, gap, rounding, found, out,
             )  # fmt: skip
             if found < 0:
                 return found
@@ -353,9 +335,7 @@ def edges_on_edges(
     judged: bool,
     # list
     found: int,
-    room: int,
-    features: NDArray[np.int64],
-    numbers: NDArray[np.float64],
+    out: ContactList,
 ) -> int:
     """Report the edges that two triangles own and that touch each other."""
     points, triangles, edges = surfaces.points, surfaces.triangles, surfaces.edges
@@ -375,8 +355,8 @@ def edges_on_edges(
             edge_b = triangles[tb, EDGE_AB + j]
             start = j if edges[edge_b, EDGE_START] == triangles[tb, j] else (j + 1) % 3
             end = 2 * j + 1 - start if j < 2 else 2 - start
-            p0, p1 = fixed_point(numbers, room + start), fixed_point(numbers, room + 3 + start)
-            q0, q1 = fixed_point(numbers, room + end), fixed_point(numbers, room + 3 + end)
+            p0, p1 = fixed_point(out.corners, start), fixed_point(out.corners, 3 + start)
+            q0, q1 = fixed_point(out.corners, end), fixed_point(out.corners, 3 + end)
             if apart(box, box_around(box_of(p0, p1, far), box_of(q0, q1, far))):
                 continue
             if method == POSITION_DIFFERENCE:
@@ -401,7 +381,7 @@ def edges_on_edges(
             if verdict != NEITHER:
                 found = report(
                     points, edges, surfaces.normals, motion, EDGE_EDGE, edge_a, edge_b, at,
-                    verdict, time, side, gap, rounding, found, room, features, numbers,
+                    verdict, time, side, gap, rounding, found, out,
                 )  # fmt: skip
                 if found < 0:
                     return found

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from heavylift.contours.feature_report import ContactList
     from heavylift.contours.surface_pack import CollisionSurfaces
 
 __all__ = ["rounded_contacts"]
@@ -151,11 +152,8 @@ def rounded_contacts(
     far: float,
     rounding: float,
     # list
-    moved: int,
     found: int,
-    room: int,
-    features: NDArray[np.int64],
-    numbers: NDArray[np.float64],
+    out: ContactList,
 ) -> int:
     """Report the contacts of all vertices and edges that two triangles own; see `contacts_of_pairs`."""
     points, triangles, edges = surfaces.points, surfaces.triangles, surfaces.edges
@@ -167,8 +165,8 @@ def rounded_contacts(
             own_edge_a = triangles[ta, FLAGS] & (OWNS_AB << i)
             own_edge_b = triangles[tb, FLAGS] & (OWNS_AB << j)
             a = fixed_point(points, row_a)
-            x0 = fixed_point(numbers, moved + j)
-            x1 = fixed_point(numbers, moved + 3 + j)
+            x0 = fixed_point(out.corners, j)
+            x1 = fixed_point(out.corners, 3 + j)
             for kind in range(VERTEX_EDGE, VERTEX_VERTEX + 1):
                 verdict, time, gap = NEITHER, 1.0, 0.0
                 feature_a, feature_b = row_a, row_b
@@ -193,7 +191,7 @@ def rounded_contacts(
                 if verdict != NEITHER:
                     found = report(
                         points, edges, surfaces.normals, motion, kind, feature_a, feature_b, UNIQUE,
-                        verdict, time, 1.0, gap, rounding, found, room, features, numbers,
+                        verdict, time, 1.0, gap, rounding, found, out,
                     )  # fmt: skip
                     if found < 0:
                         return found

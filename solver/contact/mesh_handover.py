@@ -33,10 +33,6 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.mesh_kind import (
-    FOUND_FIRST,
-    FOUND_KIND,
-    FOUND_SECOND,
-    FOUND_SIDE,
     SurfacePairs,
 )
 from heavylift.solver.contact.mesh_patches import BORDER
@@ -87,9 +83,9 @@ def goes_on(
     would touch as the contact is beside them. Others that have a feature in common, as all edges that lie across the
     same one, touch somewhere else.
     """
-    found, size = meshes.found[i], meshes.pair_values[pair, SIZE]
-    kind, feature, other = found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]
-    side = meshes.found_values[i, FOUND_SIDE]
+    found, size = meshes.found.contacts[i], meshes.pair_values[pair, SIZE]
+    kind, feature, other = found.kind, found.first, found.second
+    side = meshes.found.contacts[i].side
     taken, nearest, turned = -1, math.inf, 1.0
     for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
         state = contacts.state[c]

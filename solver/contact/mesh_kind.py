@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.contours.feature_gap import FeatureTouch
+from heavylift.contours.feature_report import ContactList
 from heavylift.contours.pair_list import PairLists
 from heavylift.contours.surface_pack import CollisionSurfaces
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
@@ -99,12 +100,6 @@ class ContactHeader(Record):
 gone_contacts, contact_header = record_at(GoneContacts), record_at(ContactHeader)
 """What rows of `placed` begin with: one for each pair behind the poses of the surfaces, then a single one."""
 
-# columns of `found`: as in `heavylift.contours.feature_pairs`
-FOUND_KIND, FOUND_FIRST, FOUND_SECOND, FOUND_HIT, FOUND_COLUMNS = range(5)
-
-# columns of `found_values`
-FOUND_TIME, FOUND_SIDE, FOUND_GAP, FOUND_NUMBERS = range(4)
-
 
 class Clearing(Table):
     """Pairs whose distance is recorded, a kind or none."""
@@ -131,8 +126,8 @@ class SurfacePairs(Arrays):
         Pose of the second surface in the axes of the first at the stage: rotation matrix and origin, shape (np, 12).
     motions
         The same at both ends of the step, shape (np, 24).
-    found, found_values
-        What the search of a pair has found: shapes (n, 4), (n, 3).
+    found
+        What the search of a pair has found.
     touch
         Normal, points on both features and how far they lie beside them, of one contact.
     points, normals, depths, active, owners, patch_of
@@ -167,8 +162,7 @@ class SurfacePairs(Arrays):
     pair_values: Floats2
     relative: Floats2
     motions: Floats2
-    found: Ints2
-    found_values: Floats2
+    found: ContactList
     touch: FeatureTouch
     points: Floats2
     normals: Floats2

@@ -45,8 +45,6 @@ from heavylift.solver.contact.kind import (
 from heavylift.solver.contact.laws_packing import force_law, put_law
 from heavylift.solver.contact.mesh_clearance import make_clearances
 from heavylift.solver.contact.mesh_kind import (
-    FOUND_COLUMNS,
-    FOUND_NUMBERS,
     Clearing,
     DeformingSurfaces,
     PairSide,
@@ -110,6 +108,7 @@ def pack_collisions(
         What the checks of collisions refuse.
     """
     from heavylift.contours.feature_gap import FeatureTouch
+    from heavylift.contours.feature_report import make_contact_list
     from heavylift.contours.pair_list import make_pair_lists
     from heavylift.contours.patches import EXTREMES, patch_scratch_size
     from heavylift.contours.surface_pack import pack_surfaces
@@ -177,8 +176,7 @@ def pack_collisions(
         pair_values=values,
         relative=np.zeros((count, 12)),
         motions=np.zeros((count, 24)),
-        found=np.zeros((room, FOUND_COLUMNS), dtype=np.int64),
-        found_values=np.zeros((room, FOUND_NUMBERS)),
+        found=make_contact_list(room),
         touch=FeatureTouch.one(),
         points=np.zeros((items, 3)),
         normals=np.zeros((items, 3)),

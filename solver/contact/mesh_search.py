@@ -46,11 +46,6 @@ from heavylift.solver.contact.kind import (
 from heavylift.solver.contact.mesh_handover import book_jump, goes_on, turn_memory
 from heavylift.solver.contact.mesh_interface import find_first_contacts, search_surfaces
 from heavylift.solver.contact.mesh_kind import (
-    FOUND_FIRST,
-    FOUND_HIT,
-    FOUND_KIND,
-    FOUND_SECOND,
-    FOUND_SIDE,
     SurfacePairs,
 )
 from heavylift.solver.contact.mesh_patches import (
@@ -179,7 +174,6 @@ def _search_pair(
         reach + further,
         meshes.pairs[pair].method,
         meshes.found,
-        meshes.found_values,
     )
     if count < 0:
         _stop(contacts, pair, work)
@@ -190,18 +184,14 @@ def _search_pair(
     unsplit = meshes.pairs[pair].law == RIGID and not meshes.pairs[pair].events
     patches = choose_contacts(meshes, contacts, pair, count, 0.5 * reach if unsplit else -math.inf)
     for i in range(count):
-        found = meshes.found[i]
-        kind, feature, other = found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]
+        found = meshes.found.contacts[i]
+        kind, feature, other = found.kind, found.first, found.second
         c = look_up(meshes, contacts, pair, kind, feature, other)
         if c >= 0:
             state = contacts.state[c]
-            state[HIT] = float(found[FOUND_HIT])
-            if (
-                state[HIT] > 0.0
-                and state[SIDE] != meshes.found_values[i, FOUND_SIDE]
-                and not holds(contacts, c)
-            ):
-                gap, state[SIDE] = state[END_GAP], meshes.found_values[i, FOUND_SIDE]
+            state[HIT] = float(found.hit)
+            if state[HIT] > 0.0 and state[SIDE] != meshes.found.contacts[i].side and not holds(contacts, c):
+                gap, state[SIDE] = state[END_GAP], meshes.found.contacts[i].side
                 for k in range(3):
                     state[NORMAL + k] = 0.0  # the side is new
                 touch_mesh_contact(meshes, contacts, bodies, c, work)
@@ -253,7 +243,7 @@ def _hand_over(
     if c < 0:
         return False
     state = contacts.state[c]
-    state[FEATURE], state[OTHER_FEATURE] = meshes.found[i, FOUND_FIRST], meshes.found[i, FOUND_SECOND]
+    state[FEATURE], state[OTHER_FEATURE] = meshes.found.contacts[i].first, meshes.found.contacts[i].second
     state[SIDE], state[PATCH] = side, float(meshes.keeps[i])
     gap, t1, t2, t3 = state[END_GAP], state[TANGENT], state[TANGENT + 1], state[TANGENT + 2]
     touch_mesh_contact(meshes, contacts, bodies, c, work)
@@ -284,7 +274,7 @@ def _add(
     work: Workspace,
 ) -> bool:
     """A new contact; false if there is no place for it."""
-    found, side = meshes.found[i], meshes.found_values[i, FOUND_SIDE]
+    found, side = meshes.found.contacts[i], meshes.found.contacts[i].side
     start = gap_at_start(meshes, pair, i)
     beside = meshes.touch.beyond
     if not _has_room(meshes, contacts, pair):
@@ -294,13 +284,13 @@ def _add(
         return False
     state = contacts.state[c]
     state[FEATURES], state[FEATURE], state[OTHER_FEATURE] = (
-        found[FOUND_KIND],
-        found[FOUND_FIRST],
-        found[FOUND_SECOND],
+        found.kind,
+        found.first,
+        found.second,
     )
     state[SIDE], state[START_GAP], state[GAP] = side, start, start
     state[SHIFT] = moved  # or it would take part one step late
-    state[HIT], state[PATCH] = float(found[FOUND_HIT]), float(meshes.keeps[i])
+    state[HIT], state[PATCH] = float(found.hit), float(meshes.keeps[i])
     touch_mesh_contact(meshes, contacts, bodies, c, work)
     # the rate at the start of the step, of a gap that is a parabola
     rate = contact_rates(contacts, c, work.velocity)[0]

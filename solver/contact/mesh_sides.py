@@ -23,11 +23,6 @@ from heavylift.solver.contact.kind import (
     ContactRows,
 )
 from heavylift.solver.contact.mesh_kind import (
-    FOUND_FIRST,
-    FOUND_HIT,
-    FOUND_KIND,
-    FOUND_SECOND,
-    FOUND_SIDE,
     SurfacePairs,
 )
 from heavylift.solver.contact.mesh_patches import UNKNOWN
@@ -60,12 +55,12 @@ def holds(contacts: ContactRows, c: int) -> bool:
 @kernel(internal=True)
 def evaluate(meshes: SurfacePairs, pair: int, i: int, pose: NDArray[np.float64], side: float) -> float:
     """Gap of what was found, at a pose; normal and points are left in `touch`."""
-    found = meshes.found[i]
+    found = meshes.found.contacts[i]
     return feature_gap(
         meshes.surfaces,
-        found[FOUND_KIND],
-        found[FOUND_FIRST],
-        found[FOUND_SECOND],
+        found.kind,
+        found.first,
+        found.second,
         meshes.pairs[pair].radii,
         side,
         pose,
@@ -77,8 +72,8 @@ def evaluate(meshes: SurfacePairs, pair: int, i: int, pose: NDArray[np.float64],
 @kernel(internal=True)
 def gap_at_start(meshes: SurfacePairs, pair: int, i: int) -> float:
     """Gap of what was found at the start of the step, where the product of two edges may point the other way."""
-    side, touch = meshes.found_values[i, FOUND_SIDE], meshes.touch
-    if meshes.found[i, FOUND_KIND] == EDGE_EDGE:
+    side, touch = meshes.found.contacts[i].side, meshes.touch
+    if meshes.found.contacts[i].kind == EDGE_EDGE:
         evaluate(meshes, pair, i, meshes.relative[pair], side)
         n1, n2, n3 = touch.normal[0], touch.normal[1], touch.normal[2]
         evaluate(meshes, pair, i, meshes.motions[pair], side)
@@ -136,12 +131,12 @@ def settle_sides(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: 
     if deforms:  # where only the rounding is inside, the side is known
         inside = meshes.pairs[pair].radii
     for i in range(count):
-        found = meshes.found[i]
-        if look_up(meshes, contacts, pair, found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]) >= 0:
+        found = meshes.found.contacts[i]
+        if look_up(meshes, contacts, pair, found.kind, found.first, found.second) >= 0:
             continue
         start = gap_at_start(meshes, pair, i)
         near = abs(start) <= nothing and not deforms
         if near and _is_turned(meshes, contacts, pair, contact_count(contacts), nothing):
-            meshes.found_values[i, FOUND_SIDE] = -meshes.found_values[i, FOUND_SIDE]
+            meshes.found.contacts[i].side = -meshes.found.contacts[i].side
         elif start < -inside and not first:
-            found[FOUND_HIT] = UNKNOWN
+            found.hit = UNKNOWN

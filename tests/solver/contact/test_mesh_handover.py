@@ -9,7 +9,7 @@ from heavylift.contours.feature_gap import EDGE_EDGE
 from heavylift.numerics.jit import kernel
 from heavylift.preprocess.surfaces import TriangleSurface
 from heavylift.solver.collisions import Collision, CollisionSurface
-from heavylift.solver.contact import kind, mesh_kind
+from heavylift.solver.contact import kind
 from heavylift.solver.contact.counts import set_number
 from heavylift.solver.contact.mesh_handover import book_jump, goes_on
 from heavylift.solver.contacts import LinearLaw
@@ -83,8 +83,9 @@ def touched():
     (rail_edge,) = rows(meshes.surfaces, RAIL[None])
     edges = rows(meshes.surfaces, BARS)
     for i, edge in enumerate(edges[1:]):
-        meshes.found[i, :3] = EDGE_EDGE, rail_edge, edge
-        meshes.found_values[i, mesh_kind.FOUND_SIDE] = upwards(meshes.surfaces, rail_edge, edge)
+        found = meshes.found.contacts[i]
+        found.kind, found.first, found.second = EDGE_EDGE, rail_edge, edge
+        found.side = upwards(meshes.surfaces, rail_edge, edge)
     state = contacts.state[0]
     state[kind.FEATURES], state[kind.FEATURE], state[kind.OTHER_FEATURE] = EDGE_EDGE, rail_edge, edges[0]
     state[kind.SIDE] = upwards(meshes.surfaces, rail_edge, edges[0])
@@ -104,8 +105,8 @@ def touched():
 def test_a_contact_goes_on_with_the_neighbour_beyond_its_border(touched, turned):
     """On the side it was on, whichever side was found."""
     meshes, contacts = touched
-    side = meshes.found_values[0, mesh_kind.FOUND_SIDE]
-    meshes.found_values[0, mesh_kind.FOUND_SIDE] = turned * side
+    side = meshes.found.contacts[0].side
+    meshes.found.contacts[0].side = turned * side
     assert follow_kernel(meshes, contacts, 0, 1e-6) == (0, side)
 
 
