@@ -110,7 +110,7 @@ class DeformingSurfaces(Table):
 
 
 class SurfacePairs(Arrays):
-    """Surfaces, pairs of them, and what their search needs; columns are named at the top of this file.
+    """Surfaces, pairs of them, and what their search needs.
 
     Attributes
     ----------

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2
+from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Records, records
+from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.connections import JointMotor
 from heavylift.solver.interface import (
     Workspace,
@@ -49,6 +49,13 @@ class MotorEntry(CoordinateEntry):
     count: int
 
 
+class LoadRow(Record):
+    """Time [s] and load [N m] or [N]."""
+
+    time: float
+    load: float
+
+
 class Motors(Arrays):
     """All motors of a scene.
 
@@ -57,13 +64,13 @@ class Motors(Arrays):
     table
         The motors.
     loads
-        Time [s] and load [N m] or [N] of all tables, shape (m, 2).
+        Rows of all tables.
     state
         Work done so far [J], shape (n,).
     """
 
     table: Records[MotorEntry]
-    loads: Floats2
+    loads: Records[LoadRow]
     state: Floats1
 
 
@@ -75,7 +82,8 @@ def pack_motors(motors: Sequence[tuple[JointMotor, tuple[int, ...]]]) -> Motors:
     InputError
         If a table is empty, does not fit, or its times do not increase.
     """
-    table, loads = [], []
+    table: list[tuple[int, ...]] = []
+    loads: list[tuple[float, float]] = []
     first = 0
     for motor, place in motors:
         times = np.atleast_1d(np.asarray(motor.times, dtype=np.float64))
@@ -89,9 +97,9 @@ def pack_motors(motors: Sequence[tuple[JointMotor, tuple[int, ...]]]) -> Motors:
                 expected="one finite load a time, times increasing",
             )
         table.append((*place, first, len(times)))
-        loads.append(np.column_stack([times, values]))
+        loads += zip(times, values, strict=True)
         first += len(times)
-    return Motors(records(MotorEntry, table), np.vstack(loads), np.zeros(len(table)))
+    return Motors(records(MotorEntry, table), records(LoadRow, loads), np.zeros(len(table)))
 
 
 @kernel(internal=True)
@@ -101,13 +109,14 @@ def motor_load(kind: Motors, i: int, time: float) -> float:
     low, high = first, first + count - 1
     while high - low > 1:
         middle = (low + high) // 2
-        if kind.loads[middle, 0] <= time:
+        if kind.loads[middle].time <= time:
             low = middle
         else:
             high = middle
-    span = kind.loads[high, 0] - kind.loads[low, 0]
-    part = min(max((time - kind.loads[low, 0]) / span, 0.0), 1.0) if span > 0.0 else 0.0
-    return kind.loads[low, 1] + part * (kind.loads[high, 1] - kind.loads[low, 1])
+    before, after = kind.loads[low], kind.loads[high]
+    span = after.time - before.time
+    part = min(max((time - before.time) / span, 0.0), 1.0) if span > 0.0 else 0.0
+    return before.load + part * (after.load - before.load)
 
 
 @implement(add_forces, Motors)
