@@ -150,8 +150,8 @@ def print_lowering() -> None:
     whole = median_time(run)
     searches, pairs = results[-1]
     print(
-        f"\ntank lowered into hull, {STEPS} steps: {1e-3 * whole:.1f} ms for all lists, {searches} of them searched, "
-        f"{pairs:.0f} pairs on average"
+        f"\ntank lowered into hull, {STEPS} steps: {1e-3 * whole:.1f} ms for all lists, {searches} "
+        f"of them searched, {pairs:.0f} pairs on average"
     )
 
 

@@ -20,8 +20,6 @@ from heavylift.contours.convex import (
     CYLINDER,
     ELLIPSOID,
     RING,
-    SHAPE_AXES,
-    SHAPE_CENTRE,
     shape_row,
 )
 from heavylift.contours.evaluate import SCRATCH, Evaluation, surface_point
@@ -88,7 +86,7 @@ def warm_shapes(contour, knots, weights, net, kind, shape, points, starts, scrat
     failed = 0
     for i in range(points.shape[0]):
         for k in range(3):
-            shape[SHAPE_CENTRE + k] = points[i, k]
+            shape.centre[k] = points[i, k]
         start_search(contour, starts[i, 0], starts[i, 1], result)
         status = closest_shape_on_surface(contour, knots, weights, net, kind, shape, -1, -1, scratch, result)
         failed += status != CONVERGED
@@ -117,7 +115,7 @@ def cold_shapes(
     failed = 0
     for i in range(points.shape[0]):
         for k in range(3):
-            shape[SHAPE_CENTRE + k] = points[i, k]
+            shape.centre[k] = points[i, k]
         status = closest_shape_cold(
             contour, knots, weights, net, kind, shape, su, sv, samples, reach, 0.0, distances, scratch, result
         )
@@ -131,7 +129,7 @@ def warm_rings(contour, knots, weights, net, shape, points, starts, scratch, res
     failed = 0
     for i in range(points.shape[0]):
         for k in range(3):
-            shape[SHAPE_CENTRE + k] = points[i, k]
+            shape.centre[k] = points[i, k]
         start_ring(contour, starts[i, 0], starts[i, 1], starts[i, 2], result)
         status = ring_on_surface(contour, knots, weights, net, shape, -1, -1, scratch, result)
         failed += status != CONVERGED
@@ -161,7 +159,7 @@ def cold_rings(
     failed = 0
     for i in range(points.shape[0]):
         for k in range(3):
-            shape[SHAPE_CENTRE + k] = points[i, k]
+            shape.centre[k] = points[i, k]
         status = ring_cold(
             contour,
             knots,
@@ -264,7 +262,7 @@ def main() -> None:
         ("rounded cylinder", CYLINDER, (0.03, 0.03)),
     ):
         shape = shape_row(kind, sizes, 0.0 if kind == ELLIPSOID else 0.02)
-        shape[SHAPE_AXES : SHAPE_AXES + 9] = tilt.ravel()
+        shape.axes[:] = tilt
         args = (*arrays, kind, shape, above, *tail, scratch, result, found)
         failed = cold_shapes(*args)
         starts = found[:, :2] + 1e-3 / np.sqrt(2.0) * generator.standard_normal((COUNT, 2))
@@ -277,7 +275,7 @@ def main() -> None:
         )
 
     shape = shape_row(RING, (0.06,))
-    shape[SHAPE_AXES : SHAPE_AXES + 9] = tilt.ravel()
+    shape.axes[:] = tilt
     args = (*arrays, shape, above, *tail, np.zeros(4 * RING_ANGLES), scratch, result, found)
     failed = cold_rings(*args)
     starts = found[:, [0, 1, 3]] + 1e-3 * generator.standard_normal((COUNT, 3))

@@ -13,6 +13,8 @@ import math
 from typing import TYPE_CHECKING
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record
+from heavylift.numerics.records import Vector as VectorField
 from heavylift.numerics.small import cross
 
 if TYPE_CHECKING:
@@ -30,6 +32,7 @@ __all__ = [
     "VERTEX_EDGE",
     "VERTEX_FACE",
     "VERTEX_VERTEX",
+    "FeatureTouch",
     "contact_gap",
     "copy_pose",
     "feature_gap",
@@ -54,6 +57,25 @@ PARALLEL = 1e-6
 """Sine of the angle between two edges below which their common normal says nothing."""
 
 Vector = tuple[float, float, float]
+
+
+class FeatureTouch(Record):
+    """Where two features are nearest, all in the axes of A.
+
+    Attributes
+    ----------
+    normal
+        From A to B, of unit length.
+    point_a, point_b
+        Nearest points [m]: on the surfaces without rounding, and on the plane of the face or the lines of the edges.
+    beyond
+        How far they lie outside of the face or edges [m].
+    """
+
+    normal: VectorField
+    point_a: VectorField
+    point_b: VectorField
+    beyond: float
 
 
 @kernel(inline=True, internal=True)
@@ -104,11 +126,11 @@ def copy_pose(pose: RelativePose, to: RelativePose) -> None:
 
 
 @kernel(inline=True, internal=True)
-def fill(out: NDArray[np.float64], n: Vector, a: Vector, b: Vector) -> None:
+def fill(out: FeatureTouch, n: Vector, a: Vector, b: Vector) -> None:
     """Write normal and both points."""
-    out[0], out[1], out[2] = n
-    out[3], out[4], out[5] = a
-    out[6], out[7], out[8] = b
+    out.normal[0], out.normal[1], out.normal[2] = n
+    out.point_a[0], out.point_a[1], out.point_a[2] = a
+    out.point_b[0], out.point_b[1], out.point_b[2] = b
 
 
 @kernel(inline=True, internal=True)
@@ -120,7 +142,7 @@ def foot_on_line(p: Vector, a: Vector, b: Vector) -> Vector:
 
 
 @kernel(inline=True, internal=True)
-def gap_between(a: Vector, b: Vector, radius: float, out: NDArray[np.float64]) -> float:
+def gap_between(a: Vector, b: Vector, radius: float, out: FeatureTouch) -> float:
     """Gap [m] of two points, and the direction between them; where they coincide, any."""
     dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     distance = math.sqrt(dx * dx + dy * dy + dz * dz)
@@ -133,7 +155,7 @@ def gap_between(a: Vector, b: Vector, radius: float, out: NDArray[np.float64]) -
 
 @kernel(inline=True, internal=True)
 def gap_of_edges(
-    a0: Vector, a1: Vector, b0: Vector, b1: Vector, radius: float, side: float, out: NDArray[np.float64]
+    a0: Vector, a1: Vector, b0: Vector, b1: Vector, radius: float, side: float, out: FeatureTouch
 ) -> float:
     """Gap [m] of the lines along two edges; of parallel ones from the middle of the second."""
     ax, ay, az = a1[0] - a0[0], a1[1] - a0[1], a1[2] - a0[2]
@@ -162,18 +184,15 @@ def gap_of_edges(
 
 
 @kernel(inline=True, internal=True)
-def contact_gap(
-    # model
+def contact_gap(  # model
     surfaces: CollisionSurfaces,
     kind: int,
     feature_a: int,
     feature_b: int,
     radius: float,
-    side: float,
-    # state
-    pose: RelativePose,
-    # out
-    out: NDArray[np.float64],
+    side: float,  # state
+    pose: RelativePose,  # out
+    out: FeatureTouch,
 ) -> float:
     """Gap [m] between two features, with its normal and points; cheap enough for every stage of every contact.
 
@@ -190,11 +209,10 @@ def contact_gap(
     side
         1 or -1: sign of the product of the separation with the normal of the face, or with the vector product of both
         edges (that of A first), when the features were last clear of each other. Without meaning for the other kinds.
-    pose
-        Of B in the axes of A.
+    pose, at
+        Rotation (9, row by row) and position [m] (3) of B in the axes of A begin at place `at`.
     out
-        Written: unit normal from A to B (3), nearest point of A (3) and of B (3) [m], all in the axes of A; the points
-        lie on the surfaces without rounding, and on the plane of the face or the lines of the edges. Shape (>= 9,).
+        Written, but for `beyond`.
 
     Returns
     -------
@@ -267,21 +285,19 @@ def beyond_ends(p: Vector, a: Vector, b: Vector) -> float:
 
 
 @kernel(inline=True, internal=True)
-def overshoot(
-    # model
+def overshoot(  # model
     surfaces: CollisionSurfaces,
     kind: int,
     feature_a: int,
-    feature_b: int,
-    # state
+    feature_b: int,  # state
     pose: RelativePose,
-    out: NDArray[np.float64],
+    out: FeatureTouch,
 ) -> float:
     """How far [m] the nearest points that `contact_gap` left in `out` lie outside of their face or edges."""
     points, triangles, edges = surfaces.points, surfaces.triangles, surfaces.edges
-    a = (out[3], out[4], out[5])
-    shift = pose.origin
-    x, y, z = turned_back(out[6] - shift[0], out[7] - shift[1], out[8] - shift[2], pose)
+    a = (out.point_a[0], out.point_a[1], out.point_a[2])
+    q, shift = out.point_b, pose.origin
+    x, y, z = turned_back(q[0] - shift[0], q[1] - shift[1], q[2] - shift[2], pose)
     b = (x, y, z)  # in its own axes, where its face and edges stand still
     if kind in (VERTEX_FACE, FACE_VERTEX):
         face = feature_a if kind == VERTEX_FACE else feature_b
@@ -303,20 +319,17 @@ def overshoot(
 
 
 @kernel(inline=True, internal=True)
-def feature_gap(
-    # model
+def feature_gap(  # model
     surfaces: CollisionSurfaces,
     kind: int,
     feature_a: int,
     feature_b: int,
     radius: float,
-    side: float,
-    # state
-    pose: RelativePose,
-    # out
-    out: NDArray[np.float64],
+    side: float,  # state
+    pose: RelativePose,  # out
+    out: FeatureTouch,
 ) -> float:
-    """`contact_gap`, and in ``out[9]`` how far [m] the nearest points lie outside of the face or edges.
+    """`contact_gap`, and in ``out.beyond`` how far [m] the nearest points lie outside of the face or edges.
 
     Notes
     -----
@@ -324,5 +337,5 @@ def feature_gap(
     inside; a pair with a positive one has slid off its features. Two vertices cannot: minus infinity.
     """
     gap = contact_gap(surfaces, kind, feature_a, feature_b, radius, side, pose, out)
-    out[9] = overshoot(surfaces, kind, feature_a, feature_b, pose, out)
+    out.beyond = overshoot(surfaces, kind, feature_a, feature_b, pose, out)
     return gap

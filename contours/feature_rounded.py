@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from heavylift.contours.feature_report import ContactList
     from heavylift.contours.surface_layout import Edge, RelativeMotion, RelativePose
     from heavylift.contours.surface_pack import CollisionSurfaces
     from heavylift.numerics.records import Records
@@ -66,8 +67,7 @@ def unit(d: Vector) -> tuple[Vector, float]:
 
 
 @kernel(internal=True)
-def judge_vertex_edge(
-    # model
+def judge_vertex_edge(  # model
     points: NDArray[np.float64],
     edges: Records[Edge],
     vertex_first: NDArray[np.int64],
@@ -75,13 +75,11 @@ def judge_vertex_edge(
     edge_first: NDArray[np.int64],
     edge_inward: NDArray[np.float64],
     vertex: int,
-    edge: int,
-    # motion
+    edge: int,  # motion
     motion: RelativeMotion,
     edge_moves: bool,
     x0: Vector,
-    x1: Vector,
-    # limits
+    x1: Vector,  # limits
     radius: float,
     far: float,
 ) -> tuple[int, float, float]:
@@ -105,18 +103,15 @@ def judge_vertex_edge(
 
 
 @kernel(internal=True)
-def judge_vertices(
-    # model
+def judge_vertices(  # model
     points: NDArray[np.float64],
     vertex_first: NDArray[np.int64],
     vertex_neighbours: NDArray[np.int64],
     vertex_a: int,
-    vertex_b: int,
-    # motion
+    vertex_b: int,  # motion
     motion: RelativeMotion,
     x0: Vector,
-    x1: Vector,
-    # limits
+    x1: Vector,  # limits
     radius: float,
     far: float,
 ) -> tuple[int, float, float]:
@@ -143,22 +138,16 @@ def in_axes_of_b(p: Vector, pose: RelativePose) -> Vector:
 
 
 @kernel(inline=True, internal=True)
-def rounded_contacts(
-    # model
+def rounded_contacts(  # model
     surfaces: CollisionSurfaces,
     ta: int,
-    tb: int,
-    # motion
+    tb: int,  # motion
     motion: RelativeMotion,
     radius: float,
     far: float,
-    rounding: float,
-    # list
-    moved: int,
+    rounding: float,  # list
     found: int,
-    room: int,
-    features: NDArray[np.int64],
-    numbers: NDArray[np.float64],
+    out: ContactList,
 ) -> int:
     """Report the contacts of all vertices and edges that two triangles own; see `contacts_of_pairs`."""
     points, triangles, edges = surfaces.points, surfaces.triangles, surfaces.edges
@@ -170,34 +159,79 @@ def rounded_contacts(
             own_edge_a = triangles[ta].flags & (OWNS_AB << i)
             own_edge_b = triangles[tb].flags & (OWNS_AB << j)
             a = fixed_point(points, row_a)
-            x0 = fixed_point(numbers, moved + j)
-            x1 = fixed_point(numbers, moved + 3 + j)
+            x0 = fixed_point(out.corners, j)
+            x1 = fixed_point(out.corners, 3 + j)
             for kind in range(VERTEX_EDGE, VERTEX_VERTEX + 1):
                 verdict, time, gap = NEITHER, 1.0, 0.0
                 feature_a, feature_b = row_a, row_b
                 if kind == VERTEX_EDGE and own_b and own_edge_a:
                     feature_a = edge_a
                     verdict, time, gap = judge_vertex_edge(
-                        points, edges, surfaces.vertex_first, surfaces.vertex_neighbours, surfaces.edge_first,
-                        surfaces.edge_inward, row_b, edge_a, motion, False, x0, x1, radius, far,
-                    )  # fmt: skip
+                        points,
+                        edges,
+                        surfaces.vertex_first,
+                        surfaces.vertex_neighbours,
+                        surfaces.edge_first,
+                        surfaces.edge_inward,
+                        row_b,
+                        edge_a,
+                        motion,
+                        False,
+                        x0,
+                        x1,
+                        radius,
+                        far,
+                    )
                 elif kind == EDGE_VERTEX and own_a and own_edge_b:
                     feature_b = edge_b
                     y0, y1 = in_axes_of_b(a, motion.start), in_axes_of_b(a, motion.end)
                     verdict, time, gap = judge_vertex_edge(
-                        points, edges, surfaces.vertex_first, surfaces.vertex_neighbours, surfaces.edge_first,
-                        surfaces.edge_inward, row_a, edge_b, motion, True, y0, y1, radius, far,
-                    )  # fmt: skip
+                        points,
+                        edges,
+                        surfaces.vertex_first,
+                        surfaces.vertex_neighbours,
+                        surfaces.edge_first,
+                        surfaces.edge_inward,
+                        row_a,
+                        edge_b,
+                        motion,
+                        True,
+                        y0,
+                        y1,
+                        radius,
+                        far,
+                    )
                 elif kind == VERTEX_VERTEX and own_a and own_b:
                     verdict, time, gap = judge_vertices(
-                        points, surfaces.vertex_first, surfaces.vertex_neighbours, row_a, row_b, motion,
-                        x0, x1, radius, far,
-                    )  # fmt: skip
+                        points,
+                        surfaces.vertex_first,
+                        surfaces.vertex_neighbours,
+                        row_a,
+                        row_b,
+                        motion,
+                        x0,
+                        x1,
+                        radius,
+                        far,
+                    )
                 if verdict != NEITHER:
                     found = report(
-                        points, edges, surfaces.normals, motion, kind, feature_a, feature_b, UNIQUE,
-                        verdict, time, 1.0, gap, rounding, found, room, features, numbers,
-                    )  # fmt: skip
+                        points,
+                        edges,
+                        surfaces.normals,
+                        motion,
+                        kind,
+                        feature_a,
+                        feature_b,
+                        UNIQUE,
+                        verdict,
+                        time,
+                        1.0,
+                        gap,
+                        rounding,
+                        found,
+                        out,
+                    )
                     if found < 0:
                         return found
     return found

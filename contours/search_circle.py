@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from heavylift.contours.convex import SHAPE_AXES, SHAPE_CENTRE, SHAPE_RADIUS, SHAPE_SIZES
 from heavylift.contours.search import ROUNDING, closest_on_surface, signed_gap
 from heavylift.contours.search_step import (
     ABOVE_U,
@@ -30,15 +29,11 @@ from heavylift.numerics.jit import kernel
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from heavylift.contours.convex import Primitive
     from heavylift.contours.layout import PackedContour
     from heavylift.contours.search_step import ContourSearch
 
-__all__ = [
-    "ring_gap_slopes",
-    "ring_on_surface",
-    "ring_point",
-    "start_ring",
-]
+__all__ = ["ring_gap_slopes", "ring_on_surface", "ring_point", "start_ring"]
 
 _LARGEST_ANGLES = 60
 _FIRST_REGION = 0.3
@@ -56,7 +51,7 @@ def start_ring(contour: PackedContour, u: float, v: float, phi: float, result: C
 
 
 @kernel(inline=True, internal=True)
-def ring_point(shape: NDArray, phi: float) -> tuple[float, float, float, float, float, float]:
+def ring_point(shape: Primitive, phi: float) -> tuple[float, float, float, float, float, float]:
     """Point of the ring's circle at an angle from its first axis, from the centre of the ring, and derivative by it.
 
     Returns
@@ -64,11 +59,11 @@ def ring_point(shape: NDArray, phi: float) -> tuple[float, float, float, float, 
     r1, r2, r3, d1, d2, d3
         ``R (cos phi e_1 + sin phi e_2)`` [m] and its derivative; the second derivative is ``-r``.
     """
-    radius = shape[SHAPE_SIZES]
+    radius = shape.sizes[0]
     c = radius * math.cos(phi)
     s = radius * math.sin(phi)
-    e1, e2, e3 = shape[SHAPE_AXES], shape[SHAPE_AXES + 3], shape[SHAPE_AXES + 6]
-    f1, f2, f3 = shape[SHAPE_AXES + 1], shape[SHAPE_AXES + 4], shape[SHAPE_AXES + 7]
+    e1, e2, e3 = shape.axes[0, 0], shape.axes[1, 0], shape.axes[2, 0]
+    f1, f2, f3 = shape.axes[0, 1], shape.axes[1, 1], shape.axes[2, 1]
     return (
         c * e1 + s * f1,
         c * e2 + s * f2,
@@ -81,7 +76,7 @@ def ring_point(shape: NDArray, phi: float) -> tuple[float, float, float, float, 
 
 @kernel(internal=True)
 def ring_gap_slopes(
-    shape: NDArray, phi: float, result: ContourSearch
+    shape: Primitive, phi: float, result: ContourSearch
 ) -> tuple[float, float, float, float, float]:
     """Signed gap of a point of the ring to its closest point of the surface, and how both change with the angle.
 
@@ -107,9 +102,9 @@ def ring_gap_slopes(
     what passes beyond the border does not penetrate the patch.
     """
     r1, r2, r3, d1, d2, d3 = ring_point(shape, phi)
-    x = shape[SHAPE_CENTRE] + r1
-    y = shape[SHAPE_CENTRE + 1] + r2
-    z = shape[SHAPE_CENTRE + 2] + r3
+    x = shape.centre[0] + r1
+    y = shape.centre[1] + r2
+    z = shape.centre[2] + r3
     a1, a2, a3 = result.tangent_u[0], result.tangent_u[1], result.tangent_u[2]
     b1, b2, b3 = result.tangent_v[0], result.tangent_v[1], result.tangent_v[2]
     uu, uv, vv = result.derivative_uu, result.derivative_uv, result.derivative_vv
@@ -164,7 +159,7 @@ def ring_on_surface(
     knots: NDArray,
     weights: NDArray,
     net: NDArray,
-    shape: NDArray,
+    shape: Primitive,
     span_u: int,
     span_v: int,
     scratch: NDArray,
@@ -189,9 +184,9 @@ def ring_on_surface(
     while True:
         trial = ring.trial_angle
         r1, r2, r3, _, _, _ = ring_point(shape, trial)
-        x = shape[SHAPE_CENTRE] + r1
-        y = shape[SHAPE_CENTRE + 1] + r2
-        z = shape[SHAPE_CENTRE + 2] + r3
+        x = shape.centre[0] + r1
+        y = shape.centre[1] + r2
+        z = shape.centre[2] + r3
         status = closest_on_surface(contour, knots, weights, net, x, y, z, span_u, span_v, scratch, result)
         if status != CONVERGED:
             return status
@@ -203,11 +198,11 @@ def ring_on_surface(
         last = math.inf
         accepted = True
         size = abs(x) + abs(y) + abs(z) + abs(s[0]) + abs(s[1]) + abs(s[2])
-        noise = ROUNDING * (size + shape[SHAPE_SIZES])
+        noise = ROUNDING * (size + shape.sizes[0])
         if stage == 1:
             region = ring.region
             last = ring.step
-            before = ring.gap + shape[SHAPE_RADIUS]
+            before = ring.gap + shape.radius
             predicted = ring.predicted
             if predicted > noise:
                 ratio = (before - g) / predicted
@@ -221,7 +216,7 @@ def ring_on_surface(
         if stage != 2:
             if accepted:
                 ring.angle = trial
-                ring.gap = g - shape[SHAPE_RADIUS]
+                ring.gap = g - shape.radius
                 ring.slope = slope
                 ring.curvature = curvature
                 ring.u = result.u
@@ -250,6 +245,6 @@ def ring_on_surface(
                 ring.stage = 2
                 start_search(contour, ring.u, ring.v, result)
                 continue
-        if not ring.curvature > 1e-9 * shape[SHAPE_SIZES]:
+        if not ring.curvature > 1e-9 * shape.sizes[0]:
             result.flags |= DEGENERATE
         return CONVERGED

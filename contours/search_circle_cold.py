@@ -5,13 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from heavylift.contours.convex import SHAPE_CENTRE, SHAPE_RADIUS, SHAPE_SIZES
-from heavylift.contours.search_circle import (
-    ring_gap_slopes,
-    ring_on_surface,
-    ring_point,
-    start_ring,
-)
+from heavylift.contours.search_circle import ring_gap_slopes, ring_on_surface, ring_point, start_ring
 from heavylift.contours.search_cold import closest_point_cold, nearest_sample
 from heavylift.contours.search_step import CONVERGED, TWIN
 from heavylift.numerics.jit import kernel
@@ -19,6 +13,7 @@ from heavylift.numerics.jit import kernel
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from heavylift.contours.convex import Primitive
     from heavylift.contours.layout import PackedContour
     from heavylift.contours.search_step import ContourSearch
 
@@ -38,7 +33,7 @@ def ring_cold(
     knots: NDArray,
     weights: NDArray,
     net: NDArray,
-    shape: NDArray,
+    shape: Primitive,
     sample_u: NDArray,
     sample_v: NDArray,
     points: NDArray,
@@ -68,7 +63,7 @@ def ring_cold(
     turn = 2.0 * math.pi / n
     for k in range(n):
         r1, r2, r3, _, _, _ = ring_point(shape, turn * k)
-        x, y, z = shape[SHAPE_CENTRE] + r1, shape[SHAPE_CENTRE + 1] + r2, shape[SHAPE_CENTRE + 2] + r3
+        x, y, z = shape.centre[0] + r1, shape.centre[1] + r2, shape.centre[2] + r3
         status = closest_point_cold(
             contour,
             knots,
@@ -106,8 +101,8 @@ def ring_cold(
             if angles[3 * n + k] < least:
                 least = angles[3 * n + k]
                 at = k
-        # the gap changes by no more than the way along the ring
-        if at < 0 or angles[at] - 0.5 * turn * shape[SHAPE_SIZES] - shape[SHAPE_RADIUS] > best + separation:
+                # the gap changes by no more than the way along the ring
+        if at < 0 or angles[at] - 0.5 * turn * shape.sizes[0] - shape.radius > best + separation:
             break
         start_ring(contour, angles[n + at], angles[2 * n + at], turn * at, result)
         status = ring_on_surface(contour, knots, weights, net, shape, -1, -1, scratch, result)

@@ -9,24 +9,16 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from heavylift.contours.convex import SHAPE_CENTRE, SHAPE_SHIFT, SHAPE_SIZES, core_distance
+from heavylift.contours.convex import core_distance
 from heavylift.contours.search import closest_on_curve, closest_on_surface
-from heavylift.contours.search_shape import (
-    closest_shape_on_curve,
-    closest_shape_on_surface,
-    into_shape,
-)
-from heavylift.contours.search_step import (
-    CONVERGED,
-    NOT_FINITE,
-    TWIN,
-    start_search,
-)
+from heavylift.contours.search_shape import closest_shape_on_curve, closest_shape_on_surface, into_shape
+from heavylift.contours.search_step import CONVERGED, NOT_FINITE, TWIN, start_search
 from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from heavylift.contours.convex import Primitive
     from heavylift.contours.layout import PackedContour
     from heavylift.contours.search_step import ContourSearch
 
@@ -51,24 +43,23 @@ def _distances_to_point(
 
 @kernel(internal=True)
 def _distances_to_shape(
-    kind: int, shape: NDArray, points: NDArray, count: int, margin: float, distances: NDArray
+    kind: int, shape: Primitive, points: NDArray, count: int, margin: float, distances: NDArray
 ) -> None:
     """Squared distances, shifted, of samples to the core of a primitive.
 
     Of samples that are farther than the best by more than `margin`, only a bound of that from the ball about the core.
     """
-    c = SHAPE_CENTRE
-    _distances_to_point(points, count, shape[c], shape[c + 1], shape[c + 2], distances)
+    _distances_to_point(points, count, shape.centre[0], shape.centre[1], shape.centre[2], distances)
     nearest = nearest_sample(distances, count)
     if nearest < 0:
         return
-    p, q, r = shape[SHAPE_SIZES], shape[SHAPE_SIZES + 1], shape[SHAPE_SIZES + 2]
-    ball = math.sqrt(p * p + q * q + r * r) - shape[SHAPE_SHIFT]
+    p, q, r = shape.sizes[0], shape.sizes[1], shape.sizes[2]
+    ball = math.sqrt(p * p + q * q + r * r) - shape.shift
     x, y, z = into_shape(
         shape,
-        points[0, nearest] - shape[c],
-        points[1, nearest] - shape[c + 1],
-        points[2, nearest] - shape[c + 2],
+        points[0, nearest] - shape.centre[0],
+        points[1, nearest] - shape.centre[1],
+        points[2, nearest] - shape.centre[2],
     )
     within = core_distance(kind, shape, x, y, z)[0] + margin
     for k in range(count):
@@ -77,7 +68,10 @@ def _distances_to_shape(
             distances[k] = bound * bound
         else:
             x, y, z = into_shape(
-                shape, points[0, k] - shape[c], points[1, k] - shape[c + 1], points[2, k] - shape[c + 2]
+                shape,
+                points[0, k] - shape.centre[0],
+                points[1, k] - shape.centre[1],
+                points[2, k] - shape.centre[2],
             )
             value = core_distance(kind, shape, x, y, z)[0]
             distances[k] = value * value
@@ -282,7 +276,7 @@ def closest_shape_cold(
     weights: NDArray,
     net: NDArray,
     kind: int,
-    shape: NDArray,
+    shape: Primitive,
     sample_u: NDArray,
     sample_v: NDArray,
     points: NDArray,

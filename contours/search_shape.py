@@ -13,64 +13,54 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from heavylift.contours.convex import (
-    ELLIPSOID,
-    SHAPE_AXES,
-    SHAPE_CENTRE,
-    SHAPE_RADIUS,
-    SHAPE_SHIFT,
-    SHAPE_SIZES,
-    core_distance,
-)
+from heavylift.contours.convex import ELLIPSOID, core_distance
 from heavylift.contours.evaluate import curve_point, surface_point
 from heavylift.contours.search import ROUNDING, leaves_window
-from heavylift.contours.search_step import (
-    BEHIND,
-    CONVERGED,
-    DEEP,
-    EVALUATE,
-    NEED_SPAN,
-    step_search,
-)
+from heavylift.contours.search_step import BEHIND, CONVERGED, DEEP, EVALUATE, NEED_SPAN, step_search
 from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from heavylift.contours.convex import Primitive
     from heavylift.contours.layout import PackedContour
     from heavylift.contours.search_step import ContourSearch
 
 __all__ = ["closest_shape_on_curve", "closest_shape_on_surface", "into_shape", "shape_gap"]
 
-_A = SHAPE_AXES
-
 
 @kernel(inline=True, internal=True)
-def into_shape(shape: NDArray, x: float, y: float, z: float) -> tuple[float, float, float]:
+def into_shape(shape: Primitive, x: float, y: float, z: float) -> tuple[float, float, float]:
     """Direction in the axes of the shape."""
     return (
-        shape[_A] * x + shape[_A + 3] * y + shape[_A + 6] * z,
-        shape[_A + 1] * x + shape[_A + 4] * y + shape[_A + 7] * z,
-        shape[_A + 2] * x + shape[_A + 5] * y + shape[_A + 8] * z,
+        shape.axes[0, 0] * x + shape.axes[1, 0] * y + shape.axes[2, 0] * z,
+        shape.axes[0, 1] * x + shape.axes[1, 1] * y + shape.axes[2, 1] * z,
+        shape.axes[0, 2] * x + shape.axes[1, 2] * y + shape.axes[2, 2] * z,
     )
 
 
 @kernel(inline=True, internal=True)
-def _out_of_shape(shape: NDArray, x: float, y: float, z: float) -> tuple[float, float, float]:
+def _out_of_shape(shape: Primitive, x: float, y: float, z: float) -> tuple[float, float, float]:
     """Direction in the axes of the contour."""
     return (
-        shape[_A] * x + shape[_A + 1] * y + shape[_A + 2] * z,
-        shape[_A + 3] * x + shape[_A + 4] * y + shape[_A + 5] * z,
-        shape[_A + 6] * x + shape[_A + 7] * y + shape[_A + 8] * z,
+        shape.axes[0, 0] * x + shape.axes[0, 1] * y + shape.axes[0, 2] * z,
+        shape.axes[1, 0] * x + shape.axes[1, 1] * y + shape.axes[1, 2] * z,
+        shape.axes[2, 0] * x + shape.axes[2, 1] * y + shape.axes[2, 2] * z,
     )
 
 
 @kernel(inline=True, internal=True)
-def _resolution(shape: NDArray, result: ContourSearch) -> float:
+def _resolution(shape: Primitive, result: ContourSearch) -> float:
     """Rounding error of positions about the shape."""
-    c, s = SHAPE_CENTRE, result.position
-    size = abs(s[0]) + abs(s[1]) + abs(s[2]) + abs(shape[c]) + abs(shape[c + 1]) + abs(shape[c + 2])
-    return ROUNDING * (size + shape[SHAPE_SIZES] + shape[SHAPE_SIZES + 1] + shape[SHAPE_SIZES + 2])
+    size = (
+        abs(result.position[0])
+        + abs(result.position[1])
+        + abs(result.position[2])
+        + abs(shape.centre[0])
+        + abs(shape.centre[1])
+        + abs(shape.centre[2])
+    )
+    return ROUNDING * (size + shape.sizes[0] + shape.sizes[1] + shape.sizes[2])
 
 
 @kernel(internal=True)
@@ -80,7 +70,7 @@ def closest_shape_on_surface(
     weights: NDArray,
     net: NDArray,
     kind: int,
-    shape: NDArray,
+    shape: Primitive,
     span_u: int,
     span_v: int,
     scratch: NDArray,
@@ -91,13 +81,13 @@ def closest_shape_on_surface(
     Parameters
     ----------
     kind, shape
-        Kind and row of the primitive, its centre and axes in those of the contour.
+        Kind and record of the primitive, its centre and axes in those of the contour.
     contour, knots, weights, net, span_u, span_v, scratch, result
         As of `heavylift.contours.search.closest_on_surface`.
 
     Returns
     -------
-    Status as there. `squared_distance` is that of the core, shifted by the SHAPE_SHIFT of the row; the gap is from
+    Status as there. DISTANCE_SQUARED is that of the core, shifted by the shift of the primitive; the gap is from
     `shape_gap`. BEHIND is set if the normal of the surface points away from the primitive, DEEP if the gap is not above
     minus the radius.
     """
@@ -110,9 +100,9 @@ def closest_shape_on_surface(
         uu, uv, vv = result.derivative_uu, result.derivative_uv, result.derivative_vv
         x, y, z = into_shape(
             shape,
-            result.position[0] - shape[SHAPE_CENTRE],
-            result.position[1] - shape[SHAPE_CENTRE + 1],
-            result.position[2] - shape[SHAPE_CENTRE + 2],
+            result.position[0] - shape.centre[0],
+            result.position[1] - shape.centre[1],
+            result.position[2] - shape.centre[2],
         )
         value, m1, m2, m3, h11, h22, h33, h12, h13, h23 = core_distance(kind, shape, x, y, z)
         g1, g2, g3 = _out_of_shape(shape, m1, m2, m3)
@@ -138,7 +128,7 @@ def closest_shape_on_surface(
         if status == CONVERGED:
             gap, _, _, _, _, _, _, side = shape_gap(kind, shape, result)
             flags = result.flags
-            if kind != ELLIPSOID and gap + shape[SHAPE_RADIUS] <= ROUNDING:
+            if kind != ELLIPSOID and gap + shape.radius <= ROUNDING:
                 flags |= DEEP
             elif side > 0.0:
                 flags |= BEHIND
@@ -155,7 +145,7 @@ def closest_shape_on_curve(
     weights: NDArray,
     net: NDArray,
     kind: int,
-    shape: NDArray,
+    shape: Primitive,
     span_u: int,
     scratch: NDArray,
     result: ContourSearch,
@@ -172,9 +162,9 @@ def closest_shape_on_curve(
         uu = result.derivative_uu
         x, y, z = into_shape(
             shape,
-            result.position[0] - shape[SHAPE_CENTRE],
-            result.position[1] - shape[SHAPE_CENTRE + 1],
-            result.position[2] - shape[SHAPE_CENTRE + 2],
+            result.position[0] - shape.centre[0],
+            result.position[1] - shape.centre[1],
+            result.position[2] - shape.centre[2],
         )
         value, m1, m2, m3, h11, h22, h33, h12, h13, h23 = core_distance(kind, shape, x, y, z)
         g1, g2, g3 = _out_of_shape(shape, m1, m2, m3)
@@ -202,7 +192,7 @@ def closest_shape_on_curve(
 
 @kernel(internal=True)
 def shape_gap(
-    kind: int, shape: NDArray, result: ContourSearch
+    kind: int, shape: Primitive, result: ContourSearch
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Gap of a primitive to the contour point of a result, and where it is touched.
 
@@ -214,12 +204,10 @@ def shape_gap(
         below 0 if its normal faces the primitive.
     """
     s1, s2, s3 = result.position[0], result.position[1], result.position[2]
-    x, y, z = into_shape(
-        shape, s1 - shape[SHAPE_CENTRE], s2 - shape[SHAPE_CENTRE + 1], s3 - shape[SHAPE_CENTRE + 2]
-    )
+    x, y, z = into_shape(shape, s1 - shape.centre[0], s2 - shape.centre[1], s3 - shape.centre[2])
     value, d1, d2, d3, _, _, _, _, _, _ = core_distance(kind, shape, x, y, z)
     m1, m2, m3 = _out_of_shape(shape, d1 / value, d2 / value, d3 / value)
-    gap = value - shape[SHAPE_SHIFT] - shape[SHAPE_RADIUS]
+    gap = value - shape.shift - shape.radius
     a, b = result.tangent_u, result.tangent_v
     n1 = a[1] * b[2] - a[2] * b[1]
     n2 = a[2] * b[0] - a[0] * b[2]

@@ -30,6 +30,7 @@ CARRIED = (
     "placed",
     "tanks",
     "memory_state",
+    "wraps",
 )
 """Fields of kinds that outlive a step."""
 

@@ -15,19 +15,12 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.contact_rows import (
-    D00,
-    D10,
-    D11,
-    D12,
-    D20,
-    D21,
-    D22,
-    R0,
-    R1,
-    R2,
     RECORD,
+    ROWS,
     linearise,
     linearise_unilateral,
+    linearised_contact,
+    solved_rows,
 )
 from heavylift.solver.contact.end_blocks import CONTACT, add_pair, load_pair, same_ends
 from heavylift.solver.contact.envelope import factor_near_diagonal, solve_near_diagonal
@@ -120,14 +113,14 @@ def _evaluate(problem: Problem, work: Work, p: NDArray[np.float64]) -> tuple[flo
             v0, v1, v2 = w[i], w[i + 1], w[i + 2]
         p0, p1, p2 = p[i], p[i + 1], p[i + 2]
         r_n, r_t = work.inverse[2 * c], work.inverse[2 * c + 1]
-        at = RECORD * c
+        record, row = linearised_contact(records, RECORD * c), solved_rows(work.rows, ROWS * c)
         if kinds[c, 0] == UNILATERAL:
             square = linearise_unilateral(
-                problem.parameters, work.rows, c, p0, p1, p2, v0, v1, v2, r_n, r_t, records, at
+                problem.parameters, row, c, p0, p1, p2, v0, v1, v2, r_n, r_t, record
             )
         else:
-            square = linearise(kinds, problem.parameters, work.rows, c, p, w, r_n, r_t, records, at)
-        r0, r1, r2 = records[at + R0], records[at + R1], records[at + R2]
+            square = linearise(kinds, problem.parameters, row, c, p, w, r_n, r_t, record)
+        r0, r1, r2 = record.r[0], record.r[1], record.r[2]
         if on_blocks and (r0 != 0.0 or r1 != 0.0 or r2 != 0.0):
             add_rows(N, o, r0, r1, r2, work.sums)
         worst = max(worst, square)
@@ -196,8 +189,9 @@ def _correct(problem: Problem, work: Work, p: NDArray[np.float64], fresh: bool) 
             return -1.0
         solve_factored(n, work.A, work.pivots, x)
         for c in range(count):
+            record = linearised_contact(records, RECORD * c)
             for i in range(3):
-                dw[3 * c + i] = records[RECORD * c + R0 + i]
+                dw[3 * c + i] = record.r[i]
         for i in range(n):
             dw[int(work.active[i])] = x[i]
     step, largest = 0.0, 0.0
@@ -209,10 +203,10 @@ def _correct(problem: Problem, work: Work, p: NDArray[np.float64], fresh: bool) 
                     add_pair(ends, place, c - 1, work.sums, z)
                 load_pair(ends, place, c, work.y, work.pair)
             u0, u1, u2 = multiply_rows(N, CONTACT * c, work.pair)
-            a = RECORD * c
-            d0 = records[a + R0] - records[a + D00] * u0
-            d1 = records[a + R1] - records[a + D10] * u0 - records[a + D11] * u1 - records[a + D12] * u2
-            d2 = records[a + R2] - records[a + D20] * u0 - records[a + D21] * u1 - records[a + D22] * u2
+            a = linearised_contact(records, RECORD * c)
+            d0 = a.r[0] - a.d00 * u0
+            d1 = a.r[1] - a.d10 * u0 - a.d11 * u1 - a.d12 * u2
+            d2 = a.r[2] - a.d20 * u0 - a.d21 * u1 - a.d22 * u2
         else:
             d0, d1, d2 = dw[i], dw[i + 1], dw[i + 2]
         p0, p1, p2 = p[i] + d0, p[i + 1] + d1, p[i + 2] + d2

@@ -16,11 +16,6 @@ from heavylift.numerics.records import Records, records
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.mesh_interface import record_clearance
 from heavylift.solver.contact.mesh_kind import (
-    FIRST,
-    FIRST_POSE,
-    PAIR_REACH,
-    SECOND,
-    SECOND_POSE,
     SurfacePairs,
 )
 from heavylift.solver.contact.mesh_slots import surface_count
@@ -79,15 +74,15 @@ def record_mesh_clearance(
     at: int,
 ) -> None:
     """At the end of the last step; a pair that has contacts in reach has its gap already."""
-    if clearances.wanted[pair] == 0 or row[at] < meshes.pair_values[pair, PAIR_REACH]:
+    if clearances.wanted[pair] == 0 or row[at] < meshes.pairs[pair].reach:
         return
     first_row = contacts.poses.shape[0] - surface_count(contacts, meshes)
-    a, b = meshes.pairs[pair, FIRST_POSE] - first_row, meshes.pairs[pair, SECOND_POSE] - first_row
+    a, b = meshes.pairs[pair].poses[0] - first_row, meshes.pairs[pair].poses[1] - first_row
     relative_pose(contacts.placed[a], contacts.placed[b], clearances.pose)
     row[at] = clearances.last[pair] = clearance(
         meshes.surfaces,
-        meshes.pairs[pair, FIRST],
-        meshes.pairs[pair, SECOND],
+        meshes.pairs[pair].surfaces[0],
+        meshes.pairs[pair].surfaces[1],
         clearances.pose,
         ABOVE * clearances.last[pair],
         clearances.stack,

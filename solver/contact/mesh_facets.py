@@ -8,13 +8,7 @@ friction leaves no moment between them; of two bodies that deform each in its ow
 
 from __future__ import annotations
 
-from heavylift.contours.feature_gap import (
-    EDGE_EDGE,
-    EDGE_VERTEX,
-    FACE_VERTEX,
-    VERTEX_EDGE,
-    VERTEX_FACE,
-)
+from heavylift.contours.feature_gap import EDGE_EDGE, EDGE_VERTEX, FACE_VERTEX, VERTEX_EDGE, VERTEX_FACE
 from heavylift.contours.surface_pack import CollisionSurfaces
 from heavylift.contours.surface_refit import refit_surface
 from heavylift.numerics.jit import kernel
@@ -31,10 +25,6 @@ from heavylift.solver.contact.facet_interface import (
     touch_facets,
 )
 from heavylift.solver.contact.facet_kind import (
-    FIRST_SLOT,
-    LAST_SLOT,
-    OF_DOF,
-    OF_SURFACE,
     FacetSurfaces,
 )
 from heavylift.solver.contact.kind import (
@@ -48,12 +38,6 @@ from heavylift.solver.contact.kind import (
     ContactRows,
 )
 from heavylift.solver.contact.mesh_kind import (
-    FIRST,
-    FIRST_POSE,
-    OTHER_AT,
-    POINT_AT,
-    SECOND,
-    SIDE_DOF,
     SurfacePairs,
 )
 from heavylift.solver.interface import Bodies, Workspace
@@ -69,7 +53,7 @@ Vector = tuple[float, float, float]
 def form_facet_points(facets: FacetSurfaces, surfaces: CollisionSurfaces, bodies: Bodies) -> None:
     """Surface by surface."""
     for row in range(facets.rows.shape[0]):
-        surface = facets.rows[row, OF_SURFACE]
+        surface = facets.rows[row].surface
         form_surface_points(bodies, facets, row, surfaces.surfaces[surface].first_point, surfaces.points)
         refit_surface(surfaces, surface)
 
@@ -90,13 +74,13 @@ def take_contact_slots(
     """The first one of the body that no other contact has."""
     pair = int(contacts.state[contact, PAIR])
     for side in range(2):
-        row = facets.row_of[meshes.pairs[pair, FIRST + side]]
+        row = facets.row_of[meshes.pairs[pair].surfaces[side]]
         contacts.state[contact, POINT_SLOT + side] = 0.0
         if row < 0:
             continue
         found = -1
-        for slot in range(facets.rows[row, FIRST_SLOT], facets.rows[row, LAST_SLOT]):
-            if not _is_taken(meshes, contacts, contact, facets.rows[row, OF_DOF], slot):
+        for slot in range(facets.rows[row].first_slot, facets.rows[row].last_slot):
+            if not _is_taken(meshes, contacts, contact, facets.rows[row].dof, slot):
                 found = slot
                 break
         contacts.state[contact, POINT_SLOT + side] = float(found)
@@ -111,7 +95,7 @@ def _is_taken(meshes: SurfacePairs, contacts: ContactRows, contact: int, dof: in
     for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
         state = contacts.state[c]
         for side in range(2):
-            of = meshes.sides[int(state[PAIR]), 3 * side + SIDE_DOF]
+            of = meshes.sides[2 * int(state[PAIR]) + side].dof
             if c != contact and of == dof and state[POINT_SLOT + side] == slot:
                 return True
     return False
@@ -191,23 +175,23 @@ def touch_facet_contact(
     """Side by side, in place of what rigid bodies have there."""
     state, touch, scratch = contacts.state[contact], meshes.touch, contacts.scratch
     pair = int(state[PAIR])
-    first, second = meshes.pairs[pair, FIRST], meshes.pairs[pair, SECOND]
+    first, second = meshes.pairs[pair].surfaces[0], meshes.pairs[pair].surfaces[1]
     if facets.row_of[first] < 0 and facets.row_of[second] < 0:
         return
     relative = meshes.relative[pair]
     for side in range(2):
-        row, own = facets.row_of[meshes.pairs[pair, FIRST + side]], OTHER_AT if side == 1 else POINT_AT
-        at = own if row >= 0 else POINT_AT + OTHER_AT - own
-        x = touch[at], touch[at + 1], touch[at + 2]
+        row = facets.row_of[meshes.pairs[pair].surfaces[side]]
+        point = touch.point_b if (side == 1) == (row >= 0) else touch.point_a
+        x = point[0], point[1], point[2]
         if side == 1:
             origin = relative.origin
             x = rotate_back(relative.rotation, x[0] - origin[0], x[1] - origin[1], x[2] - origin[2])
         if row >= 0:
             feature = int(state[OTHER_FEATURE if side == 1 else FEATURE])
-            _share(facets, meshes, int(state[FEATURES]), feature, side == 1, facets.rows[row, OF_SURFACE], x)
+            _share(facets, meshes, int(state[FEATURES]), feature, side == 1, facets.rows[row].surface, x)
             slot = int(state[POINT_SLOT + side])
             put_surface_rows(bodies, facets, row, slot, contacts, 2 * contact + side, 2.0 * side - 1.0, work)
         else:
             scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2] = x
-            pose = meshes.pairs[pair, FIRST_POSE + side]
+            pose = meshes.pairs[pair].poses[side]
             put_pose_rows(contacts, 2 * contact + side, pose, 2.0 * side - 1.0)

@@ -33,16 +33,6 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.mesh_kind import (
-    FIRST,
-    FIRST_POSE,
-    FOUND_FIRST,
-    FOUND_KIND,
-    FOUND_SECOND,
-    FOUND_SIDE,
-    NORMAL_AT,
-    OTHER_AT,
-    POINT_AT,
-    SECOND,
     SurfacePairs,
 )
 from heavylift.solver.contact.mesh_patches import BORDER
@@ -91,9 +81,9 @@ def goes_on(
     would touch as the contact is beside them. Others that have a feature in common, as all edges that lie across the
     same one, touch somewhere else.
     """
-    found, size = meshes.found[i], meshes.pair_values[pair, SIZE]
-    kind, feature, other = found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]
-    side = meshes.found_values[i, FOUND_SIDE]
+    found, size = meshes.found.contacts[i], meshes.pair_values[pair, SIZE]
+    kind, feature, other = found.kind, found.first, found.second
+    side = meshes.found.contacts[i].side
     taken, nearest, turned = -1, math.inf, 1.0
     for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
         state = contacts.state[c]
@@ -115,13 +105,13 @@ def goes_on(
 def _distance(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int, turned: float) -> float:
     """From where a contact touches to the place left in `touch` [m], whose normal may be turned round."""
     touch, state = meshes.touch, contacts.state[c]
-    pose, radii = contacts.poses[meshes.pairs[pair, FIRST_POSE]], meshes.surfaces.radii
-    shift = 0.5 * turned * (radii[meshes.pairs[pair, FIRST]] - radii[meshes.pairs[pair, SECOND]])
+    pose, radii = contacts.poses[meshes.pairs[pair].poses[0]], meshes.surfaces.radii
+    shift = 0.5 * turned * (radii[meshes.pairs[pair].surfaces[0]] - radii[meshes.pairs[pair].surfaces[1]])
     x1, x2, x3 = rotate(
         pose,
-        0.5 * (touch[POINT_AT] + touch[OTHER_AT]) + shift * touch[NORMAL_AT],
-        0.5 * (touch[POINT_AT + 1] + touch[OTHER_AT + 1]) + shift * touch[NORMAL_AT + 1],
-        0.5 * (touch[POINT_AT + 2] + touch[OTHER_AT + 2]) + shift * touch[NORMAL_AT + 2],
+        0.5 * (touch.point_a[0] + touch.point_b[0]) + shift * touch.normal[0],
+        0.5 * (touch.point_a[1] + touch.point_b[1]) + shift * touch.normal[1],
+        0.5 * (touch.point_a[2] + touch.point_b[2]) + shift * touch.normal[2],
     )
     d1 = x1 + pose[ORIGIN] - state[TOUCHED]
     d2 = x2 + pose[ORIGIN + 1] - state[TOUCHED + 1]

@@ -17,17 +17,7 @@ from heavylift.solver.bodies.rigid import principal_frame
 from heavylift.solver.connections import GROUND
 from heavylift.solver.contact.checks import check_law, check_motion
 from heavylift.solver.contact.facet_counts import count_moving, count_slots, most_of
-from heavylift.solver.contact.facet_kind import (
-    FIRST_SLOT,
-    LAST_SLOT,
-    OF_DOF,
-    OF_POSE,
-    OF_SURFACE,
-    OWN_POINT,
-    POINTS,
-    ROW_COLUMNS,
-    FacetSurfaces,
-)
+from heavylift.solver.contact.facet_kind import FacetSurface, FacetSurfaces
 from heavylift.solver.contact.kind import (
     COMPLIANT,
     EXTENT,
@@ -43,36 +33,17 @@ from heavylift.solver.contact.kind import (
     ROTATION,
     SIZE,
     STATE_WIDTH,
+    VALUE_WIDTH,
     Colliding,
     ContactContour,
 )
 from heavylift.solver.contact.laws_packing import force_law, put_law
 from heavylift.solver.contact.mesh_clearance import make_clearances
 from heavylift.solver.contact.mesh_kind import (
-    DEFORMS,
-    FIRST,
-    FIRST_POSE,
-    FOUND_COLUMNS,
-    FOUND_NUMBERS,
-    METHOD,
-    MOST,
-    PAIR_COLUMN,
-    PAIR_COLUMNS,
-    PAIR_EVENTS,
-    PAIR_FORCE_LAW,
-    PAIR_LAW,
-    PAIR_VALUES,
-    PATCH_COSINE,
-    PATCH_SIZE,
-    RADII,
-    RECORDED,
-    SECOND,
-    SECOND_POSE,
-    SIDE_COLUMNS,
-    SIDE_WIDTH,
-    TOUCH_NUMBERS,
     Clearing,
     DeformingSurfaces,
+    PairSide,
+    SurfacePair,
     SurfacePairs,
 )
 from heavylift.solver.contact.packed_collisions import PackedCollisions
@@ -131,6 +102,8 @@ def pack_collisions(
     InputError
         What the checks of collisions refuse.
     """
+    from heavylift.contours.feature_gap import FeatureTouch
+    from heavylift.contours.feature_report import make_contact_list
     from heavylift.contours.pair_list import make_pair_lists
     from heavylift.contours.patches import EXTREMES, patch_scratch_size
     from heavylift.contours.surface_pack import pack_surfaces
@@ -147,26 +120,26 @@ def pack_collisions(
             deforming[i] = book
     numbers = {one.name: i for i, one in enumerate(scene.surfaces)}
     count = len(scene.collisions)
-    pairs = np.zeros((count, PAIR_COLUMNS), dtype=np.int64)
-    sides = np.zeros((count, SIDE_COLUMNS), dtype=np.int64)
-    values = np.zeros((count, PAIR_VALUES))
+    pairs, sides = records(SurfacePair, count), records(PairSide, 2 * count)
+    values = np.zeros((count, VALUE_WIDTH))
     for i, (collision, column) in enumerate(zip(scene.collisions, columns, strict=True)):
         _check(collision, scene, scales)
         first, second = (numbers[name] for name in collision.surfaces)
-        pairs[i, FIRST], pairs[i, SECOND] = first, second
-        pairs[i, FIRST_POSE], pairs[i, SECOND_POSE] = first_pose + first, first_pose + second
-        law = collision.law
-        pairs[i, PAIR_LAW] = RIGID if isinstance(law, RigidLaw) else COMPLIANT
-        pairs[i, PAIR_FORCE_LAW] = 0 if isinstance(law, RigidLaw) else force_law(law)
-        pairs[i, PAIR_EVENTS] = int(collision.events)
-        pairs[i, METHOD] = METHODS[collision.method]
-        pairs[i, PAIR_COLUMN], pairs[i, RECORDED] = column, collision.recorded
-        pairs[i, MOST] = most_of(collision, scene)
-        pairs[i, DEFORMS] = int(first in deforming or second in deforming)
-        if pairs[i, DEFORMS] and isinstance(law, RigidLaw) and law.restitution == 0.0:
-            pairs[i, PAIR_EVENTS] = 0  # each impact sends waves, and each wave opens and closes others
+        pair, law = pairs[i], collision.law
+        pair.surfaces[:] = first, second
+        pair.poses[:] = first_pose + first, first_pose + second
+        pair.law = RIGID if isinstance(law, RigidLaw) else COMPLIANT
+        pair.force_law = 0 if isinstance(law, RigidLaw) else force_law(law)
+        pair.events = collision.events
+        pair.method = METHODS[collision.method]
+        pair.column, pair.recorded = column, collision.recorded
+        pair.most = most_of(collision, scene)
+        pair.deforms = first in deforming or second in deforming
+        if pair.deforms and isinstance(law, RigidLaw) and law.restitution == 0.0:
+            pair.events = False  # each impact sends waves, and each wave opens and closes others
         held = [attachment(scene.surfaces[k].body) for k in (first, second)]
-        sides[i] = [n for side in held for n in (side.dof, side.width, side.holder)]
+        for side, given in zip(sides[2 * i : 2 * i + 2], held, strict=True):
+            side.dof, side.width, side.holder = given.dof, given.width, given.holder
         size = min(_extent(moved[first]), _extent(moved[second]))
         if not size > 0.0:
             _refuse(collision, "between", "a surface that is a single point", "a radius, or more points")
@@ -174,14 +147,12 @@ def pack_collisions(
         values[i, FRICTION], values[i, SIZE], values[i, EXTENT] = collision.friction, size, 0.0
         inverse = [0.0 if name == GROUND else scales(name)[0] for name in _bodies(collision, scene)]
         values[i, INVERSE_MASS] = sum(inverse)
-        values[i, PATCH_COSINE] = math.cos(collision.patch_angle)
-        values[i, PATCH_SIZE] = collision.patch_size or _patch_size(
-            min(moved[first], moved[second], key=_extent)
-        )
-        values[i, RADII] = moved[first].radius + moved[second].radius
+        pair.patch_cosine = math.cos(collision.patch_angle)
+        pair.patch_size = collision.patch_size or _patch_size(min(moved[first], moved[second], key=_extent))
+        pair.radii = moved[first].radius + moved[second].radius
     packed = pack_surfaces(moved)
-    most = int(pairs[:, MOST].sum())
-    room = FOUND_AT_ONCE * max(2, int(pairs[:, MOST].max()))
+    most = int(pairs["most"].sum())
+    room = FOUND_AT_ONCE * max(2, int(pairs["most"].max()))
     room = max([room, *(FOUND_AT_A_POINT * len(book.counts) for book in deforming.values())])
     if most > MOST_AT_ALL:
         _refuse(
@@ -194,15 +165,14 @@ def pack_collisions(
     places = len(scene.contacts) + most
     meshes = SurfacePairs(
         surfaces=packed,
-        lists=make_pair_lists(packed, [(int(row[FIRST]), int(row[SECOND])) for row in pairs]),
+        lists=make_pair_lists(packed, [(int(pair.surfaces[0]), int(pair.surfaces[1])) for pair in pairs]),
         pairs=pairs,
         sides=sides,
         pair_values=values,
         relative=records(RelativePose, count),
         motions=records(RelativeMotion, count),
-        found=np.zeros((room, FOUND_COLUMNS), dtype=np.int64),
-        found_values=np.zeros((room, FOUND_NUMBERS)),
-        touch=np.zeros(TOUCH_NUMBERS),
+        found=make_contact_list(room),
+        touch=FeatureTouch.one(),
         points=np.zeros((items, 3)),
         normals=np.zeros((items, 3)),
         depths=np.zeros(items),
@@ -226,7 +196,7 @@ def pack_collisions(
         placed=np.zeros((len(moved) + count + 1, 12)),
         most=most,
         all_rigid=not deforming,
-        widest=max(6, int(sides[:, [SIDE_WIDTH, 3 + SIDE_WIDTH]].max())),
+        widest=max(6, int(sides["width"].max())),
     )
 
 
@@ -237,15 +207,16 @@ def _pack_facets(
     if not deforming:
         return []
     slots, moving = count_slots(scene), count_moving(scene)
-    rows = np.zeros((len(deforming), ROW_COLUMNS), dtype=np.int64)
+    rows = records(FacetSurface, len(deforming))
     row_of = np.full(len(scene.surfaces), -1, dtype=np.int64)
     point = 0
     for k, (i, book) in enumerate(deforming.items()):
         body, row_of[i] = scene.surfaces[i].body, k
-        rows[k, [OF_SURFACE, OF_DOF, OF_POSE]] = i, dofs[body], first_pose + i
-        rows[k, [OWN_POINT, POINTS]] = point, len(book.counts)
-        rows[k, LAST_SLOT] = moving.get(body, 0)
-        rows[k, FIRST_SLOT] = rows[k, LAST_SLOT] - slots.get(body, 0)
+        row = rows[k]
+        row.surface, row.dof, row.pose = i, dofs[body], first_pose + i
+        row.own_point, row.points = point, len(book.counts)
+        row.last_slot = moving.get(body, 0)
+        row.first_slot = row.last_slot - slots.get(body, 0)
         point += len(book.counts)
     counts = np.concatenate([book.counts for book in deforming.values()])
     return [
@@ -299,8 +270,10 @@ def _pack_surface(
             f"no triangles on {one.body!r}" if one.surface is None else f"triangles on {one.body!r}",
             source=one.name,
             key="body",
-            expected="a rigid body or the ground with triangles, a frame or shell without; flexible bodies with "
-            "modes touch by contours",
+            expected=(
+                "a rigid body or the ground with triangles, a frame or shell without; flexible "
+                "bodies with modes touch by contours"
+            ),
         )
     origin, axes = principal_frame(body) if body is not None else (np.zeros(3), np.eye(3))
     surface = TriangleSurface(

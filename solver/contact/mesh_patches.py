@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from heavylift.contours.feature_gap import feature_gap
+from heavylift.contours.feature_report import FoundContact
 from heavylift.contours.patches import EXTREMES, extreme_points, group_patches
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.counts import contact_count, number_of
@@ -37,20 +38,6 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.mesh_kind import (
-    DEFORMS,
-    FOUND_COLUMNS,
-    FOUND_FIRST,
-    FOUND_HIT,
-    FOUND_KIND,
-    FOUND_NUMBERS,
-    FOUND_SECOND,
-    FOUND_SIDE,
-    NORMAL_AT,
-    OTHER_AT,
-    PATCH_COSINE,
-    PATCH_SIZE,
-    POINT_AT,
-    RADII,
     SurfacePairs,
 )
 from heavylift.solver.contact.mesh_table import look_up
@@ -73,34 +60,41 @@ DEEPER_ON_MESHES = 1e-2
 @kernel(inline=True, internal=True)
 def _comes_before(meshes: SurfacePairs, i: int, kind: int, feature: int, other: int) -> bool:
     """Whether found features stand before others in the order of their numbers."""
-    found = meshes.found[i]
-    if found[FOUND_KIND] != kind:
-        return bool(found[FOUND_KIND] < kind)
-    if found[FOUND_FIRST] != feature:
-        return bool(found[FOUND_FIRST] < feature)
-    return bool(found[FOUND_SECOND] < other)
+    found = meshes.found.contacts[i]
+    if found.kind != kind:
+        return bool(found.kind < kind)
+    if found.first != feature:
+        return bool(found.first < feature)
+    return bool(found.second < other)
+
+
+@kernel(inline=True, internal=True)
+def _put(
+    to: FoundContact, kind: int, first: int, second: int, hit: int, time: float, side: float, gap: float
+) -> None:
+    """Write all fields."""
+    to.kind, to.first, to.second, to.hit = kind, first, second, hit
+    to.time, to.side, to.gap = time, side, gap
 
 
 @kernel(internal=True)
 def sort_found(meshes: SurfacePairs, count: int) -> None:
     """By features (Shell's method): a search finds them in an order that depends on when its list was made."""
-    found, values = meshes.found, meshes.found_values
+    found = meshes.found.contacts
     distance = 1
     while distance < count // 3:
         distance = 3 * distance + 1
     while distance > 0:
         for i in range(distance, count):
-            a, b, c, d = found[i, 0], found[i, 1], found[i, 2], found[i, 3]
-            x, y, z = values[i, 0], values[i, 1], values[i, 2]
+            one = found[i]
+            kind, first, second, hit = one.kind, one.first, one.second, one.hit
+            time, side, gap = one.time, one.side, one.gap
             k = i
-            while k >= distance and not _comes_before(meshes, k - distance, a, b, c):
-                for j in range(FOUND_COLUMNS):
-                    found[k, j] = found[k - distance, j]
-                for j in range(FOUND_NUMBERS):
-                    values[k, j] = values[k - distance, j]
+            while k >= distance and not _comes_before(meshes, k - distance, kind, first, second):
+                one = found[k - distance]
+                _put(found[k], one.kind, one.first, one.second, one.hit, one.time, one.side, one.gap)
                 k -= distance
-            found[k, 0], found[k, 1], found[k, 2], found[k, 3] = a, b, c, d
-            values[k, 0], values[k, 1], values[k, 2] = x, y, z
+            _put(found[k], kind, first, second, hit, time, side, gap)
         distance //= 3
 
 
@@ -115,14 +109,14 @@ def _put_item(
         kind,
         feature,
         other,
-        meshes.pair_values[pair, RADII],
+        meshes.pairs[pair].radii,
         side,
         meshes.relative[pair],
         touch,
     )
     for k in range(3):
-        meshes.points[n, k] = 0.5 * (touch[POINT_AT + k] + touch[OTHER_AT + k])
-        meshes.normals[n, k] = touch[NORMAL_AT + k]
+        meshes.points[n, k] = 0.5 * (touch.point_a[k] + touch.point_b[k])
+        meshes.normals[n, k] = touch.normal[k]
     meshes.owners[n] = owner
 
 
@@ -144,19 +138,19 @@ def choose_contacts(meshes: SurfacePairs, contacts: ContactRows, pair: int, coun
             meshes.active[n] = 1
             n += 1
     for i in range(count):
-        found = meshes.found[i]
-        kind, feature, other = found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]
+        found = meshes.found.contacts[i]
+        kind, feature, other = found.kind, found.first, found.second
         meshes.keeps[i] = -1
-        if found[FOUND_HIT] != UNKNOWN and look_up(meshes, contacts, pair, kind, feature, other) < 0:
-            _put_item(meshes, pair, n, kind, feature, other, meshes.found_values[i, FOUND_SIDE], i)
+        if found.hit != UNKNOWN and look_up(meshes, contacts, pair, kind, feature, other) < 0:
+            _put_item(meshes, pair, n, kind, feature, other, meshes.found.contacts[i].side, i)
             meshes.active[n] = 0
             n += 1
     patches = group_patches(
         n,
         meshes.points,
         meshes.normals,
-        meshes.pair_values[pair, PATCH_COSINE],
-        meshes.pair_values[pair, PATCH_SIZE],
+        meshes.pairs[pair].patch_cosine,
+        meshes.pairs[pair].patch_size,
         meshes.grid,
         meshes.patch_of,
     )
@@ -171,8 +165,8 @@ def choose_contacts(meshes: SurfacePairs, contacts: ContactRows, pair: int, coun
         meshes.chosen,
     )
     deeper = DEEPER * size
-    if meshes.pairs[pair, DEFORMS] > 0:
-        deeper = max(deeper, DEEPER_ON_MESHES * meshes.pair_values[pair, RADII])
+    if meshes.pairs[pair].deforms:
+        deeper = max(deeper, DEEPER_ON_MESHES * meshes.pairs[pair].radii)
     _mark_chosen(meshes, contacts, n, patches, deeper, ahead)
     return patches
 

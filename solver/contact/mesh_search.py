@@ -47,29 +47,9 @@ from heavylift.solver.contact.kind import (
 from heavylift.solver.contact.mesh_handover import book_jump, goes_on, turn_memory
 from heavylift.solver.contact.mesh_interface import find_first_contacts, search_surfaces
 from heavylift.solver.contact.mesh_kind import (
-    BESIDE_AT,
-    DEFORMS,
-    FIRST_POSE,
-    FOUND_FIRST,
-    FOUND_HIT,
-    FOUND_KIND,
-    FOUND_SECOND,
-    FOUND_SIDE,
-    METHOD,
-    MOST,
-    PAIR_EVENTS,
-    PAIR_LAW,
-    PAIR_PATCHES,
-    PAIR_REACH,
-    SECOND_POSE,
     SurfacePairs,
 )
-from heavylift.solver.contact.mesh_patches import (
-    BORDER,
-    choose_contacts,
-    share_stiffness,
-    sort_found,
-)
+from heavylift.solver.contact.mesh_patches import BORDER, choose_contacts, share_stiffness, sort_found
 from heavylift.solver.contact.mesh_sides import (
     ABOUT_NOTHING,
     deepest_of,
@@ -121,25 +101,19 @@ def _search_all(
     form_facets(meshes.facets, meshes.surfaces, bodies)
     fill_table(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
-        a, b = meshes.pairs[pair, FIRST_POSE], meshes.pairs[pair, SECOND_POSE]
+        a, b = meshes.pairs[pair].poses[0], meshes.pairs[pair].poses[1]
         motion = meshes.motions[pair]
         relative_pose(contacts.placed[a - first_row], contacts.placed[b - first_row], motion.start)
         relative_pose(contacts.poses[a], contacts.poses[b], motion.end)
         copy_pose(motion.end, meshes.relative[pair])
-        if meshes.pairs[pair, DEFORMS] > 0:  # its points are those of the end, so paths say nothing
+        if meshes.pairs[pair].deforms:  # its points are those of the end, so paths say nothing
             copy_pose(motion.end, motion.start)
         moved = contacts.poses[a, STEP_SHIFT] + contacts.poses[b, STEP_SHIFT]
         _search_pair(meshes, contacts, bodies, pair, moved, step, first, work)
     _finish_contacts(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
-        if meshes.pairs[pair, PAIR_LAW] == COMPLIANT:
-            share_stiffness(
-                meshes,
-                contacts,
-                pair,
-                int(meshes.pair_values[pair, PAIR_PATCHES]),
-                meshes.pair_values[pair, PAIR_REACH],
-            )
+        if meshes.pairs[pair].law == COMPLIANT:
+            share_stiffness(meshes, contacts, pair, meshes.pairs[pair].patches, meshes.pairs[pair].reach)
 
 
 @implement(find_first_contacts, SurfacePairs)
@@ -175,12 +149,12 @@ def _search_pair(
 ) -> None:
     """Search, look up, hand over, add."""
     size = meshes.pair_values[pair, SIZE]
-    early = meshes.pairs[pair, PAIR_LAW] != RIGID or meshes.pairs[pair, PAIR_EVENTS] == 0
-    early = early or meshes.pairs[pair, DEFORMS] > 0
+    early = meshes.pairs[pair].law != RIGID or not meshes.pairs[pair].events
+    early = early or meshes.pairs[pair].deforms
     reach = (AT_START if first else NEAR_ENOUGH) * size + (AHEAD * moved if early else 0.0)
-    meshes.pair_values[pair, PAIR_REACH] = reach
+    meshes.pairs[pair].reach = reach
     further = 0.0
-    if meshes.pairs[pair, PAIR_LAW] == RIGID:
+    if meshes.pairs[pair].law == RIGID:
         further = DEEPER * deepest_of(meshes, contacts, pair)
     count = find_contacts(
         meshes.surfaces,
@@ -188,9 +162,8 @@ def _search_pair(
         pair,
         meshes.motions[pair],
         reach + further,
-        meshes.pairs[pair, METHOD],
+        meshes.pairs[pair].method,
         meshes.found,
-        meshes.found_values,
     )
     if count < 0:
         _stop(contacts, pair, work)
@@ -198,21 +171,17 @@ def _search_pair(
     lost = _follow_contacts(meshes, contacts, bodies, pair, size, work)
     sort_found(meshes, count)
     settle_sides(meshes, contacts, pair, count, first)
-    unsplit = meshes.pairs[pair, PAIR_LAW] == RIGID and meshes.pairs[pair, PAIR_EVENTS] == 0
+    unsplit = meshes.pairs[pair].law == RIGID and not meshes.pairs[pair].events
     patches = choose_contacts(meshes, contacts, pair, count, 0.5 * reach if unsplit else -math.inf)
     for i in range(count):
-        found = meshes.found[i]
-        kind, feature, other = found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]
+        found = meshes.found.contacts[i]
+        kind, feature, other = found.kind, found.first, found.second
         c = look_up(meshes, contacts, pair, kind, feature, other)
         if c >= 0:
             state = contacts.state[c]
-            state[HIT] = float(found[FOUND_HIT])
-            if (
-                state[HIT] > 0.0
-                and state[SIDE] != meshes.found_values[i, FOUND_SIDE]
-                and not holds(contacts, c)
-            ):
-                gap, state[SIDE] = state[END_GAP], meshes.found_values[i, FOUND_SIDE]
+            state[HIT] = float(found.hit)
+            if state[HIT] > 0.0 and state[SIDE] != meshes.found.contacts[i].side and not holds(contacts, c):
+                gap, state[SIDE] = state[END_GAP], meshes.found.contacts[i].side
                 for k in range(3):
                     state[NORMAL + k] = 0.0  # the side is new
                 touch_mesh_contact(meshes, contacts, bodies, c, work)
@@ -223,7 +192,7 @@ def _search_pair(
         if not _add(meshes, contacts, bodies, pair, i, moved, step, work):
             _stop(contacts, pair, work)
             return
-    meshes.pair_values[pair, PAIR_PATCHES] = patches
+    meshes.pairs[pair].patches = patches
 
 
 @kernel(internal=True)
@@ -264,7 +233,7 @@ def _hand_over(
     if c < 0:
         return False
     state = contacts.state[c]
-    state[FEATURE], state[OTHER_FEATURE] = meshes.found[i, FOUND_FIRST], meshes.found[i, FOUND_SECOND]
+    state[FEATURE], state[OTHER_FEATURE] = meshes.found.contacts[i].first, meshes.found.contacts[i].second
     state[SIDE], state[PATCH] = side, float(meshes.keeps[i])
     gap, t1, t2, t3 = state[END_GAP], state[TANGENT], state[TANGENT + 1], state[TANGENT + 2]
     touch_mesh_contact(meshes, contacts, bodies, c, work)
@@ -280,7 +249,7 @@ def _has_room(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> bool:
     for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
         if contacts.state[c, PAIR] == pair:
             count += 1
-    return bool(count < meshes.pairs[pair, MOST])
+    return bool(count < meshes.pairs[pair].most)
 
 
 @kernel(internal=True)
@@ -295,27 +264,23 @@ def _add(
     work: Workspace,
 ) -> bool:
     """A new contact; false if there is no place for it."""
-    found, side = meshes.found[i], meshes.found_values[i, FOUND_SIDE]
+    found, side = meshes.found.contacts[i], meshes.found.contacts[i].side
     start = gap_at_start(meshes, pair, i)
-    beside = meshes.touch[BESIDE_AT]
+    beside = meshes.touch.beyond
     if not _has_room(meshes, contacts, pair):
         return False
     c = add_contact(meshes, contacts, pair)
     if c < 0:
         return False
     state = contacts.state[c]
-    state[FEATURES], state[FEATURE], state[OTHER_FEATURE] = (
-        found[FOUND_KIND],
-        found[FOUND_FIRST],
-        found[FOUND_SECOND],
-    )
+    state[FEATURES], state[FEATURE], state[OTHER_FEATURE] = (found.kind, found.first, found.second)
     state[SIDE], state[START_GAP], state[GAP] = side, start, start
     state[SHIFT] = moved  # or it would take part one step late
-    state[HIT], state[PATCH] = float(found[FOUND_HIT]), float(meshes.keeps[i])
+    state[HIT], state[PATCH] = float(found.hit), float(meshes.keeps[i])
     touch_mesh_contact(meshes, contacts, bodies, c, work)
     # the rate at the start of the step, of a gap that is a parabola
     rate = contact_rates(contacts, c, work.velocity)[0]
-    if meshes.pairs[pair, DEFORMS] > 0:
+    if meshes.pairs[pair].deforms:
         state[START_GAP] = state[GAP] = state[END_GAP] - step * rate
         state[RATE] = state[START_RATE] = rate
     else:
@@ -335,12 +300,12 @@ def _finish_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
         beside = state[BESIDE] > BORDER * size
         # from one side to the other in a step without a hit: round the border
         gone_round = state[GAP] > nothing and state[END_GAP] < -nothing and not holds(contacts, c)
-        gone_round = gone_round and meshes.pairs[int(state[PAIR]), DEFORMS] == 0
+        gone_round = gone_round and not meshes.pairs[int(state[PAIR])].deforms
         if (beside or gone_round) and state[HIT] == 0.0:
             gap = state[END_GAP]
             if not holds(contacts, c):  # goes; if it comes back, it is found with the side it comes from
                 state[PATCH] = -1.0
-                state[END_GAP] = FAR_AWAY * (size + meshes.pair_values[int(state[PAIR]), PAIR_REACH])
+                state[END_GAP] = FAR_AWAY * (size + meshes.pairs[int(state[PAIR])].reach)
             elif state[LEFT] > 0.0:  # nothing beyond the border took it over for a whole step
                 state[END_GAP] = max(state[END_GAP], size)
             book_jump(contacts, c, gap)  # what it has stored is lost

@@ -21,16 +21,6 @@ from heavylift.solver.contact.kind import (
     ContactRows,
 )
 from heavylift.solver.contact.mesh_kind import (
-    DEFORMS,
-    FIRST_POSE,
-    FOUND_FIRST,
-    FOUND_HIT,
-    FOUND_KIND,
-    FOUND_SECOND,
-    FOUND_SIDE,
-    NORMAL_AT,
-    POINT_AT,
-    RADII,
     SurfacePairs,
 )
 from heavylift.solver.contact.mesh_patches import UNKNOWN
@@ -63,13 +53,13 @@ def holds(contacts: ContactRows, c: int) -> bool:
 @kernel(internal=True)
 def evaluate(meshes: SurfacePairs, pair: int, i: int, pose: RelativePose, side: float) -> float:
     """Gap of what was found, at a pose; normal and points are left in `touch`."""
-    found = meshes.found[i]
+    found = meshes.found.contacts[i]
     return feature_gap(
         meshes.surfaces,
-        found[FOUND_KIND],
-        found[FOUND_FIRST],
-        found[FOUND_SECOND],
-        meshes.pair_values[pair, RADII],
+        found.kind,
+        found.first,
+        found.second,
+        meshes.pairs[pair].radii,
         side,
         pose,
         meshes.touch,
@@ -79,12 +69,12 @@ def evaluate(meshes: SurfacePairs, pair: int, i: int, pose: RelativePose, side: 
 @kernel(internal=True)
 def gap_at_start(meshes: SurfacePairs, pair: int, i: int) -> float:
     """Gap of what was found at the start of the step, where the product of two edges may point the other way."""
-    side, touch = meshes.found_values[i, FOUND_SIDE], meshes.touch
-    if meshes.found[i, FOUND_KIND] == EDGE_EDGE:
+    side, touch = meshes.found.contacts[i].side, meshes.touch
+    if meshes.found.contacts[i].kind == EDGE_EDGE:
         evaluate(meshes, pair, i, meshes.relative[pair], side)
-        n1, n2, n3 = touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2]
+        n1, n2, n3 = touch.normal[0], touch.normal[1], touch.normal[2]
         evaluate(meshes, pair, i, meshes.motions[pair].start, side)
-        if n1 * touch[NORMAL_AT] + n2 * touch[NORMAL_AT + 1] + n3 * touch[NORMAL_AT + 2] < 0.0:
+        if n1 * touch.normal[0] + n2 * touch.normal[1] + n3 * touch.normal[2] < 0.0:
             side = -side
     return evaluate(meshes, pair, i, meshes.motions[pair].start, side)
 
@@ -93,8 +83,8 @@ def gap_at_start(meshes: SurfacePairs, pair: int, i: int) -> float:
 def aligned(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int) -> float:
     """Cosine between the normal left in `touch` and that of a contact."""
     touch, state = meshes.touch, contacts.state[c]
-    pose = contacts.poses[meshes.pairs[pair, FIRST_POSE]]
-    n1, n2, n3 = rotate(pose, touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2])
+    pose = contacts.poses[meshes.pairs[pair].poses[0]]
+    n1, n2, n3 = rotate(pose, touch.normal[0], touch.normal[1], touch.normal[2])
     return n1 * state[NORMAL] + n2 * state[NORMAL + 1] + n3 * state[NORMAL + 2]
 
 
@@ -111,8 +101,8 @@ def deepest_of(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> float:
 @kernel(internal=True)
 def _is_turned(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, near: float) -> bool:
     """Whether the normal left in `touch` is against that of the nearest contact that touches along the same line."""
-    touch, pose = meshes.touch, contacts.poses[meshes.pairs[pair, FIRST_POSE]]
-    x1, x2, x3 = rotate(pose, touch[POINT_AT], touch[POINT_AT + 1], touch[POINT_AT + 2])
+    touch, pose = meshes.touch, contacts.poses[meshes.pairs[pair].poses[0]]
+    x1, x2, x3 = rotate(pose, touch.point_a[0], touch.point_a[1], touch.point_a[2])
     x1, x2, x3 = x1 + pose[ORIGIN], x2 + pose[ORIGIN + 1], x3 + pose[ORIGIN + 2]
     turned, nearest = False, math.inf
     for k in range(number_of(contacts, OF_CONTOURS), count):
@@ -134,16 +124,16 @@ def settle_sides(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: 
     Which side it comes from is told by what touches already, and it may be as deep inside as that.
     """
     nothing = ABOUT_NOTHING * meshes.pair_values[pair, SIZE] + 2.0 * deepest_of(meshes, contacts, pair)
-    deforms, inside = meshes.pairs[pair, DEFORMS] > 0, nothing
+    deforms, inside = meshes.pairs[pair].deforms, nothing
     if deforms:  # where only the rounding is inside, the side is known
-        inside = meshes.pair_values[pair, RADII]
+        inside = meshes.pairs[pair].radii
     for i in range(count):
-        found = meshes.found[i]
-        if look_up(meshes, contacts, pair, found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]) >= 0:
+        found = meshes.found.contacts[i]
+        if look_up(meshes, contacts, pair, found.kind, found.first, found.second) >= 0:
             continue
         start = gap_at_start(meshes, pair, i)
         near = abs(start) <= nothing and not deforms
         if near and _is_turned(meshes, contacts, pair, contact_count(contacts), nothing):
-            meshes.found_values[i, FOUND_SIDE] = -meshes.found_values[i, FOUND_SIDE]
+            meshes.found.contacts[i].side = -meshes.found.contacts[i].side
         elif start < -inside and not first:
-            found[FOUND_HIT] = UNKNOWN
+            found.hit = UNKNOWN

@@ -49,23 +49,7 @@ from heavylift.solver.contact.mesh_interface import (
     place_surfaces,
     restore_contacts,
 )
-from heavylift.solver.contact.mesh_kind import (
-    COUNT_AT,
-    FIRST_POSE,
-    GONE_IMPACTS,
-    GONE_IMPULSE,
-    GONE_LOSS,
-    GONE_PATH,
-    PAIR_EVENTS,
-    PAIR_FORCE_LAW,
-    PAIR_LAW,
-    PAIR_REACH,
-    SECOND_POSE,
-    SIDE_DOF,
-    SIDE_HOLDER,
-    SIDE_WIDTH,
-    SurfacePairs,
-)
+from heavylift.solver.contact.mesh_kind import SurfacePairs, contact_header, gone_contacts
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import PRESCRIBED
 
@@ -91,7 +75,7 @@ def header_row(contacts: ContactRows) -> int:
 def _set_count(contacts: ContactRows, count: int) -> None:
     """Of all contacts, those of contours included."""
     set_number(contacts, COUNT, count)
-    contacts.placed[header_row(contacts), COUNT_AT] = count - number_of(contacts, OF_CONTOURS)
+    contact_header(contacts.placed[header_row(contacts)], 0).count = count - number_of(contacts, OF_CONTOURS)
 
 
 @kernel(internal=True)
@@ -99,17 +83,17 @@ def _assign(meshes: SurfacePairs, contacts: ContactRows, c: int) -> None:
     """Laws, values and sides of a contact from its pair."""
     pair = int(contacts.state[c, PAIR])
     row, table = meshes.pairs[pair], contacts.table[c]
-    table[CONTOUR], table[AXES], table[SHAPE] = row[FIRST_POSE], row[SECOND_POSE], TRIANGLES
-    table[LAW], table[FORCE_LAW], table[EVENTS] = row[PAIR_LAW], row[PAIR_FORCE_LAW], row[PAIR_EVENTS]
+    table[CONTOUR], table[AXES], table[SHAPE] = row.poses[0], row.poses[1], TRIANGLES
+    table[LAW], table[FORCE_LAW], table[EVENTS] = row.law, row.force_law, row.events
     for k in range(VALUE_WIDTH):
         contacts.values[c, k] = meshes.pair_values[pair, k]
     contacts.values[c, STIFFNESS] *= contacts.state[c, SHARE]
     contacts.values[c, DAMPING] *= contacts.state[c, SHARE]
     for side in range(2):
-        end, given = contacts.attachments[2 * c + side], meshes.sides[pair]
-        end.dof = given[3 * side + SIDE_DOF]
-        end.width = given[3 * side + SIDE_WIDTH]
-        end.holder = given[3 * side + SIDE_HOLDER]
+        end, given = contacts.attachments[2 * c + side], meshes.sides[2 * pair + side]
+        end.dof = given.dof
+        end.width = given.width
+        end.holder = given.holder
 
 
 @kernel(internal=True)
@@ -129,7 +113,7 @@ def restore_mesh_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """From the carried state, whoever has changed it."""
     first = number_of(contacts, OF_CONTOURS)
     before = contact_count(contacts)
-    count = first + int(contacts.placed[header_row(contacts), COUNT_AT])
+    count = first + contact_header(contacts.placed[header_row(contacts)], 0).count
     set_number(contacts, COUNT, count)
     for c in range(first, count):
         _assign(meshes, contacts, c)
@@ -162,7 +146,7 @@ def keep_found_contacts(meshes: SurfacePairs, contacts: ContactRows, before: boo
             for k in range(STATE_WIDTH):
                 meshes.kept[c, k] = contacts.state[c, k]
         return
-    carried = first + int(contacts.placed[header_row(contacts), COUNT_AT])
+    carried = first + contact_header(contacts.placed[header_row(contacts)], 0).count
     for c in range(carried, contact_count(contacts)):
         for k in range(STATE_WIDTH):
             contacts.state[c, k] = meshes.kept[c, k]
@@ -182,15 +166,15 @@ def drop_mesh_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
     while c < contact_count(contacts):
         state = contacts.state[c]
         state[HIT] = 0.0
-        reach = FAR * meshes.pair_values[int(state[PAIR]), PAIR_REACH]
+        reach = FAR * meshes.pairs[int(state[PAIR])].reach
         if state[CLOSED] > 0.0 or state[END_GAP] <= reach:
             c += 1
             continue
-        sums = contacts.placed[surface_count(contacts, meshes) + int(state[PAIR])]
-        sums[GONE_IMPULSE] += state[IMPULSES]
-        sums[GONE_LOSS] += state[LOSS]
-        sums[GONE_IMPACTS] += state[IMPACTS]
-        sums[GONE_PATH] += state[SLIP_PATH]
+        gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + int(state[PAIR])], 0)
+        gone.impulse += state[IMPULSES]
+        gone.loss += state[LOSS]
+        gone.impacts += int(state[IMPACTS])
+        gone.slip_path += state[SLIP_PATH]
         last = contact_count(contacts) - 1
         if c != last:
             _move(contacts, last, c)

@@ -15,7 +15,6 @@ from heavylift.solver.contact.kind import (
     SIZE,
     ContactRows,
 )
-from heavylift.solver.contact.mesh_kind import FIRST, FIRST_POSE, PAIR_LAW, RADII, SECOND, SECOND_POSE
 
 __all__ = ["check_overlaps"]
 
@@ -40,14 +39,14 @@ def check_overlaps(contacts: ContactRows, names: Sequence[str]) -> None:
     """
     (meshes,) = contacts.meshes
     for name, pair, values in zip(names, meshes.pairs, meshes.pair_values, strict=True):
-        first, second = contacts.poses[pair[FIRST_POSE]], contacts.poses[pair[SECOND_POSE]]
+        first, second = contacts.poses[pair.poses[0]], contacts.poses[pair.poses[1]]
         R = first[:9].reshape(3, 3)
         turned = R.T @ second[:9].reshape(3, 3)
         moved = R.T @ (second[ORIGIN : ORIGIN + 3] - first[ORIGIN : ORIGIN + 3])
-        found = find_overlap(meshes.surfaces, int(pair[FIRST]), int(pair[SECOND]), turned, moved)
+        found = find_overlap(meshes.surfaces, int(pair.surfaces[0]), int(pair.surfaces[1]), turned, moved)
         allowed = DEEPEST * values[SIZE]
-        if pair[PAIR_LAW] == COMPLIANT:  # what is round may begin under load
-            allowed = max(allowed, values[RADII])
+        if pair.law == COMPLIANT:  # what is round may begin under load
+            allowed = max(allowed, pair.radii)
         if found.triangle_a >= 0 and found.depth > allowed:
             _refuse(name, found.depth, first[ORIGIN : ORIGIN + 3] + R @ found.place)
 

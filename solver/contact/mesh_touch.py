@@ -42,15 +42,6 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.mesh_interface import bound_surfaces, pose_surfaces, touch_triangles
 from heavylift.solver.contact.mesh_kind import (
-    BESIDE_AT,
-    FIRST,
-    FIRST_POSE,
-    NORMAL_AT,
-    OTHER_AT,
-    POINT_AT,
-    RADII,
-    SECOND,
-    SECOND_POSE,
     SurfacePairs,
 )
 from heavylift.solver.interface import Bodies, Workspace
@@ -84,8 +75,8 @@ def pose_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows, bodies: Bodi
     """Of all pairs."""
     form_facets(meshes.facets, meshes.surfaces, bodies)
     for pair in range(meshes.pairs.shape[0]):
-        first = contacts.poses[meshes.pairs[pair, FIRST_POSE]]
-        relative_pose(first, contacts.poses[meshes.pairs[pair, SECOND_POSE]], meshes.relative[pair])
+        first = contacts.poses[meshes.pairs[pair].poses[0]]
+        relative_pose(first, contacts.poses[meshes.pairs[pair].poses[1]], meshes.relative[pair])
 
 
 @implement(bound_surfaces, SurfacePairs)
@@ -139,7 +130,7 @@ def _keep_side(meshes: SurfacePairs, contacts: ContactRows, c: int, pair: int) -
     relative = meshes.relative[pair]
     contact_gap(meshes.surfaces, EDGE_EDGE, feature, other, 0.0, state[SIDE], relative, touch)
     pose = contacts.poses[contacts.table[c, CONTOUR]]
-    n1, n2, n3 = rotate(pose, touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2])
+    n1, n2, n3 = rotate(pose, touch.normal[0], touch.normal[1], touch.normal[2])
     if n1 * state[NORMAL] + n2 * state[NORMAL + 1] + n3 * state[NORMAL + 2] < 0.0:
         state[SIDE] = -state[SIDE]
 
@@ -157,25 +148,19 @@ def touch_mesh_contact(
     relative = meshes.relative[pair]
     _keep_side(meshes, contacts, c, pair)
     state[END_GAP] = feature_gap(
-        meshes.surfaces,
-        kind,
-        feature,
-        other,
-        meshes.pair_values[pair, RADII],
-        state[SIDE],
-        relative,
-        touch,
+        meshes.surfaces, kind, feature, other, meshes.pairs[pair].radii, state[SIDE], relative, touch
     )
-    state[BESIDE] = touch[BESIDE_AT]
-    n1, n2, n3 = touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2]
+    state[BESIDE] = touch.beyond
+    n1, n2, n3 = touch.normal[0], touch.normal[1], touch.normal[2]
     t1, t2, t3 = _tangent(meshes, pair, kind, feature, other, n1, n2, n3)
     put_directions(contacts, first_pose, n1, n2, n3, t1, t2, t3)
     shift = 0.5 * (
-        meshes.surfaces.radii[meshes.pairs[pair, FIRST]] - meshes.surfaces.radii[meshes.pairs[pair, SECOND]]
+        meshes.surfaces.radii[meshes.pairs[pair].surfaces[0]]
+        - meshes.surfaces.radii[meshes.pairs[pair].surfaces[1]]
     )
-    x1 = 0.5 * (touch[POINT_AT] + touch[OTHER_AT]) + shift * n1
-    x2 = 0.5 * (touch[POINT_AT + 1] + touch[OTHER_AT + 1]) + shift * n2
-    x3 = 0.5 * (touch[POINT_AT + 2] + touch[OTHER_AT + 2]) + shift * n3
+    x1 = 0.5 * (touch.point_a[0] + touch.point_b[0]) + shift * n1
+    x2 = 0.5 * (touch.point_a[1] + touch.point_b[1]) + shift * n2
+    x3 = 0.5 * (touch.point_a[2] + touch.point_b[2]) + shift * n3
     scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2] = x1, x2, x3
     put_pose_rows(contacts, 2 * c, first_pose, -1.0)
     pose = contacts.poses[first_pose]

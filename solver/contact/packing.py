@@ -15,7 +15,8 @@ from heavylift.contours.convex import (
     CYLINDER,
     ELLIPSOID,
     RING,
-    SHAPE_WIDTH,
+    Primitive,
+    primitive_at,
     shape_row,
 )
 from heavylift.numerics.jit import in_python
@@ -191,7 +192,7 @@ def pack_contacts(
         contour = scene.contours[numbers[contact.contour]]
         sides += [attachment(contour.body), attachment(contact.body)]
         size = packed.sizes[numbers[contact.contour]]
-        kind, extent, radius, primitive_kind, numbers_of_shape = _shape(contact)
+        kind, extent, radius, primitive_kind, primitive = _shape(contact)
         table[i, CONTOUR], table[i, SHAPE] = numbers[contact.contour], kind
         table[i, LAW], table[i, FORCE_LAW] = _law(contact, packed.is_curve[numbers[contact.contour]])
         table[i, CENTRE], table[i, AXES], table[i, COLUMN] = marker.centre, marker.axes, column
@@ -202,7 +203,7 @@ def pack_contacts(
         values[i, FRICTION], values[i, FOOTPRINT] = contact.friction, contact.footprint
         values[i, RADIUS], values[i, EXTENT] = radius, extent
         values[i, SIZE] = extent if extent > 0.0 else size
-        values[i, PRIMITIVE : PRIMITIVE + SHAPE_WIDTH] = numbers_of_shape
+        primitive_at(values[i], PRIMITIVE).words[:] = primitive.words
         put_law(contact.law, values[i])
         state[i, NORMAL : NORMAL + 3], state[i, TANGENT : TANGENT + 3] = packed.start_normals[
             numbers[contact.contour]
@@ -321,13 +322,13 @@ def _law(contact: Contact, of_curve: bool) -> tuple[int, int]:
     return COMPLIANT, force_law(law)
 
 
-def _shape(contact: Contact) -> tuple[int, float, float, int, NDArray[np.float64]]:
-    """What touches: kind, largest distance from its point, radius of a ball, kind and numbers of a primitive."""
+def _shape(contact: Contact) -> tuple[int, float, float, int, Primitive]:
+    """What touches: kind, largest distance from its point, radius of a ball, kind and record of a primitive."""
     shape: Any = contact.shape
     if isinstance(shape, PointShape):
-        return POINT, 0.0, 0.0, -1, np.zeros(SHAPE_WIDTH)
+        return POINT, 0.0, 0.0, -1, Primitive.one()
     if isinstance(shape, SphereShape):
-        return POINT, shape.radius, shape.radius, -1, np.zeros(SHAPE_WIDTH)
+        return POINT, shape.radius, shape.radius, -1, Primitive.one()
     if isinstance(shape, CircleShape):
         row = shape_row(RING, [shape.radius])
         return CIRCLE, shape.radius, 0.0, RING, _turned(row, axes_about(shape.axis, source=contact.name))
@@ -358,9 +359,7 @@ def _shape(contact: Contact) -> tuple[int, float, float, int, NDArray[np.float64
     )
 
 
-def _turned(row: NDArray[np.float64], axes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Row of a primitive whose axes are given in the frame of its body."""
-    from heavylift.contours.convex import SHAPE_AXES
-
-    row[SHAPE_AXES : SHAPE_AXES + 9] = np.asarray(axes, dtype=np.float64).ravel()
-    return row
+def _turned(primitive: Primitive, axes: NDArray[np.float64]) -> Primitive:
+    """A primitive whose axes are given in the frame of its body."""
+    primitive.axes[:] = np.asarray(axes, dtype=np.float64).reshape(3, 3)
+    return primitive

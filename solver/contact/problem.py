@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel, view
-from heavylift.solver.contact.contact_rows import ROWS
+from heavylift.solver.contact.contact_rows import ROWS, solved_rows
 from heavylift.solver.contact.end_blocks import (
     CONTACT,
     factor_inverse_mass,
@@ -211,16 +211,15 @@ def _find_diagonal(problem: Problem, work: Work) -> None:
 @kernel(internal=True)
 def fill_rows(problem: Problem, work: Work, factor_of_diagonal: float, near: NDArray[np.float64]) -> None:
     """Write softness and target of all rows, with a further softness relative to the diagonal about impulses `near`."""
-    parameters, rows = problem.parameters, work.rows
+    parameters = problem.parameters
     for c in range(problem.number):
+        row = solved_rows(work.rows, ROWS * c)
         for i in range(3):
             more = factor_of_diagonal * work.diagonal[2 * c + min(i, 1)]
             S, b = parameters[c, SOFTNESS + i], parameters[c, TARGET + i]
             if i == 0 and problem.kinds[c, 0] == COMPLIANT:
                 S = b = 0.0
-            rows[ROWS * c + i] = S + more
-            rows[ROWS * c + 3 + i] = b + (more * near[3 * c + i] if more > 0.0 else 0.0)
-        work.inverse[2 * c] = 1.0 / (work.diagonal[2 * c] + rows[ROWS * c])
-        work.inverse[2 * c + 1] = 1.0 / (
-            work.diagonal[2 * c + 1] + 0.5 * (rows[ROWS * c + 1] + rows[ROWS * c + 2])
-        )
+            row.softness[i] = S + more
+            row.target[i] = b + (more * near[3 * c + i] if more > 0.0 else 0.0)
+        work.inverse[2 * c] = 1.0 / (work.diagonal[2 * c] + row.softness[0])
+        work.inverse[2 * c + 1] = 1.0 / (work.diagonal[2 * c + 1] + 0.5 * (row.softness[1] + row.softness[2]))

@@ -1,10 +1,10 @@
-"""Rings and convex primitives on surfaces: their row in the axes of the contour, and the rows of their contact."""
+"""Rings and convex primitives on surfaces: placed in the axes of the contour, and the rows of their contact."""
 
 from __future__ import annotations
 
 import math
 
-from heavylift.contours.convex import SHAPE_AXES, SHAPE_CENTRE, SHAPE_WIDTH
+from heavylift.contours.convex import primitive_at
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate, rotate_back
 from heavylift.solver.contact.directions import put_directions
@@ -26,24 +26,24 @@ __all__ = ["place_shape", "put_touch"]
 
 @kernel(internal=True)
 def place_shape(contacts: ContactRows, c: int, y1: float, y2: float, y3: float, work: Workspace) -> None:
-    """Row of the primitive in the axes of the contour: its axes turn with the three directions of its body."""
+    """The primitive in the axes of the contour: its axes turn with the three directions of its body."""
     pose, scratch = contacts.poses[contacts.table[c, CONTOUR]], contacts.scratch
-    constant = contacts.values[c]
-    for i in range(SHAPE_WIDTH):
-        scratch[SHAPE_ROW + i] = constant[PRIMITIVE + i]
-    scratch[SHAPE_ROW + SHAPE_CENTRE], scratch[SHAPE_ROW + SHAPE_CENTRE + 1] = y1, y2
-    scratch[SHAPE_ROW + SHAPE_CENTRE + 2] = y3
+    given, placed = primitive_at(contacts.values[c], PRIMITIVE), primitive_at(scratch, SHAPE_ROW)
+    placed.centre[0], placed.centre[1], placed.centre[2] = y1, y2, y3
+    for k in range(3):
+        placed.sizes[k] = given.sizes[k]
+    placed.radius, placed.shift = given.radius, given.shift
     first = contacts.table[c, AXES]
     for column in range(3):
         w1 = w2 = w3 = 0.0
         for m in range(3):
-            share = constant[PRIMITIVE + SHAPE_AXES + 3 * m + column]
+            share = given.axes[m, column]
             w1 += share * work.markers[first + m].point[0]
             w2 += share * work.markers[first + m].point[1]
             w3 += share * work.markers[first + m].point[2]
         b = rotate_back(pose, w1, w2, w3)
         for k in range(3):
-            scratch[SHAPE_ROW + SHAPE_AXES + 3 * k + column] = b[k]
+            placed.axes[k, column] = b[k]
 
 
 @kernel(internal=True)

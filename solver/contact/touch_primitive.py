@@ -3,16 +3,10 @@
 from __future__ import annotations
 
 from heavylift.contours.basis import find_span
-from heavylift.contours.convex import SHAPE_WIDTH
+from heavylift.contours.convex import primitive_at
 from heavylift.contours.search_cold import closest_shape_cold
 from heavylift.contours.search_shape import closest_shape_on_surface, shape_gap
-from heavylift.contours.search_step import (
-    BORDER,
-    CONVERGED,
-    DEEP,
-    NEED_SPAN,
-    start_search,
-)
+from heavylift.contours.search_step import BORDER, CONVERGED, DEEP, NEED_SPAN, start_search
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.directions import form_span
 from heavylift.solver.contact.features import Primitives, touch
@@ -68,7 +62,7 @@ def touch_primitive(
     row, scratch, state = contacts.contours[contour], contacts.scratch, contacts.state[c]
     result, evaluate = search_at(scratch, RESULT), scratch[EVALUATE:WEIGHTS_AT]
     knots, net = contacts.constants, contacts.net
-    shape = scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH]
+    shape = primitive_at(scratch, SHAPE_ROW)
     place_shape(contacts, c, y1, y2, y3, work)
     if cold:
         _start_anywhere(contacts, c)
@@ -110,7 +104,7 @@ def _start_anywhere(contacts: ContactRows, c: int) -> None:
         contacts.constants,
         contacts.net,
         contacts.table[c, PRIMITIVE_KIND],
-        scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH],
+        primitive_at(scratch, SHAPE_ROW),
         samples.parameters[i : i + grid[U_COUNT]],
         samples.parameters[j : j + grid[V_COUNT]],
         samples.points[at : at + 3],

@@ -5,15 +5,11 @@ from __future__ import annotations
 import math
 
 from heavylift.contours.basis import find_span
-from heavylift.contours.convex import SHAPE_RADIUS, SHAPE_WIDTH
+from heavylift.contours.convex import primitive_at
 from heavylift.contours.search import signed_gap
 from heavylift.contours.search_circle import ring_on_surface, ring_point, start_ring
 from heavylift.contours.search_circle_cold import ring_cold
-from heavylift.contours.search_step import (
-    BORDER,
-    CONVERGED,
-    NEED_SPAN,
-)
+from heavylift.contours.search_step import BORDER, CONVERGED, NEED_SPAN
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.directions import form_span
 from heavylift.solver.contact.features import Rings, touch
@@ -69,7 +65,7 @@ def touch_ring(
     row, scratch, state = contacts.contours[contour], contacts.scratch, contacts.state[c]
     result, evaluate = search_at(scratch, RESULT), scratch[EVALUATE:WEIGHTS_AT]
     knots, net = contacts.constants, contacts.net
-    shape = scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH]
+    shape = primitive_at(scratch, SHAPE_ROW)
     place_shape(contacts, c, y1, y2, y3, work)
     if cold:
         _start_anywhere(contacts, c)
@@ -88,7 +84,7 @@ def touch_ring(
         result.ring.angle = state[END_GAP_2]
     r1, r2, r3, _, _, _ = ring_point(shape, result.ring.angle)
     gap, n1, n2, n3 = signed_gap(y1 + r1, y2 + r2, y3 + r3, result)
-    flip, rounding = row.flip, shape[SHAPE_RADIUS]
+    flip, rounding = row.flip, shape.radius
     n1, n2, n3 = flip * n1, flip * n2, flip * n3
     gap *= flip
     if result.flags & BORDER:
@@ -112,7 +108,7 @@ def _start_anywhere(contacts: ContactRows, c: int) -> None:
         contacts.constants,
         contacts.constants,
         contacts.net,
-        scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH],
+        primitive_at(scratch, SHAPE_ROW),
         samples.parameters[i : i + grid[U_COUNT]],
         samples.parameters[j : j + grid[V_COUNT]],
         samples.points[at : at + 3],

@@ -10,6 +10,7 @@ import math
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Record
 from heavylift.solver.connections import (
     Cylindrical,
     Hinge,
@@ -44,6 +45,7 @@ __all__ = [
     "ANGLE",
     "DISTANCE",
     "TRAVEL",
+    "CoordinateEntry",
     "add_load",
     "coordinate_rate",
     "coordinate_row",
@@ -55,6 +57,26 @@ __all__ = [
 
 DISTANCE, ANGLE, TRAVEL = range(3)
 """Distance of two points (the third marker is not used), angle of a hinge, travel of a slider."""
+
+
+class CoordinateEntry(Record):
+    """What everything that acts on such a scalar keeps.
+
+    Attributes
+    ----------
+    coordinate
+        `DISTANCE`, `ANGLE` or `TRAVEL`.
+    a, b, c
+        Its markers.
+    column
+        First record column, or -1.
+    """
+
+    coordinate: int
+    a: int
+    b: int
+    c: int
+    column: int
 
 
 def joint_coordinate(joint: Joint, user: JointSpring | JointMotor | Joint) -> int:

@@ -9,6 +9,7 @@ from collision_scenes import query, rotation
 
 from heavylift.contours.feature_gap import EDGE_EDGE, FACE_VERTEX, VERTEX_FACE
 from heavylift.contours.feature_pairs import POSITION_DIFFERENCE
+from heavylift.contours.feature_report import make_contact_list
 from heavylift.contours.overlap import find_overlap
 from heavylift.contours.pair_list import make_pair_lists
 
@@ -324,7 +325,7 @@ def test_more_contacts_than_there_is_room_for_are_said():
     surfaces = packed(surface(plate(6.0, 6.0, 12, 12)), surface(plate(5.0, 5.0, 20, 20)))
     lists = make_pair_lists(surfaces, [(0, 1)])
     motion = poses(ONE, [0.01, 0.02, 0.01], ONE, [0.01, 0.02, -0.01])
-    features, numbers = np.full((64, 4), -7, dtype=np.int64), np.zeros((64, 3))
-    assert contacts_kernel(surfaces, lists, 0, motion, 0.0, 0, features, numbers) == -2
+    found = make_contact_list(64)
+    assert contacts_kernel(surfaces, lists, 0, motion, 0.0, 0, found) == -2
     few = make_pair_lists(surfaces, [(0, 1)], capacity=1)
-    assert contacts_kernel(surfaces, few, 0, motion, 0.0, 0, features, numbers) == -1
+    assert contacts_kernel(surfaces, few, 0, motion, 0.0, 0, found) == -1

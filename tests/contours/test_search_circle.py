@@ -9,7 +9,7 @@ import pytest
 from scipy.interpolate import BSpline
 from scipy.spatial.transform import Rotation
 
-from heavylift.contours.convex import RING, SHAPE_AXES, shape_row
+from heavylift.contours.convex import RING, shape_row
 from heavylift.contours.evaluate import SCRATCH
 from heavylift.contours.layout import PackedContour
 from heavylift.contours.samples import sample_grid, sample_points
@@ -17,14 +17,7 @@ from heavylift.contours.search_circle import ring_on_surface, start_ring
 from heavylift.contours.search_circle_cold import RING_ANGLES, ring_cold
 from heavylift.contours.search_cold import closest_shape_cold
 from heavylift.contours.search_shape import shape_gap
-from heavylift.contours.search_step import (
-    BORDER,
-    CONVERGED,
-    DEGENERATE,
-    NEED_SPAN,
-    TWIN,
-    ContourSearch,
-)
+from heavylift.contours.search_step import BORDER, CONVERGED, DEGENERATE, NEED_SPAN, TWIN, ContourSearch
 from heavylift.contours.spaces import clamped_space, closed_space
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import records
@@ -147,14 +140,14 @@ class Surface:
 
 
 def on_ring(row, phi):
-    axes = row[SHAPE_AXES : SHAPE_AXES + 9].reshape(3, 3)
-    return row[:3] + row[12] * (math.cos(phi) * axes[:, 0] + math.sin(phi) * axes[:, 1])
+    axes = row.axes
+    return row.centre + row.sizes[0] * (math.cos(phi) * axes[:, 0] + math.sin(phi) * axes[:, 1])
 
 
 def ring(radius, centre, rotation, thickness=0.0):
     row = shape_row(RING, (radius,), thickness)
-    row[:3] = centre
-    row[SHAPE_AXES : SHAPE_AXES + 9] = rotation.ravel()
+    row.centre[:] = centre
+    row.axes[:] = rotation
     return row
 
 
@@ -236,7 +229,7 @@ def test_a_warm_ring_is_short_and_keeps_to_its_window():
     row = ring(0.35, np.array([0.1, 0.1, 0.3]), Rotation.from_euler("xy", [1.3, 0.2]).as_matrix())
     assert surface.cold(row) == CONVERGED
     u, v, phi = surface.place()[:3]
-    row[:2] += 1e-3
+    row.centre[:2] += 1e-3
     assert surface.cold(row, start=(WARM, u, v, phi, -1, -1)) == CONVERGED
     assert surface.result.ring.evaluations <= 14
     whole = surface.place()
@@ -276,7 +269,7 @@ def test_distance_of_a_ring_to_a_curve():
         rotation = Rotation.random(random_state=generator.integers(1 << 30)).as_matrix()
         row = ring(0.3, generator.uniform(-0.6, 0.6, 3), rotation)
         assert surface.cold(row) == CONVERGED
-        local = (line - row[:3]) @ row[SHAPE_AXES : SHAPE_AXES + 9].reshape(3, 3)
+        local = (line - row.centre) @ row.axes
         expected = np.min(np.hypot(np.hypot(local[:, 0], local[:, 1]) - 0.3, local[:, 2]))
         assert surface.out[0] <= expected + 1e-12
         assert surface.out[0] == pytest.approx(expected, abs=1e-4)

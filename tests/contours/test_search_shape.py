@@ -16,9 +16,6 @@ from heavylift.contours.convex import (
     CYLINDER,
     ELLIPSOID,
     RING,
-    SHAPE_AXES,
-    SHAPE_RADIUS,
-    SHAPE_SHIFT,
     core_distance,
     shape_row,
 )
@@ -144,7 +141,7 @@ def test_the_distance_to_a_core_is_that_of_its_support_function(name):
     expected = signed_distance(name, points)
     if kind in (BALL, CAPSULE):  # the distance to a thin core ends at zero
         expected = np.maximum(expected, -radius)
-    assert out[:, 0] - row[SHAPE_SHIFT] - radius == pytest.approx(expected, abs=1e-6)
+    assert out[:, 0] - row.shift - radius == pytest.approx(expected, abs=1e-6)
 
 
 @pytest.mark.parametrize("name", [*SHAPES, "ring"])
@@ -233,18 +230,18 @@ class Surface:
 def posed(name, centre, rotation):
     kind, sizes, radius = SHAPES[name]
     row = shape_row(kind, sizes, radius)
-    row[:3] = centre
-    row[SHAPE_AXES : SHAPE_AXES + 9] = rotation.ravel()
+    row.centre[:] = centre
+    row.axes[:] = rotation
     return kind, row
 
 
 def local_distance(name, row):
     """Signed distance to a primitive by closed forms of its own, vectorised."""
     kind, sizes, radius = SHAPES[name]
-    rotation = row[SHAPE_AXES : SHAPE_AXES + 9].reshape(3, 3)
+    rotation = row.axes
 
     def gap(points):
-        x = (points - row[:3]) @ rotation
+        x = (points - row.centre) @ rotation
         if kind == BALL:
             return np.linalg.norm(x, axis=1) - radius
         if kind == CAPSULE:
@@ -271,7 +268,7 @@ def test_least_gap_to_a_surface_open_and_penetrating(name):
             kind, row = posed(name, centre, rotation)
             assert surface.cold(kind, row) == CONVERGED
             expected = surface.least(local_distance(name, row))
-            assert (expected < -row[SHAPE_RADIUS] + 1e-4) >= bool(surface.result.flags & DEEP)
+            assert (expected < -row.radius + 1e-4) >= bool(surface.result.flags & DEEP)
             penetrating += expected < 0.0
             flags = surface.result.flags
             if flags & DEEP:
@@ -315,11 +312,11 @@ def test_the_gap_is_smooth_through_zero():
         "capsule", np.array([1.0, 0.75, 0.4]), Rotation.from_euler("y", 80, degrees=True).as_matrix()
     )
     assert surface.cold(kind, row) == CONVERGED
-    row[2] -= surface.out[0]
-    heights = row[2] + np.linspace(-0.02, 0.02, 9)
+    row.centre[2] -= surface.out[0]
+    heights = row.centre[2] + np.linspace(-0.02, 0.02, 9)
     gaps = []
     for height in heights:
-        row[2] = height
+        row.centre[2] = height
         assert surface.cold(kind, row) == CONVERGED
         gaps.append(surface.out[0])
     assert gaps[0] < 0.0 < gaps[-1]
@@ -340,7 +337,7 @@ def test_a_box_flat_on_a_plane():
     expected = 0.34 - 0.3 * math.sin(angle) - 0.25 * math.cos(angle) - 0.1
     assert surface.out[0] == pytest.approx(expected, abs=1e-12)
     # deeper than the rounding
-    row[2] = 0.3
+    row.centre[2] = 0.3
     assert surface.cold(kind, row) == CONVERGED
     assert surface.out[0] == pytest.approx(expected - 0.04, abs=5e-5)
 
@@ -370,7 +367,7 @@ def test_a_warm_search_is_short_and_keeps_to_its_window():
     kind, row = posed("ellipsoid", np.array([1.0, 0.7, 0.5]), Rotation.random(random_state=3).as_matrix())
     assert surface.cold(kind, row) == CONVERGED
     u, v = [surface.result.u, surface.result.v]
-    row[0] += 2e-3
+    row.centre[0] += 2e-3
     assert surface.cold(kind, row, (WARM, u, v, -1.0)) == CONVERGED
     assert surface.result.iterations <= 6
     whole = [surface.result.u, surface.result.v]

@@ -25,7 +25,7 @@ from heavylift.solver.contact.facet_interface import (
     form_surface_points,
     put_surface_rows,
 )
-from heavylift.solver.contact.facet_kind import OF_DOF, OF_POSE, OWN_POINT, POINTS, FacetSurfaces
+from heavylift.solver.contact.facet_kind import FacetSurfaces
 from heavylift.solver.contact.kind import DIRECTIONS, STEP_SHIFT, ContactRows
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
@@ -54,11 +54,11 @@ def form_points_of_meshes(
     kind: Meshes, facets: FacetSurfaces, row: int, first: int, points: NDArray[np.float64]
 ) -> None:
     """In the axes of the nodal coordinates, which stand still."""
-    body = body_with_points(kind, facets.rows[row, OF_DOF])
+    body = body_with_points(kind, facets.rows[row].dof)
     if body < 0:
         return
-    begin, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row, OWN_POINT]
-    for i in range(facets.rows[row, POINTS]):
+    begin, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row].own_point
+    for i in range(facets.rows[row].points):
         x, y, z = _sum_vectors(facets, kind.nodal[MID_Q], own + i, begin)
         points[first + i, 0], points[first + i, 1], points[first + i, 2] = x, y, z
 
@@ -70,15 +70,15 @@ def bound_points_of_meshes(
     kind: Meshes, facets: FacetSurfaces, row: int, contacts: ContactRows, step: float
 ) -> None:
     """The fastest point."""
-    body = body_with_points(kind, facets.rows[row, OF_DOF])
+    body = body_with_points(kind, facets.rows[row].dof)
     if body < 0:
         return
-    begin, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row, OWN_POINT]
+    begin, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row].own_point
     fastest = 0.0
-    for i in range(facets.rows[row, POINTS]):
+    for i in range(facets.rows[row].points):
         x, y, z = _sum_vectors(facets, kind.nodal[MID_V], own + i, begin)
         fastest = max(fastest, x * x + y * y + z * z)
-    contacts.poses[facets.rows[row, OF_POSE], STEP_SHIFT] = step * math.sqrt(fastest)
+    contacts.poses[facets.rows[row].pose, STEP_SHIFT] = step * math.sqrt(fastest)
 
 
 @kernel(internal=True)
@@ -93,7 +93,7 @@ def _aim_at(
     at: int,
 ) -> None:
     """A moving point becomes the touched point; its velocity into the workspace."""
-    shift, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row, OWN_POINT]
+    shift, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row].own_point
     point = moving.bodies[body].first_point + slot
     begin = moving.points[point].first_entry
     end = begin
@@ -132,12 +132,12 @@ def put_rows_on_meshes(
     work: Workspace,
 ) -> None:
     """Directions of the contact into the columns of the moving point, zeros into all others."""
-    dof = facets.rows[row, OF_DOF]
+    dof = facets.rows[row].dof
     body = body_with_points(kind, dof)
     if body < 0:
         return
     lanes, scratch = len(contacts.shape[1]), contacts.scratch
-    pose, width = contacts.poses[facets.rows[row, OF_POSE]], contacts.attachments[attachment].width
+    pose, width = contacts.poses[facets.rows[row].pose], contacts.attachments[attachment].width
     column = width - 3 * kind.table[body].moving_count + 3 * slot
     _aim_at(kind.moving, kind, body, facets, row, slot, work, kind.table[body].dof + column)
     panel = contacts.attachments[attachment].panel

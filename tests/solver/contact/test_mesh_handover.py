@@ -9,7 +9,7 @@ from heavylift.contours.feature_gap import EDGE_EDGE
 from heavylift.numerics.jit import kernel
 from heavylift.preprocess.surfaces import TriangleSurface
 from heavylift.solver.collisions import Collision, CollisionSurface
-from heavylift.solver.contact import kind, mesh_kind
+from heavylift.solver.contact import kind
 from heavylift.solver.contact.counts import set_number
 from heavylift.solver.contact.mesh_handover import book_jump, goes_on
 from heavylift.solver.contacts import LinearLaw
@@ -78,13 +78,14 @@ def touched():
     contacts = pack_scene(scene).systems[1]
     (meshes,) = contacts.meshes
     count_kernel(contacts, 1)
-    for pose in (contacts.poses[meshes.pairs[0, mesh_kind.FIRST_POSE]], meshes.relative[0].words):
+    for pose in (contacts.poses[meshes.pairs[0].poses[0]], meshes.relative[0].words):
         pose[:12] = [*np.eye(3).ravel(), 0.0, 0.0, 0.0]
     (rail_edge,) = rows(meshes.surfaces, RAIL[None])
     edges = rows(meshes.surfaces, BARS)
     for i, edge in enumerate(edges[1:]):
-        meshes.found[i, :3] = EDGE_EDGE, rail_edge, edge
-        meshes.found_values[i, mesh_kind.FOUND_SIDE] = upwards(meshes.surfaces, rail_edge, edge)
+        found = meshes.found.contacts[i]
+        found.kind, found.first, found.second = EDGE_EDGE, rail_edge, edge
+        found.side = upwards(meshes.surfaces, rail_edge, edge)
     state = contacts.state[0]
     state[kind.FEATURES], state[kind.FEATURE], state[kind.OTHER_FEATURE] = EDGE_EDGE, rail_edge, edges[0]
     state[kind.SIDE] = upwards(meshes.surfaces, rail_edge, edges[0])
@@ -94,9 +95,9 @@ def touched():
     state[kind.TOUCHED : kind.TOUCHED + 3] = 0.2, 0.0, -0.5 * DEPTH
     contacts.table[0, kind.LAW], contacts.table[0, kind.FORCE_LAW] = (
         kind.COMPLIANT,
-        meshes.pairs[0, mesh_kind.PAIR_FORCE_LAW],
+        meshes.pairs[0].force_law,
     )
-    contacts.values[0] = meshes.pair_values[0, : contacts.values.shape[1]]
+    contacts.values[0] = meshes.pair_values[0]
     return meshes, contacts
 
 
@@ -104,8 +105,8 @@ def touched():
 def test_a_contact_goes_on_with_the_neighbour_beyond_its_border(touched, turned):
     """On the side it was on, whichever side was found."""
     meshes, contacts = touched
-    side = meshes.found_values[0, mesh_kind.FOUND_SIDE]
-    meshes.found_values[0, mesh_kind.FOUND_SIDE] = turned * side
+    side = meshes.found.contacts[0].side
+    meshes.found.contacts[0].side = turned * side
     assert follow_kernel(meshes, contacts, 0, 1e-6) == (0, side)
 
 
