@@ -132,9 +132,10 @@ class Record(_Scalar):
 
     @property
     def words(self) -> NDArray[np.float64]:
-        """All of it as words that are copied or cleared together; a view."""
+        """All of it as words that are copied or cleared together; a view, which keeps the record."""
         count = type(self).layout.itemsize // WORD_BYTES
         memory: Any = (ctypes.c_double * count).from_address(self.address)
+        memory.owner = self
         return np.frombuffer(memory, dtype=np.float64)
 
     @classmethod

@@ -23,12 +23,12 @@ from numpy.typing import NDArray
 
 from heavylift.modal.invariants import ShapeIntegrals
 from heavylift.modal.reduced import ReducedBody
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Quaternion, Record, Records, Vector, Vector6, records
 from heavylift.numerics.small import aligned
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
-from heavylift.solver.markers import BodyMarkers, pack_markers
+from heavylift.solver.markers import BodyMarkers, PackedMarker, pack_markers
 from heavylift.solver.scene_bodies import Driven, Fixed, FlexibleBody, Free
 
 __all__ = [
@@ -228,8 +228,8 @@ class FlexibleBodies(Arrays):
     acceleration_products: Floats1
     midpoint_products: Floats1
     mid_velocity_products: Floats1
-    markers: Ints2
-    sensors: Ints2
+    markers: Records[PackedMarker]
+    sensors: Records[PackedMarker]
 
 
 class FloatingFrameBodies(FlexibleBodies):
@@ -395,8 +395,8 @@ def _empty(bodies: int, modes: int) -> FloatingFrameBodies:
         acceleration_products=aligned(8 * modes),
         midpoint_products=aligned(8 * modes),
         mid_velocity_products=aligned(8 * modes),
-        markers=np.zeros((0, 5), dtype=np.int64),
-        sensors=np.zeros((0, 5), dtype=np.int64),
+        markers=records(PackedMarker, 0),
+        sensors=records(PackedMarker, 0),
     )
 
 

@@ -103,8 +103,9 @@ def put_flexible_velocity(kind: FlexibleBodies, velocity: NDArray[np.float64]) -
 @implement(collect_load, FixedFrameBodies)
 def collect_flexible_load(kind: FlexibleBodies, work: Workspace, load: NDArray[np.float64]) -> None:
     """``J^T f`` of the markers that forces act on, gravity on the frame and the modes, ``-k q``."""
-    for number, body, _, _, serves in kind.markers:
-        if serves == FORCES:
+    for marker in kind.markers:
+        if marker.level == FORCES:
+            number, body = marker.number, marker.body
             rigid, modal = _dofs(kind, body)
             force = work.markers[number].force
             load[rigid.start : modal.stop] += force @ work.jacobian[number, :, : modal.stop - rigid.start]

@@ -27,7 +27,9 @@ __all__ = ["add_joint_forces", "gather_marker_forces", "write_markers", "write_s
 def write_markers(kind: FlexibleBodies, level: int, work: Workspace) -> None:
     """Write vectors, rates and Jacobian windows ``[1, -R u~, R Phi]`` of all markers at the stage."""
     for marker in range(kind.markers.shape[0]):
-        number, body, start, direction, serves = kind.markers[marker]
+        packed = kind.markers[marker]
+        number, body, start, serves = packed.number, packed.body, packed.data, packed.level
+        direction = packed.direction
         if serves > level:
             continue
         n, first = kind.table[body].mode_count, kind.table[body].first_mode
@@ -37,7 +39,7 @@ def write_markers(kind: FlexibleBodies, level: int, work: Workspace) -> None:
         u1, u2, u3 = data[0], data[1], data[2]
         d1 = d2 = d3 = 0.0
         jacobian = work.jacobian[number]
-        if direction == 0:
+        if not direction:
             for i in range(n):
                 q, qd = kind.mid_modal_position[first + i], kind.mid_modal_velocity[first + i]
                 phi1, phi2, phi3 = data[3 + i], data[3 + n + i], data[3 + 2 * n + i]
@@ -55,7 +57,7 @@ def write_markers(kind: FlexibleBodies, level: int, work: Workspace) -> None:
         w1, w2, w3 = frame.mid_spin[0], frame.mid_spin[1], frame.mid_spin[2]
         c1, c2, c3 = cross(w1, w2, w3, u1, u2, u3)
         point = rotate(R, u1, u2, u3)
-        if direction == 0:
+        if not direction:
             rate = rotate(
                 R,
                 frame.mid_velocity[0] + c1 + d1,
@@ -65,10 +67,10 @@ def write_markers(kind: FlexibleBodies, level: int, work: Workspace) -> None:
         else:
             rate = rotate(R, c1, c2, c3)
         for k in range(3):
-            work.markers[number].point[k] = point[k] + (frame.mid_position[k] if direction == 0 else 0.0)
+            work.markers[number].point[k] = point[k] + (frame.mid_position[k] if not direction else 0.0)
             work.markers[number].velocity[k] = rate[k]
             for j in range(3):
-                jacobian[k, j] = 1.0 if (j == k and direction == 0) else 0.0
+                jacobian[k, j] = 1.0 if (j == k and not direction) else 0.0
             jacobian[k, 3] = R[3 * k + 2] * u2 - R[3 * k + 1] * u3
             jacobian[k, 4] = R[3 * k] * u3 - R[3 * k + 2] * u1
             jacobian[k, 5] = R[3 * k + 1] * u1 - R[3 * k] * u2
@@ -83,9 +85,9 @@ def gather_marker_forces(kind: FlexibleBodies, work: Workspace) -> None:
     for i in range(kind.modal_position.shape[0]):
         kind.modal_load[i] = 0.0
     for marker in range(kind.markers.shape[0]):
-        if kind.markers[marker, 4] == ROWS:
+        if kind.markers[marker].level == ROWS:
             continue
-        number, body = kind.markers[marker, 0], kind.markers[marker, 1]
+        number, body = kind.markers[marker].number, kind.markers[marker].body
         n, first = kind.table[body].mode_count, kind.table[body].first_mode
         f1, f2, f3 = (
             work.markers[number].force[0],
@@ -118,7 +120,7 @@ def add_joint_forces(kind: FlexibleBodies, body: int) -> None:
 @kernel(reassociate=True, internal=True)
 def write_sensor(kind: FlexibleBodies, sensor: int, row: NDArray[np.float64]) -> None:
     """World position and velocity of a sensor point; the stage holds the carried state."""
-    column, body, start, _, _ = kind.sensors[sensor]
+    column, body, start = kind.sensors[sensor].number, kind.sensors[sensor].body, kind.sensors[sensor].data
     n, first = kind.table[body].mode_count, kind.table[body].first_mode
     data = kind.constants[start:]
     frame = kind.frame[body]

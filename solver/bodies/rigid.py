@@ -17,12 +17,12 @@ from typing import Annotated, ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1, Ints2
+from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Quaternion, Record, Records, Vector, Vector6, records
 from heavylift.numerics.rotation import quaternion_from_matrix, rotation_matrix
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
-from heavylift.solver.markers import BodyMarkers, pack_markers
+from heavylift.solver.markers import BodyMarkers, PackedMarker, pack_markers
 from heavylift.solver.scene_bodies import Driven, Fixed, Free, RigidBody
 
 __all__ = [
@@ -165,7 +165,7 @@ class RigidBodies(Arrays):
     constants
         Drives and marker data: points from the centre of mass and directions, in principal axes.
     markers, sensors
-        As in the kind of floating frames, shapes (m, 5).
+        As in the kind of floating frames.
     """
 
     kernel_modules: ClassVar[tuple[str, ...]] = (
@@ -181,8 +181,8 @@ class RigidBodies(Arrays):
     table: Records[RigidIndex]
     constants: Floats1
     frame: Records[RigidFrame]
-    markers: Ints2
-    sensors: Ints2
+    markers: Records[PackedMarker]
+    sensors: Records[PackedMarker]
 
 
 def pack_rigid_bodies(

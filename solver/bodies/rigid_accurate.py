@@ -117,11 +117,12 @@ def begin_rigid_stage(
         frame.mid_spin[0] = r11 * w1 + r12 * w2 + r13 * w3
         frame.mid_spin[1] = r21 * w1 + r22 * w2 + r23 * w3
         frame.mid_spin[2] = r31 * w1 + r32 * w2 + r33 * w3
-    for marker in range(kind.markers.shape[0]):
-        if kind.markers[marker, 4] == RECORD:
+    for i in range(kind.markers.shape[0]):
+        marker = kind.markers[i]
+        if marker.level == RECORD:
             continue
-        number, body, begin = kind.markers[marker, 0], kind.markers[marker, 1], kind.markers[marker, 2]
-        frame, translation = kind.frame[body], 1.0 - kind.markers[marker, 3]
+        number, begin = marker.number, marker.data
+        frame, translation = kind.frame[marker.body], 0.0 if marker.direction else 1.0
         # everything is read before anything is written: the compiler must assume that the arrays overlap
         u1, u2, u3 = kind.constants[begin], kind.constants[begin + 1], kind.constants[begin + 2]
         R = frame.mid_rotation
@@ -168,7 +169,7 @@ def rigid_free_acceleration(kind: RigidBodies, values: NDArray[np.float64], at: 
             work.velocity[dof + 2] += g3
         else:
             held = True
-    loaded = kind.markers.shape[0] > 0 and kind.markers[-1, 4] > 0
+    loaded = kind.markers.shape[0] > 0 and kind.markers[kind.markers.shape[0] - 1].level > 0
     if held or loaded:
         _add_loads(kind, values, at, work)
 

@@ -76,8 +76,10 @@ def put_rigid_velocity(kind: RigidBodies, velocity: NDArray[np.float64]) -> None
 @implement(collect_load, RigidBodies)
 def collect_rigid_load(kind: RigidBodies, work: Workspace, load: NDArray[np.float64]) -> None:
     """``J^T f`` of the markers that forces act on, and ``m g``."""
-    loaded = kind.markers[kind.markers[:, 4] == FORCES]
+    loaded = kind.markers[kind.markers["level"] == FORCES]
     dofs = _dofs(kind)
-    force = work.markers["force"][loaded[:, 0]]
-    np.add.at(load, dofs[loaded[:, 1]], np.einsum("mkj,mk->mj", work.jacobian[loaded[:, 0], :, :6], force))
+    force = work.markers["force"][loaded["number"]]
+    np.add.at(
+        load, dofs[loaded["body"]], np.einsum("mkj,mk->mj", work.jacobian[loaded["number"], :, :6], force)
+    )
     load[dofs[:, :3]] += kind.frame["mass"][:, None] * work.sums.gravity

@@ -52,7 +52,11 @@ def record_rigid_bodies(kind: RigidBodies, time: float, work: Workspace, row: ND
         if kind.table[body].motion != FREE:
             _write_reaction(kind, body, work, arm, row[column + 13 : column + 19])
     for sensor in range(kind.sensors.shape[0]):
-        column, body, begin, _, _ = kind.sensors[sensor]
+        column, body, begin = (
+            kind.sensors[sensor].number,
+            kind.sensors[sensor].body,
+            kind.sensors[sensor].data,
+        )
         frame, data = kind.frame[body], kind.constants[begin:]
         R = stage_rotation(kind, body)
         c = cross(frame.spin[0], frame.spin[1], frame.spin[2], data[0], data[1], data[2])

@@ -88,9 +88,9 @@ def prescribe(kind: RigidBodies, body: int, time: float, out: RigidMotion) -> No
 def start_rigid_bodies(kind: RigidBodies, time: float, work: Workspace) -> None:
     """Place driven bodies; angular momenta of the start state; the constant part of the marker windows."""
     for marker in range(kind.markers.shape[0]):
-        number, direction = kind.markers[marker, 0], kind.markers[marker, 3]
+        number, direction = kind.markers[marker].number, kind.markers[marker].direction
         for k in range(3):
-            work.jacobian[number, k, k] = 1.0 - direction
+            work.jacobian[number, k, k] = 0.0 if direction else 1.0
     for body in range(kind.table.shape[0]):
         if kind.table[body].motion == DRIVEN:
             prescribe(kind, body, time, kind.frame[body])
@@ -125,16 +125,20 @@ def fill_rigid_markers(kind: RigidBodies, at_midpoint: bool, level: int, work: W
     if not at_midpoint:
         stage_at_state(kind)
     for marker in range(kind.markers.shape[0]):
-        serves = kind.markers[marker, 4]
+        serves = kind.markers[marker].level
         if serves > level:
             break  # they are in this order
-        number, body, begin = kind.markers[marker, 0], kind.markers[marker, 1], kind.markers[marker, 2]
-        direction = kind.markers[marker, 3]
+        number, body, begin = (
+            kind.markers[marker].number,
+            kind.markers[marker].body,
+            kind.markers[marker].data,
+        )
+        direction = kind.markers[marker].direction
         u1, u2, u3 = kind.constants[begin], kind.constants[begin + 1], kind.constants[begin + 2]
         frame, R = kind.frame[body], stage_rotation(kind, body)
         # everything is read before anything is written: the compiler must assume that the arrays overlap
         r11, r12, r13, r21, r22, r23, r31, r32, r33 = R[0], R[1], R[2], R[3], R[4], R[5], R[6], R[7], R[8]
-        translation = 1.0 - direction
+        translation = 0.0 if direction else 1.0
         x1 = translation * frame.mid_position[0]
         x2 = translation * frame.mid_position[1]
         x3 = translation * frame.mid_position[2]
@@ -172,11 +176,11 @@ def gather_marker_forces(kind: RigidBodies, work: Workspace) -> None:
         for j in range(6):
             kind.frame[body].wrench[j] = 0.0
     for marker in range(kind.markers.shape[0] - 1, -1, -1):
-        if kind.markers[marker, 4] == RECORD:
+        if kind.markers[marker].level == RECORD:
             continue
-        if kind.markers[marker, 4] == ROWS:
+        if kind.markers[marker].level == ROWS:
             break  # they come first
-        number, body = kind.markers[marker, 0], kind.markers[marker, 1]
+        number, body = kind.markers[marker].number, kind.markers[marker].body
         jacobian = work.jacobian[number]
         for j in range(6):
             kind.frame[body].wrench[j] += (

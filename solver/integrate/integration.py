@@ -165,7 +165,7 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
     progress.length = max(
         [kind.frame["reach"].max() for kind in rigid] + [kind.body["size"].max() for kind in meshes]
     )
-    loaded = [(kind.markers[:, 4] > 0).any() for kind in rigid]
+    loaded = [(kind.markers["level"] > 0).any() for kind in rigid]
     progress.loaded = any(loaded + [(kind.markers["level"] > 0).any() for kind in meshes])
     driven = any((kind.table["motion"] == DRIVEN).any() for kind in rigid)
     progress.driven = driven or any(hasattr(kind, "profiles") for kind in joints)

@@ -116,12 +116,16 @@ def start_hulls(kind: Hulls, time: float, work: Workspace) -> None:
     """Momenta; markers of the second and later hulls of a group see their own six of its velocities."""
     start_rigid_bodies(kind, time, work)
     for marker in range(kind.markers.shape[0]):
-        number, body, direction = kind.markers[marker, 0], kind.markers[marker, 1], kind.markers[marker, 3]
+        number, body, direction = (
+            kind.markers[marker].number,
+            kind.markers[marker].body,
+            kind.markers[marker].direction,
+        )
         offset = kind.hulls[body].offset
         if offset > 0:
             for k in range(3):
                 work.jacobian[number, k, k] = 0.0
-                work.jacobian[number, k, offset + k] = 1.0 - direction
+                work.jacobian[number, k, offset + k] = 0.0 if direction else 1.0
 
 
 @implement(predict, Hulls)
@@ -241,11 +245,11 @@ def fill_hull_markers(kind: Hulls, at_midpoint: bool, level: int, work: Workspac
     """As rigid bodies; windows of the second and later hulls of a group are shifted."""
     fill_rigid_markers(kind, at_midpoint, level, work)
     for marker in range(kind.markers.shape[0]):
-        if kind.markers[marker, 4] > level:
+        if kind.markers[marker].level > level:
             break
-        offset = kind.hulls[kind.markers[marker, 1]].offset
+        offset = kind.hulls[kind.markers[marker].body].offset
         if offset > 0:
-            jacobian = work.jacobian[kind.markers[marker, 0]]
+            jacobian = work.jacobian[kind.markers[marker].number]
             for k in range(3):
                 for j in range(3, 6):
                     jacobian[k, offset + j] = jacobian[k, j]
@@ -259,11 +263,11 @@ def gather_hull_forces(kind: Hulls, work: Workspace) -> None:
         for j in range(6):
             kind.frame[hull].force[j] = 0.0
     for marker in range(kind.markers.shape[0] - 1, -1, -1):
-        if kind.markers[marker, 4] == RECORD:
+        if kind.markers[marker].level == RECORD:
             continue
-        if kind.markers[marker, 4] == ROWS:
+        if kind.markers[marker].level == ROWS:
             break
-        number, hull = kind.markers[marker, 0], kind.markers[marker, 1]
+        number, hull = kind.markers[marker].number, kind.markers[marker].body
         offset = kind.hulls[hull].offset
         jacobian = work.jacobian[number]
         for j in range(6):

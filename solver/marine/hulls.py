@@ -24,6 +24,7 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.rigid import RigidFrame, RigidIndex
 from heavylift.solver.kinds import Table
 from heavylift.solver.marine.clipping import Clip
+from heavylift.solver.markers import PackedMarker
 
 __all__ = [
     "CLIPPED",
@@ -329,8 +330,8 @@ class Hulls(Arrays):
     table: Records[RigidIndex]
     constants: Floats1
     frame: Records[RigidFrame]
-    markers: Ints2
-    sensors: Ints2
+    markers: Records[PackedMarker]
+    sensors: Records[PackedMarker]
     hulls: Records[HullData]
     groups: Records[HullGroup]
     water: StillWater

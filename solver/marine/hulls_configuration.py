@@ -59,8 +59,9 @@ def collect_hull_load(kind: Hulls, work: Workspace, load: NDArray[np.float64]) -
     """``J^T f`` of the markers that forces act on, buoyancy, weight of body and ballast."""
     restore_at_rest(kind)
     dofs = kind.table["dof"][:, None] + np.arange(6)
-    for number, body, _, _, level in kind.markers:
-        if level == FORCES:
+    for marker in kind.markers:
+        if marker.level == FORCES:
+            number, body = marker.number, marker.body
             at = kind.hulls[body].offset
             J = work.jacobian[number][:, at : at + 6]
             load[dofs[body]] += J.T @ work.markers[number].force
