@@ -139,11 +139,11 @@ def begin_rigid_stage(
         p3 = r31 * u1 + r32 * u2 + r33 * u3
         c1, c2, c3 = cross(w1, w2, w3, p1, p2, p3)
         b1, b2, b3 = cross(w1, w2, w3, c1, c2, c3)
-        out, jacobian = work.markers[number], work.jacobian[number]
-        out.point[0], out.point[1], out.point[2] = x1 + p1, x2 + p2, x3 + p3
-        out.velocity[0], out.velocity[1] = v1 + c1, v2 + c2
-        out.velocity[2] = v3 + c3
-        out.bias[0], out.bias[1], out.bias[2] = b1, b2, b3
+        seen, jacobian = work.markers[number], work.jacobian[number]
+        seen.point[0], seen.point[1], seen.point[2] = x1 + p1, x2 + p2, x3 + p3
+        seen.velocity[0], seen.velocity[1] = v1 + c1, v2 + c2
+        seen.velocity[2] = v3 + c3
+        seen.bias[0], seen.bias[1], seen.bias[2] = b1, b2, b3
         jacobian[0, 3] = r13 * u2 - r12 * u3
         jacobian[0, 4] = r11 * u3 - r13 * u1
         jacobian[0, 5] = r12 * u1 - r11 * u2
