@@ -64,6 +64,12 @@ def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float,
         n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
         motion = kind.table[body].motion
         frame = kind.frame[body]
+        modes = slice(first, first + n)
+        modal_position = kind.modal_position[modes]
+        modal_velocity = kind.modal_velocity[modes]
+        modal_acceleration = kind.modal_acceleration[modes]
+        damping = kind.damping[modes]
+        modal_load = kind.modal_load[modes]
         velocity = work.velocity[dof : dof + 6 + n]
         external = dissipated = 0.0
         for j in range(3):
@@ -72,8 +78,8 @@ def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float,
             external += frame.moment[j] * velocity[3 + j]
         for i in range(n):
             rate = velocity[6 + i]
-            external += kind.modal_load[first + i] * rate
-            dissipated += kind.damping[first + i] * rate * rate
+            external += modal_load[i] * rate
+            dissipated += damping[i] * rate * rate
         frame.work[0] += h * external
         frame.work[2] += h * dissipated
         for j in range(6):
@@ -118,10 +124,10 @@ def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float,
                 frame.velocity[k] = frame.prescribed[k]
                 frame.spin[k] = frame.prescribed[3 + k]
         for i in range(n):
-            rate = 2.0 * velocity[6 + i] - kind.modal_velocity[first + i]
-            kind.modal_position[first + i] += h * velocity[6 + i]
-            kind.modal_acceleration[first + i] = (rate - kind.modal_velocity[first + i]) / h
-            kind.modal_velocity[first + i] = rate
+            rate = 2.0 * velocity[6 + i] - modal_velocity[i]
+            modal_position[i] += h * velocity[6 + i]
+            modal_acceleration[i] = (rate - modal_velocity[i]) / h
+            modal_velocity[i] = rate
 
 
 @kernel(internal=True)

@@ -206,11 +206,13 @@ def write_velocity_of_floating_frames(kind: FloatingFrameBodies, work: Workspace
     """World velocity, body-axis spin, modal rates."""
     for body in range(kind.table.shape[0]):
         n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
+        modes = slice(first, first + n)
+        modal_velocity = kind.modal_velocity[modes]
         for k in range(3):
             work.velocity[dof + k] = kind.frame[body].velocity[k]
             work.velocity[dof + 3 + k] = kind.frame[body].spin[k]
         for i in range(n):
-            work.velocity[dof + 6 + i] = kind.modal_velocity[first + i]
+            work.velocity[dof + 6 + i] = modal_velocity[i]
 
 
 @implement(set_velocity, FloatingFrameBodies)
@@ -221,17 +223,18 @@ def set_velocity_of_floating_frames(kind: FloatingFrameBodies, step: float, work
         n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
         velocity = work.velocity[dof : dof + 6 + n]
         frame = kind.frame[body]
+        modes = slice(first, first + n)
+        modal_velocity = kind.modal_velocity[modes]
+        modal_acceleration = kind.modal_acceleration[modes]
         for i in range(n):
-            kind.modal_acceleration[first + i] += (velocity[6 + i] - kind.modal_velocity[first + i]) / step
-            kind.modal_velocity[first + i] = velocity[6 + i]
+            modal_acceleration[i] += (velocity[6 + i] - modal_velocity[i]) / step
+            modal_velocity[i] = velocity[6 + i]
         if kind.table[body].motion != FREE:
             continue
         R = frame.end_rotation
         v = rotate_back(R, velocity[0], velocity[1], velocity[2])
         w = (velocity[3], velocity[4], velocity[5])
-        p, l = body_momenta(
-            shape_of(kind, body), frame, kind.coupling[:, first : first + n], v, w, velocity[6:]
-        )
+        p, l = body_momenta(shape_of(kind, body), frame, kind.coupling[:, modes], v, w, velocity[6:])
         p, l = rotate(R, p[0], p[1], p[2]), rotate(R, l[0], l[1], l[2])
         for k in range(3):
             frame.velocity[k] = velocity[k]
@@ -254,6 +257,8 @@ def estimate_floating_frame_error(kind: FloatingFrameBodies, step: float, work: 
     for body in range(kind.table.shape[0]):
         n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
         frame = kind.frame[body]
+        modes = slice(first, first + n)
+        mid_modal_velocity = kind.mid_modal_velocity[modes]
         moved = turned = deformed = 0.0
         if kind.table[body].motion == FREE:
             for k in range(3):
@@ -261,7 +266,7 @@ def estimate_floating_frame_error(kind: FloatingFrameBodies, step: float, work: 
                 moved += (work.velocity[dof + k] - predicted) ** 2
                 turned += (work.velocity[dof + 3 + k] - frame.mid_spin[k]) ** 2
         for i in range(n):
-            deformed += (work.velocity[dof + 6 + i] - kind.mid_modal_velocity[first + i]) ** 2
+            deformed += (work.velocity[dof + 6 + i] - mid_modal_velocity[i]) ** 2
         speed = max(math.sqrt(moved), frame.reach * math.sqrt(turned))
         speed = max(speed, math.sqrt(deformed / frame.mass))
         work.control.error = max(work.control.error, h * speed)

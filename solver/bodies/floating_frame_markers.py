@@ -36,12 +36,15 @@ def write_markers(kind: FlexibleBodies, level: int, work: Workspace) -> None:
         data = kind.constants[start:]
         frame = kind.frame[body]
         R = frame.mid_rotation
+        modes = slice(first, first + n)
+        mid_modal_position = kind.mid_modal_position[modes]
+        mid_modal_velocity = kind.mid_modal_velocity[modes]
         u1, u2, u3 = data[0], data[1], data[2]
         d1 = d2 = d3 = 0.0
         jacobian = work.jacobian[number]
         if not direction:
             for i in range(n):
-                q, qd = kind.mid_modal_position[first + i], kind.mid_modal_velocity[first + i]
+                q, qd = mid_modal_position[i], mid_modal_velocity[i]
                 phi1, phi2, phi3 = data[3 + i], data[3 + n + i], data[3 + 2 * n + i]
                 u1 += phi1 * q
                 u2 += phi2 * q
@@ -95,14 +98,14 @@ def gather_marker_forces(kind: FlexibleBodies, work: Workspace) -> None:
             work.markers[number].force[2],
         )
         frame, jacobian = kind.frame[body], work.jacobian[number]
+        modes = slice(first, first + n)
+        modal_load = kind.modal_load[modes]
         for j in range(3):
             frame.force[j] += jacobian[0, j] * f1 + jacobian[1, j] * f2 + jacobian[2, j] * f3
         for j in range(3):
             frame.moment[j] += jacobian[0, 3 + j] * f1 + jacobian[1, 3 + j] * f2 + jacobian[2, 3 + j] * f3
         for i in range(n):
-            kind.modal_load[first + i] += (
-                jacobian[0, 6 + i] * f1 + jacobian[1, 6 + i] * f2 + jacobian[2, 6 + i] * f3
-            )
+            modal_load[i] += jacobian[0, 6 + i] * f1 + jacobian[1, 6 + i] * f2 + jacobian[2, 6 + i] * f3
 
 
 @kernel(internal=True)
@@ -125,10 +128,13 @@ def write_sensor(kind: FlexibleBodies, sensor: int, row: NDArray[np.float64]) ->
     data = kind.constants[start:]
     frame = kind.frame[body]
     R = frame.mid_rotation
+    modes = slice(first, first + n)
+    modal_position = kind.modal_position[modes]
+    modal_velocity = kind.modal_velocity[modes]
     u1, u2, u3 = data[0], data[1], data[2]
     d1 = d2 = d3 = 0.0
     for i in range(n):
-        q, qd = kind.modal_position[first + i], kind.modal_velocity[first + i]
+        q, qd = modal_position[i], modal_velocity[i]
         u1 += data[3 + i] * q
         u2 += data[3 + n + i] * q
         u3 += data[3 + 2 * n + i] * q

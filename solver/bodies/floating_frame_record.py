@@ -101,6 +101,10 @@ def _write_reaction(
     n, first = kind.table[body].mode_count, kind.table[body].first_mode
     frame = kind.frame[body]
     modes = slice(first, first + n)
+    modal_position = kind.modal_position[modes]
+    modal_velocity = kind.modal_velocity[modes]
+    stiffness = kind.stiffness[modes]
+    damping = kind.damping[modes]
     quadratic_force = kind.quadratic_force[modes]
     coupling = kind.coupling[:, modes]
     modal_load = kind.modal_load[modes]
@@ -122,19 +126,17 @@ def _write_reaction(
         motion[8] - work.sums.gravity[2],
     )
     quadratic_modal_force(
-        shape, kind.modal_position[modes], position_products, velocity_products, w1, w2, w3, quadratic_force
+        shape, modal_position, position_products, velocity_products, w1, w2, w3, quadratic_force
     )
-    f, m = frame_velocity_forces(
-        shape, kind.modal_position[modes], position_products, frame, w1, w2, w3, kind.modal_velocity[modes]
-    )
+    f, m = frame_velocity_forces(shape, modal_position, position_products, frame, w1, w2, w3, modal_velocity)
     p1 = p2 = p3 = 0.0
     l1 = l2 = l3 = 0.0
     for i in range(n):
         acceleration = (
             modal_load[i]
             + quadratic_force[i]
-            - kind.stiffness[first + i] * kind.modal_position[first + i]
-            - kind.damping[first + i] * kind.modal_velocity[first + i]
+            - stiffness[i] * modal_position[i]
+            - damping[i] * modal_velocity[i]
             - shape[i] * a1
             - shape[n + i] * a2
             - shape[2 * n + i] * a3

@@ -72,6 +72,10 @@ def stage_at_state(kind: FloatingFrameBodies, body: int, with_inertia: bool) -> 
     n, first = kind.table[body].mode_count, kind.table[body].first_mode
     modes = slice(first, first + n)
     frame = kind.frame[body]
+    modal_position = kind.modal_position[modes]
+    modal_velocity = kind.modal_velocity[modes]
+    mid_modal_position = kind.mid_modal_position[modes]
+    mid_modal_velocity = kind.mid_modal_velocity[modes]
     R = frame.mid_rotation
     write_rotation_matrix(
         (frame.orientation[0], frame.orientation[1], frame.orientation[2], frame.orientation[3]), R
@@ -81,9 +85,9 @@ def stage_at_state(kind: FloatingFrameBodies, body: int, with_inertia: bool) -> 
         frame.mid_position[k] = frame.position[k]
         frame.mid_velocity[k] = v[k]
         frame.mid_spin[k] = frame.spin[k]
-    for i in range(first, first + n):
-        kind.mid_modal_position[i] = kind.modal_position[i]
-        kind.mid_modal_velocity[i] = kind.modal_velocity[i]
+    for i in range(n):
+        mid_modal_position[i] = modal_position[i]
+        mid_modal_velocity[i] = modal_velocity[i]
     if with_inertia:
         update_products(kind, body)
         deformed_inertia(

@@ -65,9 +65,15 @@ def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float)
         motion = kind.table[body].motion
         frame = kind.frame[body]
         frame.at_end = False
-        for i in range(first, first + n):
-            kind.mid_modal_position[i] = kind.modal_position[i] + 0.5 * h * kind.modal_velocity[i]
-            kind.mid_modal_velocity[i] = kind.modal_velocity[i] + 0.5 * h * kind.modal_acceleration[i]
+        modes = slice(first, first + n)
+        modal_position = kind.modal_position[modes]
+        modal_velocity = kind.modal_velocity[modes]
+        modal_acceleration = kind.modal_acceleration[modes]
+        mid_modal_position = kind.mid_modal_position[modes]
+        mid_modal_velocity = kind.mid_modal_velocity[modes]
+        for i in range(n):
+            mid_modal_position[i] = modal_position[i] + 0.5 * h * modal_velocity[i]
+            mid_modal_velocity[i] = modal_velocity[i] + 0.5 * h * modal_acceleration[i]
         R = frame.mid_rotation
         if motion == DRIVEN:
             pose = frame.mid_pose
@@ -111,10 +117,10 @@ def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float)
             midpoint_products[r] = position_products[r] + 0.5 * h * velocity_products[r]
         deformed_inertia(
             shape_of(kind, body),
-            kind.mid_modal_position[first : first + n],
+            mid_modal_position,
             midpoint_products,
             frame,
-            kind.coupling[:, first : first + n],
+            kind.coupling[:, modes],
         )
         moved = cross(
             frame.position[0] - frame.mid_position[0],
@@ -140,6 +146,10 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
         motion = kind.table[body].motion
         frame = kind.frame[body]
         modes = slice(first, first + n)
+        modal_position = kind.modal_position[modes]
+        modal_velocity = kind.modal_velocity[modes]
+        stiffness = kind.stiffness[modes]
+        damping = kind.damping[modes]
         inverse_diagonal = kind.inverse_diagonal[modes]
         modal_right_hand_side = kind.modal_right_hand_side[modes]
         mid_modal_position = kind.mid_modal_position[modes]
@@ -150,11 +160,10 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
         R = frame.mid_rotation
         g1, g2, g3 = rotate_back(R, work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2])
         for i in range(n):
-            stiffness, damping = kind.stiffness[first + i], kind.damping[first + i]
-            inverse_diagonal[i] = 1.0 / (1.0 + 0.25 * h * h * stiffness + 0.5 * h * damping)
+            inverse_diagonal[i] = 1.0 / (1.0 + 0.25 * h * h * stiffness[i] + 0.5 * h * damping[i])
             gravity = shape[i] * g1 + shape[n + i] * g2 + shape[2 * n + i] * g3
-            modal_right_hand_side[i] = kind.modal_velocity[first + i] + 0.5 * h * (
-                modal_load[i] + gravity - stiffness * kind.modal_position[first + i]
+            modal_right_hand_side[i] = modal_velocity[i] + 0.5 * h * (
+                modal_load[i] + gravity - stiffness[i] * modal_position[i]
             )
         v1, v2, v3 = rotate_back(
             R,
