@@ -23,7 +23,7 @@ from heavylift.contours.convex import (
     shape_row,
 )
 from heavylift.contours.evaluate import SCRATCH, Evaluation, surface_point
-from heavylift.contours.layout import PackedContour
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.contours.samples import sample_grid, sample_points
 from heavylift.contours.search import closest_on_surface
 from heavylift.contours.search_circle import ring_on_surface, start_ring

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from heavylift.contours.layout import PackedContour
+    from heavylift.contours.packed_contour import PackedContour
 
 __all__ = [
     "SCRATCH",

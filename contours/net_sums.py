@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from heavylift.contours.layout import PackedContour
+    from heavylift.contours.packed_contour import PackedContour
 
 __all__ = ["BASIS_V", "SCRATCH", "Evaluation", "bicubic", "polynomial", "rational"]
 

@@ -18,7 +18,7 @@ from heavylift.contours.interpolation import (
     parameters_along,
     parameters_averaged,
 )
-from heavylift.contours.layout import PackedContour
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 

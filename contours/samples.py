@@ -16,7 +16,7 @@ from heavylift.numerics.objects import entry
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.contours.layout import PackedContour
+    from heavylift.contours.packed_contour import PackedContour
     from heavylift.contours.spaces import SplineSpace
     from heavylift.numerics.arrays import Floats1, Floats2, Ints1
 

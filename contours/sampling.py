@@ -14,7 +14,7 @@ from heavylift.numerics.records import records
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.contours.layout import PackedContour
+    from heavylift.contours.packed_contour import PackedContour
     from heavylift.numerics.arrays import Floats1, Floats2
     from heavylift.numerics.records import Records
 

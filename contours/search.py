@@ -31,7 +31,7 @@ from heavylift.numerics.jit import kernel
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.contours.layout import PackedContour
+    from heavylift.contours.packed_contour import PackedContour
     from heavylift.contours.search_step import ContourSearch
 
 __all__ = ["ROUNDING", "closest_on_curve", "closest_on_surface", "leaves_window", "signed_gap"]

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.contours.convex import Primitive
-    from heavylift.contours.layout import PackedContour
+    from heavylift.contours.packed_contour import PackedContour
     from heavylift.contours.search_step import ContourSearch
 
 __all__ = ["ring_gap_slopes", "ring_on_surface", "ring_point", "start_ring"]

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.contours.convex import Primitive
-    from heavylift.contours.layout import PackedContour
+    from heavylift.contours.packed_contour import PackedContour
     from heavylift.contours.search_step import ContourSearch
 
 __all__ = ["closest_point_cold", "closest_shape_cold", "nearest_sample"]

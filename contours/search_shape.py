@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.contours.convex import Primitive
-    from heavylift.contours.layout import PackedContour
+    from heavylift.contours.packed_contour import PackedContour
     from heavylift.contours.search_step import ContourSearch
 
 __all__ = ["closest_shape_on_curve", "closest_shape_on_surface", "into_shape", "shape_gap"]

@@ -17,7 +17,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record
 
 if TYPE_CHECKING:
-    from heavylift.contours.layout import PackedContour
+    from heavylift.contours.packed_contour import PackedContour
 
 __all__ = [
     "ABOVE_U",

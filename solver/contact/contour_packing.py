@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.contours.layout import PackedContour
 from heavylift.contours.modal_sums import modal_data
 from heavylift.contours.neutral import NeutralContour, packed
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
 from heavylift.numerics.rotation import rotation_matrix

@@ -11,7 +11,7 @@ An aim lasts for the stage: `factor` and `advance` forget it. So at each stage a
 
 from __future__ import annotations
 
-from heavylift.contours.layout import PackedContour
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.numerics.arrays import Floats1, Floats2, Ints1
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.interface import Bodies, Systems, Workspace

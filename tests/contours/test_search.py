@@ -9,7 +9,7 @@ import pytest
 from scipy.interpolate import BSpline
 
 from heavylift.contours.evaluate import SCRATCH
-from heavylift.contours.layout import PackedContour
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.contours.samples import sample_grid, sample_points
 from heavylift.contours.search import closest_on_curve, closest_on_surface, signed_gap
 from heavylift.contours.search_cold import closest_point_cold

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from heavylift.contours.convex import RING, shape_row
 from heavylift.contours.evaluate import SCRATCH
-from heavylift.contours.layout import PackedContour
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.contours.samples import sample_grid, sample_points
 from heavylift.contours.search_circle import ring_on_surface, start_ring
 from heavylift.contours.search_circle_cold import RING_ANGLES, ring_cold

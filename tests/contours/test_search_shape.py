@@ -20,7 +20,7 @@ from heavylift.contours.convex import (
     shape_row,
 )
 from heavylift.contours.evaluate import SCRATCH
-from heavylift.contours.layout import PackedContour
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.contours.samples import sample_grid, sample_points
 from heavylift.contours.search_cold import closest_shape_cold
 from heavylift.contours.search_shape import closest_shape_on_surface, shape_gap

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from heavylift.contours.layout import PackedContour
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.contours.search_step import (
     ABOVE_U,
     BELOW_U,

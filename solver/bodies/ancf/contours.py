@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.contours.layout import PackedContour
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.bodies.ancf.joints import apply_inverse_of_meshes, take_impulses

@@ -13,7 +13,7 @@ from scipy.interpolate import BSpline
 import heavylift.solver.bodies.ancf.contours
 import heavylift.solver.bodies.ancf.frame_kind
 import heavylift.solver.bodies.ancf.shell_kind  # noqa: F401
-from heavylift.contours.layout import PackedContour
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import records
 from heavylift.solver.bodies.ancf.assembly import set_size
