@@ -187,19 +187,14 @@ def _moving(scene: Scene) -> dict[str, int]:
 def _groups(scene: Scene) -> list[tuple[list[Any], Callable[..., Any]]]:
     """Bodies by kind with the function that packs them; only kinds with members are imported."""
     flexible = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
-    floating = [body for body in flexible if not isinstance(body.motion, Fixed)]
-    fixed = [body for body in flexible if isinstance(body.motion, Fixed)]
+    flexible.sort(key=lambda body: isinstance(body.motion, Fixed))
     rigid = [body for body in scene.bodies if isinstance(body, RigidBody) and not _floats(body)]
     hulls = [body for body in scene.bodies if _floats(body)]
     groups: list[tuple[list[Any], Callable[..., Any]]] = []
-    if floating:
+    if flexible:
         from heavylift.solver.bodies.floating_frame import pack_floating_frames
 
-        groups.append((floating, pack_floating_frames))
-    if fixed:
-        from heavylift.solver.bodies.fixed_frame import pack_fixed_frames
-
-        groups.append((fixed, pack_fixed_frames))
+        groups.append((flexible, pack_floating_frames))
     if rigid:
         from heavylift.solver.bodies.rigid import pack_rigid_bodies
 

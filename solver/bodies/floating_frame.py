@@ -32,8 +32,6 @@ from heavylift.solver.markers import BodyMarkers, PackedMarker, pack_markers
 from heavylift.solver.scene_bodies import Driven, Fixed, FlexibleBody, Free
 
 __all__ = [
-    "FixedFrameBodies",
-    "FlexibleBodies",
     "FlexibleRow",
     "FloatingFrame",
     "FloatingFrameBodies",
@@ -161,8 +159,8 @@ class FloatingFrame(Record, whole_lines=True):
     negative_factor: Annotated[NDArray[np.float64], (36,)]
 
 
-class FlexibleBodies(Arrays):
-    """Bodies with modes: what kinds with floating frames and with fixed ones have, and their functions for markers.
+class FloatingFrameBodies(Arrays):
+    """All bodies of a scene with modes: their frames are free, driven or fixed.
 
     Attributes
     ----------
@@ -199,11 +197,22 @@ class FlexibleBodies(Arrays):
     midpoint_products, mid_velocity_products
         The same at the midpoint, and with the rates there.
     markers
-        Points and directions that forces act on: number in the workspace, row of the body, start of the
-        data, 1 for a direction, what it serves; shape (m, 5).
+        Points and directions that forces act on.
     sensors
-        Points that are recorded: first record column, then the same; shape (m, 5).
+        Points that are recorded.
+    moves
+        Whether the frame of any is free or driven.
     """
+
+    kernel_modules: ClassVar[tuple[str, ...]] = (
+        "heavylift.solver.bodies.floating_frame_advance",
+        "heavylift.solver.bodies.floating_frame_configuration",
+        "heavylift.solver.bodies.floating_frame_contours",
+        "heavylift.solver.bodies.floating_frame_joints",
+        "heavylift.solver.bodies.floating_frame_record",
+        "heavylift.solver.bodies.floating_frame_step",
+        "heavylift.solver.bodies.floating_frame_thesis",
+    )
 
     table: Records[FlexibleRow]
     constants: Floats1
@@ -230,31 +239,7 @@ class FlexibleBodies(Arrays):
     mid_velocity_products: Floats1
     markers: Records[PackedMarker]
     sensors: Records[PackedMarker]
-
-
-class FloatingFrameBodies(FlexibleBodies):
-    """All bodies of a scene with floating frames."""
-
-    kernel_modules: ClassVar[tuple[str, ...]] = (
-        "heavylift.solver.bodies.floating_frame_advance",
-        "heavylift.solver.bodies.floating_frame_configuration",
-        "heavylift.solver.bodies.floating_frame_contours",
-        "heavylift.solver.bodies.floating_frame_joints",
-        "heavylift.solver.bodies.floating_frame_record",
-        "heavylift.solver.bodies.floating_frame_step",
-        "heavylift.solver.bodies.floating_frame_thesis",
-    )
-
-
-class FixedFrameBodies(FlexibleBodies):
-    """All flexible bodies of a scene with fixed frames."""
-
-    kernel_modules: ClassVar[tuple[str, ...]] = (
-        "heavylift.solver.bodies.fixed_frame",
-        "heavylift.solver.bodies.fixed_frame_joints",
-        "heavylift.solver.bodies.floating_frame_configuration",
-        "heavylift.solver.bodies.floating_frame_contours",
-    )
+    moves: bool = False
 
 
 def pack_shape(integrals: ShapeIntegrals) -> NDArray[np.float64]:
@@ -366,7 +351,8 @@ def pack_floating_frames(
     sensor_index = pack_markers(sensors, shapes_of, constants)
     flat = aligned(sum(map(len, constants)))
     flat[:] = np.concatenate(constants)
-    return kind._replace(constants=flat, markers=marker_index, sensors=sensor_index)
+    moves = any(not isinstance(body.motion, Fixed) for body in bodies)
+    return kind._replace(constants=flat, markers=marker_index, sensors=sensor_index, moves=moves)
 
 
 def _empty(bodies: int, modes: int) -> FloatingFrameBodies:

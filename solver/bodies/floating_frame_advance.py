@@ -8,6 +8,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
 from heavylift.numerics.small import cross, rotate, rotate_back
+from heavylift.solver.bodies.fixed_frame import advance_fixed
 from heavylift.solver.bodies.floating_frame import (
     FloatingFrameBodies,
 )
@@ -19,7 +20,7 @@ from heavylift.solver.bodies.floating_frame_inertia import (
 )
 from heavylift.solver.bodies.floating_frame_shape import lag_scale, product_columns, shape_of
 from heavylift.solver.bodies.floating_frame_stage import drive_frame, update_products
-from heavylift.solver.drive import DRIVEN, FREE
+from heavylift.solver.drive import DRIVEN, FIXED, FREE
 from heavylift.solver.interface import (
     Workspace,
     advance,
@@ -63,6 +64,9 @@ def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float,
     for body in range(kind.table.shape[0]):
         n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
         motion = kind.table[body].motion
+        if motion == FIXED:
+            advance_fixed(kind, body, h, work)
+            continue
         frame = kind.frame[body]
         modes = slice(first, first + n)
         modal_position = kind.modal_position[modes]
@@ -168,6 +172,8 @@ def finish_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
     for body in range(kind.table.shape[0]):
         n, first = kind.table[body].mode_count, kind.table[body].first_mode
         frame = kind.frame[body]
+        if kind.table[body].motion == FIXED:
+            continue
         rows = slice(8 * first, 8 * (first + n))
         acceleration_products = kind.acceleration_products[rows]
         velocity_products = kind.velocity_products[rows]

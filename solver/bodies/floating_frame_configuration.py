@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.floating_frame import (
-    FixedFrameBodies,
-    FlexibleBodies,
     FloatingFrameBodies,
 )
 from heavylift.solver.drive import FREE
@@ -29,22 +27,21 @@ from heavylift.solver.kinds import implement
 __all__: list[str] = []
 
 
-def _modes(kind: FlexibleBodies, body: int) -> slice:
+def _modes(kind: FloatingFrameBodies, body: int) -> slice:
     """Columns of the modal state."""
     first = int(kind.table[body].first_mode)
     return slice(first, first + int(kind.table[body].mode_count))
 
 
-def _dofs(kind: FlexibleBodies, body: int) -> tuple[slice, slice]:
+def _dofs(kind: FloatingFrameBodies, body: int) -> tuple[slice, slice]:
     """Places of the velocities of the frame and of the modes."""
     dof, n = int(kind.table[body].dof), int(kind.table[body].mode_count)
     return slice(dof, dof + 6), slice(dof + 6, dof + 6 + n)
 
 
 @implement(survey, FloatingFrameBodies)
-@implement(survey, FixedFrameBodies)
 def survey_flexible_bodies(
-    kind: FlexibleBodies,
+    kind: FloatingFrameBodies,
     places: NDArray[np.float64],
     inertia: NDArray[np.float64],
     velocity: NDArray[np.float64],
@@ -65,8 +62,7 @@ def survey_flexible_bodies(
 
 
 @implement(move, FloatingFrameBodies)
-@implement(move, FixedFrameBodies)
-def move_flexible_bodies(kind: FlexibleBodies, increment: NDArray[np.float64]) -> None:
+def move_flexible_bodies(kind: FloatingFrameBodies, increment: NDArray[np.float64]) -> None:
     """``x += d``, ``R := R exp(t)`` of free frames, ``q += e``."""
     from scipy.spatial.transform import Rotation
 
@@ -83,8 +79,7 @@ def move_flexible_bodies(kind: FlexibleBodies, increment: NDArray[np.float64]) -
 
 
 @implement(put_velocity, FloatingFrameBodies)
-@implement(put_velocity, FixedFrameBodies)
-def put_flexible_velocity(kind: FlexibleBodies, velocity: NDArray[np.float64]) -> None:
+def put_flexible_velocity(kind: FloatingFrameBodies, velocity: NDArray[np.float64]) -> None:
     """Of free frames, and of all modes."""
     for body in range(len(kind.table)):
         rigid, modal = _dofs(kind, body)
@@ -100,8 +95,7 @@ def put_flexible_velocity(kind: FlexibleBodies, velocity: NDArray[np.float64]) -
 
 
 @implement(collect_load, FloatingFrameBodies)
-@implement(collect_load, FixedFrameBodies)
-def collect_flexible_load(kind: FlexibleBodies, work: Workspace, load: NDArray[np.float64]) -> None:
+def collect_flexible_load(kind: FloatingFrameBodies, work: Workspace, load: NDArray[np.float64]) -> None:
     """``J^T f`` of the markers that forces act on, gravity on the frame and the modes, ``-k q``."""
     for marker in kind.markers:
         if marker.level == FORCES:

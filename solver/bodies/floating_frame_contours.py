@@ -13,8 +13,6 @@ from heavylift.contours.modal_sums import modal_points, modal_shapes
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.bodies.floating_frame import (
-    FixedFrameBodies,
-    FlexibleBodies,
     FloatingFrameBodies,
 )
 from heavylift.solver.bodies.floating_frame_stage import stage_at_state
@@ -41,7 +39,7 @@ from heavylift.solver.contact.kind import (
     WEIGHTS_AT,
     ContactRows,
 )
-from heavylift.solver.drive import FIXED as FRAME_FIXED
+from heavylift.solver.drive import FIXED
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
 
@@ -52,7 +50,7 @@ AT_ONCE = 512
 
 
 @kernel(inline=True, internal=True)
-def owner_of(kind: FlexibleBodies, contacts: ContactRows, contour: int) -> int:
+def owner_of(kind: FloatingFrameBodies, contacts: ContactRows, contour: int) -> int:
     """Row of the body that a contour is on, -1 if that is not of this kind."""
     if contacts.contours[contour].owner == OF_MODES:
         dof = contacts.contours[contour].dof
@@ -72,18 +70,8 @@ def pose_floating_contours(kind: FloatingFrameBodies, at_midpoint: bool, contact
     _write_poses(kind, contacts)
 
 
-@implement(pose_contours, FixedFrameBodies)
 @kernel(internal=True)
-def pose_fixed_contours(kind: FixedFrameBodies, at_midpoint: bool, contacts: ContactRows) -> None:
-    """The frame stands still; likewise for the modes."""
-    if not at_midpoint:
-        for i in range(kind.modal_position.shape[0]):
-            kind.mid_modal_position[i] = kind.modal_position[i]
-    _write_poses(kind, contacts)
-
-
-@kernel(internal=True)
-def _write_poses(kind: FlexibleBodies, contacts: ContactRows) -> None:
+def _write_poses(kind: FloatingFrameBodies, contacts: ContactRows) -> None:
     """Of all contours on bodies of a kind at the stage."""
     for contour in range(contacts.contours.shape[0]):
         body = owner_of(kind, contacts, contour)
@@ -95,10 +83,9 @@ def _write_poses(kind: FlexibleBodies, contacts: ContactRows) -> None:
 
 
 @implement(form_controls, FloatingFrameBodies)
-@implement(form_controls, FixedFrameBodies)
 @kernel(internal=True)
 def form_flexible_controls(
-    kind: FlexibleBodies,
+    kind: FloatingFrameBodies,
     contacts: ContactRows,
     contour: int,
     first_u: int,
@@ -123,7 +110,9 @@ def form_flexible_controls(
 
 
 @kernel(internal=True)
-def _form_listed(kind: FlexibleBodies, body: int, contacts: ContactRows, contour: int, count: int) -> None:
+def _form_listed(
+    kind: FloatingFrameBodies, body: int, contacts: ContactRows, contour: int, count: int
+) -> None:
     """The control points whose numbers stand in `places`."""
     row = contacts.contours[contour]
     modal_points(
@@ -140,9 +129,10 @@ def _form_listed(kind: FlexibleBodies, body: int, contacts: ContactRows, contour
 
 
 @implement(put_contour_rows, FloatingFrameBodies)
-@implement(put_contour_rows, FixedFrameBodies)
 @kernel(internal=True)
-def put_flexible_contour_rows(kind: FlexibleBodies, contacts: ContactRows, contact: int, count: int) -> None:
+def put_flexible_contour_rows(
+    kind: FloatingFrameBodies, contacts: ContactRows, contact: int, count: int
+) -> None:
     """Frame, then modes: ``-( d . Phi(u, v) + e . Phi_u(u, v) )`` in the axes of the contour."""
     contour = contacts.table[contact, CONTOUR]
     body = owner_of(kind, contacts, contour)
@@ -182,9 +172,10 @@ def _sum_shapes(contacts: ContactRows, contour: int, count: int, n: int, weights
 
 
 @implement(bound_motion, FloatingFrameBodies)
-@implement(bound_motion, FixedFrameBodies)
 @kernel(internal=True)
-def bound_flexible_motion(kind: FlexibleBodies, contacts: ContactRows, step: float, work: Workspace) -> None:
+def bound_flexible_motion(
+    kind: FloatingFrameBodies, contacts: ContactRows, step: float, work: Workspace
+) -> None:
     """Frame as of rigid bodies, with some room for the deformation, and each mode where its shape is largest."""
     for contour in range(contacts.contours.shape[0]):
         body = owner_of(kind, contacts, contour)
@@ -196,7 +187,7 @@ def bound_flexible_motion(kind: FlexibleBodies, contacts: ContactRows, step: flo
         largest = row.controls + row.u.count * row.v.count * (3 + 3 * n)
         for i in range(n):
             speed += abs(work.velocity[dof + 6 + i]) * contacts.constants[largest + i]
-        if kind.table[body].motion != FRAME_FIXED:
+        if kind.table[body].motion != FIXED:
             v, w = 0.0, 0.0
             for k in range(3):
                 v += work.velocity[dof + k] ** 2
@@ -215,15 +206,12 @@ def forget_floating_accelerations(kind: FloatingFrameBodies) -> None:
             frame.acceleration[k] = frame.spin_rate[k] = 0.0
         for k in range(6):
             frame.lag[k] = 0.0
+        if kind.table[body].motion == FIXED:  # nothing else brings its stage to the carried state
+            first = kind.table[body].first_mode
+            for i in range(first, first + kind.table[body].mode_count):
+                kind.mid_modal_position[i] = kind.modal_position[i]
+                kind.mid_modal_velocity[i] = kind.modal_velocity[i]
     for i in range(kind.modal_position.shape[0]):
         kind.modal_acceleration[i] = 0.0
     for r in range(kind.acceleration_products.shape[0]):
         kind.acceleration_products[r] = 0.0
-
-
-@implement(forget_accelerations, FixedFrameBodies)
-@kernel(internal=True)
-def forget_fixed_frame_accelerations(kind: FixedFrameBodies) -> None:
-    """Of the modes."""
-    for i in range(kind.modal_position.shape[0]):
-        kind.modal_acceleration[i] = 0.0

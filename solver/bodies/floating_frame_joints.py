@@ -38,7 +38,7 @@ from heavylift.solver.bodies.floating_frame_panels import (
 from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of
 from heavylift.solver.bodies.floating_frame_stage import factor_frame
 from heavylift.solver.contact.system_interface import meet_again
-from heavylift.solver.drive import DRIVEN, FREE
+from heavylift.solver.drive import DRIVEN, FIXED, FREE
 from heavylift.solver.interface import (
     Joints,
     Systems,
@@ -163,9 +163,10 @@ def _apply_of_lanes(
 def correct_rows_of_floating_frames(
     kind: FloatingFrameBodies, systems: Systems, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
-    """`correct` has changed the velocities of these bodies."""
-    solve_again(systems, joints, work, time, step)
-    meet_again(systems, systems, joints, work, time, step)
+    """`correct` has changed the velocities of those that move."""
+    if kind.moves:
+        solve_again(systems, joints, work, time, step)
+        meet_again(systems, systems, joints, work, time, step)
 
 
 @implement(add_row_work, FloatingFrameBodies)
@@ -192,6 +193,8 @@ def gather_reactions_on_floating_frames(kind: FloatingFrameBodies, fresh: bool, 
 def end_velocity_of_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
     """(F6) of the step, with the inertia there."""
     for body in range(kind.table.shape[0]):
+        if kind.table[body].motion == FIXED:
+            continue
         n, first = kind.table[body].mode_count, kind.table[body].first_mode
         columns, q = product_columns(kind, body), kind.modal_position[first : first + n]
         leading_products(columns, q, 8 * n, kind.position_products[8 * first : 8 * (first + n)])
@@ -265,8 +268,11 @@ def estimate_floating_frame_error(kind: FloatingFrameBodies, step: float, work: 
                 predicted = frame.start_velocity[k] + 0.5 * h * frame.acceleration[k]
                 moved += (work.velocity[dof + k] - predicted) ** 2
                 turned += (work.velocity[dof + 3 + k] - frame.mid_spin[k]) ** 2
+        # the stage of a fixed frame is at the velocity of the start
+        ahead = 0.5 * h if kind.table[body].motion == FIXED else 0.0
         for i in range(n):
-            deformed += (work.velocity[dof + 6 + i] - mid_modal_velocity[i]) ** 2
+            predicted = mid_modal_velocity[i] + ahead * kind.modal_acceleration[first + i]
+            deformed += (work.velocity[dof + 6 + i] - predicted) ** 2
         speed = max(math.sqrt(moved), frame.reach * math.sqrt(turned))
         speed = max(speed, math.sqrt(deformed / frame.mass))
         work.control.error = max(work.control.error, h * speed)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate
 from heavylift.solver.bodies.floating_frame import (
-    FlexibleBodies,
+    FloatingFrameBodies,
 )
 from heavylift.solver.interface import (
     ROWS,
@@ -24,7 +24,7 @@ __all__ = ["add_joint_forces", "gather_marker_forces", "write_markers", "write_s
 
 
 @kernel(internal=True)
-def write_markers(kind: FlexibleBodies, level: int, work: Workspace) -> None:
+def write_markers(kind: FloatingFrameBodies, level: int, work: Workspace) -> None:
     """Write vectors, rates and Jacobian windows ``[1, -R u~, R Phi]`` of all markers at the stage."""
     for marker in range(kind.markers.shape[0]):
         packed = kind.markers[marker]
@@ -80,7 +80,7 @@ def write_markers(kind: FlexibleBodies, level: int, work: Workspace) -> None:
 
 
 @kernel(internal=True)
-def gather_marker_forces(kind: FlexibleBodies, work: Workspace) -> None:
+def gather_marker_forces(kind: FloatingFrameBodies, work: Workspace) -> None:
     """Generalised forces ``J^T f`` of all markers, into the stages of their bodies."""
     for body in range(kind.table.shape[0]):
         for j in range(3):
@@ -109,7 +109,7 @@ def gather_marker_forces(kind: FlexibleBodies, work: Workspace) -> None:
 
 
 @kernel(internal=True)
-def add_joint_forces(kind: FlexibleBodies, body: int) -> None:
+def add_joint_forces(kind: FloatingFrameBodies, body: int) -> None:
     """Add to the gathered forces those of the joints at the carried state."""
     n, first = kind.table[body].mode_count, kind.table[body].first_mode
     frame = kind.frame[body]
@@ -121,7 +121,7 @@ def add_joint_forces(kind: FlexibleBodies, body: int) -> None:
 
 
 @kernel(reassociate=True, internal=True)
-def write_sensor(kind: FlexibleBodies, sensor: int, row: NDArray[np.float64]) -> None:
+def write_sensor(kind: FloatingFrameBodies, sensor: int, row: NDArray[np.float64]) -> None:
     """World position and velocity of a sensor point; the stage holds the carried state."""
     column, body, start = kind.sensors[sensor].number, kind.sensors[sensor].body, kind.sensors[sensor].data
     n, first = kind.table[body].mode_count, kind.table[body].first_mode

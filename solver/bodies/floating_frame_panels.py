@@ -7,7 +7,7 @@ from typing import Any
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import add_multiple, block_shape
 from heavylift.solver.bodies.floating_frame import (
-    FlexibleBodies,
+    FloatingFrameBodies,
 )
 from heavylift.solver.drive import FREE
 from heavylift.solver.rows import (
@@ -27,7 +27,7 @@ __all__ = [
 
 
 @kernel(inline=True, internal=True)
-def attached_body(kind: FlexibleBodies, system: RowArrays, attachment: int) -> int:
+def attached_body(kind: FloatingFrameBodies, system: RowArrays, attachment: int) -> int:
     """Row of the body that an attachment is on, -1 if that is not of this kind. Velocities grow with the rows."""
     if system.attachments[attachment].holder != FACTORED:
         return -1
@@ -47,7 +47,7 @@ LANES_1, LANES_2, LANES_4, LANES_8 = (block_shape(lanes) for lanes in (1, 2, 4, 
 
 
 @kernel(internal=True)
-def scale_modal_panel(kind: FlexibleBodies, body: int, system: RowArrays, attachment: int) -> None:
+def scale_modal_panel(kind: FloatingFrameBodies, body: int, system: RowArrays, attachment: int) -> None:
     """Modal rows of X: those of G times the inverse diagonal of the modes; frame rows zero."""
     if system.lanes == 1:
         _scale_modal_panel(LANES_1, kind, body, system, attachment)
@@ -61,7 +61,7 @@ def scale_modal_panel(kind: FlexibleBodies, body: int, system: RowArrays, attach
 
 @kernel(internal=True)
 def _scale_modal_panel(
-    shape: Any, kind: FlexibleBodies, body: int, system: RowArrays, attachment: int
+    shape: Any, kind: FloatingFrameBodies, body: int, system: RowArrays, attachment: int
 ) -> None:
     G = system.panels
     lanes = len(shape[1])
@@ -76,7 +76,7 @@ def _scale_modal_panel(
 
 
 @kernel(internal=True)
-def gather_row_forces(kind: FlexibleBodies, fresh: bool, system: RowArrays) -> None:
+def gather_row_forces(kind: FloatingFrameBodies, fresh: bool, system: RowArrays) -> None:
     """Generalised forces ``G^T reaction`` of the rows on held bodies at the carried state."""
     lanes = system.lanes
     if fresh:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate, rotate_back
+from heavylift.solver.bodies.fixed_frame import add_totals_of_fixed, place_fixed, record_fixed
 from heavylift.solver.bodies.floating_frame import (
     FloatingFrameBodies,
 )
@@ -23,7 +24,7 @@ from heavylift.solver.bodies.floating_frame_markers import (
 )
 from heavylift.solver.bodies.floating_frame_shape import shape_of, write_frame
 from heavylift.solver.bodies.floating_frame_stage import drive_frame, stage_at_state
-from heavylift.solver.drive import DRIVEN, FREE, drive_velocity
+from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_velocity
 from heavylift.solver.interface import (
     Workspace,
     add_totals,
@@ -42,6 +43,9 @@ def start_floating_frames(kind: FloatingFrameBodies, time: float, work: Workspac
     for body in range(kind.table.shape[0]):
         n, first = kind.table[body].mode_count, kind.table[body].first_mode
         frame = kind.frame[body]
+        if kind.table[body].motion == FIXED:
+            place_fixed(kind, body)
+            continue
         if kind.table[body].motion == DRIVEN:
             drive_frame(kind, body, time)
             drive_velocity(kind.constants[kind.table[body].drive :], time, frame.prescribed)
@@ -73,6 +77,9 @@ def record_floating_frames(
     for body in range(kind.table.shape[0]):
         n, first, column = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].column
         frame = kind.frame[body]
+        if kind.table[body].motion == FIXED:
+            record_fixed(kind, body, work, row)
+            continue
         write_frame(frame, row, column)
         for i in range(n):
             row[column + 13 + i] = kind.modal_position[first + i]
@@ -175,6 +182,9 @@ def add_floating_frame_totals(kind: FloatingFrameBodies, work: Workspace) -> Non
     for body in range(kind.table.shape[0]):
         n, first = kind.table[body].mode_count, kind.table[body].first_mode
         modes = slice(first, first + n)
+        if kind.table[body].motion == FIXED:
+            add_totals_of_fixed(kind, body, totals)
+            continue
         frame = kind.frame[body]
         shape = shape_of(kind, body)
         stage_at_state(kind, body, True)

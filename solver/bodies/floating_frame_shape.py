@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel, view
-from heavylift.solver.bodies.floating_frame import FlexibleBodies, FloatingFrame
+from heavylift.solver.bodies.floating_frame import FloatingFrame, FloatingFrameBodies
 from heavylift.solver.interface import Workspace
 
 __all__ = ["lag_scale", "product_columns", "shape_of", "write_frame"]
@@ -20,7 +20,7 @@ def lag_scale(step: float, work: Workspace) -> float:
 
 
 @view
-def shape_of(kind: FlexibleBodies, body: int) -> NDArray[np.float64]:
+def shape_of(kind: FloatingFrameBodies, body: int) -> NDArray[np.float64]:
     """Packed shape of a body, without the stacked matrices, shape (12 n,)."""
     n = kind.table[body].mode_count
     start = kind.table[body].shape_start + 8 * n * n
@@ -28,7 +28,7 @@ def shape_of(kind: FlexibleBodies, body: int) -> NDArray[np.float64]:
 
 
 @view
-def product_columns(kind: FlexibleBodies, body: int) -> NDArray[np.float64]:
+def product_columns(kind: FloatingFrameBodies, body: int) -> NDArray[np.float64]:
     """Stacked product matrices of a body, column after column, shape (n 8 n,)."""
     n = kind.table[body].mode_count
     start = kind.table[body].shape_start

@@ -32,6 +32,7 @@ from __future__ import annotations
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
 from heavylift.numerics.small import cross, rotate_back
+from heavylift.solver.bodies.fixed_frame import factor_fixed, predict_fixed
 from heavylift.solver.bodies.floating_frame import (
     FloatingFrameBodies,
 )
@@ -43,7 +44,7 @@ from heavylift.solver.bodies.floating_frame_inertia import (
 from heavylift.solver.bodies.floating_frame_markers import gather_marker_forces
 from heavylift.solver.bodies.floating_frame_shape import lag_scale, product_columns, shape_of
 from heavylift.solver.bodies.floating_frame_stage import clear_velocity, factor_frame, solve_stage
-from heavylift.solver.drive import DRIVEN, FREE, drive_pose, drive_velocity
+from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_pose, drive_velocity
 from heavylift.solver.interface import (
     Workspace,
     correct,
@@ -64,6 +65,9 @@ def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float)
         n, first = kind.table[body].mode_count, kind.table[body].first_mode
         motion = kind.table[body].motion
         frame = kind.frame[body]
+        if motion == FIXED:
+            predict_fixed(kind, body, h)
+            continue
         frame.at_end = False
         modes = slice(first, first + n)
         modal_position = kind.modal_position[modes]
@@ -144,6 +148,9 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
     for body in range(kind.table.shape[0]):
         n, first = kind.table[body].mode_count, kind.table[body].first_mode
         motion = kind.table[body].motion
+        if motion == FIXED:
+            factor_fixed(kind, body, h, work)
+            continue
         frame = kind.frame[body]
         modes = slice(first, first + n)
         modal_position = kind.modal_position[modes]
@@ -237,6 +244,8 @@ def correct_floating_frames(kind: FloatingFrameBodies, step: float, work: Worksp
     Only what their change does to the free velocity is added, so impulses of joints that are in the velocity stay.
     """
     for body in range(kind.table.shape[0]):
+        if kind.table[body].motion == FIXED:
+            continue
         n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
         rows = slice(8 * first, 8 * (first + n))
         mid_velocity_products = kind.mid_velocity_products[rows]

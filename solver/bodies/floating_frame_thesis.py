@@ -14,6 +14,7 @@ from __future__ import annotations
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import rotate_by_exponential
 from heavylift.numerics.small import cross, rotate_back
+from heavylift.solver.bodies.fixed_frame import thesis_advance_fixed, thesis_velocity_fixed
 from heavylift.solver.bodies.floating_frame import (
     FloatingFrameBodies,
 )
@@ -31,7 +32,7 @@ from heavylift.solver.bodies.floating_frame_stage import (
     solve_stage,
     stage_at_state,
 )
-from heavylift.solver.drive import DRIVEN, FREE, drive_velocity
+from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_velocity
 from heavylift.solver.interface import (
     Workspace,
     thesis_advance,
@@ -53,6 +54,9 @@ def thesis_velocity_floating_frames(
     for body in range(kind.table.shape[0]):
         n, first = kind.table[body].mode_count, kind.table[body].first_mode
         motion = kind.table[body].motion
+        if motion == FIXED:
+            thesis_velocity_fixed(kind, body, h, work)
+            continue
         modes = slice(first, first + n)
         frame = kind.frame[body]
         quadratic_force = kind.quadratic_force[modes]
@@ -132,6 +136,9 @@ def thesis_advance_floating_frames(
         n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
         frame = kind.frame[body]
         velocity = work.velocity[dof : dof + 6 + n]
+        if kind.table[body].motion == FIXED:
+            thesis_advance_fixed(kind, body, h, work)
+            continue
         if kind.table[body].motion == DRIVEN:
             _add_drive_work(kind, body, h, work)
         external = dissipated = 0.0
