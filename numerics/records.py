@@ -378,6 +378,8 @@ class _Fields(AttributeTemplate):
 
     def generic_resolve(self, of_type: Any, name: str) -> Any:
         """Type of a field."""
+        if name == "words":
+            return types.Array(types.float64, 1, "C")
         known = of_type.record.fields_of.get(name)
         return None if known is None else known[0]
 
@@ -390,6 +392,10 @@ def _place_of_field(builder: Any, of_type: Any, value: Any, name: str) -> tuple[
 
 @lower_getattr_generic(RecordType)
 def _field(context: Any, builder: Any, of_type: Any, value: Any, name: str) -> Any:
+    if name == "words":
+        count = ir.Constant(WORD, of_type.record.layout.itemsize // WORD_BYTES)
+        floats = types.Array(types.float64, 1, "C")
+        return rebuild_array(context, builder, floats, [builder.ptrtoint(value, WORD), count])
     field_type, at = _place_of_field(builder, of_type, value, name)
     if isinstance(field_type, RecordType):
         return at

@@ -23,17 +23,12 @@ from heavylift.solver.contact.interface import (
     pose_contours,
     put_contour_rows,
 )
+from heavylift.solver.contact.kind import DOF as FIRST_VELOCITY
 from heavylift.solver.contact.kind import (
-    CONTOUR,
     OF_RIGID,
-    ORIGIN,
     OWNER,
-    REACH,
-    ROTATION,
-    STEP_SHIFT,
     ContactRows,
 )
-from heavylift.solver.contact.kind import DOF as FIRST_VELOCITY
 from heavylift.solver.drive import FREE
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
@@ -58,16 +53,16 @@ def pose_rigid_contours(kind: RigidBodies, at_midpoint: bool, contacts: ContactR
         body = owner_of(kind, contacts, contour)
         if body >= 0:
             for k in range(9):
-                contacts.poses[contour, ROTATION + k] = kind.frame[body, MID_ROTATION + k]
+                contacts.poses[contour].rotation[k] = kind.frame[body, MID_ROTATION + k]
             for k in range(3):
-                contacts.poses[contour, ORIGIN + k] = kind.frame[body, MID_POSITION + k]
+                contacts.poses[contour].origin[k] = kind.frame[body, MID_POSITION + k]
 
 
 @implement(put_contour_rows, RigidBodies)
 @kernel(internal=True)
 def put_rigid_contour_rows(kind: RigidBodies, contacts: ContactRows, contact: int, count: int) -> None:
     """The six velocities of the frame."""
-    contour = contacts.table[contact, CONTOUR]
+    contour = contacts.table[contact].contour
     if owner_of(kind, contacts, contour) >= 0:
         put_frame_rows(contacts, contact)
 
@@ -83,8 +78,8 @@ def bound_rigid_motion(kind: RigidBodies, contacts: ContactRows, step: float, wo
             for k in range(3):
                 v += work.velocity[dof + k] ** 2
                 w += work.velocity[dof + 3 + k] ** 2
-            contacts.poses[contour, STEP_SHIFT] = step * (
-                math.sqrt(v) + math.sqrt(w) * contacts.poses[contour, REACH]
+            contacts.poses[contour].step_shift = step * (
+                math.sqrt(v) + math.sqrt(w) * contacts.poses[contour].reach
             )
 
 

@@ -13,6 +13,7 @@ from heavylift.contours.layout import CONTOUR_WIDTH, WEIGHTS
 from heavylift.contours.modal_sums import modal_data
 from heavylift.contours.neutral import NeutralContour, packed
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Records, records
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.rigid import principal_frame
 from heavylift.solver.connections import GROUND
@@ -22,20 +23,14 @@ from heavylift.solver.contact.kind import (
     CONTOUR_COLUMNS,
     CONTROLS,
     DIMENSION,
-    DIRECTOR,
     DOF,
     FLIP,
     OF_GROUND,
     OF_MESH,
     OF_MODES,
     OF_RIGID,
-    ORIGIN,
     OWNER,
-    POSE_WIDTH,
-    RADIUS_OF,
-    REACH,
-    ROTATION,
-    WIDTH_OF,
+    ContourPose,
     Samples,
 )
 from heavylift.solver.contact.sample_packing import pack_samples
@@ -68,7 +63,7 @@ class PackedContours:
     """
 
     rows: NDArray[np.int64]
-    poses: NDArray[np.float64]
+    poses: Records[ContourPose]
     constants: NDArray[np.float64]
     net: NDArray[np.float64]
     samples: Samples
@@ -106,7 +101,7 @@ def pack_contours(scene: Scene, ordered: Sequence[AnyBody], dofs: Mapping[str, i
     table, knots, weights, net = packed(moved)
     constants = [knots, weights]
     rows = np.zeros((len(moved), CONTOUR_COLUMNS), dtype=np.int64)
-    poses = np.zeros((len(moved), POSE_WIDTH))
+    poses = records(ContourPose, len(moved))
     rows[:, :CONTOUR_WIDTH] = table
     rows[:, WEIGHTS] += np.where(table[:, WEIGHTS] >= 0, len(knots), 0)
     start = len(knots) + len(weights)
@@ -122,13 +117,13 @@ def pack_contours(scene: Scene, ordered: Sequence[AnyBody], dofs: Mapping[str, i
         rows[i, BODY] = -1 if body is None else list(by_name).index(contour.body)
         constants.append(data)
         start += len(data)
-        poses[i, ROTATION : ROTATION + 9] = np.eye(3).ravel()
+        poses[i].rotation[:] = np.eye(3).ravel()
         if isinstance(body, MeshBody):
-            poses[i, ROTATION : ROTATION + 9] = rotation_matrix(body.orientation).ravel()
-            poses[i, ORIGIN : ORIGIN + 3] = body.position
-        poses[i, REACH] = np.linalg.norm(one.control, axis=1).max()
-        poses[i, DIRECTOR : DIRECTOR + 3] = np.asarray(contour.director, dtype=np.float64) @ axes
-        poses[i, RADIUS_OF], poses[i, WIDTH_OF] = contour.radius, contour.width
+            poses[i].rotation[:] = rotation_matrix(body.orientation).ravel()
+            poses[i].origin[:] = body.position
+        poses[i].reach = np.linalg.norm(one.control, axis=1).max()
+        poses[i].director[:] = np.asarray(contour.director, dtype=np.float64) @ axes
+        poses[i].radius, poses[i].width = contour.radius, contour.width
         modes.append(len(one.modal))
         normals.append(_across(contour, neutrals[i], body))
     constants_of_all = np.concatenate([np.zeros(0), *constants])

@@ -11,7 +11,7 @@ from heavylift.contours.clearance import clearance, clearance_stack_size
 from heavylift.contours.surface_pack import CollisionSurfaces
 from heavylift.numerics.arrays import Arrays, Floats1, Ints1
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.kind import ContactRows
+from heavylift.solver.contact.kind import ContactRows, pose_at
 from heavylift.solver.contact.mesh_interface import record_clearance
 from heavylift.solver.contact.mesh_kind import (
     FIRST,
@@ -81,7 +81,8 @@ def record_mesh_clearance(
         return
     first_row = contacts.poses.shape[0] - surface_count(contacts, meshes)
     a, b = meshes.pairs[pair, FIRST_POSE] - first_row, meshes.pairs[pair, SECOND_POSE] - first_row
-    relative_pose(contacts.placed[a], contacts.placed[b], clearances.pose, 0)
+    first, second = pose_at(contacts.placed[a], 0), pose_at(contacts.placed[b], 0)
+    relative_pose(first, second, pose_at(clearances.pose, 0))
     row[at] = clearances.last[pair] = clearance(
         meshes.surfaces,
         meshes.pairs[pair, FIRST],

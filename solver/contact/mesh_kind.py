@@ -7,6 +7,8 @@ from typing import ClassVar
 from heavylift.contours.pair_list import PairLists
 from heavylift.contours.surface_pack import CollisionSurfaces
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
+from heavylift.numerics.records import Records
+from heavylift.solver.contact.kind import ContactState
 from heavylift.solver.kinds import Table
 
 __all__ = ["Clearing", "DeformingSurfaces", "SurfacePairs"]
@@ -79,7 +81,7 @@ class SurfacePairs(Arrays):
     slots, chains
         Table in which contacts are looked up by their features.
     kept
-        Contacts found in a step that is taken back, shape (nc, STATE_WIDTH).
+        Contacts found in a step that is taken back.
     clearances
         Pairs whose distance is recorded: one kind or none.
     facets
@@ -116,6 +118,6 @@ class SurfacePairs(Arrays):
     grid: Ints1
     slots: Ints1
     chains: Ints1
-    kept: Floats2
+    kept: Records[ContactState]
     clearances: Clearing
     facets: DeformingSurfaces

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.rigid import principal_frame
 from heavylift.solver.connections import GROUND
@@ -31,21 +32,15 @@ from heavylift.solver.contact.kind import (
     COMPLIANT,
     CONTOUR_COLUMNS,
     DOF,
-    EXTENT,
-    FRICTION,
-    INVERSE_MASS,
     OF_FACETS,
     OF_GROUND,
     OF_RIGID,
-    ORIGIN,
     OWNER,
-    POSE_WIDTH,
-    REACH,
     RIGID,
-    ROTATION,
-    SIZE,
-    STATE_WIDTH,
     Colliding,
+    ContactState,
+    ContourPose,
+    values_at,
 )
 from heavylift.solver.contact.laws_packing import force_law, put_law
 from heavylift.solver.contact.mesh_clearance import make_clearances
@@ -171,10 +166,11 @@ def pack_collisions(
         size = min(_extent(moved[first]), _extent(moved[second]))
         if not size > 0.0:
             _refuse(collision, "between", "a surface that is a single point", "a radius, or more points")
-        put_law(law, values[i])
-        values[i, FRICTION], values[i, SIZE], values[i, EXTENT] = collision.friction, size, 0.0
+        of_contact = values_at(values[i], 0)
+        put_law(law, of_contact)
+        of_contact.friction, of_contact.length_scale, of_contact.extent = collision.friction, size, 0.0
         inverse = [0.0 if name == GROUND else scales(name)[0] for name in _bodies(collision, scene)]
-        values[i, INVERSE_MASS] = sum(inverse)
+        of_contact.inverse_mass = sum(inverse)
         values[i, PATCH_COSINE] = math.cos(collision.patch_angle)
         values[i, PATCH_SIZE] = collision.patch_size or _patch_size(
             min(moved[first], moved[second], key=_extent)
@@ -192,6 +188,9 @@ def pack_collisions(
             f"{MOST_AT_ALL} at most: fewer of each",
         )
     items = room + most
+    placed = records(ContourPose, len(poses))
+    for i, pose in enumerate(poses):
+        placed[i] = pose
     places = len(scene.contacts) + most
     meshes = SurfacePairs(
         surfaces=packed,
@@ -216,14 +215,14 @@ def pack_collisions(
         grid=np.zeros(patch_scratch_size(items), dtype=np.int64),
         slots=np.zeros(1 << (2 * most - 1).bit_length(), dtype=np.int64),
         chains=np.zeros(places, dtype=np.int64),
-        kept=np.zeros((places, STATE_WIDTH)),
+        kept=records(ContactState, places),
         clearances=Clearing(make_clearances(packed, [one.clearance for one in scene.collisions])),
         facets=DeformingSurfaces(_pack_facets(scene, deforming, dofs, first_pose)),
     )
     return PackedCollisions(
         meshes=Colliding((meshes,)),
         contours=np.array(contours, dtype=np.int64).reshape(-1, CONTOUR_COLUMNS),
-        poses=np.array(poses).reshape(-1, POSE_WIDTH),
+        poses=placed,
         placed=np.zeros((len(moved) + count + 1, 12)),
         most=most,
         all_rigid=not deforming,
@@ -281,7 +280,7 @@ def _patch_size(surface: TriangleSurface) -> float:
 
 def _pack_surface(
     one: CollisionSurface, by_name: Mapping[str, AnyBody], dofs: Mapping[str, int]
-) -> tuple[NDArray[np.int64], NDArray[np.float64], TriangleSurface, FacetBook | None]:
+) -> tuple[NDArray[np.int64], ContourPose, TriangleSurface, FacetBook | None]:
     """Row and pose of a surface, its triangles in the axes in which its body is measured, and how they deform."""
     from heavylift.preprocess.surfaces import TriangleSurface
 
@@ -311,19 +310,19 @@ def _pack_surface(
     row[OWNER] = OF_GROUND if body is None else OF_RIGID
     row[DOF] = -1 if body is None else dofs[one.body]
     row[BODY] = -1 if body is None else list(by_name).index(one.body)
-    pose = np.zeros(POSE_WIDTH)
-    pose[ROTATION : ROTATION + 9] = np.eye(3).ravel()
+    pose = ContourPose.one()
+    pose.rotation[:] = np.eye(3).ravel()
     if body is not None:
         R = rotation_matrix(body.orientation)
-        pose[ROTATION : ROTATION + 9] = (R @ axes).ravel()
-        pose[ORIGIN : ORIGIN + 3] = body.position + R @ origin
-    pose[REACH] = float(np.linalg.norm(surface.points, axis=1).max()) + surface.radius
+        pose.rotation[:] = (R @ axes).ravel()
+        pose.origin[:] = body.position + R @ origin
+    pose.reach = float(np.linalg.norm(surface.points, axis=1).max()) + surface.radius
     return row, pose, surface, None
 
 
 def _pack_own_surface(
     one: CollisionSurface, body: MeshBody, number: int, dofs: Mapping[str, int]
-) -> tuple[NDArray[np.int64], NDArray[np.float64], TriangleSurface, FacetBook]:
+) -> tuple[NDArray[np.int64], ContourPose, TriangleSurface, FacetBook]:
     """The same of a frame or shell: axes are those in which it was placed, and stand still."""
     from heavylift.solver.bodies.ancf.facet_packing import facet_surface
 
@@ -339,10 +338,10 @@ def _pack_own_surface(
     book = facet_surface(body, one.facets, one.name)
     row = np.zeros(CONTOUR_COLUMNS, dtype=np.int64)
     row[OWNER], row[DOF], row[BODY] = OF_FACETS, dofs[one.body], number
-    pose = np.zeros(POSE_WIDTH)
-    pose[ROTATION : ROTATION + 9] = rotation_matrix(np.asarray(body.orientation, dtype=np.float64)).ravel()
-    pose[ORIGIN : ORIGIN + 3] = body.position
-    pose[REACH] = float(np.linalg.norm(book.surface.points, axis=1).max()) + book.surface.radius
+    pose = ContourPose.one()
+    pose.rotation[:] = rotation_matrix(np.asarray(body.orientation, dtype=np.float64)).ravel()
+    pose.origin[:] = body.position
+    pose.reach = float(np.linalg.norm(book.surface.points, axis=1).max()) + book.surface.radius
     return row, pose, book.surface, book
 
 

@@ -9,28 +9,9 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.channels import XYZ
-from heavylift.solver.contact.counts import contact_count, number_of
+from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import (
-    CLOSED,
     COMPLIANT,
-    EXPONENT,
-    FORCE,
-    FORCE_LAW,
-    FRICTION_FORCE,
-    GAP,
-    IMPACTS,
-    IMPULSES,
-    LAW,
-    LOSS,
-    NORMAL,
-    NORMAL_FORCE,
-    OF_CONTOURS,
-    PAIR,
-    PATCH,
-    SLIP_SPEED,
-    STEP_IMPULSE,
-    STIFFNESS,
-    TOUCHED,
     ContactRows,
 )
 from heavylift.solver.contact.laws import stored_energy
@@ -116,29 +97,29 @@ def _record_sums(
         gone[GONE_IMPACTS],
     )
     highest = -1.0
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
-        if state[PAIR] != pair:
+        if state.pair != pair:
             continue
-        row[at + GAP_AT] = min(row[at + GAP_AT], state[GAP])
-        row[at + IMPULSE_AT] += state[IMPULSES]
-        row[at + LOSS_AT] += state[LOSS]
-        row[at + IMPACTS_AT] += state[IMPACTS]
-        if contacts.table[c, LAW] == COMPLIANT:
+        row[at + GAP_AT] = min(row[at + GAP_AT], state.gap)
+        row[at + IMPULSE_AT] += state.impulse
+        row[at + LOSS_AT] += state.loss
+        row[at + IMPACTS_AT] += state.impacts
+        if contacts.table[c].law == COMPLIANT:
             values = contacts.values[c]
             work.sums.elastic += stored_energy(
-                contacts.table[c, FORCE_LAW], values[STIFFNESS], values[EXPONENT], -state[GAP]
+                contacts.table[c].force_law, values.stiffness, values.exponent, -state.gap
             )
-        force = state[NORMAL_FORCE]
-        if not (force > 0.0 or state[CLOSED] > 0.0):
+        force = state.normal_force
+        if not (force > 0.0 or state.closed):
             continue
         row[at + NUMBER_AT] += 1.0
-        highest = max(highest, state[PATCH])
+        highest = max(highest, state.patch)
         row[at + SUM_AT] += force
-        row[at + SLIP_AT] = max(row[at + SLIP_AT], state[SLIP_SPEED])
+        row[at + SLIP_AT] = max(row[at + SLIP_AT], state.slip_speed)
         for k in range(3):
-            row[at + FORCE_AT + k] += state[FORCE + k]
-            row[at + CENTRE_AT + k] += force * state[TOUCHED + k]
+            row[at + FORCE_AT + k] += state.force[k]
+            row[at + CENTRE_AT + k] += force * state.touched[k]
     work.sums.dissipated += row[at + LOSS_AT]
     record_clearance(meshes.clearances, meshes, contacts, pair, row, at + GAP_AT)
     if row[at + SUM_AT] > 0.0:
@@ -146,11 +127,11 @@ def _record_sums(
             row[at + CENTRE_AT + k] /= row[at + SUM_AT]
     for patch in range(int(highest) + 1):
         total, members = 0.0, 0
-        for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+        for c in range(contacts.counts.of_contours, contact_count(contacts)):
             state = contacts.state[c]
-            touches = state[NORMAL_FORCE] > 0.0 or state[CLOSED] > 0.0
-            if state[PAIR] == pair and state[PATCH] == patch and touches:
-                total += state[NORMAL_FORCE]
+            touches = state.normal_force > 0.0 or state.closed
+            if state.pair == pair and state.patch == patch and touches:
+                total += state.normal_force
                 members += 1
         row[at + LARGEST_AT] = max(row[at + LARGEST_AT], total)
         row[at + PATCHES_AT] += 1.0 if members > 0 else 0.0
@@ -164,12 +145,12 @@ def _record_largest(
     before, last = math.inf, -1
     for i in range(meshes.pairs[pair, RECORDED]):
         best, largest = -1, -1.0
-        for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+        for c in range(contacts.counts.of_contours, contact_count(contacts)):
             state = contacts.state[c]
-            force = state[NORMAL_FORCE]
-            touches = force > 0.0 or state[CLOSED] > 0.0
+            force = state.normal_force
+            touches = force > 0.0 or state.closed
             later = force < before or (force == before and c > last)
-            if state[PAIR] == pair and touches and later and force > largest:
+            if state.pair == pair and touches and later and force > largest:
                 best, largest = c, force
         place = at + i * ONE_WIDTH
         for k in range(ONE_WIDTH):
@@ -180,8 +161,8 @@ def _record_largest(
         before, last = largest, best
         state = contacts.state[best]
         for k in range(3):
-            row[place + POINT_OF + k] = state[TOUCHED + k]
-            row[place + NORMAL_OF + k] = state[NORMAL + k]
-        row[place + GAP_OF], row[place + FORCE_OF] = state[GAP], state[NORMAL_FORCE]
-        row[place + FRICTION_OF], row[place + IMPULSE_OF] = state[FRICTION_FORCE], state[STEP_IMPULSE]
-        row[place + PATCH_OF] = state[PATCH]
+            row[place + POINT_OF + k] = state.touched[k]
+            row[place + NORMAL_OF + k] = state.normal[k]
+        row[place + GAP_OF], row[place + FORCE_OF] = state.gap, state.normal_force
+        row[place + FRICTION_OF], row[place + IMPULSE_OF] = state.friction_force, state.step_impulse
+        row[place + PATCH_OF] = state.patch

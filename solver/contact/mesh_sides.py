@@ -10,17 +10,10 @@ from numpy.typing import NDArray
 from heavylift.contours.feature_gap import EDGE_EDGE, feature_gap
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate
-from heavylift.solver.contact.counts import contact_count, number_of
+from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import (
-    CLOSED,
-    GAP,
-    NORMAL,
-    OF_CONTOURS,
-    ORIGIN,
-    PAIR,
-    SIZE,
-    TOUCHED,
     ContactRows,
+    values_at,
 )
 from heavylift.solver.contact.mesh_kind import (
     DEFORMS,
@@ -59,7 +52,7 @@ ABOUT_NOTHING = 1e-6
 @kernel(inline=True, internal=True)
 def holds(contacts: ContactRows, c: int) -> bool:
     """Whether a contact rests, or has been inside at the end of the last step: it knows its side."""
-    return bool(contacts.state[c, CLOSED] > 0.0 or contacts.state[c, GAP] < 0.0)
+    return bool(contacts.state[c].closed or contacts.state[c].gap < 0.0)
 
 
 @kernel(internal=True)
@@ -97,17 +90,17 @@ def aligned(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int) -> f
     """Cosine between the normal left in `touch` and that of a contact."""
     touch, state = meshes.touch, contacts.state[c]
     pose = contacts.poses[meshes.pairs[pair, FIRST_POSE]]
-    n1, n2, n3 = rotate(pose, touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2])
-    return n1 * state[NORMAL] + n2 * state[NORMAL + 1] + n3 * state[NORMAL + 2]
+    n1, n2, n3 = rotate(pose.rotation, touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2])
+    return n1 * state.normal[0] + n2 * state.normal[1] + n3 * state.normal[2]
 
 
 @kernel(internal=True)
 def deepest_of(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> float:
     """How deep contacts of a pair that push or rest have been inside at the start of the step [m]."""
     deepest = 0.0
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
-        if contacts.state[c, PAIR] == pair and holds(contacts, c):
-            deepest = max(deepest, -contacts.state[c, GAP])
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        if contacts.state[c].pair == pair and holds(contacts, c):
+            deepest = max(deepest, -contacts.state[c].gap)
     return deepest
 
 
@@ -115,15 +108,15 @@ def deepest_of(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> float:
 def _is_turned(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, near: float) -> bool:
     """Whether the normal left in `touch` is against that of the nearest contact that touches along the same line."""
     touch, pose = meshes.touch, contacts.poses[meshes.pairs[pair, FIRST_POSE]]
-    x1, x2, x3 = rotate(pose, touch[POINT_AT], touch[POINT_AT + 1], touch[POINT_AT + 2])
-    x1, x2, x3 = x1 + pose[ORIGIN], x2 + pose[ORIGIN + 1], x3 + pose[ORIGIN + 2]
+    x1, x2, x3 = rotate(pose.rotation, touch[POINT_AT], touch[POINT_AT + 1], touch[POINT_AT + 2])
+    x1, x2, x3 = x1 + pose.origin[0], x2 + pose.origin[1], x3 + pose.origin[2]
     turned, nearest = False, math.inf
-    for k in range(number_of(contacts, OF_CONTOURS), count):
+    for k in range(contacts.counts.of_contours, count):
         state = contacts.state[k]
-        if state[PAIR] != pair or not (holds(contacts, k) or abs(state[GAP]) <= near):
+        if state.pair != pair or not (holds(contacts, k) or abs(state.gap) <= near):
             continue
         cosine = aligned(meshes, contacts, pair, k)
-        d1, d2, d3 = x1 - state[TOUCHED], x2 - state[TOUCHED + 1], x3 - state[TOUCHED + 2]
+        d1, d2, d3 = x1 - state.touched[0], x2 - state.touched[1], x3 - state.touched[2]
         square = d1 * d1 + d2 * d2 + d3 * d3
         if abs(cosine) > ALIGNED and square < nearest:
             turned, nearest = cosine < 0.0, square
@@ -136,7 +129,9 @@ def settle_sides(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: 
 
     Which side it comes from is told by what touches already, and it may be as deep inside as that.
     """
-    nothing = ABOUT_NOTHING * meshes.pair_values[pair, SIZE] + 2.0 * deepest_of(meshes, contacts, pair)
+    nothing = ABOUT_NOTHING * values_at(meshes.pair_values[pair], 0).length_scale + 2.0 * deepest_of(
+        meshes, contacts, pair
+    )
     deforms, inside = meshes.pairs[pair, DEFORMS] > 0, nothing
     if deforms:  # where only the rounding is inside, the side is known
         inside = meshes.pair_values[pair, RADII]

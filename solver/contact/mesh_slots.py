@@ -7,40 +7,14 @@ new contacts with it, and a checkpoint holds all of them. Laws and sides of its 
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.counts import contact_count, number_of, set_number
+from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.facet_interface import take_slots
 from heavylift.solver.contact.kind import (
-    AXES,
-    BESIDE,
-    CLOSED,
-    CONTOUR,
-    COUNT,
-    DAMPING,
-    END_GAP,
-    EVENTS,
-    FORCE_LAW,
-    GAP,
-    HIT,
-    IMPACTS,
-    IMPULSES,
-    LAW,
-    LOSS,
-    OF_CONTOURS,
-    PAIR,
-    POINT_SLOT,
-    RATE,
-    SHAPE,
-    SHARE,
-    SLIP_PATH,
-    START_BESIDE,
-    START_GAP,
-    START_RATE,
-    STATE_WIDTH,
-    STIFFNESS,
-    TOUCH_DAMPING,
     TRIANGLES,
-    VALUE_WIDTH,
     ContactRows,
+    ContactState,
+    pose_at,
+    values_at,
 )
 from heavylift.solver.contact.mesh_interface import (
     drop_contacts,
@@ -68,7 +42,7 @@ from heavylift.solver.contact.mesh_kind import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import DOF, HOLDER, PANEL, PRESCRIBED, ROW_COLUMNS, WIDTH
 
-__all__ = ["add_contact", "header_row", "surface_count"]
+__all__ = ["add_contact", "header_row", "put_placed", "surface_count"]
 
 FAR = 4.0
 """Reaches of the search at which an open contact goes."""
@@ -86,29 +60,48 @@ def header_row(contacts: ContactRows) -> int:
     return contacts.placed.shape[0] - 1
 
 
+@kernel(inline=True, internal=True)
+def put_placed(contacts: ContactRows, surface: int, pose_row: int) -> None:
+    """The pose of a surface is carried."""
+    pose, placed = contacts.poses[pose_row], pose_at(contacts.placed[surface], 0)
+    for k in range(9):
+        placed.rotation[k] = pose.rotation[k]
+    for k in range(3):
+        placed.origin[k] = pose.origin[k]
+
+
+@kernel(inline=True, internal=True)
+def _copy(source: ContactState, target: ContactState) -> None:
+    """All that is carried of a contact."""
+    given, out = source.words, target.words
+    for k in range(out.shape[0]):
+        out[k] = given[k]
+
+
 @kernel(internal=True)
 def _set_count(contacts: ContactRows, count: int) -> None:
     """Of all contacts, those of contours included."""
-    set_number(contacts, COUNT, count)
-    contacts.placed[header_row(contacts), COUNT_AT] = count - number_of(contacts, OF_CONTOURS)
+    contacts.counts.total = count
+    contacts.placed[header_row(contacts), COUNT_AT] = count - contacts.counts.of_contours
 
 
 @kernel(internal=True)
 def _assign(meshes: SurfacePairs, contacts: ContactRows, c: int) -> None:
     """Laws, values and sides of a contact from its pair."""
-    pair = int(contacts.state[c, PAIR])
+    pair = contacts.state[c].pair
     row, table = meshes.pairs[pair], contacts.table[c]
-    table[CONTOUR], table[AXES], table[SHAPE] = row[FIRST_POSE], row[SECOND_POSE], TRIANGLES
-    table[LAW], table[FORCE_LAW], table[EVENTS] = row[PAIR_LAW], row[PAIR_FORCE_LAW], row[PAIR_EVENTS]
-    for k in range(VALUE_WIDTH):
-        contacts.values[c, k] = meshes.pair_values[pair, k]
-    contacts.values[c, STIFFNESS] *= contacts.state[c, SHARE]
-    contacts.values[c, DAMPING] *= contacts.state[c, SHARE]
+    table.contour, table.axes, table.shape_kind = row[FIRST_POSE], row[SECOND_POSE], TRIANGLES
+    table.law, table.force_law, table.events = row[PAIR_LAW], row[PAIR_FORCE_LAW], row[PAIR_EVENTS] > 0
+    given, values = values_at(meshes.pair_values[pair], 0).words, contacts.values[c].words
+    for k in range(values.shape[0]):
+        values[k] = given[k]
+    contacts.values[c].stiffness *= contacts.state[c].share
+    contacts.values[c].damping *= contacts.state[c].share
     for side in range(2):
-        end, given = contacts.attachments[2 * c + side], meshes.sides[pair]
-        end[DOF] = given[3 * side + SIDE_DOF]
-        end[WIDTH] = given[3 * side + SIDE_WIDTH]
-        end[HOLDER] = given[3 * side + SIDE_HOLDER]
+        end, sides = contacts.attachments[2 * c + side], meshes.sides[pair]
+        end[DOF] = sides[3 * side + SIDE_DOF]
+        end[WIDTH] = sides[3 * side + SIDE_WIDTH]
+        end[HOLDER] = sides[3 * side + SIDE_HOLDER]
 
 
 @kernel(internal=True)
@@ -120,18 +113,19 @@ def _release(contacts: ContactRows, c: int) -> None:
     lanes = len(contacts.shape[1])
     for k in range(ROW_COLUMNS * lanes):
         contacts.rows[c * ROW_COLUMNS * lanes + k] = 0.0
-    for k in range(STATE_WIDTH):
-        contacts.state[c, k] = 0.0
+    state = contacts.state[c].words
+    for k in range(state.shape[0]):
+        state[k] = 0.0
 
 
 @implement(restore_contacts, SurfacePairs)
 @kernel(internal=True)
 def restore_mesh_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """From the carried state, whoever has changed it."""
-    first = number_of(contacts, OF_CONTOURS)
+    first = contacts.counts.of_contours
     before = contact_count(contacts)
     count = first + int(contacts.placed[header_row(contacts), COUNT_AT])
-    set_number(contacts, COUNT, count)
+    contacts.counts.total = count
     for c in range(first, count):
         _assign(meshes, contacts, c)
     for c in range(count, before):
@@ -145,33 +139,31 @@ def add_contact(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> int:
     if c >= contacts.table.shape[0]:
         return -1
     _release(contacts, c)
-    contacts.state[c, PAIR] = pair
-    contacts.state[c, TOUCH_DAMPING] = -1.0
+    contacts.state[c].pair = pair
+    contacts.state[c].touch_damping = -1.0
     _assign(meshes, contacts, c)
     _set_count(contacts, c + 1)
     take_slots(meshes.facets, meshes, contacts, c)
-    return c if contacts.state[c, POINT_SLOT] >= 0.0 else -1
+    return c if contacts.state[c].slots[0] >= 0 else -1
 
 
 @implement(keep_found, SurfacePairs)
 @kernel(internal=True)
 def keep_found_contacts(meshes: SurfacePairs, contacts: ContactRows, before: bool) -> None:
     """What was found in the step stands behind the contacts that were there before it."""
-    first = number_of(contacts, OF_CONTOURS)
+    first = contacts.counts.of_contours
     if before:
         for c in range(first, contact_count(contacts)):
-            for k in range(STATE_WIDTH):
-                meshes.kept[c, k] = contacts.state[c, k]
+            _copy(contacts.state[c], meshes.kept[c])
         return
     carried = first + int(contacts.placed[header_row(contacts), COUNT_AT])
     for c in range(carried, contact_count(contacts)):
-        for k in range(STATE_WIDTH):
-            contacts.state[c, k] = meshes.kept[c, k]
-        contacts.state[c, GAP], contacts.state[c, RATE] = (
-            contacts.state[c, START_GAP],
-            contacts.state[c, START_RATE],
+        _copy(meshes.kept[c], contacts.state[c])
+        contacts.state[c].gap, contacts.state[c].rate = (
+            contacts.state[c].start_gap,
+            contacts.state[c].start_rate,
         )
-        contacts.state[c, LOSS] = contacts.state[c, SHARE] = 0.0
+        contacts.state[c].loss = contacts.state[c].share = 0.0
     _set_count(contacts, contact_count(contacts))
 
 
@@ -179,19 +171,19 @@ def keep_found_contacts(meshes: SurfacePairs, contacts: ContactRows, before: boo
 @kernel(internal=True)
 def drop_mesh_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """Open contacts whose features are far from each other, or beside each other, go; the last one takes the place."""
-    c = number_of(contacts, OF_CONTOURS)
+    c = contacts.counts.of_contours
     while c < contact_count(contacts):
         state = contacts.state[c]
-        state[HIT] = 0.0
-        reach = FAR * meshes.pair_values[int(state[PAIR]), PAIR_REACH]
-        if state[CLOSED] > 0.0 or state[END_GAP] <= reach:
+        state.hit = 0
+        reach = FAR * meshes.pair_values[state.pair, PAIR_REACH]
+        if state.closed or state.end_gap <= reach:
             c += 1
             continue
-        sums = contacts.placed[surface_count(contacts, meshes) + int(state[PAIR])]
-        sums[GONE_IMPULSE] += state[IMPULSES]
-        sums[GONE_LOSS] += state[LOSS]
-        sums[GONE_IMPACTS] += state[IMPACTS]
-        sums[GONE_PATH] += state[SLIP_PATH]
+        sums = contacts.placed[surface_count(contacts, meshes) + state.pair]
+        sums[GONE_IMPULSE] += state.impulse
+        sums[GONE_LOSS] += state.loss
+        sums[GONE_IMPACTS] += state.impacts
+        sums[GONE_PATH] += state.slip_path
         last = contact_count(contacts) - 1
         if c != last:
             _move(contacts, last, c)
@@ -203,8 +195,7 @@ def drop_mesh_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
 @kernel(internal=True)
 def _move(contacts: ContactRows, source: int, target: int) -> None:
     """All numbers of a contact to another place."""
-    for k in range(STATE_WIDTH):
-        contacts.state[target, k] = contacts.state[source, k]
+    _copy(contacts.state[source], contacts.state[target])
     lanes = len(contacts.shape[1])
     width = ROW_COLUMNS * lanes
     for k in range(width):
@@ -224,8 +215,7 @@ def place_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """The search of the next step begins where this one has ended, and so do its contacts."""
     first = contacts.poses.shape[0] - surface_count(contacts, meshes)
     for i in range(surface_count(contacts, meshes)):
-        for k in range(12):
-            contacts.placed[i, k] = contacts.poses[first + i, k]
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
-        contacts.state[c, START_BESIDE] = contacts.state[c, BESIDE]
-        contacts.state[c, START_RATE] = contacts.state[c, RATE]
+        put_placed(contacts, i, first + i)
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        contacts.state[c].start_beside = contacts.state[c].beside
+        contacts.state[c].start_rate = contacts.state[c].rate

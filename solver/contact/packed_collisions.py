@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.contact.kind import CONTOUR_COLUMNS, POSE_WIDTH, Colliding
+from heavylift.numerics.records import Records, records
+from heavylift.solver.contact.kind import CONTOUR_COLUMNS, Colliding, ContourPose
 
 __all__ = ["PackedCollisions", "no_collisions"]
 
@@ -34,7 +35,7 @@ class PackedCollisions:
 
     meshes: Colliding
     contours: NDArray[np.int64]
-    poses: NDArray[np.float64]
+    poses: Records[ContourPose]
     placed: NDArray[np.float64]
     most: int
     all_rigid: bool
@@ -46,7 +47,7 @@ def no_collisions() -> PackedCollisions:
     return PackedCollisions(
         Colliding(()),
         np.zeros((0, CONTOUR_COLUMNS), dtype=np.int64),
-        np.zeros((0, POSE_WIDTH)),
+        records(ContourPose, 0),
         np.zeros((1, 12)),
         0,
         False,

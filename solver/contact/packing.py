@@ -20,6 +20,7 @@ from heavylift.contours.convex import (
 )
 from heavylift.numerics.jit import in_python
 from heavylift.numerics.lanes import block_shape
+from heavylift.numerics.records import Records, records
 from heavylift.solver.connections import axes_about
 from heavylift.solver.contact import layout as told
 from heavylift.solver.contact.checks import check_contact
@@ -35,53 +36,28 @@ from heavylift.solver.contact.features import (
     SurfaceWeights,
 )
 from heavylift.solver.contact.kind import (
-    ALL_RIGID,
-    AXES,
     BILATERAL,
-    CENTRE,
     CIRCLE,
-    COLUMN,
     COMPLIANT,
-    CONTOUR,
-    CONTROL_WIDTH,
     CONVEX,
-    COUNT,
     CURVE,
     DENSE,
     DOF,
-    EVENTS,
-    EXTENT,
-    FIRST_BLOCK,
-    FOOTPRINT,
-    FORCE_LAW,
-    FRICTION,
-    JOINS,
     LARGEST_CONTROLS,
-    LAW,
-    NORMAL,
-    OF_CONTOURS,
     OF_MODES,
     OWNER,
-    PLACES_BEHIND,
     POINT,
-    POINTS_AT,
-    PRIMITIVE,
-    PRIMITIVE_KIND,
-    RADIUS,
     RIGID,
-    SHAPE,
-    SHAPES,
-    SIZE,
-    SLOT,
-    STATE_WIDTH,
-    TABLE_WIDTH,
-    TANGENT,
-    TOUCH_DAMPING,
-    VALUE_WIDTH,
-    WATCHED,
+    ContactEntry,
     ContactRows,
+    ContactState,
+    ContactValues,
+    ContourPose,
+    Counts,
+    Events,
     Features,
     Reduced,
+    Scratch,
 )
 from heavylift.solver.contact.laws_packing import force_law, put_law
 from heavylift.solver.contact.newton import ContactSolvers, NonsmoothNewton, workspace_length
@@ -183,9 +159,11 @@ def pack_contacts(
         )
     count = len(scene.contacts) + collided.most
     numbers = {contour.name: i for i, contour in enumerate(scene.contours)}
-    table = np.zeros((count, TABLE_WIDTH), dtype=np.int64)
-    values = np.zeros((count, VALUE_WIDTH))
-    state = np.zeros((count, STATE_WIDTH))
+    table, values, state = (
+        records(ContactEntry, count),
+        records(ContactValues, count),
+        records(ContactState, count),
+    )
     sides: list[Attachment] = []
     slots: dict[str, int] = {}
     for i, (contact, column, marker) in enumerate(zip(scene.contacts, columns, markers, strict=False)):
@@ -194,22 +172,20 @@ def pack_contacts(
         sides += [attachment(contour.body), attachment(contact.body)]
         size = packed.sizes[numbers[contact.contour]]
         kind, extent, radius, primitive_kind, numbers_of_shape = _shape(contact)
-        table[i, CONTOUR], table[i, SHAPE] = numbers[contact.contour], kind
-        table[i, LAW], table[i, FORCE_LAW] = _law(contact, packed.is_curve[numbers[contact.contour]])
-        table[i, CENTRE], table[i, AXES], table[i, COLUMN] = marker.centre, marker.axes, column
-        table[i, EVENTS] = int(contact.events)
-        table[i, SLOT] = slots.get(contour.body, 0)
+        table[i].contour, table[i].shape_kind = numbers[contact.contour], kind
+        table[i].law, table[i].force_law = _law(contact, packed.is_curve[numbers[contact.contour]])
+        table[i].centre, table[i].axes, table[i].column = marker.centre, marker.axes, column
+        table[i].events = contact.events
+        table[i].slot = slots.get(contour.body, 0)
         slots[contour.body] = slots.get(contour.body, 0) + moving_points(contour)
-        table[i, PRIMITIVE_KIND] = primitive_kind
-        values[i, FRICTION], values[i, FOOTPRINT] = contact.friction, contact.footprint
-        values[i, RADIUS], values[i, EXTENT] = radius, extent
-        values[i, SIZE] = extent if extent > 0.0 else size
-        values[i, PRIMITIVE : PRIMITIVE + SHAPE_WIDTH] = numbers_of_shape
+        table[i].primitive_kind = primitive_kind
+        values[i].friction, values[i].footprint = contact.friction, contact.footprint
+        values[i].radius, values[i].extent = radius, extent
+        values[i].length_scale = extent if extent > 0.0 else size
+        values[i].primitive[:] = numbers_of_shape
         put_law(contact.law, values[i])
-        state[i, NORMAL : NORMAL + 3], state[i, TANGENT : TANGENT + 3] = packed.start_normals[
-            numbers[contact.contour]
-        ]
-        state[i, TOUCH_DAMPING] = -1.0
+        state[i].normal[:], state[i].tangent[:] = packed.start_normals[numbers[contact.contour]]
+        state[i].touch_damping = -1.0
     return _kind(packed, collided, sides, table, values, state, inverse_mass, block_count)
 
 
@@ -217,9 +193,9 @@ def _kind(
     packed: PackedContours,
     collided: PackedCollisions,
     sides: Sequence[Attachment],
-    table: NDArray[np.int64],
-    values: NDArray[np.float64],
-    state: NDArray[np.float64],
+    table: Records[ContactEntry],
+    values: Records[ContactValues],
+    state: Records[ContactState],
     inverse_mass: NDArray[np.float64],
     block_count: int,
 ) -> ContactRows:
@@ -238,15 +214,14 @@ def _kind(
         attachments[i, [FIRST_VELOCITY, WIDTH, HOLDER]] = side.dof, side.width, side.holder
     rows = np.zeros((count, ROW_COLUMNS, lanes))
     rows[:, SCALE, :ROWS] = 1.0
-    places = np.zeros(LARGEST_CONTROLS + 2 * count + PLACES_BEHIND, dtype=np.int64)
-    behind = places[LARGEST_CONTROLS + count :]
-    behind[FIRST_BLOCK], behind[ALL_RIGID] = block_count, int(rigid_only)
-    behind[COUNT] = behind[OF_CONTOURS] = of_contours
+    counts = Counts.one()
+    counts.first_block, counts.all_rigid = block_count, rigid_only
+    counts.total = counts.of_contours = of_contours
     bodies = len({side.dof for side in sides if side.width} | set(collided.contours[:, DOF]) - {-1})
     reduced = _reduced(*((count, bodies, len(inverse_mass)) if rigid_only else (0, 0, 0)))
     size = max(3 * own, len(reduced.start))
-    control = np.zeros(CONTROL_WIDTH)
-    control[WATCHED] = control[JOINS] = -1.0
+    control = Events.one()
+    control.watched = control.joins = -1
     return ContactRows(
         features=_features(packed, table[:of_contours], values[:of_contours]),
         lanes=lanes,
@@ -258,7 +233,7 @@ def _kind(
         values=values,
         state=state,
         contours=np.concatenate([packed.rows, collided.contours]),
-        poses=np.concatenate([packed.poses, collided.poses]),
+        poses=_joined(packed.poses, collided.poses),
         constants=packed.constants,
         net=packed.net,
         samples=packed.samples,
@@ -267,8 +242,12 @@ def _kind(
         kinds=np.zeros((count, 2), dtype=np.int64),
         rates=np.zeros((3, 3 * count)),
         column=np.zeros(len(inverse_mass)),
-        scratch=np.zeros(SHAPES + 6 * max([1, *packed.mode_counts])),
-        places=places,
+        scratch=Scratch.one(),
+        shapes=np.zeros(6 * max([1, *packed.mode_counts])),
+        places=np.zeros(LARGEST_CONTROLS, dtype=np.int64),
+        counts=counts,
+        present=np.zeros(count, dtype=np.int64),
+        joining=np.zeros(count, dtype=np.int64),
         workspace=np.zeros(in_python(workspace_length)(count, size)),
         control=control,
         solvers=ContactSolvers((NonsmoothNewton(),)),
@@ -279,6 +258,13 @@ def _kind(
         carried=np.zeros(0),
         saved=np.zeros(0),
     )
+
+
+def _joined(first: Records[ContourPose], second: Records[ContourPose]) -> Records[ContourPose]:
+    """Those of contours, then those of surfaces."""
+    both = records(ContourPose, len(first) + len(second))
+    both[: len(first)], both[len(first) :] = first, second
+    return both
 
 
 def _reduced(contact_count: int, body_count: int, velocity_count: int) -> Reduced:
@@ -296,18 +282,20 @@ def _reduced(contact_count: int, body_count: int, velocity_count: int) -> Reduce
     )
 
 
-def _features(packed: PackedContours, table: NDArray[np.int64], values: NDArray[np.float64]) -> Features:
+def _features(
+    packed: PackedContours, table: Records[ContactEntry], values: Records[ContactValues]
+) -> Features:
     """Kinds of contact that are there."""
-    on_curve = np.array([packed.is_curve[i] for i in table[:, CONTOUR]], dtype=bool)
-    deforms = packed.rows[table[:, CONTOUR], OWNER] >= OF_MODES
+    on_curve = np.array([packed.is_curve[i] for i in table["contour"]], dtype=bool)
+    deforms = packed.rows[table["contour"], OWNER] >= OF_MODES
     counts = {
-        Surfaces: np.count_nonzero(~on_curve & (table[:, SHAPE] == POINT)),
+        Surfaces: np.count_nonzero(~on_curve & (table["shape_kind"] == POINT)),
         SurfaceWeights: np.count_nonzero(~on_curve & deforms),
         Curves: np.count_nonzero(on_curve),
-        Rings: np.count_nonzero(table[:, SHAPE] == CIRCLE),
-        Primitives: np.count_nonzero(table[:, SHAPE] == CONVEX),
-        Deforming: np.count_nonzero(packed.samples.grids[:, POINTS_AT] == 0),
-        Footprints: np.count_nonzero(values[:, FOOTPRINT] > 0.0),
+        Rings: np.count_nonzero(table["shape_kind"] == CIRCLE),
+        Primitives: np.count_nonzero(table["shape_kind"] == CONVEX),
+        Deforming: np.count_nonzero(packed.samples.grids["points"] == 0),
+        Footprints: np.count_nonzero(values["footprint"] > 0.0),
     }
     return Features(feature(members=int(count)) for feature, count in counts.items() if count)
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.kind import LARGEST_CONTROLS, ContactRows
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.newton import solve_on_velocities
 from heavylift.solver.contact.system_interface import respond
 from heavylift.solver.interface import Systems
@@ -30,7 +30,7 @@ def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> Non
     size = 0
     lanes = len(contacts.shape[1])
     for j in range(count):
-        c = contacts.places[LARGEST_CONTROLS + j]
+        c = contacts.present[j]
         for side in range(2):
             i = 2 * c + side
             dof, width = contacts.attachments[i, DOF], contacts.attachments[i, WIDTH]

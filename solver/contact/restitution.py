@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact import layout as told
-from heavylift.solver.contact.kind import NEW, STOPPING, ContactRows
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.stage import present_at, solve_present
 from heavylift.solver.interface import Workspace
 
@@ -37,7 +37,7 @@ def bound_restitution(contacts: ContactRows, count: int, work: Workspace) -> boo
     bounces = False
     for j in range(count):
         bounces = bounces or (
-            contacts.state[present_at(contacts, j), NEW] > 0.0 and contacts.laws[j, told.WANTED] > 0.0
+            contacts.state[present_at(contacts, j)].new and contacts.laws[j, told.WANTED] > 0.0
         )
     if not bounces:
         return True
@@ -64,7 +64,7 @@ def bound_restitution(contacts: ContactRows, count: int, work: Workspace) -> boo
 def _gain(contacts: ContactRows, count: int) -> tuple[float, float]:
     """Work of the impulses of the step that stop and push back [J], and of all of it the sum of magnitudes."""
     free, p, w = contacts.rates[0], contacts.rates[1], contacts.rates[2]
-    total = contacts.control[STOPPING]
+    total = contacts.control.stopping_work
     scale = abs(total)
     for i in range(3 * count):
         part = 0.5 * p[i] * (free[i] + w[i])
@@ -77,6 +77,6 @@ def _gain(contacts: ContactRows, count: int) -> tuple[float, float]:
 def _solve_with(contacts: ContactRows, count: int, factor: float, work: Workspace) -> bool:
     """Impulses with all restitution reduced."""
     for j in range(count):
-        if contacts.state[present_at(contacts, j), NEW] > 0.0:
+        if contacts.state[present_at(contacts, j)].new:
             contacts.laws[j, told.TARGET] = factor * contacts.laws[j, told.WANTED]
     return bool(solve_present(contacts, count, work))

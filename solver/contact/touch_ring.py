@@ -34,25 +34,8 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.directions import form_span
 from heavylift.solver.contact.features import Rings, touch
 from heavylift.solver.contact.kind import (
-    AT_U,
-    AT_V,
     CIRCLE,
-    CONTOUR,
-    END_GAP,
-    END_GAP_2,
-    EVALUATE,
     FLIP,
-    POINTS_AT,
-    RESULT,
-    RESULT_END,
-    SHAPE,
-    SHAPE_ROW,
-    SIZE,
-    U_AT,
-    U_COUNT,
-    V_AT,
-    V_COUNT,
-    WEIGHTS_AT,
     ContactRows,
 )
 from heavylift.solver.contact.search_end import note_search
@@ -80,20 +63,20 @@ def touch_ring(
     work: Workspace,
 ) -> None:
     """The angle on the ring is carried as the second gap of the contact."""
-    contour = contacts.table[c, CONTOUR]
-    if contacts.table[c, SHAPE] != CIRCLE:
+    contour = contacts.table[c].contour
+    if contacts.table[c].shape_kind != CIRCLE:
         return
     row, scratch, state = contacts.contours[contour], contacts.scratch, contacts.state[c]
-    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = scratch.result, scratch.evaluation
     knots, net = contacts.constants, contacts.net
-    shape = scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH]
+    shape = scratch.primitive[:SHAPE_WIDTH]
     place_shape(contacts, c, y1, y2, y3, work)
     if cold:
         _start_anywhere(contacts, c)
-    u, v = state[AT_U], state[AT_V]
+    u, v = state.u, state.v
     span_u = find_span(knots, row[KNOTS_U], row[DEGREE_U], row[COUNT_U] + row[CLOSED_U] * row[DEGREE_U], u)
     span_v = find_span(knots, row[KNOTS_V], row[DEGREE_V], row[COUNT_V] + row[CLOSED_V] * row[DEGREE_V], v)
-    start_ring(row, u, v, state[END_GAP_2], result)
+    start_ring(row, u, v, state.second_end_gap, result)
     status = NEED_SPAN
     while status == NEED_SPAN:
         form_span(contacts, bodies, contour, span_u, span_v)
@@ -102,7 +85,7 @@ def touch_ring(
             span_u, span_v = int(result[SPAN_U]), int(result[SPAN_V])
     note_search(contacts, c, status)
     if status != CONVERGED:
-        result[RING_PHI] = state[END_GAP_2]
+        result[RING_PHI] = state.second_end_gap
     r1, r2, r3, _, _, _ = ring_point(shape, result[RING_PHI])
     gap, n1, n2, n3 = signed_gap(y1 + r1, y2 + r2, y3 + r3, result)
     flip, rounding = row[FLIP], shape[SHAPE_RADIUS]
@@ -110,28 +93,28 @@ def touch_ring(
     gap *= flip
     if int(result[FLAGS]) & BORDER:
         distance = math.sqrt(result[DISTANCE_SQUARED])
-        if distance * distance - gap * gap > (OFF * contacts.values[c, SIZE]) ** 2:
+        if distance * distance - gap * gap > (OFF * contacts.values[c].length_scale) ** 2:
             gap = distance
-    state[END_GAP], state[END_GAP_2] = gap - rounding, result[RING_PHI]
+    state.end_gap, state.second_end_gap = gap - rounding, result[RING_PHI]
     put_touch(contacts, c, n1, n2, n3, r1 - rounding * n1, r2 - rounding * n2, r3 - rounding * n3)
 
 
 @kernel(internal=True)
 def _start_anywhere(contacts: ContactRows, c: int) -> None:
     """Point of the surface and angle of the ring with the least gap of all."""
-    contour = contacts.table[c, CONTOUR]
+    contour = contacts.table[c].contour
     samples, scratch, state = contacts.samples, contacts.scratch, contacts.state[c]
-    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = scratch.result, scratch.evaluation
     grid = samples.grids[contour]
-    i, j, at = grid[U_AT], grid[V_AT], grid[POINTS_AT]
+    i, j, at = grid.first_u, grid.first_v, grid.points
     ring_cold(
         contacts.contours[contour],
         contacts.constants,
         contacts.constants,
         contacts.net,
-        scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH],
-        samples.parameters[i : i + grid[U_COUNT]],
-        samples.parameters[j : j + grid[V_COUNT]],
+        scratch.primitive[:SHAPE_WIDTH],
+        samples.parameters[i : i + grid.count_u],
+        samples.parameters[j : j + grid.count_v],
         samples.points[at : at + 3],
         samples.reach[contour],
         0.0,
@@ -140,4 +123,4 @@ def _start_anywhere(contacts: ContactRows, c: int) -> None:
         evaluate,
         result,
     )
-    state[AT_U], state[AT_V], state[END_GAP_2] = result[U], result[V], result[RING_PHI]
+    state.u, state.v, state.second_end_gap = result[U], result[V], result[RING_PHI]

@@ -34,7 +34,7 @@ from heavylift.solver.contact.facet_interface import (
     put_surface_rows,
 )
 from heavylift.solver.contact.facet_kind import OF_DOF, OF_POSE, OWN_POINT, POINTS, FacetSurfaces
-from heavylift.solver.contact.kind import DIRECTIONS, STEP_SHIFT, ContactRows
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import PANEL, WIDTH
@@ -87,7 +87,7 @@ def bound_points_of_meshes(
     for i in range(facets.rows[row, POINTS]):
         x, y, z = _sum_vectors(facets, kind.nodal[MID_V], own + i, begin)
         fastest = max(fastest, x * x + y * y + z * z)
-    contacts.poses[facets.rows[row, OF_POSE], STEP_SHIFT] = step * math.sqrt(fastest)
+    contacts.poses[facets.rows[row, OF_POSE]].step_shift = step * math.sqrt(fastest)
 
 
 @kernel(internal=True)
@@ -154,8 +154,8 @@ def put_rows_on_meshes(
         contacts.panels[panel + k] = 0.0
     panel += column * lanes
     for r in range(3):
-        at = DIRECTIONS + 3 * r
-        d1, d2, d3 = rotate_back(pose, scratch[at], scratch[at + 1], scratch[at + 2])
+        d = scratch.directions[r]
+        d1, d2, d3 = rotate_back(pose.rotation, d[0], d[1], d[2])
         contacts.panels[panel + r] = sign * d1
         contacts.panels[panel + lanes + r] = sign * d2
         contacts.panels[panel + 2 * lanes + r] = sign * d3

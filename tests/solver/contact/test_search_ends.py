@@ -16,15 +16,11 @@ from heavylift.solver.contact.kind import (
     AT_U,
     AT_V,
     CLOSED,
-    FAILED,
     FOUND,
     LOST,
-    POINTS_AT,
     PRESENT,
     SEARCH,
     TOO_DEEP,
-    U_COUNT,
-    V_COUNT,
     ContactRows,
 )
 from heavylift.solver.contact.search_end import judge_searches, note_search
@@ -113,8 +109,8 @@ def test_samples_lie_on_their_contours(both: tuple[tuple[Contour, ...], Layout])
 def test_contours_that_stand_still_have_samples_of_their_own() -> None:
     """The first three rows are those of contours that deform."""
     samples = pack(waves(), circle()).systems[1].samples
-    assert list(samples.grids[:, POINTS_AT]) == [3, 6]
-    assert samples.points.shape == (9, int((samples.grids[:, U_COUNT] * samples.grids[:, V_COUNT]).max()))
+    assert list(samples.grids["points"]) == [3, 6]
+    assert samples.points.shape == (9, int((samples.grids["count_u"] * samples.grids["count_v"]).max()))
 
 
 def cloud(contour: Contour) -> Array:
@@ -152,15 +148,15 @@ def test_search_that_finds_nothing_leaves_the_last_place(both: tuple[tuple[Conto
     assert contours[0].neutral is not None
     wanted = evaluate_contour(contours[0].neutral, np.array([[0.3, 0.6]])).reshape(1, -1)[0, :3]
     np.testing.assert_allclose(contacts.scratch[:3], wanted, atol=1e-13)
-    assert contacts.state[0, SEARCH] == LOST
-    contacts.state[0, CLOSED] = contacts.state[0, FAILED] = 0.0
+    assert contacts.state[0].search == LOST
+    contacts.state[0].closed = contacts.state[0].failures = 0
     judge(contacts, True, work)
-    assert contacts.state[0, FAILED] == 1.0
-    assert contacts.state[0, SEARCH] == FOUND
+    assert contacts.state[0].failures == 1.0
+    assert contacts.state[0].search == FOUND
     assert work.status.outcome == 0
     contacts.state[0, [SEARCH, CLOSED, PRESENT]] = LOST, 1.0, 1.0
     judge(contacts, False, work)
-    assert contacts.state[0, FAILED] == 2.0
+    assert contacts.state[0].failures == 2.0
     assert work.status.outcome == Outcome.NOT_CONVERGED
     contacts.state[0, [CLOSED, PRESENT]] = 0.0
     work.status.words[:] = 0.0
@@ -169,7 +165,7 @@ def test_search_that_finds_nothing_leaves_the_last_place(both: tuple[tuple[Conto
 def test_stop_names_the_contact_and_what_is_wrong() -> None:
     layout = pack(waves(), shape=BoxShape(np.array([0.1, 0.1, 0.1]), 0.01))
     contacts, work = layout.systems[1], layout.work
-    contacts.state[0, SEARCH] = TOO_DEEP
+    contacts.state[0].search = TOO_DEEP
     judge(contacts, False, work)
     assert work.status.outcome == 0, "in the middle of a step it may still be pushed out"
     judge(contacts, True, work)
@@ -179,5 +175,5 @@ def test_stop_names_the_contact_and_what_is_wrong() -> None:
     assert "contact 'on waves'" in text
     assert "larger radius" in text
     assert "deeper inside its contour than its rounding" in text
-    contacts.state[0, SEARCH] = FOUND
+    contacts.state[0].search = FOUND
     assert "smaller step" in stop_message(layout, "t = 1 s")
