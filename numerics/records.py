@@ -124,7 +124,7 @@ class Record(_Scalar):
 
     @property
     def words(self) -> NDArray[np.float64]:
-        """All of it as words that are copied or cleared together; a view."""
+        """All of it as words that are copied or cleared together; a view, in kernels too."""
         count = type(self).layout.itemsize // WORD_BYTES
         memory: Any = (ctypes.c_double * count).from_address(self.address)
         return np.frombuffer(memory, dtype=np.float64)
