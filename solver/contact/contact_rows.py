@@ -18,20 +18,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Records
 from heavylift.solver.contact.laws import mean_normal_force
 from heavylift.solver.contact.layout import (
     BILATERAL,
     COMPLIANT,
     CURVE,
-    DAMPING,
-    DEPTH,
-    EXPONENT,
-    FRICTION,
     INACTIVE,
-    OFFSET,
-    STEP,
-    STIFFNESS,
     UNILATERAL,
+    RowKind,
+    RowParameters,
 )
 
 __all__ = [
@@ -64,8 +60,8 @@ ROWS = 6
 
 @kernel(inline=True, internal=True)
 def _linearise_normal(
-    kinds: NDArray[np.int64],
-    parameters: NDArray[np.float64],
+    kinds: Records[RowKind],
+    parameters: Records[RowParameters],
     rows: NDArray[np.float64],
     c: int,
     p: float,
@@ -75,16 +71,16 @@ def _linearise_normal(
     at: int,
 ) -> tuple[float, float, float, float]:
     """Write the normal row; returns residual, impulse that bounds friction now and from p, derivative of it by p."""
-    kind = kinds[c, 0]
-    P = p + parameters[c, OFFSET]
+    kind = kinds[c].kind
+    P = p + parameters[c].offset[0]
     if kind == COMPLIANT:
-        h, depth = parameters[c, STEP], parameters[c, DEPTH]
+        h, depth = parameters[c].step, parameters[c].depth
         S = rows[ROWS * c]
         _, force, slope = mean_normal_force(
-            kinds[c, 1],
-            parameters[c, STIFFNESS],
-            parameters[c, EXPONENT],
-            parameters[c, DAMPING],
+            kinds[c].law,
+            parameters[c].stiffness,
+            parameters[c].exponent,
+            parameters[c].damping,
             depth,
             depth - h * (w + S * p - rows[ROWS * c + 3]),
             h,
@@ -112,7 +108,7 @@ def _linearise_normal(
         return P / r, 0.0, 0.0, 0.0
     record[at + R0] = -p  # given
     record[at + D00] = 0.0
-    normal = max(0.0, parameters[c, OFFSET])
+    normal = max(0.0, parameters[c].offset[0])
     return p / r, normal, normal, 0.0
 
 
@@ -178,7 +174,7 @@ def rub(
 
 @kernel(inline=True, internal=True)
 def linearise_unilateral(
-    parameters: NDArray[np.float64],
+    parameters: Records[RowParameters],
     rows: NDArray[np.float64],
     c: int,
     p0: float,
@@ -193,10 +189,10 @@ def linearise_unilateral(
     at: int,
 ) -> float:
     """As `linearise`, for a contact that can only push: short enough to stand in the loop over contacts."""
-    P0, P1, P2 = p0 + parameters[c, OFFSET], p1 + parameters[c, OFFSET + 1], p2 + parameters[c, OFFSET + 2]
+    P0, P1, P2 = p0 + parameters[c].offset[0], p1 + parameters[c].offset[1], p2 + parameters[c].offset[2]
     S0, S1, S2 = rows[ROWS * c], rows[ROWS * c + 1], rows[ROWS * c + 2]
     g0 = w0 + S0 * p0 - rows[ROWS * c + 3]
-    predicted, mu = P0 - r_n * g0, parameters[c, FRICTION]
+    predicted, mu = P0 - r_n * g0, parameters[c].friction
     if predicted > 0.0:
         D = 1.0 / S0
         r0, square = -g0 * D, g0 * g0
@@ -221,8 +217,8 @@ def linearise_unilateral(
 
 @kernel(inline=True, internal=True)
 def linearise(
-    kinds: NDArray[np.int64],
-    parameters: NDArray[np.float64],
+    kinds: Records[RowKind],
+    parameters: Records[RowParameters],
     rows: NDArray[np.float64],
     c: int,
     p: NDArray[np.float64],
@@ -249,7 +245,7 @@ def linearise(
     record, at
         The record begins at ``record[at]``.
     """
-    kind = kinds[c, 0]
+    kind = kinds[c].kind
     p0, p1, p2 = p[3 * c], p[3 * c + 1], p[3 * c + 2]
     if kind == INACTIVE:
         for i in range(RECORD):
@@ -260,8 +256,8 @@ def linearise(
     if kind == CURVE:
         return _linearise_curve(parameters, rows, c, p0, p1, p2, w0, w1, w2, r_t, record, at)
     error_n, present, after, slope = _linearise_normal(kinds, parameters, rows, c, p0, w0, r_n, record, at)
-    mu = parameters[c, FRICTION]
-    P1, P2 = p1 + parameters[c, OFFSET + 1], p2 + parameters[c, OFFSET + 2]
+    mu = parameters[c].friction
+    P1, P2 = p1 + parameters[c].offset[1], p2 + parameters[c].offset[2]
     bound, target, slope = mu * present, mu * after, mu * slope
     if bound <= 0.0 and target <= 0.0:  # no friction
         for i in range(D10, RECORD):
@@ -282,7 +278,7 @@ def linearise(
 
 @kernel(internal=True)
 def _linearise_curve(
-    parameters: NDArray[np.float64],
+    parameters: Records[RowParameters],
     rows: NDArray[np.float64],
     c: int,
     p0: float,
@@ -303,8 +299,8 @@ def _linearise_curve(
     record[at + R0], record[at + R1] = r0, r1
     record[at + D00], record[at + D11] = 1.0 / S0, 1.0 / S1
     record[at + D10] = record[at + D12] = 0.0
-    P0, P1, P2 = p0 + parameters[c, OFFSET], p1 + parameters[c, OFFSET + 1], p2 + parameters[c, OFFSET + 2]
-    mu = parameters[c, FRICTION]
+    P0, P1, P2 = p0 + parameters[c].offset[0], p1 + parameters[c].offset[1], p2 + parameters[c].offset[2]
+    mu = parameters[c].friction
     normal = math.sqrt(P0 * P0 + P1 * P1)
     bound, f0, f1 = mu * normal, 0.0, 0.0
     if normal > 0.0:
@@ -328,26 +324,26 @@ def _linearise_curve(
 
 
 @kernel(internal=True)
-def clip(kinds: NDArray[np.int64], parameters: NDArray[np.float64], c: int, p: NDArray[np.float64]) -> None:
+def clip(kinds: Records[RowKind], parameters: Records[RowParameters], c: int, p: NDArray[np.float64]) -> None:
     """Remove what rounding left outside of the cone of friction."""
-    kind = kinds[c, 0]
+    kind = kinds[c].kind
     first = 3 * c
     if kind == INACTIVE:
         p[first] = p[first + 1] = p[first + 2] = 0.0
         return
-    mu = parameters[c, FRICTION]
-    normal = p[first] + parameters[c, OFFSET]
+    mu = parameters[c].friction
+    normal = p[first] + parameters[c].offset[0]
     if kind == CURVE:
-        bound = mu * math.hypot(normal, p[first + 1] + parameters[c, OFFSET + 1])
-        o2 = parameters[c, OFFSET + 2]
+        bound = mu * math.hypot(normal, p[first + 1] + parameters[c].offset[1])
+        o2 = parameters[c].offset[2]
         p[first + 2] = min(max(p[first + 2], -bound - o2), bound - o2)
         return
     if kind == UNILATERAL and normal < 0.0:
-        p[first], normal = -parameters[c, OFFSET], 0.0
+        p[first], normal = -parameters[c].offset[0], 0.0
     bound = mu * (abs(normal) if kind == BILATERAL else max(0.0, normal))
-    P1, P2 = p[first + 1] + parameters[c, OFFSET + 1], p[first + 2] + parameters[c, OFFSET + 2]
+    P1, P2 = p[first + 1] + parameters[c].offset[1], p[first + 2] + parameters[c].offset[2]
     size = math.hypot(P1, P2)
     if size > bound:
         factor = bound / size
-        p[first + 1] = factor * P1 - parameters[c, OFFSET + 1]
-        p[first + 2] = factor * P2 - parameters[c, OFFSET + 2]
+        p[first + 1] = factor * P1 - parameters[c].offset[1]
+        p[first + 2] = factor * P2 - parameters[c].offset[2]

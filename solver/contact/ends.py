@@ -189,23 +189,23 @@ def _tell_end(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -> N
     friction_rows(contacts, j, softness_of(contacts, c), 0.0)
     half = impulse_row(contacts, c, HALF_IMPULSE)
     for r in range(3):
-        law[told.OFFSET + r] = 2.0 * contacts.rows[half + r] if smooth or state.new else 0.0
+        law.offset[r] = 2.0 * contacts.rows[half + r] if smooth or state.new else 0.0
     kind = contacts.table[c].law
     if kind == COMPLIANT:
-        contacts.kinds[j, 0] = told.NORMAL_GIVEN
+        contacts.kinds[j].kind = told.NORMAL_GIVEN
     elif kind == BILATERAL:
-        contacts.kinds[j, 0] = told.BILATERAL
+        contacts.kinds[j].kind = told.BILATERAL
     elif kind == CURVE:
-        contacts.kinds[j, 0] = told.CURVE
+        contacts.kinds[j].kind = told.CURVE
     else:
-        contacts.kinds[j, 0] = told.UNILATERAL
+        contacts.kinds[j].kind = told.UNILATERAL
         if state.new:
             rate = state.rate if state.present else contact_rates(contacts, c, work.velocity)[0]
             # what is still inside from an impact before comes to rest, or it would hit again in every step
             outside = state.gap >= -CLOSE * values.length_scale
             if outside and -rate > values.rest_speed and state.recent_impacts < MOST_EVENTS:
-                law[told.TARGET] = -values.restitution * rate
-        law[told.WANTED] = law[told.TARGET]
+                law.target[0] = -values.restitution * rate
+        law.wanted = law.target[0]
 
 
 @kernel(internal=True)

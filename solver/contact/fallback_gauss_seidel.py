@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.contact_rows import D00, D11, R0, RECORD, ROWS, clip, linearise
 from heavylift.solver.contact.iteration import ACCEPTED, measure
-from heavylift.solver.contact.layout import CURVE, FRICTION, INACTIVE
+from heavylift.solver.contact.layout import CURVE, INACTIVE
 from heavylift.solver.contact.problem import Problem, Work
 from heavylift.solver.contact.system import END
 
@@ -71,7 +71,7 @@ def _solve_contact(
     """Correct the impulses of one contact: normal rows first, then slip towards the rates that are left."""
     kinds, parameters, rows, response = problem.kinds, problem.parameters, work.rows, work.kept
     first = 3 * c
-    normals = 2 if kinds[c, 0] == CURVE else 1
+    normals = 2 if kinds[c].kind == CURVE else 1
     for i in range(normals):
         row, before = first + i, p[first + i]
         work.w[row] = _rate(problem, row, y)
@@ -90,7 +90,7 @@ def _solve_contact(
         reaction = work.records[RECORD * c + D00] if i == 0 else work.records[RECORD * c + D11]
         p[row] += work.records[RECORD * c + R0 + i] / (1.0 + reaction * response[row])
         _push(problem, row, p[row] - before, y)
-    if kinds[c, 0] == INACTIVE or parameters[c, FRICTION] <= 0.0:
+    if kinds[c].kind == INACTIVE or parameters[c].friction <= 0.0:
         size = 0.0
     else:
         size = 1.0 / (

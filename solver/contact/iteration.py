@@ -121,7 +121,7 @@ def _evaluate(problem: Problem, work: Work, p: NDArray[np.float64]) -> tuple[flo
         p0, p1, p2 = p[i], p[i + 1], p[i + 2]
         r_n, r_t = work.inverse[2 * c], work.inverse[2 * c + 1]
         at = RECORD * c
-        if kinds[c, 0] == UNILATERAL:
+        if kinds[c].kind == UNILATERAL:
             square = linearise_unilateral(
                 problem.parameters, work.rows, c, p0, p1, p2, v0, v1, v2, r_n, r_t, records, at
             )

@@ -19,6 +19,7 @@ from heavylift.contours.search_step import RESULT_WIDTH
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Matrix3, Record, Records, Vector, record_at
+from heavylift.solver.contact.layout import RowKind, RowParameters
 from heavylift.solver.kinds import Table
 from heavylift.solver.rows import RowArrays
 
@@ -486,7 +487,7 @@ class ContactRows(RowArrays):
     delassus
         Rates by impulses of the contacts that are present, shape (3 nc, 3 nc).
     laws, kinds
-        What the solver is told of each of them, shapes (nc, 16) and (nc, 2).
+        What the solver is told of each of them.
     rates
         Rates without contact, impulses and rates for the solver, shape (3, 3 nc).
     column
@@ -531,8 +532,8 @@ class ContactRows(RowArrays):
     net: Floats2
     samples: Samples
     delassus: Floats2
-    laws: Floats2
-    kinds: Ints2
+    laws: Records[RowParameters]
+    kinds: Records[RowKind]
     rates: Floats2
     column: Floats1
     scratch: Scratch

@@ -101,7 +101,7 @@ def _distance(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int, tu
     pose, radii = contacts.poses[meshes.pairs[pair, FIRST_POSE]], meshes.surfaces.radii
     shift = 0.5 * turned * (radii[meshes.pairs[pair, FIRST]] - radii[meshes.pairs[pair, SECOND]])
     x1, x2, x3 = rotate(
-        pose,
+        pose.rotation,
         0.5 * (touch[POINT_AT] + touch[OTHER_AT]) + shift * touch[NORMAL_AT],
         0.5 * (touch[POINT_AT + 1] + touch[OTHER_AT + 1]) + shift * touch[NORMAL_AT + 1],
         0.5 * (touch[POINT_AT + 2] + touch[OTHER_AT + 2]) + shift * touch[NORMAL_AT + 2],

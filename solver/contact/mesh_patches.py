@@ -181,7 +181,7 @@ def _mark_chosen(
     for i in range(n):
         k = meshes.patch_of[i]
         if meshes.active[i] > 0:
-            contacts.state[meshes.owners[i]].patch = float(k)
+            contacts.state[meshes.owners[i]].patch = k
         if meshes.depths[i] < min(meshes.sums[k], 0.0) - deeper:
             meshes.sums[k] = meshes.depths[i]
             meshes.chosen[k, 0] = i

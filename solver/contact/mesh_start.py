@@ -39,8 +39,8 @@ def check_overlaps(contacts: ContactRows, names: Sequence[str]) -> None:
     (meshes,) = contacts.meshes
     for name, pair, values in zip(names, meshes.pairs, meshes.pair_values, strict=True):
         first, second = contacts.poses[pair[FIRST_POSE]], contacts.poses[pair[SECOND_POSE]]
-        R = first[:9].reshape(3, 3)
-        turned = R.T @ second[:9].reshape(3, 3)
+        R = first.rotation.reshape(3, 3)
+        turned = R.T @ second.rotation.reshape(3, 3)
         moved = R.T @ (second.origin - first.origin)
         found = find_overlap(meshes.surfaces, int(pair[FIRST]), int(pair[SECOND]), turned, moved)
         allowed = DEEPEST * values.length_scale

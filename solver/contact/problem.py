@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel, view
+from heavylift.numerics.records import Records
 from heavylift.solver.contact.contact_rows import ROWS
 from heavylift.solver.contact.end_blocks import (
     CONTACT,
@@ -16,7 +17,7 @@ from heavylift.solver.contact.end_blocks import (
     write_rows,
 )
 from heavylift.solver.contact.envelope import find_reach, order_bodies
-from heavylift.solver.contact.layout import COMPLIANT, OFFSET, SOFTNESS, TARGET
+from heavylift.solver.contact.layout import COMPLIANT, RowKind, RowParameters
 from heavylift.solver.contact.system import COUPLING, SCRATCH, spread
 from heavylift.solver.contact.twelve import COLUMNS
 
@@ -41,8 +42,8 @@ class Problem(NamedTuple):
     """Contacts and what they touch; arrays as in the entry points."""
 
     number: int
-    kinds: NDArray[np.int64]
-    parameters: NDArray[np.float64]
+    kinds: Records[RowKind]
+    parameters: Records[RowParameters]
     ends: NDArray[np.int64]
     blocks: NDArray[np.float64]
     size: int
@@ -177,8 +178,8 @@ def prepare(problem: Problem, work: Work) -> None:
         i = 3 * c
         scale = max(scale, abs(work.w0[i]), abs(work.w0[i + 1]), abs(work.w0[i + 2]))
         o = problem.parameters[c]  # what the step has given before counts like what is asked for now
-        scale = max(scale, abs(o[OFFSET]) * work.diagonal[2 * c])
-        scale = max(scale, max(abs(o[OFFSET + 1]), abs(o[OFFSET + 2])) * work.diagonal[2 * c + 1])
+        scale = max(scale, abs(o.offset[0]) * work.diagonal[2 * c])
+        scale = max(scale, max(abs(o.offset[1]), abs(o.offset[2])) * work.diagonal[2 * c + 1])
     marks[SCALE] = scale
 
 
@@ -215,8 +216,8 @@ def fill_rows(problem: Problem, work: Work, factor_of_diagonal: float, near: NDA
     for c in range(problem.number):
         for i in range(3):
             more = factor_of_diagonal * work.diagonal[2 * c + min(i, 1)]
-            S, b = parameters[c, SOFTNESS + i], parameters[c, TARGET + i]
-            if i == 0 and problem.kinds[c, 0] == COMPLIANT:
+            S, b = parameters[c].softness[i], parameters[c].target[i]
+            if i == 0 and problem.kinds[c].kind == COMPLIANT:
                 S = b = 0.0
             rows[ROWS * c + i] = S + more
             rows[ROWS * c + 3 + i] = b + (more * near[3 * c + i] if more > 0.0 else 0.0)

@@ -9,7 +9,6 @@ of the impact are reduced by one factor, so far that it keeps the energy.
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact import layout as told
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.stage import present_at, solve_present
 from heavylift.solver.interface import Workspace
@@ -36,9 +35,7 @@ def bound_restitution(contacts: ContactRows, count: int, work: Workspace) -> boo
     """
     bounces = False
     for j in range(count):
-        bounces = bounces or (
-            contacts.state[present_at(contacts, j)].new and contacts.laws[j, told.WANTED] > 0.0
-        )
+        bounces = bounces or (contacts.state[present_at(contacts, j)].new and contacts.laws[j].wanted > 0.0)
     if not bounces:
         return True
     gain, scale = _gain(contacts, count)
@@ -78,5 +75,5 @@ def _solve_with(contacts: ContactRows, count: int, factor: float, work: Workspac
     """Impulses with all restitution reduced."""
     for j in range(count):
         if contacts.state[present_at(contacts, j)].new:
-            contacts.laws[j, told.TARGET] = factor * contacts.laws[j, told.WANTED]
+            contacts.laws[j].target[0] = factor * contacts.laws[j].wanted
     return bool(solve_present(contacts, count, work))

@@ -280,13 +280,13 @@ def friction_rows(contacts: ContactRows, j: int, softness: float, rate: float) -
     """What holds a contact that sticks where it is; for the solver."""
     c = present_at(contacts, j)
     law = contacts.laws[j]
-    law[told.FRICTION] = contacts.values[c].friction
+    law.friction = contacts.values[c].friction
     for r in range(3):
-        law[told.SOFTNESS + r] = softness
-        law[told.OFFSET + r] = 0.0
-    law[told.TARGET] = 0.0
-    law[told.TARGET + 1] = -rate * contacts.state[c].slip[0]
-    law[told.TARGET + 2] = -rate * contacts.state[c].slip[1]
+        law.softness[r] = softness
+        law.offset[r] = 0.0
+    law.target[0] = 0.0
+    law.target[1] = -rate * contacts.state[c].slip[0]
+    law.target[2] = -rate * contacts.state[c].slip[1]
 
 
 @kernel(inline=True, internal=True)
@@ -315,9 +315,9 @@ def _tell_slip(contacts: ContactRows, j: int, step: float) -> None:
         law, state = contacts.laws[j], contacts.state[c]
         damping = 2.0 * SLIP_DAMPING * math.sqrt(k / contacts.values[c].inverse_mass)
         yielding = 0.5 * step * k + damping
-        law[told.SOFTNESS + 1] = law[told.SOFTNESS + 2] = 2.0 / (step * yielding)
-        law[told.TARGET + 1] = -k * state.slip[0] / yielding
-        law[told.TARGET + 2] = -k * state.slip[1] / yielding
+        law.softness[1] = law.softness[2] = 2.0 / (step * yielding)
+        law.target[1] = -k * state.slip[0] / yielding
+        law.target[2] = -k * state.slip[1] / yielding
 
 
 @kernel(internal=True)
@@ -344,32 +344,32 @@ def _tell(contacts: ContactRows, j: int, step: float, work: Workspace) -> None:
     gap = state.gap
     if kind == COMPLIANT:
         _tell_slip(contacts, j, step)
-        contacts.kinds[j, 0], contacts.kinds[j, 1] = told.COMPLIANT, contacts.table[c].force_law
-        law[told.STIFFNESS], law[told.EXPONENT] = values.stiffness, values.exponent
-        law[told.DAMPING], law[told.DEPTH], law[told.STEP] = values.damping, -gap, step
+        contacts.kinds[j].kind, contacts.kinds[j].law = told.COMPLIANT, contacts.table[c].force_law
+        law.stiffness, law.exponent = values.stiffness, values.exponent
+        law.damping, law.depth, law.step = values.damping, -gap, step
         if contacts.table[c].force_law == told.HUNT_CROSSLEY:
             approach = -contact_rates(contacts, c, work.velocity)[0]
             if state.touch_damping < 0.0 and approach > 0.0:
-                law[told.DAMPING] = hunt_crossley_damping(values.restitution, approach)
+                law.damping = hunt_crossley_damping(values.restitution, approach)
                 if step * approach > gap:
-                    state.touch_damping = law[told.DAMPING]
+                    state.touch_damping = law.damping
             else:
-                law[told.DAMPING] = max(state.touch_damping, 0.0)
+                law.damping = max(state.touch_damping, 0.0)
         return
     if kind == CURVE:
-        contacts.kinds[j, 0] = told.CURVE
-        law[told.TARGET], law[told.TARGET + 1] = -rate * gap, -rate * state.second_gap
-        law[told.TARGET + 2] = -rate * state.slip[1]
+        contacts.kinds[j].kind = told.CURVE
+        law.target[0], law.target[1] = -rate * gap, -rate * state.second_gap
+        law.target[2] = -rate * state.slip[1]
         return
     if kind == BILATERAL:
-        contacts.kinds[j, 0] = told.BILATERAL
-        law[told.TARGET] = -rate * gap
+        contacts.kinds[j].kind = told.BILATERAL
+        law.target[0] = -rate * gap
         return
-    contacts.kinds[j, 0] = told.UNILATERAL
+    contacts.kinds[j].kind = told.UNILATERAL
     if gap > 0.0 and not state.closed:  # closes within this step at most
-        law[told.TARGET] = -gap / step
+        law.target[0] = -gap / step
         return
-    law[told.TARGET] = -rate * gap * (SOFTLY if gap < -DEEP * values.length_scale else 1.0)
+    law.target[0] = -rate * gap * (SOFTLY if gap < -DEEP * values.length_scale else 1.0)
 
 
 @implement(refactor_rows, ContactRows)
