@@ -76,9 +76,8 @@ def _is_new(contacts: ContactRows, c: int, step: float, velocity: NDArray[np.flo
     if state.present and contacts.rows[impulse_row(contacts, c, HALF_IMPULSE)] > 0.0:
         return True  # stopped by its row in the middle of the step
     rate = contact_rates(contacts, c, velocity)[0]
-    soon = (
-        -SHORTEST * rate * contacts.control.nominal_step
-    )  # what would touch at once belongs to the same impact
+    # what would touch at once belongs to the same impact
+    soon = -SHORTEST * rate * contacts.control.nominal_step
     return rate < 0.0 and state.end_gap <= gap_tolerance(contacts, c, rate) + soon
 
 
@@ -167,9 +166,8 @@ def _project(
         c = present_at(contacts, j)
         contacts.state[c].rate = contact_rates(contacts, c, work.velocity)[0]
     if not solve_present(contacts, count, work):
-        if (
-            step > SHORTEST_PART * contacts.control.nominal_step
-        ):  # not found: two steps may do what one does not
+        # not found: two steps may do what one does not
+        if step > SHORTEST_PART * contacts.control.nominal_step:
             work.status.outcome = work.status.block = 0
             work.control.split = 0.5 * step
         return False

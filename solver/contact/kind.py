@@ -19,7 +19,7 @@ from heavylift.contours.search_step import RESULT_WIDTH
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Matrix3, Record, Records, Vector, record_at
-from heavylift.solver.contact.layout import RowKind, RowParameters
+from heavylift.solver.contact.layout import RowKind, RowParameters, Solution
 from heavylift.solver.kinds import Table
 from heavylift.solver.rows import RowArrays
 
@@ -38,6 +38,7 @@ __all__ = [
     "Features",
     "Pose",
     "Reduced",
+    "ReducedCounts",
     "SampleGrid",
     "Samples",
     "Scratch",
@@ -434,6 +435,12 @@ class Samples(Arrays):
     angles: Floats1
 
 
+class ReducedCounts(Record):
+    """Of what the solver is told of contacts between rigid bodies: how many columns there are."""
+
+    columns: int
+
+
 class Reduced(Arrays):
     """What the solver is told of contacts between rigid bodies; columns are velocities of touched bodies.
 
@@ -447,7 +454,7 @@ class Reduced(Arrays):
         Velocities without and with impulses, shape (n,).
     columns, velocities
         Column of each velocity of the scene, -1 if it is not touched; velocity of each column.
-    numbers
+    counts
         How many columns there are.
     """
 
@@ -458,7 +465,7 @@ class Reduced(Arrays):
     found: Floats1
     columns: Ints1
     velocities: Ints1
-    numbers: Ints1
+    counts: ReducedCounts
 
 
 class ContactRows(RowArrays):
@@ -500,7 +507,7 @@ class ContactRows(RowArrays):
     control
         Of events.
     solvers, solution
-        What solves them, and how that ended: status, iterations, residual, shape (3,).
+        What solves them, and how that ended.
     reduced
         What the solver needs on the velocities of the touched bodies, if all of them are rigid.
     meshes
@@ -545,7 +552,7 @@ class ContactRows(RowArrays):
     workspace: Floats1
     control: Events
     solvers: ContactSolvers
-    solution: Floats1
+    solution: Solution
     reduced: Reduced
     meshes: Colliding
     placed: Floats2

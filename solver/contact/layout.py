@@ -31,6 +31,7 @@ __all__ = [
     "UNILATERAL",
     "RowKind",
     "RowParameters",
+    "Solution",
 ]
 
 INACTIVE, UNILATERAL, BILATERAL, CURVE, COMPLIANT, NORMAL_GIVEN = range(6)
@@ -83,3 +84,11 @@ class RowParameters(Record):
     depth: float
     step: float
     wanted: float
+
+
+class Solution(Record):
+    """How a solution ended: as `solve_contacts` returns it, with its residual relative to the rates."""
+
+    status: int
+    iterations: int
+    residual: float

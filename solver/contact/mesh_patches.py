@@ -211,7 +211,7 @@ def share_stiffness(
     first, last = contacts.counts.of_contours, contact_count(contacts)
     for c in range(first, last):
         state = contacts.state[c]
-        if state.pair == pair and state.patch >= 0.0:
+        if state.pair == pair and state.patch >= 0:
             meshes.sums[state.patch] += _weight(state.end_gap, reach)
     stiffness = values_at(meshes.pair_values[pair], 0).stiffness
     for c in range(first, last):
@@ -219,7 +219,7 @@ def share_stiffness(
         if state.pair != pair or contacts.table[c].law != COMPLIANT:
             continue
         before = values.stiffness
-        if state.patch >= 0.0 and meshes.sums[state.patch] > 0.0:
+        if state.patch >= 0 and meshes.sums[state.patch] > 0.0:
             state.share = _weight(state.end_gap, reach) / meshes.sums[state.patch]
         values.stiffness = state.share * stiffness
         values.damping = state.share * values_at(meshes.pair_values[pair], 0).damping

@@ -138,9 +138,8 @@ def find_first_mesh_contacts(
         state.gap = state.end_gap
         state.rate = contact_rates(contacts, c, work.velocity)[0]
         state.start_beside, state.start_rate = state.beside, state.rate
-        state.shift = (
-            step * abs(state.rate) + AT_START * values_at(meshes.pair_values[state.pair], 0).length_scale
-        )
+        size = values_at(meshes.pair_values[state.pair], 0).length_scale
+        state.shift = step * abs(state.rate) + AT_START * size
 
 
 @kernel(internal=True)

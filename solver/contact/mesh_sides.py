@@ -129,9 +129,8 @@ def settle_sides(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: 
 
     Which side it comes from is told by what touches already, and it may be as deep inside as that.
     """
-    nothing = ABOUT_NOTHING * values_at(meshes.pair_values[pair], 0).length_scale + 2.0 * deepest_of(
-        meshes, contacts, pair
-    )
+    size = values_at(meshes.pair_values[pair], 0).length_scale
+    nothing = ABOUT_NOTHING * size + 2.0 * deepest_of(meshes, contacts, pair)
     deforms, inside = meshes.pairs[pair, DEFORMS] > 0, nothing
     if deforms:  # where only the rounding is inside, the side is known
         inside = meshes.pair_values[pair, RADII]

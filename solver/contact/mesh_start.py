@@ -9,10 +9,7 @@ from numpy.typing import NDArray
 
 from heavylift.contours.overlap import find_overlap
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.contact.kind import (
-    COMPLIANT,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import COMPLIANT, ContactRows, values_at
 from heavylift.solver.contact.mesh_kind import FIRST, FIRST_POSE, PAIR_LAW, RADII, SECOND, SECOND_POSE
 
 __all__ = ["check_overlaps"]
@@ -43,7 +40,7 @@ def check_overlaps(contacts: ContactRows, names: Sequence[str]) -> None:
         turned = R.T @ second.rotation.reshape(3, 3)
         moved = R.T @ (second.origin - first.origin)
         found = find_overlap(meshes.surfaces, int(pair[FIRST]), int(pair[SECOND]), turned, moved)
-        allowed = DEEPEST * values.length_scale
+        allowed = DEEPEST * values_at(values, 0).length_scale
         if pair[PAIR_LAW] == COMPLIANT:  # what is round may begin under load
             allowed = max(allowed, values[RADII])
         if found.triangle_a >= 0 and found.depth > allowed:

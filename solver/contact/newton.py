@@ -25,6 +25,7 @@ from heavylift.solver.contact.layout import (
     UNILATERAL,
     RowKind,
     RowParameters,
+    Solution,
 )
 from heavylift.solver.contact.problem import (
     Problem,
@@ -280,9 +281,9 @@ def solve_dense(
     p: Floats1,
     w: Floats1,
     workspace: Floats1,
-    solution: Floats1,
+    solution: Solution,
 ) -> None:
-    """As `solve_contacts`; status, iterations and residual into `solution`, shape (3,)."""
+    """As `solve_contacts`; status, iterations and residual into `solution`."""
 
 
 @generic("contact")
@@ -299,9 +300,9 @@ def solve_on_velocities(
     p: Floats1,
     y: Floats1,
     workspace: Floats1,
-    solution: Floats1,
+    solution: Solution,
 ) -> None:
-    """As `solve_contacts_reduced`; status, iterations and residual into `solution`, shape (3,)."""
+    """As `solve_contacts_reduced`; status, iterations and residual into `solution`."""
 
 
 @implement(solve_dense, NonsmoothNewton)
@@ -316,9 +317,11 @@ def _solve_dense(
     p: NDArray[np.float64],
     w: NDArray[np.float64],
     workspace: NDArray[np.float64],
-    solution: NDArray[np.float64],
+    solution: Solution,
 ) -> None:
-    solution[0], solution[1], solution[2] = solve_contacts(count, kinds, parameters, w0, W, p, w, workspace)
+    solution.status, solution.iterations, solution.residual = solve_contacts(
+        count, kinds, parameters, w0, W, p, w, workspace
+    )
 
 
 @implement(solve_on_velocities, NonsmoothNewton)
@@ -336,8 +339,9 @@ def _solve_on_velocities(
     p: NDArray[np.float64],
     y: NDArray[np.float64],
     workspace: NDArray[np.float64],
-    solution: NDArray[np.float64],
+    solution: Solution,
 ) -> None:
-    solution[0], solution[1], solution[2] = solve_contacts_reduced(
+    status, iterations, residual = solve_contacts_reduced(
         count, kinds, parameters, ends, blocks, size, y0, B, p, y, workspace
     )
+    solution.status, solution.iterations, solution.residual = status, iterations, residual

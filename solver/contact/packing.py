@@ -57,6 +57,7 @@ from heavylift.solver.contact.kind import (
     Events,
     Features,
     Reduced,
+    ReducedCounts,
     Scratch,
 )
 from heavylift.solver.contact.laws_packing import force_law, put_law
@@ -251,7 +252,7 @@ def _kind(
         workspace=np.zeros(in_python(workspace_length)(count, size)),
         control=control,
         solvers=ContactSolvers((NonsmoothNewton(),)),
-        solution=np.zeros(3),
+        solution=told.Solution.one(),
         reduced=reduced,
         meshes=collided.meshes,
         placed=collided.placed,
@@ -278,7 +279,7 @@ def _reduced(contact_count: int, body_count: int, velocity_count: int) -> Reduce
         found=np.zeros(size),
         columns=np.full(velocity_count, -1, dtype=np.int64),
         velocities=np.zeros(size, dtype=np.int64),
-        numbers=np.zeros(1, dtype=np.int64),
+        counts=ReducedCounts.one(),
     )
 
 

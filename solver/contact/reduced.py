@@ -18,14 +18,12 @@ from heavylift.solver.rows import DOF, PANEL, WIDTH
 
 __all__ = ["assemble_reduced", "solve_reduced"]
 
-SIZE_AT = 0
-
 
 @kernel(internal=True)
 def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> None:
     """Columns, blocks and matrix for the contacts that take part."""
     reduced = contacts.reduced
-    for j in range(reduced.numbers[SIZE_AT]):
+    for j in range(reduced.counts.columns):
         reduced.columns[reduced.velocities[j]] = -1
     size = 0
     lanes = len(contacts.shape[1])
@@ -48,7 +46,7 @@ def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> Non
             for r in range(3):
                 for k in range(width):
                     reduced.blocks[j, 18 * side + 6 * r + k] = contacts.panels[panel + k * lanes + r]
-    reduced.numbers[SIZE_AT] = size
+    reduced.counts.columns = size
     column = contacts.column
     for j in range(size):
         dof = reduced.velocities[j]
@@ -71,7 +69,7 @@ def solve_reduced(contacts: ContactRows, count: int, velocity: NDArray[np.float6
     How it ended is in `contacts.solution`.
     """
     reduced, free, p, w = contacts.reduced, contacts.rates[0], contacts.rates[1], contacts.rates[2]
-    size = reduced.numbers[SIZE_AT]
+    size = reduced.counts.columns
     for i in range(size):
         reduced.found[i] = 0.0
     for j in range(count):

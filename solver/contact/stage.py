@@ -126,7 +126,7 @@ def meet_contacts_midpoint(
     """Rows at the predicted midpoint, then half impulses."""
     restore_contacts(contacts.meshes, contacts)
     contacts.control.nominal_step = nominal
-    contacts.control.residual = contacts.control.rounds = 0
+    contacts.control.residual, contacts.control.rounds = 0.0, 0
     count = 0
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
@@ -258,10 +258,10 @@ def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
             contacts.workspace,
             contacts.solution,
         )
-    status, rounds, residual = contacts.solution[0], contacts.solution[1], contacts.solution[2]
-    contacts.control.residual = max(contacts.control.residual, residual)
-    contacts.control.rounds += rounds
-    if status < 0 and not residual < ENOUGH:
+    solution = contacts.solution
+    contacts.control.residual = max(contacts.control.residual, solution.residual)
+    contacts.control.rounds += solution.iterations
+    if solution.status < 0 and not solution.residual < ENOUGH:
         mark_failure(contacts, present_at(contacts, 0), work)
         return False
     for j in range(count):

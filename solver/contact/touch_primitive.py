@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from heavylift.contours.basis import find_span
-from heavylift.contours.convex import SHAPE_WIDTH
 from heavylift.contours.layout import (
     CLOSED_U,
     CLOSED_V,
@@ -65,7 +64,7 @@ def touch_primitive(
     row, scratch, state = contacts.contours[contour], contacts.scratch, contacts.state[c]
     result, evaluate = scratch.result, scratch.evaluation
     knots, net = contacts.constants, contacts.net
-    shape = scratch.primitive[:SHAPE_WIDTH]
+    shape = scratch.primitive
     place_shape(contacts, c, y1, y2, y3, work)
     if cold:
         _start_anywhere(contacts, c)
@@ -107,7 +106,7 @@ def _start_anywhere(contacts: ContactRows, c: int) -> None:
         contacts.constants,
         contacts.net,
         contacts.table[c].primitive_kind,
-        scratch.primitive[:SHAPE_WIDTH],
+        scratch.primitive,
         samples.parameters[i : i + grid.count_u],
         samples.parameters[j : j + grid.count_v],
         samples.points[at : at + 3],

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from heavylift.contours.basis import find_span
-from heavylift.contours.convex import SHAPE_RADIUS, SHAPE_WIDTH
+from heavylift.contours.convex import SHAPE_RADIUS
 from heavylift.contours.layout import (
     CLOSED_U,
     CLOSED_V,
@@ -69,7 +69,7 @@ def touch_ring(
     row, scratch, state = contacts.contours[contour], contacts.scratch, contacts.state[c]
     result, evaluate = scratch.result, scratch.evaluation
     knots, net = contacts.constants, contacts.net
-    shape = scratch.primitive[:SHAPE_WIDTH]
+    shape = scratch.primitive
     place_shape(contacts, c, y1, y2, y3, work)
     if cold:
         _start_anywhere(contacts, c)
@@ -112,7 +112,7 @@ def _start_anywhere(contacts: ContactRows, c: int) -> None:
         contacts.constants,
         contacts.constants,
         contacts.net,
-        scratch.primitive[:SHAPE_WIDTH],
+        scratch.primitive,
         samples.parameters[i : i + grid.count_u],
         samples.parameters[j : j + grid.count_v],
         samples.points[at : at + 3],
