@@ -69,6 +69,7 @@ LARGEST_CONTROLS = 1024
 """Control points under a footprint, and under a point."""
 
 EVALUATION_ROOM = 904
+"""Numbers of the scratch of evaluation and search."""
 
 DENSE = 4
 """Contacts up to which their own matrix is formed where all bodies are rigid."""
