@@ -249,6 +249,8 @@ def _pack_surface(
     one: CollisionSurface, by_name: Mapping[str, AnyBody], dofs: Mapping[str, int]
 ) -> tuple[ContactContour, ContourPose, TriangleSurface, FacetBook | None]:
     """Row and pose of a surface, its triangles in the axes in which its body is measured, and how they deform."""
+    from heavylift.preprocess.surfaces import TriangleSurface
+
     if one.body != GROUND and one.body not in by_name:
         raise InputError(
             f"there is no body {one.body!r}",
