@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +23,12 @@ from heavylift.solver.contact.twelve import COLUMNS
 
 __all__ = [
     "Marks",
+    "NoEnds",
     "Problem",
     "Work",
     "divide",
     "fill_rows",
+    "no_ends",
     "prepare",
     "workspace_length",
 ]
@@ -54,6 +56,15 @@ MARKS = Marks.layout.itemsize // 8
 """Numbers of them in the workspace."""
 
 marks_at = record_at(Marks)
+
+
+class NoEnds(Record):
+    """What contacts have that are given by the matrix of their rows alone."""
+
+    ends: Annotated[NDArray[np.int64], (0, 4)]
+
+
+no_ends = record_at(NoEnds)
 
 
 class Problem(NamedTuple):
