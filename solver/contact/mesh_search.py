@@ -145,7 +145,7 @@ def _search_pair(
         c = look_up(meshes, contacts, pair, kind, feature, other)
         if c >= 0:
             state = contacts.state[c]
-            state.hit = int(found.hit)
+            state.hit = found.hit
             if state.hit > 0 and state.side != meshes.found.contacts[i].side and not holds(contacts, c):
                 gap, state.side = state.end_gap, meshes.found.contacts[i].side
                 for k in range(3):
@@ -242,7 +242,7 @@ def _add(
     state.feature_kind, state.feature, state.other_feature = (found.kind, found.first, found.second)
     state.side, state.start_gap, state.gap = side, start, start
     state.shift = moved  # or it would take part one step late
-    state.hit, state.patch = int(found.hit), meshes.keeps[i]
+    state.hit, state.patch = found.hit, meshes.keeps[i]
     touch_mesh_contact(meshes, contacts, bodies, c, work)
     # the rate at the start of the step, of a gap that is a parabola
     rate = contact_rates(contacts, c, work.velocity)[0]

@@ -31,6 +31,7 @@ from heavylift.solver.contact.problem import (
     Problem,
     divide,
     fill_rows,
+    no_ends,
     prepare,
     workspace_length,
 )
@@ -202,8 +203,8 @@ def solve_contacts(
         for i in range(3):
             w[i] = w0[i] + W[i, 0] * p[0] + W[i, 1] * p[1] + W[i, 2] * p[2]
         return status, iterations, residual
-    no_ends = workspace[:0].view(np.int64).reshape((0, 4))
-    problem = Problem(count, kinds, parameters, no_ends, W[:0], 3 * count, w0, W)
+    ends = no_ends(workspace, 0).ends
+    problem = Problem(count, kinds, parameters, ends, W[:0], 3 * count, w0, W)
     status, iterations, residual = _solve(problem, workspace, p, w)
     return status, iterations, residual
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,17 @@ from heavylift.solver.contact.layout import COMPLIANT, RowKind, RowParameters
 from heavylift.solver.contact.system import COUPLING, SCRATCH, spread
 from heavylift.solver.contact.twelve import COLUMNS
 
-__all__ = ["Marks", "Problem", "Work", "divide", "fill_rows", "prepare", "workspace_length"]
+__all__ = [
+    "Marks",
+    "NoEnds",
+    "Problem",
+    "Work",
+    "divide",
+    "fill_rows",
+    "no_ends",
+    "prepare",
+    "workspace_length",
+]
 
 
 class Marks(Record):
@@ -41,6 +51,15 @@ MARKS = Marks.layout.itemsize // 8
 """Numbers of them in the workspace."""
 
 marks_at = record_at(Marks)
+
+
+class NoEnds(Record):
+    """What contacts have that are given by the matrix of their rows alone."""
+
+    ends: Annotated[NDArray[np.int64], (0, 4)]
+
+
+no_ends = record_at(NoEnds)
 
 
 class Problem(NamedTuple):
