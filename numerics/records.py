@@ -132,7 +132,7 @@ class Record(_Scalar):
 
     @property
     def words(self) -> NDArray[np.float64]:
-        """All of it as words that are copied or cleared together; a view, which keeps the record."""
+        """All of it as words that are copied or cleared together; a view, in kernels too."""
         count = type(self).layout.itemsize // WORD_BYTES
         memory: Any = (ctypes.c_double * count).from_address(self.address)
         memory.owner = self
@@ -315,8 +315,7 @@ def records(record: type[R], rows: int | typing.Iterable[typing.Iterable[Any]]) 
         made[i] = row
     return made
 
-
-# ---- in kernels ----
+    # ---- in kernels ----
 
 
 class RecordType(Pointer):
@@ -517,6 +516,8 @@ class _Fields(AttributeTemplate):
 
     def generic_resolve(self, of_type: Any, name: str) -> Any:
         """Type of a field."""
+        if name == "words":
+            return types.Array(types.float64, 1, "C")
         known = of_type.record.fields_of.get(name)
         return None if known is None else known[0]
 
@@ -529,6 +530,10 @@ def _place_of_field(builder: Any, of_type: Any, value: Any, name: str) -> tuple[
 
 @lower_getattr_generic(RecordType)
 def _field(context: Any, builder: Any, of_type: Any, value: Any, name: str) -> Any:
+    if name == "words":
+        count = ir.Constant(WORD, of_type.record.layout.itemsize // WORD_BYTES)
+        floats = types.Array(types.float64, 1, "C")
+        return rebuild_array(context, builder, floats, [builder.ptrtoint(value, WORD), count])
     field_type, at = _place_of_field(builder, of_type, value, name)
     if isinstance(field_type, RecordType):
         return at

@@ -61,10 +61,8 @@ def stop_message(layout: Layout, when: str) -> str:
 
 def _first_contact(layout: Layout) -> int:
     """Number of the first block that is a contact; behind the last block if there is none."""
-    from heavylift.solver.contact.kind import FIRST_BLOCK, LARGEST_CONTROLS
-
     for system in _contacts(layout):
-        return int(system.places[LARGEST_CONTROLS + len(system.table) + FIRST_BLOCK])
+        return int(system.counts.first_block)
     return len(layout.block_names)
 
 
@@ -75,11 +73,11 @@ def _contacts(layout: Layout) -> list[Any]:
 
 def _contact_remedy(layout: Layout, contact: int) -> str:
     """What may help a contact, from how its last search ended."""
-    from heavylift.solver.contact.kind import LARGEST_CONTROLS, OF_CONTOURS, SEARCH, TOO_DEEP
+    from heavylift.solver.contact.kind import TOO_DEEP
 
     (contacts,) = _contacts(layout)
-    if contact >= contacts.places[LARGEST_CONTROLS + len(contacts.table) + OF_CONTOURS]:
+    if contact >= contacts.counts.of_contours:
         return "a smaller step, or less friction where surfaces wedge"
-    if contacts.state[contact, SEARCH] == TOO_DEEP:
+    if contacts.state[contact].search == TOO_DEEP:
         return "a smaller step, a stiffer law or a larger radius: it is deeper inside its contour than its rounding"
     return "a smaller step, or a contour whose control points are not crowded"

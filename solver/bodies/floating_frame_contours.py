@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from heavylift.contours.modal_sums import modal_points, modal_shapes
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
-from heavylift.solver.bodies.floating_frame import (
-    FloatingFrameBodies,
-)
+from heavylift.solver.bodies.floating_frame import FloatingFrameBodies
 from heavylift.solver.bodies.floating_frame_stage import stage_at_state
 from heavylift.solver.contact.contour_rows import put_frame_rows
 from heavylift.solver.contact.interface import (
@@ -24,21 +25,7 @@ from heavylift.solver.contact.interface import (
     pose_contours,
     put_contour_rows,
 )
-from heavylift.solver.contact.kind import (
-    CONTOUR,
-    DIRECTIONS,
-    HAS_SLOPES,
-    LARGEST_CONTROLS,
-    OF_MODES,
-    ORIGIN,
-    REACH,
-    ROTATION,
-    SHAPES,
-    SLOPES,
-    STEP_SHIFT,
-    WEIGHTS_AT,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import OF_MODES, ContactRows
 from heavylift.solver.drive import FIXED
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
@@ -77,9 +64,9 @@ def _write_poses(kind: FloatingFrameBodies, contacts: ContactRows) -> None:
         body = owner_of(kind, contacts, contour)
         if body >= 0:
             for k in range(9):
-                contacts.poses[contour, ROTATION + k] = kind.frame[body].mid_rotation[k]
+                contacts.poses[contour].rotation[k] = kind.frame[body].mid_rotation[k]
             for k in range(3):
-                contacts.poses[contour, ORIGIN + k] = kind.frame[body].mid_position[k]
+                contacts.poses[contour].origin[k] = kind.frame[body].mid_position[k]
 
 
 @implement(form_controls, FloatingFrameBodies)
@@ -134,41 +121,42 @@ def put_flexible_contour_rows(
     kind: FloatingFrameBodies, contacts: ContactRows, contact: int, count: int
 ) -> None:
     """Frame, then modes: ``-( d . Phi(u, v) + e . Phi_u(u, v) )`` in the axes of the contour."""
-    contour = contacts.table[contact, CONTOUR]
+    contour = contacts.table[contact].contour
     body = owner_of(kind, contacts, contour)
     if body < 0:
         return
     put_frame_rows(contacts, contact)
     lanes = len(contacts.shape[1])
-    n, scratch = kind.table[body].mode_count, contacts.scratch
+    n, scratch, shapes = kind.table[body].mode_count, contacts.scratch, contacts.shapes
     panel = contacts.attachments[2 * contact].panel + 6 * lanes
-    turning = scratch[HAS_SLOPES] > 0.0
-    _sum_shapes(contacts, contour, count, n, WEIGHTS_AT, SHAPES)
+    turning = scratch.has_slopes
+    _sum_shapes(contacts, contour, count, n, scratch.weights, 0)
     if turning:
-        _sum_shapes(contacts, contour, count, n, WEIGHTS_AT + LARGEST_CONTROLS, SHAPES + 3 * n)
+        _sum_shapes(contacts, contour, count, n, scratch.slope_weights, 3 * n)
     pose = contacts.poses[contour]
     for r in range(3):
-        at = DIRECTIONS + 3 * r
-        d1, d2, d3 = rotate_back(pose, scratch[at], scratch[at + 1], scratch[at + 2])
+        d = scratch.directions[r]
+        d1, d2, d3 = rotate_back(pose.rotation, d[0], d[1], d[2])
         for i in range(n):
             contacts.panels[panel + i * lanes + r] = -(
-                d1 * scratch[SHAPES + i] + d2 * scratch[SHAPES + n + i] + d3 * scratch[SHAPES + 2 * n + i]
+                d1 * shapes[i] + d2 * shapes[n + i] + d3 * shapes[2 * n + i]
             )
         if turning:
-            e1, e2, e3 = scratch[SLOPES + 3 * r], scratch[SLOPES + 3 * r + 1], scratch[SLOPES + 3 * r + 2]
-            begin = SHAPES + 3 * n
+            e1, e2, e3 = scratch.slopes[r, 0], scratch.slopes[r, 1], scratch.slopes[r, 2]
+            begin = 3 * n
             for i in range(n):
                 contacts.panels[panel + i * lanes + r] -= (
-                    e1 * scratch[begin + i] + e2 * scratch[begin + n + i] + e3 * scratch[begin + 2 * n + i]
+                    e1 * shapes[begin + i] + e2 * shapes[begin + n + i] + e3 * shapes[begin + 2 * n + i]
                 )
 
 
 @kernel(inline=True, internal=True)
-def _sum_shapes(contacts: ContactRows, contour: int, count: int, n: int, weights: int, out: int) -> None:
+def _sum_shapes(
+    contacts: ContactRows, contour: int, count: int, n: int, weights: NDArray[np.float64], out: int
+) -> None:
     """Weighted mode shapes of some control points, component by component."""
     begin = contacts.contours[contour].controls
-    scratch = contacts.scratch
-    modal_shapes(contacts.constants, begin, n, contacts.places, count, scratch, weights, scratch, out)
+    modal_shapes(contacts.constants, begin, n, contacts.places, count, weights, 0, contacts.shapes, out)
 
 
 @implement(bound_motion, FloatingFrameBodies)
@@ -192,8 +180,8 @@ def bound_flexible_motion(
             for k in range(3):
                 v += work.velocity[dof + k] ** 2
                 w += work.velocity[dof + 3 + k] ** 2
-            speed += math.sqrt(v) + 2.0 * math.sqrt(w) * contacts.poses[contour, REACH]
-        contacts.poses[contour, STEP_SHIFT] = step * speed
+            speed += math.sqrt(v) + 2.0 * math.sqrt(w) * contacts.poses[contour].reach
+        contacts.poses[contour].step_shift = step * speed
 
 
 @implement(forget_accelerations, FloatingFrameBodies)

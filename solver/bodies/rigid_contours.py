@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.rigid import (
-    RigidBodies,
-)
+from heavylift.solver.bodies.rigid import RigidBodies
 from heavylift.solver.contact.contour_rows import put_frame_rows
 from heavylift.solver.contact.interface import (
     bound_motion,
@@ -15,15 +13,7 @@ from heavylift.solver.contact.interface import (
     pose_contours,
     put_contour_rows,
 )
-from heavylift.solver.contact.kind import (
-    CONTOUR,
-    OF_RIGID,
-    ORIGIN,
-    REACH,
-    ROTATION,
-    STEP_SHIFT,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import OF_RIGID, ContactRows
 from heavylift.solver.drive import FREE
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
@@ -48,16 +38,16 @@ def pose_rigid_contours(kind: RigidBodies, at_midpoint: bool, contacts: ContactR
         body = owner_of(kind, contacts, contour)
         if body >= 0:
             for k in range(9):
-                contacts.poses[contour, ROTATION + k] = kind.frame[body].mid_rotation[k]
+                contacts.poses[contour].rotation[k] = kind.frame[body].mid_rotation[k]
             for k in range(3):
-                contacts.poses[contour, ORIGIN + k] = kind.frame[body].mid_position[k]
+                contacts.poses[contour].origin[k] = kind.frame[body].mid_position[k]
 
 
 @implement(put_contour_rows, RigidBodies)
 @kernel(internal=True)
 def put_rigid_contour_rows(kind: RigidBodies, contacts: ContactRows, contact: int, count: int) -> None:
     """The six velocities of the frame."""
-    contour = contacts.table[contact, CONTOUR]
+    contour = contacts.table[contact].contour
     if owner_of(kind, contacts, contour) >= 0:
         put_frame_rows(contacts, contact)
 
@@ -73,8 +63,8 @@ def bound_rigid_motion(kind: RigidBodies, contacts: ContactRows, step: float, wo
             for k in range(3):
                 v += work.velocity[dof + k] ** 2
                 w += work.velocity[dof + 3 + k] ** 2
-            contacts.poses[contour, STEP_SHIFT] = step * (
-                math.sqrt(v) + math.sqrt(w) * contacts.poses[contour, REACH]
+            contacts.poses[contour].step_shift = step * (
+                math.sqrt(v) + math.sqrt(w) * contacts.poses[contour].reach
             )
 
 

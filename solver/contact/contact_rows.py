@@ -18,21 +18,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.records import Record, Vector, record_at
+from heavylift.numerics.records import Record, Records, Vector, record_at
 from heavylift.solver.contact.laws import mean_normal_force
 from heavylift.solver.contact.layout import (
     BILATERAL,
     COMPLIANT,
     CURVE,
-    DAMPING,
-    DEPTH,
-    EXPONENT,
-    FRICTION,
     INACTIVE,
-    OFFSET,
-    STEP,
-    STIFFNESS,
     UNILATERAL,
+    RowKind,
+    RowParameters,
 )
 
 __all__ = [
@@ -77,8 +72,8 @@ linearised_contact, solved_rows = record_at(LinearisedContact), record_at(Solved
 
 @kernel(inline=True, internal=True)
 def _linearise_normal(
-    kinds: NDArray[np.int64],
-    parameters: NDArray[np.float64],
+    kinds: Records[RowKind],
+    parameters: Records[RowParameters],
     row: SolvedRows,
     c: int,
     p: float,
@@ -87,16 +82,16 @@ def _linearise_normal(
     record: LinearisedContact,
 ) -> tuple[float, float, float, float]:
     """Write the normal row; returns residual, impulse that bounds friction now and from p, derivative of it by p."""
-    kind = kinds[c, 0]
-    P = p + parameters[c, OFFSET]
+    kind = kinds[c].kind
+    P = p + parameters[c].offset[0]
     if kind == COMPLIANT:
-        h, depth = parameters[c, STEP], parameters[c, DEPTH]
+        h, depth = parameters[c].step, parameters[c].depth
         S = row.softness[0]
         _, force, slope = mean_normal_force(
-            kinds[c, 1],
-            parameters[c, STIFFNESS],
-            parameters[c, EXPONENT],
-            parameters[c, DAMPING],
+            kinds[c].law,
+            parameters[c].stiffness,
+            parameters[c].exponent,
+            parameters[c].damping,
             depth,
             depth - h * (w + S * p - row.target[0]),
             h,
@@ -124,7 +119,7 @@ def _linearise_normal(
         return P / r, 0.0, 0.0, 0.0
     record.r[0] = -p  # given
     record.d00 = 0.0
-    normal = max(0.0, parameters[c, OFFSET])
+    normal = max(0.0, parameters[c].offset[0])
     return p / r, normal, normal, 0.0
 
 
@@ -190,7 +185,7 @@ def rub(
 
 @kernel(inline=True, internal=True)
 def linearise_unilateral(
-    parameters: NDArray[np.float64],
+    parameters: Records[RowParameters],
     row: SolvedRows,
     c: int,
     p0: float,
@@ -204,10 +199,10 @@ def linearise_unilateral(
     record: LinearisedContact,
 ) -> float:
     """As `linearise`, for a contact that can only push: short enough to stand in the loop over contacts."""
-    P0, P1, P2 = p0 + parameters[c, OFFSET], p1 + parameters[c, OFFSET + 1], p2 + parameters[c, OFFSET + 2]
+    P0, P1, P2 = p0 + parameters[c].offset[0], p1 + parameters[c].offset[1], p2 + parameters[c].offset[2]
     S0, S1, S2 = row.softness[0], row.softness[1], row.softness[2]
     g0 = w0 + S0 * p0 - row.target[0]
-    predicted, mu = P0 - r_n * g0, parameters[c, FRICTION]
+    predicted, mu = P0 - r_n * g0, parameters[c].friction
     if predicted > 0.0:
         D = 1.0 / S0
         r0, square = -g0 * D, g0 * g0
@@ -231,8 +226,8 @@ def linearise_unilateral(
 
 @kernel(inline=True, internal=True)
 def linearise(
-    kinds: NDArray[np.int64],
-    parameters: NDArray[np.float64],
+    kinds: Records[RowKind],
+    parameters: Records[RowParameters],
     row: SolvedRows,
     c: int,
     p: NDArray[np.float64],
@@ -258,7 +253,7 @@ def linearise(
     record
         Written.
     """
-    kind = kinds[c, 0]
+    kind = kinds[c].kind
     p0, p1, p2 = p[3 * c], p[3 * c + 1], p[3 * c + 2]
     if kind == INACTIVE:
         record.r[0], record.r[1], record.r[2] = -p0, -p1, -p2
@@ -268,8 +263,8 @@ def linearise(
     if kind == CURVE:
         return _linearise_curve(parameters, row, c, p0, p1, p2, w0, w1, w2, r_t, record)
     error_n, present, after, slope = _linearise_normal(kinds, parameters, row, c, p0, w0, r_n, record)
-    mu = parameters[c, FRICTION]
-    P1, P2 = p1 + parameters[c, OFFSET + 1], p2 + parameters[c, OFFSET + 2]
+    mu = parameters[c].friction
+    P1, P2 = p1 + parameters[c].offset[1], p2 + parameters[c].offset[2]
     bound, target, slope = mu * present, mu * after, mu * slope
     if bound <= 0.0 and target <= 0.0:  # no friction
         record.d10 = record.d11 = record.d12 = record.d20 = record.d21 = record.d22 = 0.0
@@ -289,7 +284,7 @@ def linearise(
 
 @kernel(internal=True)
 def _linearise_curve(
-    parameters: NDArray[np.float64],
+    parameters: Records[RowParameters],
     row: SolvedRows,
     c: int,
     p0: float,
@@ -309,8 +304,8 @@ def _linearise_curve(
     record.r[0], record.r[1] = r0, r1
     record.d00, record.d11 = 1.0 / S0, 1.0 / S1
     record.d10 = record.d12 = 0.0
-    P0, P1, P2 = p0 + parameters[c, OFFSET], p1 + parameters[c, OFFSET + 1], p2 + parameters[c, OFFSET + 2]
-    mu = parameters[c, FRICTION]
+    P0, P1, P2 = p0 + parameters[c].offset[0], p1 + parameters[c].offset[1], p2 + parameters[c].offset[2]
+    mu = parameters[c].friction
     normal = math.sqrt(P0 * P0 + P1 * P1)
     bound, f0, f1 = mu * normal, 0.0, 0.0
     if normal > 0.0:
@@ -334,26 +329,26 @@ def _linearise_curve(
 
 
 @kernel(internal=True)
-def clip(kinds: NDArray[np.int64], parameters: NDArray[np.float64], c: int, p: NDArray[np.float64]) -> None:
+def clip(kinds: Records[RowKind], parameters: Records[RowParameters], c: int, p: NDArray[np.float64]) -> None:
     """Remove what rounding left outside of the cone of friction."""
-    kind = kinds[c, 0]
+    kind = kinds[c].kind
     first = 3 * c
     if kind == INACTIVE:
         p[first] = p[first + 1] = p[first + 2] = 0.0
         return
-    mu = parameters[c, FRICTION]
-    normal = p[first] + parameters[c, OFFSET]
+    mu = parameters[c].friction
+    normal = p[first] + parameters[c].offset[0]
     if kind == CURVE:
-        bound = mu * math.hypot(normal, p[first + 1] + parameters[c, OFFSET + 1])
-        o2 = parameters[c, OFFSET + 2]
+        bound = mu * math.hypot(normal, p[first + 1] + parameters[c].offset[1])
+        o2 = parameters[c].offset[2]
         p[first + 2] = min(max(p[first + 2], -bound - o2), bound - o2)
         return
     if kind == UNILATERAL and normal < 0.0:
-        p[first], normal = -parameters[c, OFFSET], 0.0
+        p[first], normal = -parameters[c].offset[0], 0.0
     bound = mu * (abs(normal) if kind == BILATERAL else max(0.0, normal))
-    P1, P2 = p[first + 1] + parameters[c, OFFSET + 1], p[first + 2] + parameters[c, OFFSET + 2]
+    P1, P2 = p[first + 1] + parameters[c].offset[1], p[first + 2] + parameters[c].offset[2]
     size = math.hypot(P1, P2)
     if size > bound:
         factor = bound / size
-        p[first + 1] = factor * P1 - parameters[c, OFFSET + 1]
-        p[first + 2] = factor * P2 - parameters[c, OFFSET + 2]
+        p[first + 1] = factor * P1 - parameters[c].offset[1]
+        p[first + 2] = factor * P2 - parameters[c].offset[2]

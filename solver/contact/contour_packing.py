@@ -19,18 +19,12 @@ from heavylift.solver.bodies.rigid import principal_frame
 from heavylift.solver.connections import GROUND
 from heavylift.solver.contact.checks import check_about_curve
 from heavylift.solver.contact.kind import (
-    DIRECTOR,
     OF_GROUND,
     OF_MESH,
     OF_MODES,
     OF_RIGID,
-    ORIGIN,
-    POSE_WIDTH,
-    RADIUS_OF,
-    REACH,
-    ROTATION,
-    WIDTH_OF,
     ContactContour,
+    ContourPose,
     Samples,
 )
 from heavylift.solver.contact.sample_packing import pack_samples
@@ -63,7 +57,7 @@ class PackedContours:
     """
 
     rows: Records[ContactContour]
-    poses: NDArray[np.float64]
+    poses: Records[ContourPose]
     constants: NDArray[np.float64]
     net: NDArray[np.float64]
     samples: Samples
@@ -101,7 +95,7 @@ def pack_contours(scene: Scene, ordered: Sequence[AnyBody], dofs: Mapping[str, i
     table, knots, weights, net = packed(moved)
     constants = [knots, weights]
     rows = records(ContactContour, len(moved))
-    poses = np.zeros((len(moved), POSE_WIDTH))
+    poses = records(ContourPose, len(moved))
     for name in PackedContour.fields_of:
         rows[name] = table[name]
     rows["first_weight"] += np.where(table["first_weight"] >= 0, len(knots), 0)
@@ -118,13 +112,13 @@ def pack_contours(scene: Scene, ordered: Sequence[AnyBody], dofs: Mapping[str, i
         rows[i].body = -1 if body is None else list(by_name).index(contour.body)
         constants.append(data)
         start += len(data)
-        poses[i, ROTATION : ROTATION + 9] = np.eye(3).ravel()
+        poses[i].rotation[:] = np.eye(3).ravel()
         if isinstance(body, MeshBody):
-            poses[i, ROTATION : ROTATION + 9] = rotation_matrix(body.orientation).ravel()
-            poses[i, ORIGIN : ORIGIN + 3] = body.position
-        poses[i, REACH] = np.linalg.norm(one.control, axis=1).max()
-        poses[i, DIRECTOR : DIRECTOR + 3] = np.asarray(contour.director, dtype=np.float64) @ axes
-        poses[i, RADIUS_OF], poses[i, WIDTH_OF] = contour.radius, contour.width
+            poses[i].rotation[:] = rotation_matrix(body.orientation).ravel()
+            poses[i].origin[:] = body.position
+        poses[i].reach = np.linalg.norm(one.control, axis=1).max()
+        poses[i].director[:] = np.asarray(contour.director, dtype=np.float64) @ axes
+        poses[i].radius, poses[i].width = contour.radius, contour.width
         modes.append(len(one.modal))
         normals.append(_across(contour, neutrals[i], body))
     constants_of_all = np.concatenate([np.zeros(0), *constants])

@@ -19,7 +19,7 @@ from heavylift.solver.contact.contact_rows import (
     solved_rows,
 )
 from heavylift.solver.contact.iteration import ACCEPTED, measure
-from heavylift.solver.contact.layout import CURVE, FRICTION, INACTIVE
+from heavylift.solver.contact.layout import CURVE, INACTIVE
 from heavylift.solver.contact.problem import Problem, Work
 from heavylift.solver.contact.system import END
 
@@ -79,7 +79,7 @@ def _solve_contact(
     kinds, parameters, response = problem.kinds, problem.parameters, work.kept
     record, solved = linearised_contact(work.records, RECORD * c), solved_rows(work.rows, ROWS * c)
     first = 3 * c
-    normals = 2 if kinds[c, 0] == CURVE else 1
+    normals = 2 if kinds[c].kind == CURVE else 1
     for i in range(normals):
         row, before = first + i, p[first + i]
         work.w[row] = _rate(problem, row, y)
@@ -97,7 +97,7 @@ def _solve_contact(
         reaction = record.d00 if i == 0 else record.d11
         p[row] += record.r[i] / (1.0 + reaction * response[row])
         _push(problem, row, p[row] - before, y)
-    if kinds[c, 0] == INACTIVE or parameters[c, FRICTION] <= 0.0:
+    if kinds[c].kind == INACTIVE or parameters[c].friction <= 0.0:
         size = 0.0
     else:
         size = 1.0 / (

@@ -15,21 +15,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.contact.features import Footprints, weigh
 from heavylift.solver.contact.interface import form_controls
-from heavylift.solver.contact.kind import (
-    CONTOUR,
-    CONTROL_COUNT,
-    DIRECTIONS,
-    END_GAP,
-    EVALUATE,
-    FOOTPRINT,
-    LARGEST_CONTROLS,
-    LEVER,
-    RADIUS,
-    RESULT,
-    WEIGHTS_AT,
-    ContactRows,
-    search_at,
-)
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.interface import Bodies
 from heavylift.solver.kinds import implement
 
@@ -48,13 +34,12 @@ def weigh_footprint(
     feature: Footprints, contacts: ContactRows, bodies: Bodies, c: int, y1: float, y2: float, y3: float
 ) -> None:
     """Control points under the disc about the touched point, and their weights; lever and gap become means."""
-    if contacts.values[c, FOOTPRINT] == 0.0:
+    if contacts.values[c].footprint == 0.0:
         return
-    contour = contacts.table[c, CONTOUR]
+    contour = contacts.table[c].contour
     row, scratch, places = contacts.contours[contour], contacts.scratch, contacts.places
-    result, evaluate = search_at(scratch, RESULT), scratch[EVALUATE:WEIGHTS_AT]
-    dense = scratch[WEIGHTS_AT + LARGEST_CONTROLS : WEIGHTS_AT + 2 * LARGEST_CONTROLS]
-    single = scratch[WEIGHTS_AT + 2 * LARGEST_CONTROLS : WEIGHTS_AT + 3 * LARGEST_CONTROLS]
+    result, evaluate = scratch.result, scratch.evaluation
+    dense, single = scratch.dense, scratch.single
     along, beside = result.tangent_u, result.tangent_v
     total = row.u.count * row.v.count
     for i in range(total):
@@ -62,7 +47,7 @@ def weigh_footprint(
     a = along[0] ** 2 + along[1] ** 2 + along[2] ** 2
     d = beside[0] ** 2 + beside[1] ** 2 + beside[2] ** 2
     b = along[0] * beside[0] + along[1] * beside[1] + along[2] * beside[2]
-    radius, size = contacts.values[c, FOOTPRINT], math.sqrt(a)
+    radius, size = contacts.values[c].footprint, math.sqrt(a)
     across = math.sqrt(max(d - b * b / a, 1e-300))
     low_u, high_u, low_v, high_v = 2.0, -2.0, 2.0, -2.0
     whole = 0.0
@@ -90,19 +75,22 @@ def weigh_footprint(
     for i in range(total):
         w = dense[i]
         if w != 0.0:
-            scratch[WEIGHTS_AT + count], places[count] = w, i
+            scratch.weights[count], places[count] = w, i
             p1 += w * contacts.net[row.first_control + i, 0]
             p2 += w * contacts.net[row.first_control + i, 1]
             p3 += w * contacts.net[row.first_control + i, 2]
             count += 1
-    scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2] = p1, p2, p3
+    scratch.lever[0], scratch.lever[1], scratch.lever[2] = p1, p2, p3
     n1, n2, n3 = rotate_back(
-        contacts.poses[contour], scratch[DIRECTIONS], scratch[DIRECTIONS + 1], scratch[DIRECTIONS + 2]
+        contacts.poses[contour].rotation,
+        scratch.directions[0, 0],
+        scratch.directions[0, 1],
+        scratch.directions[0, 2],
     )
     if result.flags & BORDER == 0:  # beyond it the distance from the edge stands
         gap = n1 * (y1 - p1) + n2 * (y2 - p2) + n3 * (y3 - p3)
-        contacts.state[c, END_GAP] = gap - contacts.values[c, RADIUS]
-    contacts.places[CONTROL_COUNT] = count
+        contacts.state[c].end_gap = gap - contacts.values[c].radius
+    contacts.counts.controls = count
 
 
 @kernel(internal=True)

@@ -25,7 +25,7 @@ from heavylift.solver.contact.contact_rows import (
 from heavylift.solver.contact.end_blocks import CONTACT, add_pair, load_pair, same_ends
 from heavylift.solver.contact.envelope import factor_near_diagonal, solve_near_diagonal
 from heavylift.solver.contact.layout import UNILATERAL
-from heavylift.solver.contact.problem import NEAR_DIAGONAL, SCALE, UNIT_MASS, Problem, Work
+from heavylift.solver.contact.problem import Problem, Work
 from heavylift.solver.contact.system import (
     add_unit,
     add_unit_to_product,
@@ -73,7 +73,7 @@ def _sum_impulses(problem: Problem, work: Work, p: NDArray[np.float64]) -> None:
 @kernel(internal=True)
 def _by_mass(problem: Problem, work: Work, z: NDArray[np.float64]) -> None:
     """Write ``y = B z``; the same where the masses are in the rows."""
-    if work.marks[UNIT_MASS] > 0.0:
+    if work.marks.unit_mass:
         for i in range(problem.size):
             work.y[i] = z[i]
     else:
@@ -98,7 +98,7 @@ def _evaluate(problem: Problem, work: Work, p: NDArray[np.float64]) -> tuple[flo
         multiply(size, problem.B, p, w)
         for i in range(size):
             w[i] += w0[i]
-    worst, largest, scale = 0.0, 0.0, work.marks[SCALE]
+    worst, largest, scale = 0.0, 0.0, work.marks.scale
     finite = True
     for c in range(count):
         i, o = 3 * c, CONTACT * c
@@ -114,7 +114,7 @@ def _evaluate(problem: Problem, work: Work, p: NDArray[np.float64]) -> tuple[flo
         p0, p1, p2 = p[i], p[i + 1], p[i + 2]
         r_n, r_t = work.inverse[2 * c], work.inverse[2 * c + 1]
         record, row = linearised_contact(records, RECORD * c), solved_rows(work.rows, ROWS * c)
-        if kinds[c, 0] == UNILATERAL:
+        if kinds[c].kind == UNILATERAL:
             square = linearise_unilateral(
                 problem.parameters, row, c, p0, p1, p2, v0, v1, v2, r_n, r_t, record
             )
@@ -150,11 +150,11 @@ def _solve_step(problem: Problem, work: Work, fresh: bool) -> bool:
     size, marks = problem.size, work.marks
     changed = update(problem.number, problem.ends, work.place, work.N, size, work.records, work.held, work.K)
     if changed or fresh:
-        marks[NEAR_DIAGONAL] = 0.0
-        if marks[UNIT_MASS] > 0.0:
+        marks.near_diagonal = False
+        if marks.unit_mass:
             add_unit(size, work.K, work.reach, work.A)
             if factor_near_diagonal(size, work.A, work.reach):
-                marks[NEAR_DIAGONAL] = 1.0
+                marks.near_diagonal = True
             else:
                 for i in range(size):
                     for j in range(size):
@@ -162,9 +162,9 @@ def _solve_step(problem: Problem, work: Work, fresh: bool) -> bool:
                     work.A[size * i + i] += 1.0
         else:
             add_unit_to_product(size, work.K, problem.B, work.A)
-        if marks[NEAR_DIAGONAL] == 0.0 and not factor(size, work.A, work.pivots):
+        if not marks.near_diagonal and not factor(size, work.A, work.pivots):
             return False
-    if marks[NEAR_DIAGONAL] > 0.0:
+    if marks.near_diagonal:
         solve_near_diagonal(size, work.A, work.reach, work.x)
     else:
         solve_factored(size, work.A, work.pivots, work.x)

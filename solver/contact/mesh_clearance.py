@@ -15,9 +15,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Records, records
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.mesh_interface import record_clearance
-from heavylift.solver.contact.mesh_kind import (
-    SurfacePairs,
-)
+from heavylift.solver.contact.mesh_kind import SurfacePairs, placed_pose
 from heavylift.solver.contact.mesh_slots import surface_count
 from heavylift.solver.contact.mesh_touch import relative_pose
 from heavylift.solver.kinds import implement
@@ -78,7 +76,8 @@ def record_mesh_clearance(
         return
     first_row = contacts.poses.shape[0] - surface_count(contacts, meshes)
     a, b = meshes.pairs[pair].poses[0] - first_row, meshes.pairs[pair].poses[1] - first_row
-    relative_pose(contacts.placed[a], contacts.placed[b], clearances.pose)
+    first, second = placed_pose(contacts.placed[a], 0), placed_pose(contacts.placed[b], 0)
+    relative_pose(first, second, clearances.pose)
     row[at] = clearances.last[pair] = clearance(
         meshes.surfaces,
         meshes.pairs[pair].surfaces[0],

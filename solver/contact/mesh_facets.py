@@ -14,7 +14,7 @@ from heavylift.contours.surface_refit import refit_surface
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate_back
 from heavylift.solver.contact.contour_rows import put_pose_rows
-from heavylift.solver.contact.counts import contact_count, number_of
+from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.facet_interface import (
     bound_facets,
     bound_surface_points,
@@ -24,22 +24,9 @@ from heavylift.solver.contact.facet_interface import (
     take_slots,
     touch_facets,
 )
-from heavylift.solver.contact.facet_kind import (
-    FacetSurfaces,
-)
-from heavylift.solver.contact.kind import (
-    FEATURE,
-    FEATURES,
-    LEVER,
-    OF_CONTOURS,
-    OTHER_FEATURE,
-    PAIR,
-    POINT_SLOT,
-    ContactRows,
-)
-from heavylift.solver.contact.mesh_kind import (
-    SurfacePairs,
-)
+from heavylift.solver.contact.facet_kind import FacetSurfaces
+from heavylift.solver.contact.kind import ContactRows
+from heavylift.solver.contact.mesh_kind import SurfacePairs
 from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
 
@@ -72,10 +59,10 @@ def take_contact_slots(
     facets: FacetSurfaces, meshes: SurfacePairs, contacts: ContactRows, contact: int
 ) -> None:
     """The first one of the body that no other contact has."""
-    pair = int(contacts.state[contact, PAIR])
+    pair = contacts.state[contact].pair
     for side in range(2):
         row = facets.row_of[meshes.pairs[pair].surfaces[side]]
-        contacts.state[contact, POINT_SLOT + side] = 0.0
+        contacts.state[contact].slots[side] = 0
         if row < 0:
             continue
         found = -1
@@ -83,20 +70,20 @@ def take_contact_slots(
             if not _is_taken(meshes, contacts, contact, facets.rows[row].dof, slot):
                 found = slot
                 break
-        contacts.state[contact, POINT_SLOT + side] = float(found)
+        contacts.state[contact].slots[side] = found
         if found < 0:
-            contacts.state[contact, POINT_SLOT] = -1.0
+            contacts.state[contact].slots[0] = -1
             return
 
 
 @kernel(internal=True)
 def _is_taken(meshes: SurfacePairs, contacts: ContactRows, contact: int, dof: int, slot: int) -> bool:
     """Whether another contact between triangles has a moving point of a body."""
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
         for side in range(2):
-            of = meshes.sides[2 * int(state[PAIR]) + side].dof
-            if c != contact and of == dof and state[POINT_SLOT + side] == slot:
+            of = meshes.sides[2 * state.pair + side].dof
+            if c != contact and of == dof and state.slots[side] == slot:
                 return True
     return False
 
@@ -174,7 +161,7 @@ def touch_facet_contact(
 ) -> None:
     """Side by side, in place of what rigid bodies have there."""
     state, touch, scratch = contacts.state[contact], meshes.touch, contacts.scratch
-    pair = int(state[PAIR])
+    pair = state.pair
     first, second = meshes.pairs[pair].surfaces[0], meshes.pairs[pair].surfaces[1]
     if facets.row_of[first] < 0 and facets.row_of[second] < 0:
         return
@@ -187,11 +174,11 @@ def touch_facet_contact(
             origin = relative.origin
             x = rotate_back(relative.rotation, x[0] - origin[0], x[1] - origin[1], x[2] - origin[2])
         if row >= 0:
-            feature = int(state[OTHER_FEATURE if side == 1 else FEATURE])
-            _share(facets, meshes, int(state[FEATURES]), feature, side == 1, facets.rows[row].surface, x)
-            slot = int(state[POINT_SLOT + side])
+            feature = state.other_feature if side == 1 else state.feature
+            _share(facets, meshes, state.feature_kind, feature, side == 1, facets.rows[row].surface, x)
+            slot = state.slots[side]
             put_surface_rows(bodies, facets, row, slot, contacts, 2 * contact + side, 2.0 * side - 1.0, work)
         else:
-            scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2] = x
+            scratch.lever[0], scratch.lever[1], scratch.lever[2] = x
             pose = meshes.pairs[pair].poses[side]
             put_pose_rows(contacts, 2 * contact + side, pose, 2.0 * side - 1.0)

@@ -14,6 +14,7 @@ from heavylift.contours.surface_layout import RelativeMotion, RelativePose
 from heavylift.contours.surface_pack import CollisionSurfaces
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.records import Record, Records, record_at
+from heavylift.solver.contact.kind import ContactState, ContactValues
 from heavylift.solver.kinds import Table
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "SurfacePairs",
     "contact_header",
     "gone_contacts",
+    "placed_pose",
 ]
 
 BothInts = Annotated[NDArray[np.int64], (2,)]
@@ -98,8 +100,12 @@ class ContactHeader(Record):
     count: int
 
 
-gone_contacts, contact_header = record_at(GoneContacts), record_at(ContactHeader)
-"""What rows of `placed` begin with: one for each pair behind the poses of the surfaces, then a single one."""
+placed_pose, gone_contacts, contact_header = (
+    record_at(RelativePose),
+    record_at(GoneContacts),
+    record_at(ContactHeader),
+)
+"""What rows of `placed` begin with: poses of the surfaces, then one row for each pair, then a single one."""
 
 
 class Clearing(Table):
@@ -141,7 +147,7 @@ class SurfacePairs(Arrays):
     slots, chains
         Table in which contacts are looked up by their features.
     kept
-        Contacts found in a step that is taken back, shape (nc, STATE_WIDTH).
+        Contacts found in a step that is taken back.
     clearances
         Pairs whose distance is recorded: one kind or none.
     facets
@@ -160,7 +166,7 @@ class SurfacePairs(Arrays):
     lists: PairLists
     pairs: Records[SurfacePair]
     sides: Records[PairSide]
-    pair_values: Floats2
+    pair_values: Records[ContactValues]
     relative: Records[RelativePose]
     motions: Records[RelativeMotion]
     found: ContactList
@@ -177,6 +183,6 @@ class SurfacePairs(Arrays):
     grid: Ints1
     slots: Ints1
     chains: Ints1
-    kept: Floats2
+    kept: Records[ContactState]
     clearances: Clearing
     facets: DeformingSurfaces

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from heavylift.contours.surface_layout import RelativeMotion, RelativePose
 from heavylift.numerics.outcome import InputError
@@ -20,22 +19,15 @@ from heavylift.solver.contact.facet_counts import count_moving, count_slots, mos
 from heavylift.solver.contact.facet_kind import FacetSurface, FacetSurfaces
 from heavylift.solver.contact.kind import (
     COMPLIANT,
-    EXTENT,
-    FRICTION,
-    INVERSE_MASS,
     OF_FACETS,
     OF_GROUND,
     OF_RIGID,
-    ORIGIN,
-    POSE_WIDTH,
-    REACH,
     RIGID,
-    ROTATION,
-    SIZE,
-    STATE_WIDTH,
-    VALUE_WIDTH,
     Colliding,
     ContactContour,
+    ContactState,
+    ContactValues,
+    ContourPose,
 )
 from heavylift.solver.contact.laws_packing import force_law, put_law
 from heavylift.solver.contact.mesh_clearance import make_clearances
@@ -121,7 +113,7 @@ def pack_collisions(
     numbers = {one.name: i for i, one in enumerate(scene.surfaces)}
     count = len(scene.collisions)
     pairs, sides = records(SurfacePair, count), records(PairSide, 2 * count)
-    values = np.zeros((count, VALUE_WIDTH))
+    values = records(ContactValues, count)
     for i, (collision, column) in enumerate(zip(scene.collisions, columns, strict=True)):
         _check(collision, scene, scales)
         first, second = (numbers[name] for name in collision.surfaces)
@@ -143,10 +135,11 @@ def pack_collisions(
         size = min(_extent(moved[first]), _extent(moved[second]))
         if not size > 0.0:
             _refuse(collision, "between", "a surface that is a single point", "a radius, or more points")
-        put_law(law, values[i])
-        values[i, FRICTION], values[i, SIZE], values[i, EXTENT] = collision.friction, size, 0.0
+        of_contact = values[i]
+        put_law(law, of_contact)
+        of_contact.friction, of_contact.length_scale, of_contact.extent = collision.friction, size, 0.0
         inverse = [0.0 if name == GROUND else scales(name)[0] for name in _bodies(collision, scene)]
-        values[i, INVERSE_MASS] = sum(inverse)
+        of_contact.inverse_mass = sum(inverse)
         pair.patch_cosine = math.cos(collision.patch_angle)
         pair.patch_size = collision.patch_size or _patch_size(min(moved[first], moved[second], key=_extent))
         pair.radii = moved[first].radius + moved[second].radius
@@ -162,6 +155,9 @@ def pack_collisions(
             f"{MOST_AT_ALL} at most: fewer of each",
         )
     items = room + most
+    placed = records(ContourPose, len(poses))
+    for i, pose in enumerate(poses):
+        placed[i] = pose
     places = len(scene.contacts) + most
     meshes = SurfacePairs(
         surfaces=packed,
@@ -185,14 +181,14 @@ def pack_collisions(
         grid=np.zeros(patch_scratch_size(items), dtype=np.int64),
         slots=np.zeros(1 << (2 * most - 1).bit_length(), dtype=np.int64),
         chains=np.zeros(places, dtype=np.int64),
-        kept=np.zeros((places, STATE_WIDTH)),
+        kept=records(ContactState, places),
         clearances=Clearing(make_clearances(packed, [one.clearance for one in scene.collisions])),
         facets=DeformingSurfaces(_pack_facets(scene, deforming, dofs, first_pose)),
     )
     return PackedCollisions(
         meshes=Colliding((meshes,)),
         contours=contours,
-        poses=np.array(poses).reshape(-1, POSE_WIDTH),
+        poses=placed,
         placed=np.zeros((len(moved) + count + 1, 12)),
         most=most,
         all_rigid=not deforming,
@@ -251,7 +247,7 @@ def _patch_size(surface: TriangleSurface) -> float:
 
 def _pack_surface(
     one: CollisionSurface, by_name: Mapping[str, AnyBody], dofs: Mapping[str, int]
-) -> tuple[ContactContour, NDArray[np.float64], TriangleSurface, FacetBook | None]:
+) -> tuple[ContactContour, ContourPose, TriangleSurface, FacetBook | None]:
     """Row and pose of a surface, its triangles in the axes in which its body is measured, and how they deform."""
     from heavylift.preprocess.surfaces import TriangleSurface
 
@@ -283,19 +279,19 @@ def _pack_surface(
     row.owner = OF_GROUND if body is None else OF_RIGID
     row.dof = -1 if body is None else dofs[one.body]
     row.body = -1 if body is None else list(by_name).index(one.body)
-    pose = np.zeros(POSE_WIDTH)
-    pose[ROTATION : ROTATION + 9] = np.eye(3).ravel()
+    pose = ContourPose.one()
+    pose.rotation[:] = np.eye(3).ravel()
     if body is not None:
         R = rotation_matrix(body.orientation)
-        pose[ROTATION : ROTATION + 9] = (R @ axes).ravel()
-        pose[ORIGIN : ORIGIN + 3] = body.position + R @ origin
-    pose[REACH] = float(np.linalg.norm(surface.points, axis=1).max()) + surface.radius
+        pose.rotation[:] = (R @ axes).ravel()
+        pose.origin[:] = body.position + R @ origin
+    pose.reach = float(np.linalg.norm(surface.points, axis=1).max()) + surface.radius
     return row, pose, surface, None
 
 
 def _pack_own_surface(
     one: CollisionSurface, body: MeshBody, number: int, dofs: Mapping[str, int]
-) -> tuple[ContactContour, NDArray[np.float64], TriangleSurface, FacetBook]:
+) -> tuple[ContactContour, ContourPose, TriangleSurface, FacetBook]:
     """The same of a frame or shell: axes are those in which it was placed, and stand still."""
     from heavylift.solver.bodies.ancf.facet_packing import facet_surface
 
@@ -311,10 +307,10 @@ def _pack_own_surface(
     book = facet_surface(body, one.facets, one.name)
     row = ContactContour.one()
     row.owner, row.dof, row.body = OF_FACETS, dofs[one.body], number
-    pose = np.zeros(POSE_WIDTH)
-    pose[ROTATION : ROTATION + 9] = rotation_matrix(np.asarray(body.orientation, dtype=np.float64)).ravel()
-    pose[ORIGIN : ORIGIN + 3] = body.position
-    pose[REACH] = float(np.linalg.norm(book.surface.points, axis=1).max()) + book.surface.radius
+    pose = ContourPose.one()
+    pose.rotation[:] = rotation_matrix(np.asarray(body.orientation, dtype=np.float64)).ravel()
+    pose.origin[:] = body.position
+    pose.reach = float(np.linalg.norm(book.surface.points, axis=1).max()) + book.surface.radius
     return row, pose, book.surface, book
 
 

@@ -12,28 +12,9 @@ from heavylift.contours.feature_gap import feature_gap
 from heavylift.contours.feature_report import FoundContact
 from heavylift.contours.patches import EXTREMES, extreme_points, group_patches
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.counts import contact_count, number_of
+from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import (
-    BESIDE,
     COMPLIANT,
-    DAMPING,
-    END_GAP,
-    EXPONENT,
-    FEATURE,
-    FEATURES,
-    FORCE_LAW,
-    GAP,
-    LAW,
-    LOSS,
-    OF_CONTOURS,
-    OTHER_FEATURE,
-    PAIR,
-    PATCH,
-    PRESENT,
-    SHARE,
-    SIDE,
-    SIZE,
-    STIFFNESS,
     ContactRows,
 )
 from heavylift.solver.contact.laws import stored_energy
@@ -127,14 +108,14 @@ def choose_contacts(meshes: SurfacePairs, contacts: ContactRows, pair: int, coun
     Contacts get the number of their patch. Of what was found, those that span a patch are to become contacts, and those
     nearer than `ahead` [m] that are nearer than all that span it: steps that are not split stop them too.
     """
-    n, size = 0, meshes.pair_values[pair, SIZE]
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+    n, size = 0, meshes.pair_values[pair].length_scale
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
-        if state[PAIR] == pair and state[BESIDE] > BORDER * size:
-            state[PATCH] = -1.0  # at this place what was found beside it counts
-        elif state[PAIR] == pair:
-            kind, feature, other = int(state[FEATURES]), int(state[FEATURE]), int(state[OTHER_FEATURE])
-            _put_item(meshes, pair, n, kind, feature, other, state[SIDE], c)
+        if state.pair == pair and state.beside > BORDER * size:
+            state.patch = -1  # at this place what was found beside it counts
+        elif state.pair == pair:
+            kind, feature, other = state.feature_kind, state.feature, state.other_feature
+            _put_item(meshes, pair, n, kind, feature, other, state.side, c)
             meshes.active[n] = 1
             n += 1
     for i in range(count):
@@ -192,7 +173,7 @@ def _mark_chosen(
     for i in range(n):
         k = meshes.patch_of[i]
         if meshes.active[i] > 0:
-            contacts.state[meshes.owners[i], PATCH] = float(k)
+            contacts.state[meshes.owners[i]].patch = k
         if meshes.depths[i] < min(meshes.sums[k], 0.0) - deeper:
             meshes.sums[k] = meshes.depths[i]
             meshes.chosen[k, 0] = i
@@ -219,22 +200,22 @@ def share_stiffness(
     """
     for k in range(patches):
         meshes.sums[k] = 0.0
-    first, last = number_of(contacts, OF_CONTOURS), contact_count(contacts)
+    first, last = contacts.counts.of_contours, contact_count(contacts)
     for c in range(first, last):
         state = contacts.state[c]
-        if state[PAIR] == pair and state[PATCH] >= 0.0:
-            meshes.sums[int(state[PATCH])] += _weight(state[END_GAP], reach)
-    stiffness = meshes.pair_values[pair, STIFFNESS]
+        if state.pair == pair and state.patch >= 0:
+            meshes.sums[state.patch] += _weight(state.end_gap, reach)
+    stiffness = meshes.pair_values[pair].stiffness
     for c in range(first, last):
         state, values = contacts.state[c], contacts.values[c]
-        if state[PAIR] != pair or contacts.table[c, LAW] != COMPLIANT:
+        if state.pair != pair or contacts.table[c].law != COMPLIANT:
             continue
-        before = values[STIFFNESS]
-        if state[PATCH] >= 0.0 and meshes.sums[int(state[PATCH])] > 0.0:
-            state[SHARE] = _weight(state[END_GAP], reach) / meshes.sums[int(state[PATCH])]
-        values[STIFFNESS] = state[SHARE] * stiffness
-        values[DAMPING] = state[SHARE] * meshes.pair_values[pair, DAMPING]
-        law, exponent, depth = contacts.table[c, FORCE_LAW], values[EXPONENT], -state[END_GAP]
-        paid = depth if state[PRESENT] > 0.0 else -state[GAP]
-        state[LOSS] += stored_energy(law, before, exponent, paid)
-        state[LOSS] -= stored_energy(law, values[STIFFNESS], exponent, depth)
+        before = values.stiffness
+        if state.patch >= 0 and meshes.sums[state.patch] > 0.0:
+            state.share = _weight(state.end_gap, reach) / meshes.sums[state.patch]
+        values.stiffness = state.share * stiffness
+        values.damping = state.share * meshes.pair_values[pair].damping
+        law, exponent, depth = contacts.table[c].force_law, values.exponent, -state.end_gap
+        paid = depth if state.present else -state.gap
+        state.loss += stored_energy(law, before, exponent, paid)
+        state.loss -= stored_energy(law, values.stiffness, exponent, depth)

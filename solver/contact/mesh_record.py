@@ -10,36 +10,11 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Vector, record_at
 from heavylift.solver.channels import XYZ
-from heavylift.solver.contact.counts import contact_count, number_of
-from heavylift.solver.contact.kind import (
-    CLOSED,
-    COMPLIANT,
-    EXPONENT,
-    FORCE,
-    FORCE_LAW,
-    FRICTION_FORCE,
-    GAP,
-    IMPACTS,
-    IMPULSES,
-    LAW,
-    LOSS,
-    NORMAL,
-    NORMAL_FORCE,
-    OF_CONTOURS,
-    PAIR,
-    PATCH,
-    SLIP_SPEED,
-    STEP_IMPULSE,
-    STIFFNESS,
-    TOUCHED,
-    ContactRows,
-)
+from heavylift.solver.contact.counts import contact_count
+from heavylift.solver.contact.kind import COMPLIANT, ContactRows
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.mesh_interface import record_clearance, record_pairs
-from heavylift.solver.contact.mesh_kind import (
-    SurfacePairs,
-    gone_contacts,
-)
+from heavylift.solver.contact.mesh_kind import SurfacePairs, gone_contacts
 from heavylift.solver.contact.mesh_slots import surface_count
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
@@ -139,29 +114,29 @@ def _record_sums(
     sums.gap = meshes.pairs[pair].reach
     sums.impulse, sums.dissipated, sums.impacts = gone.impulse, gone.loss, gone.impacts
     highest = -1.0
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
-        if state[PAIR] != pair:
+        if state.pair != pair:
             continue
-        sums.gap = min(sums.gap, state[GAP])
-        sums.impulse += state[IMPULSES]
-        sums.dissipated += state[LOSS]
-        sums.impacts += state[IMPACTS]
-        if contacts.table[c, LAW] == COMPLIANT:
+        sums.gap = min(sums.gap, state.gap)
+        sums.impulse += state.impulse
+        sums.dissipated += state.loss
+        sums.impacts += state.impacts
+        if contacts.table[c].law == COMPLIANT:
             values = contacts.values[c]
             work.sums.elastic += stored_energy(
-                contacts.table[c, FORCE_LAW], values[STIFFNESS], values[EXPONENT], -state[GAP]
+                contacts.table[c].force_law, values.stiffness, values.exponent, -state.gap
             )
-        force = state[NORMAL_FORCE]
-        if not (force > 0.0 or state[CLOSED] > 0.0):
+        force = state.normal_force
+        if not (force > 0.0 or state.closed):
             continue
         sums.contacts += 1.0
-        highest = max(highest, state[PATCH])
+        highest = max(highest, state.patch)
         sums.normal_force += force
-        sums.slip = max(sums.slip, state[SLIP_SPEED])
+        sums.slip = max(sums.slip, state.slip_speed)
         for k in range(3):
-            sums.force[k] += state[FORCE + k]
-            sums.point[k] += force * state[TOUCHED + k]
+            sums.force[k] += state.force[k]
+            sums.point[k] += force * state.touched[k]
     work.sums.dissipated += sums.dissipated
     record_clearance(meshes.clearances, meshes, contacts, pair, row, at)
     if sums.normal_force > 0.0:
@@ -169,11 +144,11 @@ def _record_sums(
             sums.point[k] /= sums.normal_force
     for patch in range(int(highest) + 1):
         total, members = 0.0, 0
-        for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+        for c in range(contacts.counts.of_contours, contact_count(contacts)):
             state = contacts.state[c]
-            touches = state[NORMAL_FORCE] > 0.0 or state[CLOSED] > 0.0
-            if state[PAIR] == pair and state[PATCH] == patch and touches:
-                total += state[NORMAL_FORCE]
+            touches = state.normal_force > 0.0 or state.closed
+            if state.pair == pair and state.patch == patch and touches:
+                total += state.normal_force
                 members += 1
         sums.largest_force = max(sums.largest_force, total)
         sums.patches += 1.0 if members > 0 else 0.0
@@ -187,12 +162,12 @@ def _record_largest(
     before, last = math.inf, -1
     for i in range(meshes.pairs[pair].recorded):
         best, largest = -1, -1.0
-        for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+        for c in range(contacts.counts.of_contours, contact_count(contacts)):
             state = contacts.state[c]
-            force = state[NORMAL_FORCE]
-            touches = force > 0.0 or state[CLOSED] > 0.0
+            force = state.normal_force
+            touches = force > 0.0 or state.closed
             later = force < before or (force == before and c > last)
-            if state[PAIR] == pair and touches and later and force > largest:
+            if state.pair == pair and touches and later and force > largest:
                 best, largest = c, force
         place = at + i * ONE_WIDTH
         for k in range(ONE_WIDTH):
@@ -204,8 +179,8 @@ def _record_largest(
         before, last = largest, best
         state = contacts.state[best]
         for k in range(3):
-            columns.point[k] = state[TOUCHED + k]
-            columns.normal[k] = state[NORMAL + k]
-        columns.gap, columns.force = state[GAP], state[NORMAL_FORCE]
-        columns.friction, columns.impulse = state[FRICTION_FORCE], state[STEP_IMPULSE]
-        columns.patch = state[PATCH]
+            columns.point[k] = state.touched[k]
+            columns.normal[k] = state.normal[k]
+        columns.gap, columns.force = state.gap, state.normal_force
+        columns.friction, columns.impulse = state.friction_force, state.step_impulse
+        columns.patch = state.patch

@@ -8,21 +8,9 @@ from heavylift.contours.feature_gap import EDGE_EDGE, feature_gap
 from heavylift.contours.surface_layout import RelativePose
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate
-from heavylift.solver.contact.counts import contact_count, number_of
-from heavylift.solver.contact.kind import (
-    CLOSED,
-    GAP,
-    NORMAL,
-    OF_CONTOURS,
-    ORIGIN,
-    PAIR,
-    SIZE,
-    TOUCHED,
-    ContactRows,
-)
-from heavylift.solver.contact.mesh_kind import (
-    SurfacePairs,
-)
+from heavylift.solver.contact.counts import contact_count
+from heavylift.solver.contact.kind import ContactRows
+from heavylift.solver.contact.mesh_kind import SurfacePairs
 from heavylift.solver.contact.mesh_patches import UNKNOWN
 from heavylift.solver.contact.mesh_table import look_up
 
@@ -47,7 +35,7 @@ ABOUT_NOTHING = 1e-6
 @kernel(inline=True, internal=True)
 def holds(contacts: ContactRows, c: int) -> bool:
     """Whether a contact rests, or has been inside at the end of the last step: it knows its side."""
-    return bool(contacts.state[c, CLOSED] > 0.0 or contacts.state[c, GAP] < 0.0)
+    return bool(contacts.state[c].closed or contacts.state[c].gap < 0.0)
 
 
 @kernel(internal=True)
@@ -84,17 +72,17 @@ def aligned(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int) -> f
     """Cosine between the normal left in `touch` and that of a contact."""
     touch, state = meshes.touch, contacts.state[c]
     pose = contacts.poses[meshes.pairs[pair].poses[0]]
-    n1, n2, n3 = rotate(pose, touch.normal[0], touch.normal[1], touch.normal[2])
-    return n1 * state[NORMAL] + n2 * state[NORMAL + 1] + n3 * state[NORMAL + 2]
+    n1, n2, n3 = rotate(pose.rotation, touch.normal[0], touch.normal[1], touch.normal[2])
+    return n1 * state.normal[0] + n2 * state.normal[1] + n3 * state.normal[2]
 
 
 @kernel(internal=True)
 def deepest_of(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> float:
     """How deep contacts of a pair that push or rest have been inside at the start of the step [m]."""
     deepest = 0.0
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
-        if contacts.state[c, PAIR] == pair and holds(contacts, c):
-            deepest = max(deepest, -contacts.state[c, GAP])
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        if contacts.state[c].pair == pair and holds(contacts, c):
+            deepest = max(deepest, -contacts.state[c].gap)
     return deepest
 
 
@@ -102,15 +90,15 @@ def deepest_of(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> float:
 def _is_turned(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, near: float) -> bool:
     """Whether the normal left in `touch` is against that of the nearest contact that touches along the same line."""
     touch, pose = meshes.touch, contacts.poses[meshes.pairs[pair].poses[0]]
-    x1, x2, x3 = rotate(pose, touch.point_a[0], touch.point_a[1], touch.point_a[2])
-    x1, x2, x3 = x1 + pose[ORIGIN], x2 + pose[ORIGIN + 1], x3 + pose[ORIGIN + 2]
+    x1, x2, x3 = rotate(pose.rotation, touch.point_a[0], touch.point_a[1], touch.point_a[2])
+    x1, x2, x3 = x1 + pose.origin[0], x2 + pose.origin[1], x3 + pose.origin[2]
     turned, nearest = False, math.inf
-    for k in range(number_of(contacts, OF_CONTOURS), count):
+    for k in range(contacts.counts.of_contours, count):
         state = contacts.state[k]
-        if state[PAIR] != pair or not (holds(contacts, k) or abs(state[GAP]) <= near):
+        if state.pair != pair or not (holds(contacts, k) or abs(state.gap) <= near):
             continue
         cosine = aligned(meshes, contacts, pair, k)
-        d1, d2, d3 = x1 - state[TOUCHED], x2 - state[TOUCHED + 1], x3 - state[TOUCHED + 2]
+        d1, d2, d3 = x1 - state.touched[0], x2 - state.touched[1], x3 - state.touched[2]
         square = d1 * d1 + d2 * d2 + d3 * d3
         if abs(cosine) > ALIGNED and square < nearest:
             turned, nearest = cosine < 0.0, square
@@ -123,7 +111,8 @@ def settle_sides(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: 
 
     Which side it comes from is told by what touches already, and it may be as deep inside as that.
     """
-    nothing = ABOUT_NOTHING * meshes.pair_values[pair, SIZE] + 2.0 * deepest_of(meshes, contacts, pair)
+    size = meshes.pair_values[pair].length_scale
+    nothing = ABOUT_NOTHING * size + 2.0 * deepest_of(meshes, contacts, pair)
     deforms, inside = meshes.pairs[pair].deforms, nothing
     if deforms:  # where only the rounding is inside, the side is known
         inside = meshes.pairs[pair].radii

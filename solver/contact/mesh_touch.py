@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from heavylift.contours.feature_gap import (
     EDGE_EDGE,
     EDGE_VERTEX,
@@ -22,28 +19,9 @@ from heavylift.numerics.small import rotate, rotate_back
 from heavylift.solver.contact.contour_rows import put_pose_rows
 from heavylift.solver.contact.directions import put_directions
 from heavylift.solver.contact.facet_interface import bound_facets, form_facets, touch_facets
-from heavylift.solver.contact.kind import (
-    AXES,
-    BESIDE,
-    CONTOUR,
-    DIRECTIONS,
-    END_GAP,
-    FEATURE,
-    FEATURES,
-    LEVER,
-    NORMAL,
-    ORIGIN,
-    OTHER_FEATURE,
-    PAIR,
-    SIDE,
-    TANGENT,
-    TOUCHED,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.mesh_interface import bound_surfaces, pose_surfaces, touch_triangles
-from heavylift.solver.contact.mesh_kind import (
-    SurfacePairs,
-)
+from heavylift.solver.contact.mesh_kind import SurfacePairs
 from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
 
@@ -53,17 +31,17 @@ Direction = tuple[float, float, float]
 
 
 @kernel(internal=True)
-def relative_pose(first: NDArray[np.float64], second: NDArray[np.float64], out: RelativePose) -> None:
+def relative_pose(first: RelativePose, second: RelativePose, out: RelativePose) -> None:
     """``R = R_A^T R_B`` and ``p = R_A^T (p_B - p_A)`` of two poses."""
     for j in range(3):
-        r = rotate_back(first, second[j], second[3 + j], second[6 + j])
+        r = rotate_back(first.rotation, second.rotation[j], second.rotation[3 + j], second.rotation[6 + j])
         for i in range(3):
             out.rotation[3 * i + j] = r[i]
     p = rotate_back(
-        first,
-        second[ORIGIN] - first[ORIGIN],
-        second[ORIGIN + 1] - first[ORIGIN + 1],
-        second[ORIGIN + 2] - first[ORIGIN + 2],
+        first.rotation,
+        second.origin[0] - first.origin[0],
+        second.origin[1] - first.origin[1],
+        second.origin[2] - first.origin[2],
     )
     for i in range(3):
         out.origin[i] = p[i]
@@ -76,7 +54,8 @@ def pose_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows, bodies: Bodi
     form_facets(meshes.facets, meshes.surfaces, bodies)
     for pair in range(meshes.pairs.shape[0]):
         first = contacts.poses[meshes.pairs[pair].poses[0]]
-        relative_pose(first, contacts.poses[meshes.pairs[pair].poses[1]], meshes.relative[pair])
+        second = contacts.poses[meshes.pairs[pair].poses[1]]
+        relative_pose(first, second, meshes.relative[pair])
 
 
 @implement(bound_surfaces, SurfacePairs)
@@ -124,15 +103,15 @@ def _tangent(
 def _keep_side(meshes: SurfacePairs, contacts: ContactRows, c: int, pair: int) -> None:
     """The product of two edges turns over where they pass through parallel: the side does then, and not the normal."""
     state, touch = contacts.state[c], meshes.touch
-    if state[FEATURES] != EDGE_EDGE:
+    if state.feature_kind != EDGE_EDGE:
         return
-    feature, other = int(state[FEATURE]), int(state[OTHER_FEATURE])
+    feature, other = state.feature, state.other_feature
     relative = meshes.relative[pair]
-    contact_gap(meshes.surfaces, EDGE_EDGE, feature, other, 0.0, state[SIDE], relative, touch)
-    pose = contacts.poses[contacts.table[c, CONTOUR]]
-    n1, n2, n3 = rotate(pose, touch.normal[0], touch.normal[1], touch.normal[2])
-    if n1 * state[NORMAL] + n2 * state[NORMAL + 1] + n3 * state[NORMAL + 2] < 0.0:
-        state[SIDE] = -state[SIDE]
+    contact_gap(meshes.surfaces, EDGE_EDGE, feature, other, 0.0, state.side, relative, touch)
+    pose = contacts.poses[contacts.table[c].contour]
+    n1, n2, n3 = rotate(pose.rotation, touch.normal[0], touch.normal[1], touch.normal[2])
+    if n1 * state.normal[0] + n2 * state.normal[1] + n3 * state.normal[2] < 0.0:
+        state.side = -state.side
 
 
 @implement(touch_triangles, SurfacePairs)
@@ -142,15 +121,15 @@ def touch_mesh_contact(
 ) -> None:
     """Both bodies are pushed in one point, half way between their surfaces."""
     state, scratch, touch = contacts.state[c], contacts.scratch, meshes.touch
-    pair = int(state[PAIR])
-    first_pose, second_pose = contacts.table[c, CONTOUR], contacts.table[c, AXES]
-    kind, feature, other = int(state[FEATURES]), int(state[FEATURE]), int(state[OTHER_FEATURE])
+    pair = state.pair
+    first_pose, second_pose = contacts.table[c].contour, contacts.table[c].axes
+    kind, feature, other = state.feature_kind, state.feature, state.other_feature
     relative = meshes.relative[pair]
     _keep_side(meshes, contacts, c, pair)
-    state[END_GAP] = feature_gap(
-        meshes.surfaces, kind, feature, other, meshes.pairs[pair].radii, state[SIDE], relative, touch
+    state.end_gap = feature_gap(
+        meshes.surfaces, kind, feature, other, meshes.pairs[pair].radii, state.side, relative, touch
     )
-    state[BESIDE] = touch.beyond
+    state.beside = touch.beyond
     n1, n2, n3 = touch.normal[0], touch.normal[1], touch.normal[2]
     t1, t2, t3 = _tangent(meshes, pair, kind, feature, other, n1, n2, n3)
     put_directions(contacts, first_pose, n1, n2, n3, t1, t2, t3)
@@ -161,16 +140,17 @@ def touch_mesh_contact(
     x1 = 0.5 * (touch.point_a[0] + touch.point_b[0]) + shift * n1
     x2 = 0.5 * (touch.point_a[1] + touch.point_b[1]) + shift * n2
     x3 = 0.5 * (touch.point_a[2] + touch.point_b[2]) + shift * n3
-    scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2] = x1, x2, x3
+    scratch.lever[0], scratch.lever[1], scratch.lever[2] = x1, x2, x3
     put_pose_rows(contacts, 2 * c, first_pose, -1.0)
     pose = contacts.poses[first_pose]
-    s = rotate(pose, x1, x2, x3)
-    origin = relative.origin
-    y = rotate_back(relative.rotation, x1 - origin[0], x2 - origin[1], x3 - origin[2])
+    s = rotate(pose.rotation, x1, x2, x3)
+    y = rotate_back(
+        relative.rotation, x1 - relative.origin[0], x2 - relative.origin[1], x3 - relative.origin[2]
+    )
     for k in range(3):
-        state[TOUCHED + k] = pose[ORIGIN + k] + s[k]
-        state[NORMAL + k] = scratch[DIRECTIONS + k]
-        state[TANGENT + k] = scratch[DIRECTIONS + 3 + k]
-        scratch[LEVER + k] = y[k]
+        state.touched[k] = pose.origin[k] + s[k]
+        state.normal[k] = scratch.directions[0, k]
+        state.tangent[k] = scratch.directions[1, k]
+        scratch.lever[k] = y[k]
     put_pose_rows(contacts, 2 * c + 1, second_pose, 1.0)
     touch_facets(meshes.facets, meshes, contacts, bodies, work, c)

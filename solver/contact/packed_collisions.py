@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.records import Records, records
-from heavylift.solver.contact.kind import POSE_WIDTH, Colliding, ContactContour
+from heavylift.solver.contact.kind import Colliding, ContactContour, ContourPose
 
 __all__ = ["PackedCollisions", "no_collisions"]
 
@@ -35,7 +35,7 @@ class PackedCollisions:
 
     meshes: Colliding
     contours: Records[ContactContour]
-    poses: NDArray[np.float64]
+    poses: Records[ContourPose]
     placed: NDArray[np.float64]
     most: int
     all_rigid: bool
@@ -45,10 +45,5 @@ class PackedCollisions:
 def no_collisions() -> PackedCollisions:
     """Of scenes whose contacts are all with contours."""
     return PackedCollisions(
-        Colliding(()),
-        records(ContactContour, 0),
-        np.zeros((0, POSE_WIDTH)),
-        np.zeros((1, 12)),
-        0,
-        False,
+        Colliding(()), records(ContactContour, 0), records(ContourPose, 0), np.zeros((1, 12)), 0, False
     )

@@ -7,23 +7,7 @@ from heavylift.contours.search_cold import closest_point_cold
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.features import Deforming, sample
 from heavylift.solver.contact.interface import form_controls
-from heavylift.solver.contact.kind import (
-    AT_U,
-    AT_V,
-    CONTOUR,
-    EVALUATE,
-    OF_GROUND,
-    OF_RIGID,
-    POINTS_AT,
-    RESULT,
-    U_AT,
-    U_COUNT,
-    V_AT,
-    V_COUNT,
-    WEIGHTS_AT,
-    ContactRows,
-    search_at,
-)
+from heavylift.solver.contact.kind import OF_GROUND, OF_RIGID, ContactRows
 from heavylift.solver.interface import Bodies
 from heavylift.solver.kinds import implement
 
@@ -39,8 +23,8 @@ def sample_deforming(feature: Deforming, contacts: ContactRows, bodies: Bodies, 
         return
     form_controls(bodies, contacts, contour, 0, row.u.count - 1, 0, row.v.count - 1)
     grid = samples.grids[contour]
-    i, j, at = grid[U_AT], grid[V_AT], grid[POINTS_AT]
-    m, n = i + grid[U_COUNT], j + grid[V_COUNT]
+    i, j, at = grid.first_u, grid.first_v, grid.points
+    m, n = i + grid.count_u, j + grid.count_v
     samples.reach[contour] = sample_points(
         row,
         contacts.constants,
@@ -57,11 +41,11 @@ def sample_deforming(feature: Deforming, contacts: ContactRows, bodies: Bodies, 
 @kernel(internal=True)
 def start_at_point(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -> None:
     """Nearest point of a curve or surface to a point in its axes [m], into the state of a contact."""
-    contour = contacts.table[c, CONTOUR]
+    contour = contacts.table[c].contour
     samples, scratch, state = contacts.samples, contacts.scratch, contacts.state[c]
-    result, evaluate = search_at(scratch, RESULT), scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = scratch.result, scratch.evaluation
     grid = samples.grids[contour]
-    i, j, at = grid[U_AT], grid[V_AT], grid[POINTS_AT]
+    i, j, at = grid.first_u, grid.first_v, grid.points
     closest_point_cold(
         contacts.contours[contour],
         contacts.constants,
@@ -70,8 +54,8 @@ def start_at_point(contacts: ContactRows, c: int, y1: float, y2: float, y3: floa
         y1,
         y2,
         y3,
-        samples.parameters[i : i + grid[U_COUNT]],
-        samples.parameters[j : j + grid[V_COUNT]],
+        samples.parameters[i : i + grid.count_u],
+        samples.parameters[j : j + grid.count_v],
         samples.points[at : at + 3],
         samples.reach[contour],
         0.0,
@@ -79,4 +63,4 @@ def start_at_point(contacts: ContactRows, c: int, y1: float, y2: float, y3: floa
         evaluate,
         result,
     )
-    state[AT_U], state[AT_V] = result.u, result.v
+    state.u, state.v = result.u, result.v

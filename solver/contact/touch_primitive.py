@@ -3,37 +3,13 @@
 from __future__ import annotations
 
 from heavylift.contours.basis import find_span
-from heavylift.contours.convex import primitive_at
 from heavylift.contours.search_cold import closest_shape_cold
 from heavylift.contours.search_shape import closest_shape_on_surface, shape_gap
 from heavylift.contours.search_step import BORDER, CONVERGED, DEEP, NEED_SPAN, start_search
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.directions import form_span
 from heavylift.solver.contact.features import Primitives, touch
-from heavylift.solver.contact.kind import (
-    AT_U,
-    AT_V,
-    CONTOUR,
-    CONVEX,
-    END_GAP,
-    END_GAP_2,
-    EVALUATE,
-    EXTENT,
-    POINTS_AT,
-    PRIMITIVE_KIND,
-    RESULT,
-    SEARCH,
-    SHAPE,
-    SHAPE_ROW,
-    TOO_DEEP,
-    U_AT,
-    U_COUNT,
-    V_AT,
-    V_COUNT,
-    WEIGHTS_AT,
-    ContactRows,
-    search_at,
-)
+from heavylift.solver.contact.kind import CONVEX, TOO_DEEP, ContactRows
 from heavylift.solver.contact.search_end import note_search
 from heavylift.solver.contact.shape_rows import place_shape, put_touch
 from heavylift.solver.interface import Bodies, Workspace
@@ -56,20 +32,20 @@ def touch_primitive(
     work: Workspace,
 ) -> None:
     """The normal is the direction from the contour to the primitive, as long as its middle is on the outer side."""
-    contour = contacts.table[c, CONTOUR]
-    if contacts.table[c, SHAPE] != CONVEX:
+    contour = contacts.table[c].contour
+    if contacts.table[c].shape_kind != CONVEX:
         return
     row, scratch, state = contacts.contours[contour], contacts.scratch, contacts.state[c]
-    result, evaluate = search_at(scratch, RESULT), scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = scratch.result, scratch.evaluation
     knots, net = contacts.constants, contacts.net
-    shape = primitive_at(scratch, SHAPE_ROW)
+    shape = scratch.primitive
     place_shape(contacts, c, y1, y2, y3, work)
     if cold:
         _start_anywhere(contacts, c)
-    u, v = state[AT_U], state[AT_V]
+    u, v = state.u, state.v
     span_u = find_span(knots, row.u.first_knot, row.u.degree, row.u.count + row.u.closed * row.u.degree, u)
     span_v = find_span(knots, row.v.first_knot, row.v.degree, row.v.count + row.v.closed * row.v.degree, v)
-    kind = contacts.table[c, PRIMITIVE_KIND]
+    kind = contacts.table[c].primitive_kind
     start_search(row, u, v, result)
     status = NEED_SPAN
     while status == NEED_SPAN:
@@ -83,30 +59,30 @@ def touch_primitive(
     gap, m1, m2, m3, x1, x2, x3, side = shape_gap(kind, shape, result)
     flags = result.flags
     if status == CONVERGED and flags & DEEP:
-        state[SEARCH] = TOO_DEEP
+        state.search = TOO_DEEP
     if side * row.flip > 0.0 and flags & BORDER == 0:  # its middle has gone through
-        gap, m1, m2, m3 = -(gap + contacts.values[c, EXTENT]), -m1, -m2, -m3
-    state[END_GAP], state[END_GAP_2] = gap, 0.0
+        gap, m1, m2, m3 = -(gap + contacts.values[c].extent), -m1, -m2, -m3
+    state.end_gap, state.second_end_gap = gap, 0.0
     put_touch(contacts, c, -m1, -m2, -m3, x1 - y1, x2 - y2, x3 - y3)
 
 
 @kernel(internal=True)
 def _start_anywhere(contacts: ContactRows, c: int) -> None:
     """Nearest point of the surface to the primitive, of several minima."""
-    contour = contacts.table[c, CONTOUR]
+    contour = contacts.table[c].contour
     samples, scratch, state = contacts.samples, contacts.scratch, contacts.state[c]
-    result, evaluate = search_at(scratch, RESULT), scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = scratch.result, scratch.evaluation
     grid = samples.grids[contour]
-    i, j, at = grid[U_AT], grid[V_AT], grid[POINTS_AT]
+    i, j, at = grid.first_u, grid.first_v, grid.points
     closest_shape_cold(
         contacts.contours[contour],
         contacts.constants,
         contacts.constants,
         contacts.net,
-        contacts.table[c, PRIMITIVE_KIND],
-        primitive_at(scratch, SHAPE_ROW),
-        samples.parameters[i : i + grid[U_COUNT]],
-        samples.parameters[j : j + grid[V_COUNT]],
+        contacts.table[c].primitive_kind,
+        scratch.primitive,
+        samples.parameters[i : i + grid.count_u],
+        samples.parameters[j : j + grid.count_v],
         samples.points[at : at + 3],
         samples.reach[contour],
         0.0,
@@ -114,4 +90,4 @@ def _start_anywhere(contacts: ContactRows, c: int) -> None:
         evaluate,
         result,
     )
-    state[AT_U], state[AT_V] = result.u, result.v
+    state.u, state.v = result.u, result.v

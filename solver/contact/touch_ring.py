@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from heavylift.contours.basis import find_span
-from heavylift.contours.convex import primitive_at
 from heavylift.contours.search import signed_gap
 from heavylift.contours.search_circle import ring_on_surface, ring_point, start_ring
 from heavylift.contours.search_circle_cold import ring_cold
@@ -13,27 +12,7 @@ from heavylift.contours.search_step import BORDER, CONVERGED, NEED_SPAN
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.directions import form_span
 from heavylift.solver.contact.features import Rings, touch
-from heavylift.solver.contact.kind import (
-    AT_U,
-    AT_V,
-    CIRCLE,
-    CONTOUR,
-    END_GAP,
-    END_GAP_2,
-    EVALUATE,
-    POINTS_AT,
-    RESULT,
-    SHAPE,
-    SHAPE_ROW,
-    SIZE,
-    U_AT,
-    U_COUNT,
-    V_AT,
-    V_COUNT,
-    WEIGHTS_AT,
-    ContactRows,
-    search_at,
-)
+from heavylift.solver.contact.kind import CIRCLE, ContactRows
 from heavylift.solver.contact.search_end import note_search
 from heavylift.solver.contact.shape_rows import place_shape, put_touch
 from heavylift.solver.interface import Bodies, Workspace
@@ -59,20 +38,20 @@ def touch_ring(
     work: Workspace,
 ) -> None:
     """The angle on the ring is carried as the second gap of the contact."""
-    contour = contacts.table[c, CONTOUR]
-    if contacts.table[c, SHAPE] != CIRCLE:
+    contour = contacts.table[c].contour
+    if contacts.table[c].shape_kind != CIRCLE:
         return
     row, scratch, state = contacts.contours[contour], contacts.scratch, contacts.state[c]
-    result, evaluate = search_at(scratch, RESULT), scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = scratch.result, scratch.evaluation
     knots, net = contacts.constants, contacts.net
-    shape = primitive_at(scratch, SHAPE_ROW)
+    shape = scratch.primitive
     place_shape(contacts, c, y1, y2, y3, work)
     if cold:
         _start_anywhere(contacts, c)
-    u, v = state[AT_U], state[AT_V]
+    u, v = state.u, state.v
     span_u = find_span(knots, row.u.first_knot, row.u.degree, row.u.count + row.u.closed * row.u.degree, u)
     span_v = find_span(knots, row.v.first_knot, row.v.degree, row.v.count + row.v.closed * row.v.degree, v)
-    start_ring(row, u, v, state[END_GAP_2], result)
+    start_ring(row, u, v, state.second_end_gap, result)
     status = NEED_SPAN
     while status == NEED_SPAN:
         form_span(contacts, bodies, contour, span_u, span_v)
@@ -81,7 +60,7 @@ def touch_ring(
             span_u, span_v = result.span_u, result.span_v
     note_search(contacts, c, status)
     if status != CONVERGED:
-        result.ring.angle = state[END_GAP_2]
+        result.ring.angle = state.second_end_gap
     r1, r2, r3, _, _, _ = ring_point(shape, result.ring.angle)
     gap, n1, n2, n3 = signed_gap(y1 + r1, y2 + r2, y3 + r3, result)
     flip, rounding = row.flip, shape.radius
@@ -89,28 +68,28 @@ def touch_ring(
     gap *= flip
     if result.flags & BORDER:
         distance = math.sqrt(result.squared_distance)
-        if distance * distance - gap * gap > (OFF * contacts.values[c, SIZE]) ** 2:
+        if distance * distance - gap * gap > (OFF * contacts.values[c].length_scale) ** 2:
             gap = distance
-    state[END_GAP], state[END_GAP_2] = gap - rounding, result.ring.angle
+    state.end_gap, state.second_end_gap = gap - rounding, result.ring.angle
     put_touch(contacts, c, n1, n2, n3, r1 - rounding * n1, r2 - rounding * n2, r3 - rounding * n3)
 
 
 @kernel(internal=True)
 def _start_anywhere(contacts: ContactRows, c: int) -> None:
     """Point of the surface and angle of the ring with the least gap of all."""
-    contour = contacts.table[c, CONTOUR]
+    contour = contacts.table[c].contour
     samples, scratch, state = contacts.samples, contacts.scratch, contacts.state[c]
-    result, evaluate = search_at(scratch, RESULT), scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = scratch.result, scratch.evaluation
     grid = samples.grids[contour]
-    i, j, at = grid[U_AT], grid[V_AT], grid[POINTS_AT]
+    i, j, at = grid.first_u, grid.first_v, grid.points
     ring_cold(
         contacts.contours[contour],
         contacts.constants,
         contacts.constants,
         contacts.net,
-        primitive_at(scratch, SHAPE_ROW),
-        samples.parameters[i : i + grid[U_COUNT]],
-        samples.parameters[j : j + grid[V_COUNT]],
+        scratch.primitive,
+        samples.parameters[i : i + grid.count_u],
+        samples.parameters[j : j + grid.count_v],
         samples.points[at : at + 3],
         samples.reach[contour],
         0.0,
@@ -119,4 +98,4 @@ def _start_anywhere(contacts: ContactRows, c: int) -> None:
         evaluate,
         result,
     )
-    state[AT_U], state[AT_V], state[END_GAP_2] = result.u, result.v, result.ring.angle
+    state.u, state.v, state.second_end_gap = result.u, result.v, result.ring.angle

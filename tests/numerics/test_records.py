@@ -128,6 +128,22 @@ def test_memory() -> None:
     np.testing.assert_array_equal(place.position, [0.0, 4.0, 0.0])
 
 
+@entry
+def copy_first(group: Weights) -> None:
+    source, target = group.weights[0].words, group.heaviest.words
+    for k in range(target.shape[0]):
+        target[k] = source[k]
+
+
+def test_words_of_a_record_in_kernels() -> None:
+    """All of it, copied together."""
+    group = weights()
+    group.weights[0].start.position[1] = 3.0
+    copy_first(group)
+    assert group.heaviest.tobytes() == group.weights[0].tobytes()
+    assert group.heaviest.turned
+
+
 @kernel
 def second_mass(rows: Records[Weight]) -> float:
     return rows[1].mass

@@ -40,20 +40,7 @@ from heavylift.solver.contact.interface import (
     put_contour_rows,
     settle_points,
 )
-from heavylift.solver.contact.kind import (
-    CONTOUR,
-    DIRECTIONS,
-    HAS_SLOPES,
-    LARGEST_CONTROLS,
-    OF_MESH,
-    RADIUS_OF,
-    SLOPES,
-    SLOT,
-    STEP_SHIFT,
-    WEIGHTS_AT,
-    WIDTH_OF,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import OF_MESH, ContactRows
 from heavylift.solver.interface import Systems, Workspace, joint_rows
 from heavylift.solver.kinds import implement
 
@@ -268,10 +255,10 @@ def settle_points_of_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, w
 @kernel(internal=True)
 def put_mesh_contour_rows(kind: Meshes, contacts: ContactRows, contact: int, count: int) -> None:
     """``-d`` into the columns of the moving point, ``-e`` into those of the tangent beside a curve."""
-    contour = contacts.table[contact, CONTOUR]
+    contour = contacts.table[contact].contour
     if contacts.contours[contour].owner != OF_MESH:
         return
-    dof, slot = contacts.contours[contour].dof, contacts.table[contact, SLOT]
+    dof, slot = contacts.contours[contour].dof, contacts.table[contact].slot
     body = body_with_points(kind, dof)
     if body < 0:
         return
@@ -279,19 +266,19 @@ def put_mesh_contour_rows(kind: Meshes, contacts: ContactRows, contact: int, cou
     side = 2 * contact
     column = contacts.attachments[side].width - 3 * kind.table[body].moving_count + 3 * slot
     panel = contacts.attachments[side].panel + column * lanes
-    _aim(kind.moving, kind, dof, slot, contacts.places, scratch, WEIGHTS_AT, count)
-    beside, turning = pose[RADIUS_OF] > 0.0 or pose[WIDTH_OF] > 0.0, scratch[HAS_SLOPES] > 0.0
+    _aim(kind.moving, kind, dof, slot, contacts.places, scratch.weights, 0, count)
+    beside, turning = pose.radius > 0.0 or pose.width > 0.0, scratch.has_slopes
     if turning:
-        _aim(kind.moving, kind, dof, slot + 1, contacts.places, scratch, WEIGHTS_AT + LARGEST_CONTROLS, count)
+        _aim(kind.moving, kind, dof, slot + 1, contacts.places, scratch.slope_weights, 0, count)
     for r in range(3):
-        at = DIRECTIONS + 3 * r
-        d1, d2, d3 = rotate_back(pose, scratch[at], scratch[at + 1], scratch[at + 2])
+        d = scratch.directions[r]
+        d1, d2, d3 = rotate_back(pose.rotation, d[0], d[1], d[2])
         contacts.panels[panel + r] = -d1
         contacts.panels[panel + lanes + r] = -d2
         contacts.panels[panel + 2 * lanes + r] = -d3
         if beside:
             for k in range(3):
-                slope = scratch[SLOPES + 3 * r + k] if turning else 0.0
+                slope = scratch.slopes[r, k] if turning else 0.0
                 contacts.panels[panel + (3 + k) * lanes + r] = -slope
 
 
@@ -313,7 +300,7 @@ def _bound(moving: MovingPoints, kind: Meshes, contacts: ContactRows, step: floa
                 y += factor * speed[at + 1]
                 z += factor * speed[at + 2]
             largest = max(largest, x * x + y * y + z * z)
-        contacts.poses[contour, STEP_SHIFT] = step * math.sqrt(largest)
+        contacts.poses[contour].step_shift = step * math.sqrt(largest)
 
 
 @implement(bound_motion, FrameMeshes)

@@ -10,15 +10,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.bodies.ancf.contours import body_with_points
-from heavylift.solver.bodies.ancf.kind import (
-    MID_Q,
-    MID_V,
-    FrameMeshes,
-    Meshes,
-    MovingPoints,
-    ShellMeshes,
-    V,
-)
+from heavylift.solver.bodies.ancf.kind import MID_Q, MID_V, FrameMeshes, Meshes, MovingPoints, ShellMeshes, V
 from heavylift.solver.bodies.ancf.moving import point_value
 from heavylift.solver.contact.facet_interface import (
     bound_surface_points,
@@ -26,7 +18,7 @@ from heavylift.solver.contact.facet_interface import (
     put_surface_rows,
 )
 from heavylift.solver.contact.facet_kind import FacetSurfaces
-from heavylift.solver.contact.kind import DIRECTIONS, STEP_SHIFT, ContactRows
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
 
@@ -78,7 +70,7 @@ def bound_points_of_meshes(
     for i in range(facets.rows[row].points):
         x, y, z = _sum_vectors(facets, kind.nodal[MID_V], own + i, begin)
         fastest = max(fastest, x * x + y * y + z * z)
-    contacts.poses[facets.rows[row].pose, STEP_SHIFT] = step * math.sqrt(fastest)
+    contacts.poses[facets.rows[row].pose].step_shift = step * math.sqrt(fastest)
 
 
 @kernel(internal=True)
@@ -145,8 +137,8 @@ def put_rows_on_meshes(
         contacts.panels[panel + k] = 0.0
     panel += column * lanes
     for r in range(3):
-        at = DIRECTIONS + 3 * r
-        d1, d2, d3 = rotate_back(pose, scratch[at], scratch[at + 1], scratch[at + 2])
+        d = scratch.directions[r]
+        d1, d2, d3 = rotate_back(pose.rotation, d[0], d[1], d[2])
         contacts.panels[panel + r] = sign * d1
         contacts.panels[panel + lanes + r] = sign * d2
         contacts.panels[panel + 2 * lanes + r] = sign * d3
