@@ -585,10 +585,12 @@ class _Length(AbstractTemplate):
     def generic(self, arguments: Any, named: Any) -> Any:
         """Of an array of records."""
         del named
-        return call_signature(types.int64, *arguments) if isinstance(arguments[0], RecordsType) else None
+        of_records = isinstance(arguments[0], (RecordsType, LaneRecordsType))
+        return call_signature(types.int64, *arguments) if of_records else None
 
 
 @lower_builtin(len, RecordsType)
+@lower_builtin(len, LaneRecordsType)
 def _length(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     return cgutils.create_struct_proxy(signature.args[0])(context, builder, values[0]).count
 

@@ -250,6 +250,11 @@ def swap_unknown(group: Unknown, place: int) -> None:
     swap(group.rows, place)
 
 
+@entry
+def swap_last(group: Unknown) -> None:
+    swap(group.rows, len(group.rows) - 1)
+
+
 def test_records_of_lanes() -> None:
     """The same memory for kernels that know the lanes and for those that do not."""
     rows = lane_records(Sides, 3, 4)
@@ -259,6 +264,8 @@ def test_records_of_lanes() -> None:
     np.testing.assert_array_equal(rows["left"][:, 0], [0.0, 0.0, 8.0])
     swap_unknown(Unknown(rows), 1)
     np.testing.assert_array_equal(rows["left"], np.arange(12.0).reshape(3, 4))
+    swap_last(Unknown(rows))
+    np.testing.assert_array_equal(rows["left"][:, 0], [0.0, 4.0, 0.0])
     with pytest.raises(TypeError, match="expected LaneRecords"):
         _ = Known(lane_records(Sides, 3, 2)).address
     with pytest.raises(TypeError, match="expected LaneRecords"):

@@ -142,7 +142,7 @@ def test_search_that_finds_nothing_leaves_the_last_place(both: tuple[tuple[Conto
     note(contacts, 0, LOST)
     assert contours[0].neutral is not None
     wanted = evaluate_contour(contours[0].neutral, np.array([[0.3, 0.6]])).reshape(1, -1)[0, :3]
-    np.testing.assert_allclose(contacts.scratch.result[:3], wanted, atol=1e-13)
+    np.testing.assert_allclose(contacts.scratch.result.position, wanted, atol=1e-13)
     assert contacts.state[0].search == LOST
     contacts.state[0].closed, contacts.state[0].failures = False, 0
     judge(contacts, True, work)
