@@ -128,7 +128,7 @@ class Record(_Scalar):
     @property
     def address(self) -> int:
         """Where it is in memory."""
-        return int(self.__array_interface__["data"][0])
+        return int(np.frombuffer(self, dtype=np.uint8).ctypes.data)  # type: ignore[call-overload]
 
     @property
     def words(self) -> NDArray[np.float64]:
