@@ -28,17 +28,13 @@ from heavylift.solver.bodies.ancf.elements import (
     find_strains,
 )
 from heavylift.solver.bodies.ancf.kind import (
-    LOAD,
-    NODAL_ROWS,
+    NODAL_VECTORS,
     SHELL_PAIRS,
-    STRAIN,
-    STRAIN_ROWS,
+    STRAIN_VECTORS,
     MeshNumbers,
     MeshPlaces,
-    Q,
     ShellMeshElement,
     ShellMeshes,
-    V,
 )
 from heavylift.solver.bodies.ancf.shell_packing import (
     body_constants,
@@ -61,32 +57,32 @@ MESH = (12, 8)
 @kernel
 def strains(kind: ShellMeshes, times: int) -> None:
     for _ in range(times):
-        find_strains((kind,), 0, Q, STRAIN)
+        find_strains((kind,), 0, kind.position, kind.strain)
 
 
 @kernel
 def rates(kind: ShellMeshes, times: int) -> None:
     for _ in range(times):
-        add_strain_rates((kind,), 0, Q, V, STRAIN, 1e-9)
+        add_strain_rates((kind,), 0, kind.position, kind.velocity, kind.strain, 1e-9)
 
 
 @kernel
 def forces(kind: ShellMeshes, times: int) -> None:
     for _ in range(times):
-        add_stress_forces((kind,), 0, Q, STRAIN, LOAD, 1e-9)
+        add_stress_forces((kind,), 0, kind.position, kind.strain, kind.external_force, 1e-9)
 
 
 @kernel
 def stiffness(kind: ShellMeshes, times: int) -> None:
     for _ in range(times):
-        add_stiffness((kind,), 0, Q, STRAIN, LOAD, 1e-9, 1e-9, 1.0)
+        add_stiffness((kind,), 0, kind.position, kind.strain, kind.external_force, 1e-9, 1e-9, 1.0)
 
 
 @kernel
 def pressure(kind: ShellMeshes, times: int) -> None:
     for _ in range(times):
         for e in range(kind.elements.shape[0]):
-            add_follower_load((kind,), 0, Q, e, LOAD, 0, 1e-9)
+            add_follower_load((kind,), 0, kind.position, e, kind.external_force, 0, 1e-9)
 
 
 KERNELS = {
@@ -149,16 +145,16 @@ def scene(gauss_points: int, *, equal: bool) -> ShellMeshes:
     table[0].element_count = len(elements)
     start = start_coordinates(body)
     start += 0.05 * np.random.default_rng(0).normal(size=start.shape)
-    nodal = aligned((NODAL_ROWS, len(start) * LANES))
-    for row in (Q, V):
-        nodal[row].reshape(-1, LANES)[:, :ROWS] = start.reshape(-1, ROWS)
+    nodal = {name: aligned(len(start) * LANES) for name in NODAL_VECTORS}
+    for name in ("position", "velocity"):
+        nodal[name].reshape(-1, LANES)[:, :ROWS] = start.reshape(-1, ROWS)
     given = {
         "table": table,
         "elements": elements,
         "constants": constants,
         "body": records(MeshNumbers, 1),
-        "nodal": nodal,
-        "strains": aligned((STRAIN_ROWS, int(counts.sum()))),
+        **nodal,
+        **{name: aligned(int(counts.sum())) for name in STRAIN_VECTORS},
         "blocks": aligned(len(places) * ROWS * LANES),
     }
     return partly(ShellMeshes, **given)

@@ -22,17 +22,15 @@ def mesh_warning(layout: Layout, loss: float) -> str:
         Largest loss of the energy balance relative to the largest kinetic and elastic energy.
     """
     parts = []
-    meshes = any("strains" in kind._fields for kind in layout.bodies)
+    meshes = any("strain" in kind._fields for kind in layout.bodies)
     if meshes and loss > LARGEST_LOSS:
         parts.append(
             f"the balance of energy lost {loss:.1%} of the largest energy in motion: take a smaller step"
         )
     for kind in layout.bodies:
-        if "strains" not in kind._fields:
+        if "strain" not in kind._fields:
             continue
-        from heavylift.solver.bodies.ancf.kind import (
-            CARRIED,
-        )
+        from heavylift.solver.bodies.ancf.kind import CARRIED
 
         for line, numbers in zip(kind.table, kind.body, strict=True):
             name = layout.body_names[line.number]
@@ -59,7 +57,7 @@ def explicit_limit(layout: Layout) -> str:
         Packed scene whose status names the body.
     """
     for kind in layout.bodies:
-        if "strains" not in kind._fields:
+        if "strain" not in kind._fields:
             continue
 
         for line, numbers in zip(kind.table, kind.body, strict=True):

@@ -382,7 +382,7 @@ class Simulation:
             from heavylift.solver.integrate.integration import stiffness_seen
 
             if stiffness_seen(self._layout.systems[-1]):
-                meshes = any("strains" in kind._fields for kind in self._layout.bodies)
+                meshes = any("strain" in kind._fields for kind in self._layout.bodies)
                 where = "faster where coarse results are enough" if meshes else "faster"
                 return f"stability, not accuracy, limited the steps: integrator 'dele2' will be {where}"
         return "; ".join(self._layout.notes)

@@ -155,13 +155,9 @@ def diagnose(rows: StartRows) -> Diagnosis:
 
 def _count_with_meshes(rows: StartRows, scaled: _Scaled) -> Diagnosis:
     """Degrees of freedom only: what a mesh that deforms at will leaves free has no name."""
-    from heavylift.solver.bodies.ancf.kind import FREE
-
     rank = rank_of(scaled.matrix, scaled.owner, scaled.tolerance)
-    meshes = [kind for kind in rows.layout.bodies if "strains" in kind._fields]
-    coordinates = sum(
-        int(kind.nodal[FREE].sum()) - 3 * int(kind.table["base_count"].sum()) for kind in meshes
-    )
+    meshes = [kind for kind in rows.layout.bodies if "strain" in kind._fields]
+    coordinates = sum(int(kind.free.sum()) - 3 * int(kind.table["base_count"].sum()) for kind in meshes)
     return Diagnosis(
         degrees_of_freedom=len(rows.free) + coordinates - rank,
         row_count=scaled.matrix.shape[0],

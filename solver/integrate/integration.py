@@ -159,7 +159,7 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
     place = padded(work.velocity.shape[0] + 7 * sum(len(kind.table) for kind in rigid))
     for kind in meshes:
         kind.table["state_place"] = place
-        place += 2 * kind.nodal.shape[1]
+        place += 2 * len(kind.position)
     size = padded(place + QUADRATURES)
     progress = Progress.one()
     progress.length = max(

@@ -22,16 +22,7 @@ from heavylift.solver.bodies.ancf.at_rest import (
     fill_weight_and_loads,
 )
 from heavylift.solver.bodies.ancf.frame_data import frame_follower
-from heavylift.solver.bodies.ancf.kind import (
-    FOLLOWER_ELEMENT,
-    FOLLOWER_NODE,
-    LOAD,
-    RIGHT,
-    FrameMeshes,
-    Q,
-    ShellMeshes,
-    V,
-)
+from heavylift.solver.bodies.ancf.kind import FOLLOWER_ELEMENT, FOLLOWER_NODE, FrameMeshes, ShellMeshes
 from heavylift.solver.bodies.ancf.sparse_matrices import MeshMatrices, mesh_matrices
 from heavylift.solver.integrate.mesh_kernels import evaluate_loads
 from heavylift.solver.integrate.rows_at_rest import fill_at_rest
@@ -149,7 +140,7 @@ class MeshSystem:
             for array in kind
             if isinstance(array, np.ndarray) and (array.dtype == np.float64 or array.dtype.names)
         ]
-        arrays += [kind.nodal[Q] for kind in self.meshes]
+        arrays += [kind.position for kind in self.meshes]
         return [(array, array.copy()) for array in arrays]
 
     def restore(self, snapshot: Any) -> None:
@@ -160,7 +151,7 @@ class MeshSystem:
     def move(self, increment: NDArray[np.float64]) -> None:
         """Displace everything."""
         for kind, matrices, part in zip(self.meshes, self.matrices, self._split(increment), strict=True):
-            kind.nodal[Q, matrices.places] += part
+            kind.position[matrices.places] += part
         if len(self.dofs):
             full = np.zeros(len(self.rows.inertia))
             full[self.dofs] = increment[self.first[-1] :]
@@ -169,7 +160,7 @@ class MeshSystem:
     def stop(self) -> None:
         """Take all velocities away."""
         for kind in self.meshes:
-            kind.nodal[V] = 0.0
+            kind.velocity[:] = 0.0
         self.rows.put_velocity(np.zeros(len(self.rows.inertia)))
 
     def _split(self, values: NDArray[np.float64]) -> list[NDArray[np.float64]]:
@@ -183,7 +174,7 @@ class MeshSystem:
         force = np.zeros(self.count)
         for kind, matrices, part in zip(self.meshes, self.matrices, self._split(force), strict=True):
             fill_stress_forces((kind,))
-            part[:] = kind.nodal[RIGHT, matrices.places] + matrices.bending_force(kind.nodal[Q])
+            part[:] = kind.right_hand_side[matrices.places] + matrices.bending_force(kind.position)
         if self._has_inner():
             pull, _ = self._inner_pull()
             force -= self.T.T @ pull
@@ -196,7 +187,7 @@ class MeshSystem:
         force = np.zeros(self.count)
         for kind, matrices, part in zip(self.meshes, self.matrices, self._split(force), strict=True):
             fill_weight_and_loads((kind,), layout.work, self.rows.time)
-            part[:] = (kind.nodal[RIGHT] + kind.nodal[LOAD])[matrices.places]
+            part[:] = (kind.right_hand_side + kind.external_force)[matrices.places]
         if len(self.dofs):
             pull = np.zeros(len(self.rows.inertia))
             collect_load(self.others, layout.work, pull)
@@ -320,7 +311,7 @@ class MeshSystem:
                 places = line.place + np.arange(matrices.rows)
                 given = frame_follower(kind.constants, line.data)
                 out = amount * _node_follower(
-                    kind.nodal[Q, places], given.normal * given.axis, given.tangential
+                    kind.position[places], given.normal * given.axis, given.tangential
                 )
             number = matrices.number(places)
             entries.append((np.repeat(number, len(number)), np.tile(number, len(number)), out.ravel()))

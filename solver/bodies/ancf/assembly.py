@@ -7,16 +7,10 @@ the nodes of the mesh leaves ``-J A^-1 J^T`` in the blocks of the bases.
 
 from __future__ import annotations
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.block_factor import factor_blocks
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.ancf.kind import (
-    CLEAR_LANE,
-    CLEAR_ROW,
-    CONSTANT_SET,
-    MASS_SET,
-    STEP_SET,
-    Meshes,
-)
+from heavylift.solver.bodies.ancf.kind import CLEAR_LANE, CLEAR_ROW, CONSTANT_SET, MASS_SET, STEP_SET, Meshes
 
 __all__ = [
     "add_matrix_products",
@@ -143,15 +137,13 @@ def start_step_matrix(kind: Meshes, body: int, mass: float, bending: float) -> N
 
 @kernel(internal=True)
 def add_matrix_products(
-    kind: Meshes, body: int, v: int, mass: float, q: int, bending: float, out: int
+    kind: Meshes, body: int, v: Floats1, mass: float, q: Floats1, bending: float, out: Floats1
 ) -> None:
-    """``nodal[out] += mass M nodal[v] + bending K_b nodal[q]``."""
+    """``out += mass M v + bending K_b q``."""
     vectors = len(kind.shape[0]) // 3
     nodes = 2 if vectors == 2 else 4
     count = nodes * vectors
     first = kind.table[body].first_element
-    V, Q = kind.nodal[v], kind.nodal[q]
-    R = kind.nodal[out]
     for e in range(first, first + kind.table[body].element_count):
         M = kind.elements[e].data
         K = M + count * count
@@ -165,10 +157,10 @@ def add_matrix_products(
                         m = mass * kind.constants[M + row + j * vectors + b]
                         k = bending * kind.constants[K + row + j * vectors + b]
                         at = place + 3 * b
-                        x += m * V[at] + k * Q[at]
-                        y += m * V[at + 1] + k * Q[at + 1]
-                        z += m * V[at + 2] + k * Q[at + 2]
+                        x += m * v[at] + k * q[at]
+                        y += m * v[at + 1] + k * q[at + 1]
+                        z += m * v[at + 2] + k * q[at + 2]
                 at = kind.elements[e].nodes[i] + 3 * a
-                R[at] += x
-                R[at + 1] += y
-                R[at + 2] += z
+                out[at] += x
+                out[at + 1] += y
+                out[at + 2] += z

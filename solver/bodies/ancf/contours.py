@@ -8,26 +8,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.contours.packed_contour import PackedContour
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.bodies.ancf.joints import apply_inverse_of_meshes, take_impulses
 from heavylift.solver.bodies.ancf.kind import (
-    ACCELERATION,
-    CHANGE_OF_V,
     EXPLICIT,
-    FORWARD,
     MASS_SET,
-    MID_Q,
-    MID_V,
     STEP_SET,
     FrameMeshes,
     Meshes,
     MovingPoints,
-    Q,
     ShellMeshes,
-    V,
 )
-from heavylift.solver.bodies.ancf.moving import point_response, point_value, prepare_points, vector_length
+from heavylift.solver.bodies.ancf.moving import (
+    point_response,
+    point_value,
+    prepare_points,
+    vector_length,
+)
 from heavylift.solver.bodies.ancf.step import is_iterated
 from heavylift.solver.bodies.ancf.substitution import node_span
 from heavylift.solver.contact.interface import (
@@ -55,8 +54,7 @@ def body_with_points(kind: Meshes, dof: int) -> int:
             return body
     return -1
 
-
-# ---- the shape ----
+    # ---- the shape ----
 
 
 @kernel(internal=True)
@@ -64,7 +62,7 @@ def _form(
     moving: MovingPoints,
     kind: Meshes,
     dof: int,
-    row: int,
+    nodal: Floats1,
     contour: PackedContour,
     first_u: int,
     last_u: int,
@@ -72,12 +70,12 @@ def _form(
     last_v: int,
     net: NDArray[np.float64],
 ) -> None:
-    """`form_mesh_controls` of a row of `nodal`."""
+    """`form_mesh_controls` of a nodal vector."""
     body = body_with_points(kind, dof)
     if body < 0:
         return
     count_u, count_v = contour.u.count, contour.v.count
-    origin, q = moving.bodies[body].first_control, kind.nodal[row]
+    origin, q = moving.bodies[body].first_control, nodal
     for i in range(first_u, last_u + 1):
         for j in range(first_v, last_v + 1):
             local = (i % count_u) * count_v + j % count_v
@@ -109,8 +107,8 @@ def form_controls_of_meshes(
     net: NDArray[np.float64],
 ) -> None:
     """Sums of nodal vectors."""
-    row = MID_Q if at_midpoint else Q
-    _form(kind.moving, kind, dof, row, contour, first_u, last_u, first_v, last_v, net)
+    nodal = kind.mid_position if at_midpoint else kind.position
+    _form(kind.moving, kind, dof, nodal, contour, first_u, last_u, first_v, last_v, net)
 
 
 @implement(form_controls, FrameMeshes)
@@ -122,7 +120,9 @@ def form_contour_controls(
     """Of the stage."""
     row = contacts.contours[contour]
     if row.owner == OF_MESH:
-        _form(kind.moving, kind, row.dof, MID_Q, row, first_u, last_u, first_v, last_v, contacts.net)
+        _form(
+            kind.moving, kind, row.dof, kind.mid_position, row, first_u, last_u, first_v, last_v, contacts.net
+        )
 
 
 @implement(pose_contours, FrameMeshes)
@@ -131,11 +131,10 @@ def form_contour_controls(
 def pose_mesh_contours(kind: Meshes, at_midpoint: bool, contacts: ContactRows) -> None:
     """The axes stand still; of the carried state the coordinates are those of the stage."""
     if not at_midpoint:
-        for i in range(kind.nodal.shape[1]):
-            kind.nodal[MID_Q, i] = kind.nodal[Q, i]
+        for i in range(kind.position.shape[0]):
+            kind.mid_position[i] = kind.position[i]
 
-
-# ---- moving points ----
+            # ---- moving points ----
 
 
 @kernel(internal=True)
@@ -190,7 +189,7 @@ def aim_points_of_meshes(
 @kernel(internal=True)
 def _settle(moving: MovingPoints, kind: Meshes, systems: Systems, at_midpoint: bool, work: Workspace) -> None:
     """`settle_points` of a kind."""
-    take_impulses(kind, systems, CHANGE_OF_V)
+    take_impulses(kind, systems, kind.velocity_change)
     for body in range(kind.table.shape[0]):
         first, count = moving.bodies[body].first_point, kind.table[body].moving_count
         stepped = at_midpoint and kind.table[body].scheme != EXPLICIT
@@ -202,9 +201,9 @@ def _settle(moving: MovingPoints, kind: Meshes, systems: Systems, at_midpoint: b
         for i in range(count):
             if not moving.points[first + i].live:
                 continue
-            x, y, z = point_value(moving, kind, first + i, MID_V if solved else V)
+            x, y, z = point_value(moving, kind, first + i, kind.mid_velocity if solved else kind.velocity)
             if at_midpoint and not solved:
-                a, b, c = point_response(moving, kind, first + i, body, which, FORWARD)
+                a, b, c = point_response(moving, kind, first + i, body, which, kind.forward_solution)
                 x, y, z = x + a, y + b, z + c
             at = dof + 3 * i
             work.velocity[at], work.velocity[at + 1], work.velocity[at + 2] = x, y, z
@@ -218,7 +217,7 @@ def _settle(moving: MovingPoints, kind: Meshes, systems: Systems, at_midpoint: b
 def _add_pushes(
     moving: MovingPoints, kind: Meshes, body: int, slot: int, velocity: NDArray[np.float64], at: int
 ) -> None:
-    """What impulses do to a moving point; minus them stands in row `CHANGE_OF_V`."""
+    """What impulses do to a moving point; minus them stands in `velocity_change`."""
     bases, count = kind.table[body].base_count, kind.table[body].moving_count
     length = vector_length(kind, body)
     begin = moving.points[moving.bodies[body].first_point + slot].vectors
@@ -229,7 +228,7 @@ def _add_pushes(
         moves = base - first - bases
         row = moving.bodies[body].compliance + 9 * slot * count + 3 * moves
         for c in range(3):
-            push = kind.nodal[CHANGE_OF_V, place + c]
+            push = kind.velocity_change[place + c]
             if push == 0.0:
                 continue
             for k in range(3):
@@ -246,8 +245,7 @@ def settle_points_of_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, w
     """From the right-hand side of the stage, forward-substituted, and from the impulses on bases and points."""
     _settle(kind.moving, kind, systems, at_midpoint, work)
 
-
-# ---- rows of contacts ----
+    # ---- rows of contacts ----
 
 
 @implement(put_contour_rows, FrameMeshes)
@@ -290,7 +288,7 @@ def _bound(moving: MovingPoints, kind: Meshes, contacts: ContactRows, step: floa
         body = body_with_points(kind, row.dof) if row.owner == OF_MESH else -1
         if body < 0:
             continue
-        origin, speed = moving.bodies[body].first_control, kind.nodal[MID_V]
+        origin, speed = moving.bodies[body].first_control, kind.mid_velocity
         largest = 0.0
         for control in range(origin, origin + row.u.count * row.v.count):
             x = y = z = 0.0
@@ -319,4 +317,4 @@ def forget_mesh_accelerations(kind: Meshes) -> None:
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         for i in range(first, last):
-            kind.nodal[ACCELERATION, i] = 0.0
+            kind.mean_acceleration[i] = 0.0

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.assembly import add_matrix_products
 from heavylift.solver.bodies.ancf.elements import add_elastic_forces, add_stress_forces, find_strains
@@ -28,11 +29,7 @@ from heavylift.solver.bodies.ancf.frame_data import (
     load_element,
     put_forces,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    SHAPE_STRAIN,
-    FrameMeshes,
-    ShellMeshes,
-)
+from heavylift.solver.bodies.ancf.kind import FrameMeshes, ShellMeshes
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
@@ -40,7 +37,7 @@ __all__: list[str] = []
 
 @implement(add_elastic_forces, FrameMeshes)
 @kernel(internal=True)
-def add_frame_elastic_forces(kind: FrameMeshes, body: int, q: int, force: int, factor: float) -> None:
+def add_frame_elastic_forces(kind: FrameMeshes, body: int, q: Floats1, force: Floats1, factor: float) -> None:
     """By model."""
     if kind.constants[kind.table[body].constants] == GREEN_LAGRANGE:
         _add_green_lagrange(kind, body, q, force, factor)
@@ -49,7 +46,7 @@ def add_frame_elastic_forces(kind: FrameMeshes, body: int, q: int, force: int, f
 
 
 @kernel(internal=True, reassociate=True)
-def _add_green_lagrange(kind: FrameMeshes, body: int, q: int, force: int, factor: float) -> None:
+def _add_green_lagrange(kind: FrameMeshes, body: int, q: Floats1, force: Floats1, factor: float) -> None:
     """The matrix of bending knows the difference of both positions only."""
     constants = kind.constants
     first = kind.table[body].first_element
@@ -87,7 +84,7 @@ def _add_green_lagrange(kind: FrameMeshes, body: int, q: int, force: int, factor
 
 
 @kernel(internal=True, reassociate=True)
-def _add_exact(kind: FrameMeshes, body: int, q: int, force: int, factor: float) -> None:
+def _add_exact(kind: FrameMeshes, body: int, q: Floats1, force: Floats1, factor: float) -> None:
     """Tension ``E A (|d| - 1 + e_0)`` along ``d/|d|``, and moments."""
     constants = kind.constants
     first = kind.table[body].first_element
@@ -125,8 +122,8 @@ def _add_exact(kind: FrameMeshes, body: int, q: int, force: int, factor: float) 
 
 @implement(add_elastic_forces, ShellMeshes)
 @kernel(internal=True)
-def add_shell_elastic_forces(kind: ShellMeshes, body: int, q: int, force: int, factor: float) -> None:
-    """Strains are left in row `SHAPE_STRAIN`."""
+def add_shell_elastic_forces(kind: ShellMeshes, body: int, q: Floats1, force: Floats1, factor: float) -> None:
+    """Strains are left in `shape_strain`."""
     add_matrix_products(kind, body, q, 0.0, q, factor, force)
-    find_strains(kind, body, q, SHAPE_STRAIN)
-    add_stress_forces(kind, body, q, SHAPE_STRAIN, force, factor)
+    find_strains(kind, body, q, kind.shape_strain)
+    add_stress_forces(kind, body, q, kind.shape_strain, force, factor)

@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
-
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.bodies.ancf.contours import body_with_points
-from heavylift.solver.bodies.ancf.kind import MID_Q, MID_V, FrameMeshes, Meshes, MovingPoints, ShellMeshes, V
+from heavylift.solver.bodies.ancf.kind import FrameMeshes, Meshes, MovingPoints, ShellMeshes
 from heavylift.solver.bodies.ancf.moving import point_value
 from heavylift.solver.contact.facet_interface import (
     bound_surface_points,
@@ -21,6 +19,7 @@ from heavylift.solver.contact.facet_kind import FacetSurfaces
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
+from numpy.typing import NDArray
 
 __all__: list[str] = []
 
@@ -51,7 +50,7 @@ def form_points_of_meshes(
         return
     begin, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row].own_point
     for i in range(facets.rows[row].points):
-        x, y, z = _sum_vectors(facets, kind.nodal[MID_Q], own + i, begin)
+        x, y, z = _sum_vectors(facets, kind.mid_position, own + i, begin)
         points[first + i, 0], points[first + i, 1], points[first + i, 2] = x, y, z
 
 
@@ -68,7 +67,7 @@ def bound_points_of_meshes(
     begin, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row].own_point
     fastest = 0.0
     for i in range(facets.rows[row].points):
-        x, y, z = _sum_vectors(facets, kind.nodal[MID_V], own + i, begin)
+        x, y, z = _sum_vectors(facets, kind.mid_velocity, own + i, begin)
         fastest = max(fastest, x * x + y * y + z * z)
     contacts.poses[facets.rows[row].pose].step_shift = step * math.sqrt(fastest)
 
@@ -106,7 +105,7 @@ def _aim_at(
     moving.points[point].entry_count = end - begin
     moving.points[point].live = True
     moving.points[point].current_set = -1
-    x, y, z = point_value(moving, kind, point, V)
+    x, y, z = point_value(moving, kind, point, kind.velocity)
     work.velocity[at], work.velocity[at + 1], work.velocity[at + 2] = x, y, z
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.kind import Meshes
 from heavylift.solver.interface import Workspace
@@ -20,7 +21,7 @@ def blame_element(kind: Meshes, body: int, element: int, outcome: int, work: Wor
 
 
 @kernel(internal=True)
-def blame_largest(kind: Meshes, body: int, row: int, outcome: int, work: Workspace) -> None:
+def blame_largest(kind: Meshes, body: int, nodal: Floats1, outcome: int, work: Workspace) -> None:
     """Stop; to blame is the first element with a number that is not finite, or that with the largest displacement."""
     vectors = len(kind.shape[0]) // 3
     nodes = 2 if vectors == 2 else 4
@@ -31,7 +32,7 @@ def blame_largest(kind: Meshes, body: int, row: int, outcome: int, work: Workspa
         for i in range(nodes):
             place = kind.elements[first + element].nodes[i]
             for k in range(3 * vectors):
-                size = abs(kind.nodal[row, place + k])
+                size = abs(nodal[place + k])
                 if k < 3 or not math.isfinite(size):
                     total += size
         if not math.isfinite(total):

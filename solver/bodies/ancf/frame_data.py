@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, record_at
 from heavylift.numerics.records import Vector as Vector3
@@ -156,7 +157,7 @@ frame_data, frame_follower = record_at(FrameData), record_at(FrameFollower)
 _axial_point, _bending_point = record_at(AxialPoint), record_at(BendingPoint)
 
 LANES = 8
-"""Places of a node in a row of `nodal`, and of a column of a block."""
+"""Places of a node in a nodal vector, and of a column of a block."""
 
 Vector = tuple[float, float, float]
 Symmetric = tuple[float, float, float, float, float, float]
@@ -180,15 +181,14 @@ def bending_point(constants: NDArray[np.float64], data: int, number: int) -> Ben
 
 
 @kernel(inline=True, internal=True)
-def load_element(kind: Meshes, e: int, row: int) -> FrameElement:
-    """What the derivatives along an element need of a row of `nodal`."""
-    x = kind.nodal
+def load_element(kind: Meshes, e: int, nodal: Floats1) -> FrameElement:
+    """What the derivatives along an element need of a nodal vector."""
     i, j = kind.elements[e].nodes[0], kind.elements[e].nodes[1]
-    chord = (x[row, j] - x[row, i], x[row, j + 1] - x[row, i + 1], x[row, j + 2] - x[row, i + 2])
+    chord = (nodal[j] - nodal[i], nodal[j + 1] - nodal[i + 1], nodal[j + 2] - nodal[i + 2])
     return (
         chord,
-        (x[row, i + 3], x[row, i + 4], x[row, i + 5]),
-        (x[row, j + 3], x[row, j + 4], x[row, j + 5]),
+        (nodal[i + 3], nodal[i + 4], nodal[i + 5]),
+        (nodal[j + 3], nodal[j + 4], nodal[j + 5]),
     )
 
 
@@ -258,15 +258,14 @@ def transpose(m: Full) -> Full:
 
 
 @kernel(inline=True, internal=True)
-def put_forces(kind: Meshes, e: int, row: int, fa: Vector, fb: Vector, fc: Vector) -> None:
-    """Add the forces on ``r_2 - r_1``, ``r'_1`` and ``r'_2`` to a row of `nodal`."""
-    x = kind.nodal
+def put_forces(kind: Meshes, e: int, nodal: Floats1, fa: Vector, fb: Vector, fc: Vector) -> None:
+    """Add the forces on ``r_2 - r_1``, ``r'_1`` and ``r'_2`` to a nodal vector."""
     i, j = kind.elements[e].nodes[0], kind.elements[e].nodes[1]
     for k in range(3):
-        x[row, i + k] -= fa[k]
-        x[row, i + 3 + k] += fb[k]
-        x[row, j + k] += fa[k]
-        x[row, j + 3 + k] += fc[k]
+        nodal[i + k] -= fa[k]
+        nodal[i + 3 + k] += fb[k]
+        nodal[j + k] += fa[k]
+        nodal[j + 3 + k] += fc[k]
 
 
 @kernel(inline=True, internal=True)

@@ -14,6 +14,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 from heavylift.solver.bodies.ancf.elements import (
@@ -55,10 +56,7 @@ from heavylift.solver.bodies.ancf.frame_green_lagrange import (
     add_green_lagrange_stiffness,
     find_green_lagrange_strains,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    FrameMeshes,
-    Q,
-)
+from heavylift.solver.bodies.ancf.kind import FrameMeshes
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
@@ -71,7 +69,7 @@ def _is_exact(kind: FrameMeshes, body: int) -> bool:
 
 @implement(find_strains, FrameMeshes)
 @kernel(internal=True)
-def find_frame_strains(kind: FrameMeshes, body: int, q: int, strain: int) -> None:
+def find_frame_strains(kind: FrameMeshes, body: int, q: Floats1, strain: Floats1) -> None:
     if _is_exact(kind, body):
         find_exact_strains(kind, body, q, strain)
     else:
@@ -80,7 +78,9 @@ def find_frame_strains(kind: FrameMeshes, body: int, q: int, strain: int) -> Non
 
 @implement(add_strain_rates, FrameMeshes)
 @kernel(internal=True)
-def add_frame_rates(kind: FrameMeshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
+def add_frame_rates(
+    kind: FrameMeshes, body: int, q: Floats1, v: Floats1, strain: Floats1, factor: float
+) -> None:
     if _is_exact(kind, body):
         add_exact_rates(kind, body, q, v, strain, factor)
     else:
@@ -89,7 +89,9 @@ def add_frame_rates(kind: FrameMeshes, body: int, q: int, v: int, strain: int, f
 
 @implement(add_stress_forces, FrameMeshes)
 @kernel(internal=True)
-def add_frame_forces(kind: FrameMeshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
+def add_frame_forces(
+    kind: FrameMeshes, body: int, q: Floats1, strain: Floats1, force: Floats1, factor: float
+) -> None:
     if _is_exact(kind, body):
         add_exact_forces(kind, body, q, strain, force, factor)
     else:
@@ -101,13 +103,13 @@ def add_frame_forces(kind: FrameMeshes, body: int, q: int, strain: int, force: i
 def add_frame_mean_forces(
     kind: FrameMeshes,
     body: int,
-    q_start: int,
-    q_end: int,
-    q_mid: int,
-    start_strain: int,
-    end_strain: int,
-    mean_strain: int,
-    force: int,
+    q_start: Floats1,
+    q_end: Floats1,
+    q_mid: Floats1,
+    start_strain: Floats1,
+    end_strain: Floats1,
+    mean_strain: Floats1,
+    force: Floats1,
     factor: float,
 ) -> None:
     if _is_exact(kind, body):
@@ -123,9 +125,9 @@ def add_frame_mean_forces(
 def add_frame_stiffness(
     kind: FrameMeshes,
     body: int,
-    q: int,
-    strain: int,
-    force: int,
+    q: Floats1,
+    strain: Floats1,
+    force: Floats1,
     factor: float,
     scale: float,
     geometric: float,
@@ -138,15 +140,15 @@ def add_frame_stiffness(
 
 @implement(measure_strain_energy, FrameMeshes)
 @kernel(internal=True)
-def measure_frame_energy(kind: FrameMeshes, body: int, strain: int) -> None:
-    constants, strains = kind.constants, kind.strains
+def measure_frame_energy(kind: FrameMeshes, body: int, strain: Floats1) -> None:
+    constants = kind.constants
     exact = _is_exact(kind, body)
     first = kind.table[body].first_element
     energy = 0.0
     for e in range(first, first + kind.table[body].element_count):
         data, place = kind.elements[e].data, kind.elements[e].strain
         for g in range(AXIAL_POINTS):
-            s = strains[strain, place + g]
+            s = strain[place + g]
             energy += axial_point(constants, data, g).stiffness * s * s
         if exact:
             components = 1 if frame_data(constants, data).curved else 3
@@ -154,7 +156,7 @@ def measure_frame_energy(kind: FrameMeshes, body: int, strain: int) -> None:
             for g in range(BENDING_POINTS):
                 weight = bending_point(constants, data, g).stiffness
                 for k in range(components):
-                    s = strains[strain, place + k]
+                    s = strain[place + k]
                     energy += weight * s * s
                 place += components
     kind.body[body].elastic_energy += 0.5 * energy
@@ -162,8 +164,8 @@ def measure_frame_energy(kind: FrameMeshes, body: int, strain: int) -> None:
 
 @implement(measure_drift, FrameMeshes)
 @kernel(internal=True)
-def measure_frame_drift(kind: FrameMeshes, body: int, first: int, second: int) -> None:
-    constants, strains = kind.constants, kind.strains
+def measure_frame_drift(kind: FrameMeshes, body: int, first: Floats1, second: Floats1) -> None:
+    constants = kind.constants
     exact = _is_exact(kind, body)
     start = kind.table[body].first_element
     drift, worst = 0.0, 0
@@ -174,7 +176,7 @@ def measure_frame_drift(kind: FrameMeshes, body: int, first: int, second: int) -
         if exact:
             count += BENDING_POINTS if frame_data(constants, data).curved else 3 * BENDING_POINTS
         for i in range(count):
-            distance = abs(strains[first, place + i] - strains[second, place + i])
+            distance = abs(first[place + i] - second[place + i])
             if i >= AXIAL_POINTS:
                 distance *= frame_data(constants, data).height
             if not distance <= drift and not math.isnan(drift):  # a lost number is a drift, and stays one
@@ -186,10 +188,10 @@ def measure_frame_drift(kind: FrameMeshes, body: int, first: int, second: int) -
 @implement(add_follower_load, FrameMeshes)
 @kernel(internal=True)
 def add_frame_follower(
-    kind: FrameMeshes, body: int, q: int, element: int, load: int, data: int, factor: float
+    kind: FrameMeshes, body: int, q: Floats1, element: int, load: Floats1, data: int, factor: float
 ) -> None:
     """By `FrameFollower`."""
-    constants, x = kind.constants, kind.nodal
+    constants = kind.constants
     i, j, own = kind.elements[element].nodes[0], kind.elements[element].nodes[1], kind.elements[element].data
     given = frame_follower(constants, data)
     normal, tangential, axis = factor * given.normal, factor * given.tangential, given.axis
@@ -207,10 +209,10 @@ def add_frame_follower(
         f3 = add_vector(f3, point.loads[2], f)
         f4 = add_vector(f4, point.loads[3], f)
     for k in range(3):
-        x[load, i + k] += f1[k]
-        x[load, i + 3 + k] += f2[k]
-        x[load, j + k] += f3[k]
-        x[load, j + 3 + k] += f4[k]
+        load[i + k] += f1[k]
+        load[i + 3 + k] += f2[k]
+        load[j + k] += f3[k]
+        load[j + 3 + k] += f4[k]
 
 
 @kernel(inline=True, internal=True)
@@ -231,7 +233,7 @@ def record_frame_elements(kind: FrameMeshes, body: int, row: NDArray[np.float64]
     first, count = kind.table[body].first_element, kind.table[body].element_count
     for number in range(count):
         data = kind.elements[first + number].data
-        own, x = frame_data(constants, data), load_element(kind, first + number, Q)
+        own, x = frame_data(constants, data), load_element(kind, first + number, kind.position)
         d = combine(own.centre, x)
         square = dot(d, d)
         stretch = math.sqrt(square)

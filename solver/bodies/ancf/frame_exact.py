@@ -14,8 +14,8 @@ zero the sections of such a rod turn over at once: energy and force stay defined
 from __future__ import annotations
 
 import math
-from typing import Any
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 from heavylift.solver.bodies.ancf.frame_data import (
@@ -38,9 +38,7 @@ from heavylift.solver.bodies.ancf.frame_data import (
     put_stiffness,
     transpose,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    FrameMeshes,
-)
+from heavylift.solver.bodies.ancf.kind import FrameMeshes
 
 __all__ = [
     "add_exact_forces",
@@ -69,13 +67,13 @@ def _direction(d: Vector, c: Vector) -> tuple[float, Vector]:
 
 
 @kernel(inline=True, internal=True)
-def _moment(strains: Any, row: int, at: int, curved: bool, d: Vector, c: Vector) -> Vector:
+def _moment(strain: Floats1, at: int, curved: bool, d: Vector, c: Vector) -> Vector:
     """Strain of a bending point as a vector, the moment over E I: along K where the strain is a number."""
     if curved:
         n = _direction(d, c)[1]
-        s = strains[row, at]
+        s = strain[at]
         return s * n[0], s * n[1], s * n[2]
-    return strains[row, at], strains[row, at + 1], strains[row, at + 2]
+    return strain[at], strain[at + 1], strain[at + 2]
 
 
 @kernel(inline=True, internal=True)
@@ -179,9 +177,9 @@ def _outer(f: float, u: Vector, v: Vector) -> Full:
 
 
 @kernel(internal=True)
-def find_exact_strains(kind: FrameMeshes, body: int, q: int, strain: int) -> None:
+def find_exact_strains(kind: FrameMeshes, body: int, q: Floats1, strain: Floats1) -> None:
     """Axial strains of an element, then its curvatures."""
-    constants, strains = kind.constants, kind.strains
+    constants = kind.constants
     first = kind.table[body].first_element
     for e in range(first, first + kind.table[body].element_count):
         data, place = kind.elements[e].data, kind.elements[e].strain
@@ -190,25 +188,27 @@ def find_exact_strains(kind: FrameMeshes, body: int, q: int, strain: int) -> Non
         rest = frame_data(constants, data).initial_strain - 1.0
         for g in range(AXIAL_POINTS):
             d = combine(axial_point(constants, data, g).first, x)
-            strains[strain, place + g] = math.sqrt(dot(d, d)) + rest
+            strain[place + g] = math.sqrt(dot(d, d)) + rest
         place += AXIAL_POINTS
         for g in range(BENDING_POINTS):
             section = bending_point(constants, data, g)
             k = curvature(combine(section.first, x), combine(section.second, x))
             if curved:
-                strains[strain, place] = math.sqrt(dot(k, k)) - section.curvature
+                strain[place] = math.sqrt(dot(k, k)) - section.curvature
                 place += 1
             else:
-                strains[strain, place] = k[0]
-                strains[strain, place + 1] = k[1]
-                strains[strain, place + 2] = k[2]
+                strain[place] = k[0]
+                strain[place + 1] = k[1]
+                strain[place + 2] = k[2]
                 place += 3
 
 
 @kernel(internal=True)
-def add_exact_rates(kind: FrameMeshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
+def add_exact_rates(
+    kind: FrameMeshes, body: int, q: Floats1, v: Floats1, strain: Floats1, factor: float
+) -> None:
     """``e' = t.d'`` and ``K' = (d' x c + d x c' - 2 (d.d') K) / |d|^2``."""
-    constants, strains = kind.constants, kind.strains
+    constants = kind.constants
     first = kind.table[body].first_element
     for e in range(first, first + kind.table[body].element_count):
         data, place = kind.elements[e].data, kind.elements[e].strain
@@ -217,7 +217,7 @@ def add_exact_rates(kind: FrameMeshes, body: int, q: int, v: int, strain: int, f
         for g in range(AXIAL_POINTS):
             point = axial_point(constants, data, g)
             d, change = combine(point.first, x), combine(point.first, rate)
-            strains[strain, place + g] += factor * dot(d, change) / math.sqrt(dot(d, d))
+            strain[place + g] += factor * dot(d, change) / math.sqrt(dot(d, d))
         place += AXIAL_POINTS
         for g in range(BENDING_POINTS):
             section = bending_point(constants, data, g)
@@ -226,7 +226,7 @@ def add_exact_rates(kind: FrameMeshes, body: int, q: int, v: int, strain: int, f
             if curved:
                 n = _direction(d, c)[1]
                 by_d, by_c = _gradient(d, c, n)
-                strains[strain, place] += factor * (dot(by_d, d1) + dot(by_c, c1))
+                strain[place] += factor * (dot(by_d, d1) + dot(by_c, c1))
                 place += 1
             else:
                 inverse = factor / dot(d, d)
@@ -235,14 +235,16 @@ def add_exact_rates(kind: FrameMeshes, body: int, q: int, v: int, strain: int, f
                 bend = cross(d[0], d[1], d[2], c1[0], c1[1], c1[2])
                 stretch = 2.0 * dot(d, d1)
                 for i in range(3):
-                    strains[strain, place + i] += inverse * (turn[i] + bend[i] - stretch * k[i])
+                    strain[place + i] += inverse * (turn[i] + bend[i] - stretch * k[i])
                 place += 3
 
 
 @kernel(internal=True)
-def add_exact_forces(kind: FrameMeshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
+def add_exact_forces(
+    kind: FrameMeshes, body: int, q: Floats1, strain: Floats1, force: Floats1, factor: float
+) -> None:
     """Axial stress along ``t``, moments along the derivatives of K."""
-    constants, strains = kind.constants, kind.strains
+    constants = kind.constants
     first = kind.table[body].first_element
     for e in range(first, first + kind.table[body].element_count):
         data, place = kind.elements[e].data, kind.elements[e].strain
@@ -252,7 +254,7 @@ def add_exact_forces(kind: FrameMeshes, body: int, q: int, strain: int, force: i
         for g in range(AXIAL_POINTS):
             point = axial_point(constants, data, g)
             d = combine(point.first, x)
-            tension = factor * point.stiffness * strains[strain, place + g] / math.sqrt(dot(d, d))
+            tension = factor * point.stiffness * strain[place + g] / math.sqrt(dot(d, d))
             fa = add_vector(fa, tension * point.first[0], d)
             fb = add_vector(fb, tension * point.first[1], d)
             fc = add_vector(fc, tension * point.first[2], d)
@@ -260,7 +262,7 @@ def add_exact_forces(kind: FrameMeshes, body: int, q: int, strain: int, force: i
         for g in range(BENDING_POINTS):
             section = bending_point(constants, data, g)
             d, c = combine(section.first, x), combine(section.second, x)
-            by_d, by_c = _gradient(d, c, _moment(strains, strain, place, curved, d, c))
+            by_d, by_c = _gradient(d, c, _moment(strain, place, curved, d, c))
             place += 1 if curved else 3
             weight = factor * section.stiffness
             fa = add_vector(add_vector(fa, weight * section.first[0], by_d), weight * section.second[0], by_c)
@@ -281,9 +283,9 @@ def add_exact_forces(kind: FrameMeshes, body: int, q: int, strain: int, force: i
 def add_exact_stiffness(
     kind: FrameMeshes,
     body: int,
-    q: int,
-    strain: int,
-    force: int,
+    q: Floats1,
+    strain: Floats1,
+    force: Floats1,
     factor: float,
     scale: float,
     geometric: float,
@@ -292,7 +294,7 @@ def add_exact_stiffness(
 
     A number ``k = |K|`` with the stress s has ``k' = K'.n`` and ``k'' = (n.K)'' + (P^T P - k' k'^T) / k``.
     """
-    constants, strains = kind.constants, kind.strains
+    constants = kind.constants
     first = kind.table[body].first_element
     for e in range(first, first + kind.table[body].element_count):
         data, place = kind.elements[e].data, kind.elements[e].strain
@@ -303,7 +305,7 @@ def add_exact_stiffness(
         for g in range(AXIAL_POINTS):
             point = axial_point(constants, data, g)
             d = combine(point.first, x)
-            stretch = strains[strain, place + g]
+            stretch = strain[place + g]
             square = dot(d, d)
             inverse = 1.0 / math.sqrt(square)
             tension = factor * point.stiffness * stretch * inverse
@@ -324,7 +326,7 @@ def add_exact_stiffness(
         for g in range(BENDING_POINTS):
             section = bending_point(constants, data, g)
             d, c = combine(section.first, x), combine(section.second, x)
-            m = _moment(strains, strain, place, curved, d, c)
+            m = _moment(strain, place, curved, d, c)
             by_d, by_c = _gradient(d, c, m)
             weight = factor * section.stiffness
             fa = add_vector(add_vector(fa, weight * section.first[0], by_d), weight * section.second[0], by_c)
@@ -341,7 +343,7 @@ def add_exact_stiffness(
             material = scale
             if curved:
                 k, n = _direction(d, c)
-                material = scale * geometric * strains[strain, place] / k if k > 0.0 else 0.0
+                material = scale * geometric * strain[place] / k if k > 0.0 else 0.0
             dd, dc, ccs = _curvature_stiffness(d, c, m, material, scale * geometric)
             if curved:
                 by_d, by_c = _gradient(d, c, n)

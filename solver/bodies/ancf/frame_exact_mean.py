@@ -24,6 +24,7 @@ momentum is kept to the order of the scheme only.
 
 from __future__ import annotations
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 from heavylift.solver.bodies.ancf.frame_data import (
@@ -39,9 +40,7 @@ from heavylift.solver.bodies.ancf.frame_data import (
     load_element,
     put_forces,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    FrameMeshes,
-)
+from heavylift.solver.bodies.ancf.kind import FrameMeshes
 
 __all__ = ["add_exact_mean_forces"]
 
@@ -89,16 +88,16 @@ def _vector_gradient(m: Vector, d0: Vector, c0: Vector, d1: Vector, c1: Vector) 
 def add_exact_mean_forces(
     kind: FrameMeshes,
     body: int,
-    q_start: int,
-    q_end: int,
-    start_strain: int,
-    end_strain: int,
-    mean_strain: int,
-    force: int,
+    q_start: Floats1,
+    q_end: Floats1,
+    start_strain: Floats1,
+    end_strain: Floats1,
+    mean_strain: Floats1,
+    force: Floats1,
     factor: float,
 ) -> None:
     """``factor B^T C s`` with ``B (q_end - q_start) = e_end - e_start`` and the mean strains s of a step."""
-    constants, strains = kind.constants, kind.strains
+    constants = kind.constants
     first = kind.table[body].first_element
     for e in range(first, first + kind.table[body].element_count):
         data, place = kind.elements[e].data, kind.elements[e].strain
@@ -110,8 +109,8 @@ def add_exact_mean_forces(
             point = axial_point(constants, data, g)
             d0, d1 = combine(point.first, x0), combine(point.first, x1)
             both = (d0[0] + d1[0], d0[1] + d1[1], d0[2] + d1[2])
-            lengths = strains[start_strain, place + g] + strains[end_strain, place + g] + rest
-            tension = factor * point.stiffness * strains[mean_strain, place + g] / lengths
+            lengths = start_strain[place + g] + end_strain[place + g] + rest
+            tension = factor * point.stiffness * mean_strain[place + g] / lengths
             fa = add_vector(fa, tension * point.first[0], both)
             fb = add_vector(fb, tension * point.first[1], both)
             fc = add_vector(fc, tension * point.first[2], both)
@@ -121,20 +120,17 @@ def add_exact_mean_forces(
             d0, c0 = combine(section.first, x0), combine(section.second, x0)
             d1, c1 = combine(section.first, x1), combine(section.second, x1)
             if curved:
-                ends = strains[start_strain, place] + strains[end_strain, place]
+                ends = start_strain[place] + end_strain[place]
                 ends += 2.0 * section.curvature
-                moment = strains[mean_strain, place] / ends if ends > 0.0 else 0.0
+                moment = mean_strain[place] / ends if ends > 0.0 else 0.0
                 by_d, by_c = _square_gradient(moment, d0, c0, d1, c1)
                 place += 1
             else:
                 by_d, by_c = _square_gradient(0.5, d0, c0, d1, c1)
                 m = (
-                    strains[mean_strain, place]
-                    - 0.5 * (strains[start_strain, place] + strains[end_strain, place]),
-                    strains[mean_strain, place + 1]
-                    - 0.5 * (strains[start_strain, place + 1] + strains[end_strain, place + 1]),
-                    strains[mean_strain, place + 2]
-                    - 0.5 * (strains[start_strain, place + 2] + strains[end_strain, place + 2]),
+                    mean_strain[place] - 0.5 * (start_strain[place] + end_strain[place]),
+                    mean_strain[place + 1] - 0.5 * (start_strain[place + 1] + end_strain[place + 1]),
+                    mean_strain[place + 2] - 0.5 * (start_strain[place + 2] + end_strain[place + 2]),
                 )
                 more_d, more_c = _vector_gradient(m, d0, c0, d1, c1)
                 by_d, by_c = add_vector(by_d, 1.0, more_d), add_vector(by_c, 1.0, more_c)

@@ -6,6 +6,7 @@ matrix and none of their business.
 
 from __future__ import annotations
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.frame_data import (
     AXIAL_POINTS,
@@ -20,9 +21,7 @@ from heavylift.solver.bodies.ancf.frame_data import (
     put_forces,
     put_stiffness,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    FrameMeshes,
-)
+from heavylift.solver.bodies.ancf.kind import FrameMeshes
 
 __all__ = [
     "add_green_lagrange_forces",
@@ -33,7 +32,7 @@ __all__ = [
 
 
 @kernel(internal=True)
-def find_green_lagrange_strains(kind: FrameMeshes, body: int, q: int, strain: int) -> None:
+def find_green_lagrange_strains(kind: FrameMeshes, body: int, q: Floats1, strain: Floats1) -> None:
     """``e = (r'.r' - 1) / 2 + e_0``."""
     first = kind.table[body].first_element
     for e in range(first, first + kind.table[body].element_count):
@@ -42,12 +41,12 @@ def find_green_lagrange_strains(kind: FrameMeshes, body: int, q: int, strain: in
         rest = frame_data(kind.constants, data).initial_strain - 0.5
         for g in range(AXIAL_POINTS):
             d = combine(axial_point(kind.constants, data, g).first, x)
-            kind.strains[strain, place + g] = 0.5 * dot(d, d) + rest
+            strain[place + g] = 0.5 * dot(d, d) + rest
 
 
 @kernel(internal=True)
 def add_green_lagrange_rates(
-    kind: FrameMeshes, body: int, q: int, v: int, strain: int, factor: float
+    kind: FrameMeshes, body: int, q: Floats1, v: Floats1, strain: Floats1, factor: float
 ) -> None:
     """``r'.v'``."""
     first = kind.table[body].first_element
@@ -57,12 +56,12 @@ def add_green_lagrange_rates(
         for g in range(AXIAL_POINTS):
             point = axial_point(kind.constants, data, g)
             d, change = combine(point.first, x), combine(point.first, rate)
-            kind.strains[strain, place + g] += factor * dot(d, change)
+            strain[place + g] += factor * dot(d, change)
 
 
 @kernel(internal=True)
 def add_green_lagrange_forces(
-    kind: FrameMeshes, body: int, q: int, strain: int, force: int, factor: float
+    kind: FrameMeshes, body: int, q: Floats1, strain: Floats1, force: Floats1, factor: float
 ) -> None:
     """``E A int e r' S'_a ds``."""
     first = kind.table[body].first_element
@@ -73,7 +72,7 @@ def add_green_lagrange_forces(
         for g in range(AXIAL_POINTS):
             point = axial_point(kind.constants, data, g)
             d = combine(point.first, x)
-            stress = factor * point.stiffness * kind.strains[strain, place + g]
+            stress = factor * point.stiffness * strain[place + g]
             fa = add_vector(fa, stress * point.first[0], d)
             fb = add_vector(fb, stress * point.first[1], d)
             fc = add_vector(fc, stress * point.first[2], d)
@@ -84,9 +83,9 @@ def add_green_lagrange_forces(
 def add_green_lagrange_stiffness(
     kind: FrameMeshes,
     body: int,
-    q: int,
-    strain: int,
-    force: int,
+    q: Floats1,
+    strain: Floats1,
+    force: Floats1,
     factor: float,
     scale: float,
     geometric: float,
@@ -101,7 +100,7 @@ def add_green_lagrange_stiffness(
         for g in range(AXIAL_POINTS):
             point = axial_point(kind.constants, data, g)
             d = combine(point.first, x)
-            stretch = kind.strains[strain, place + g]
+            stretch = strain[place + g]
             stress = factor * point.stiffness * stretch
             fa = add_vector(fa, stress * point.first[0], d)
             fb = add_vector(fb, stress * point.first[1], d)

@@ -2,21 +2,10 @@
 
 from __future__ import annotations
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.assembly import set_size
-from heavylift.solver.bodies.ancf.kind import (
-    ACCELERATION,
-    EXPLICIT,
-    FORWARD,
-    MASS_SET,
-    MID_V,
-    RIGHT,
-    STEP_SET,
-    FrameMeshes,
-    Meshes,
-    ShellMeshes,
-    V,
-)
+from heavylift.solver.bodies.ancf.kind import EXPLICIT, MASS_SET, STEP_SET, FrameMeshes, Meshes, ShellMeshes
 from heavylift.solver.bodies.ancf.moving import add_point_compliance
 from heavylift.solver.bodies.ancf.stage import write_bases
 from heavylift.solver.bodies.ancf.step import is_iterated
@@ -97,8 +86,8 @@ def _add_compliance(kind: Meshes, body: int, which: int, system: RowArrays, pane
 
 
 @kernel(internal=True)
-def collect_impulses(system: RowArrays, body_kind: Meshes, row: int) -> None:
-    """Subtract ``G^T`` times the impulses of a system from the places of the bases in a row of `nodal`."""
+def collect_impulses(system: RowArrays, body_kind: Meshes, nodal: Floats1) -> None:
+    """Subtract ``G^T`` times the impulses of a system from the places of the bases in a nodal vector."""
     lanes = system.lanes
     for i in range(system.attachments.shape[0]):
         body = attached_mesh(body_kind, system, i)
@@ -117,18 +106,18 @@ def collect_impulses(system: RowArrays, body_kind: Meshes, row: int) -> None:
                 total = 0.0
                 for r in range(lanes):
                     total += system.panels[panel + (3 * base + k) * lanes + r] * impulse[r]
-                body_kind.nodal[row, place + k] -= total
+                nodal[place + k] -= total
 
 
 @kernel(internal=True)
-def take_impulses(kind: Meshes, systems: Systems, row: int) -> None:
+def take_impulses(kind: Meshes, systems: Systems, nodal: Floats1) -> None:
     """Minus the impulses of all rows in the places of bases and moving points, as `scatter_back` takes them."""
     for base in range(kind.bases.shape[0]):
         place = kind.bases[base].place
         for k in range(3):
-            kind.nodal[row, place + k] = 0.0
+            nodal[place + k] = 0.0
     for i in range(row_arrays(systems)):
-        collect_impulses(row_arrays(systems, i), kind, row)
+        collect_impulses(row_arrays(systems, i), kind, nodal)
 
 
 @implement(complete, FrameMeshes)
@@ -136,26 +125,26 @@ def take_impulses(kind: Meshes, systems: Systems, row: int) -> None:
 @kernel(internal=True)
 def complete_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, step: float, work: Workspace) -> None:
     """Back substitution with the impulses of the rows; bodies that iterate have gone further already."""
-    take_impulses(kind, systems, RIGHT)
-    right = kind.nodal[RIGHT]
+    take_impulses(kind, systems, kind.right_hand_side)
+    right = kind.right_hand_side
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         if at_midpoint:
             if is_iterated(kind, body) and kind.body[body].change >= 0.0:
                 continue
             for i in range(first, last):
-                right[i] = kind.nodal[FORWARD, i]
+                right[i] = kind.forward_solution[i]
             scatter_back(kind, body, MASS_SET if kind.table[body].scheme == EXPLICIT else STEP_SET)
             for i in range(first, last):
-                kind.nodal[MID_V, i] = kind.nodal[V, i] + right[i]
+                kind.mid_velocity[i] = kind.velocity[i] + right[i]
         elif kind.table[body].base_node_count + kind.table[body].moving_count > 0:
             for i in range(first, last):
                 right[i] = 0.0
             scatter_back(kind, body, MASS_SET)
             rate = 1.0 / step
             for i in range(first, last):
-                kind.nodal[V, i] += right[i]
-                kind.nodal[ACCELERATION, i] += rate * right[i]
+                kind.velocity[i] += right[i]
+                kind.mean_acceleration[i] += rate * right[i]
 
 
 @implement(end_velocity, FrameMeshes)
@@ -163,7 +152,7 @@ def complete_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, step: flo
 @kernel(internal=True)
 def end_velocity_of_meshes(kind: Meshes, step: float, work: Workspace) -> None:
     """Those that `advance` has found."""
-    write_bases(kind, V, work.velocity)
+    write_bases(kind, kind.velocity, work.velocity)
 
 
 @implement(write_velocity, FrameMeshes)
@@ -171,7 +160,7 @@ def end_velocity_of_meshes(kind: Meshes, step: float, work: Workspace) -> None:
 @kernel(internal=True)
 def write_velocity_of_meshes(kind: Meshes, work: Workspace) -> None:
     """Of bases and moving points."""
-    write_bases(kind, V, work.velocity)
+    write_bases(kind, kind.velocity, work.velocity)
 
 
 @implement(set_velocity, FrameMeshes)

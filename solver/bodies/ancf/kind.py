@@ -49,26 +49,24 @@ __all__ = [
 CARRIED, ENERGY_MOMENTUM, AUTO, EXPLICIT = range(4)
 """Values of `scheme`; `AUTO` becomes `ENERGY_MOMENTUM` when a body has `changed_over`."""
 
-# rows of `nodal`: carried coordinates and velocities first
-(
-    Q,  # coordinates
-    V,  # velocities
-    ACCELERATION,  # mean of the last step
-    MID_Q,  # predicted midpoint, or the present state where forces are evaluated
-    MID_V,  # velocities of the stage, then scratch of the projection
-    RIGHT,  # right-hand side and solution of the stage
-    LOAD,  # external forces of the stage: loads, gravity, forces on bases
-    CHANGE_OF_V,  # of the velocities to the midpoint, in an iteration
-    FREE,  # 1, or 0 for coordinates that are fixed
-    WEIGHT,  # M times a unit acceleration along x, y, z: lies in the position vectors as one number a vector
-    TRIAL,  # coordinates at the end of the step in an iteration
-    FORWARD,  # right-hand side after forward substitution
-) = range(12)
-NODAL_ROWS = 12
+NODAL_VECTORS = (
+    "position",
+    "velocity",
+    "mean_acceleration",
+    "mid_position",
+    "mid_velocity",
+    "right_hand_side",
+    "external_force",
+    "velocity_change",
+    "free",
+    "nodal_mass",
+    "trial_position",
+    "forward_solution",
+)
+"""Fields of `Meshes` over all nodes and base nodes, and the moving points behind them."""
 
-# rows of `strains`: carried; of the shape, scratch, of the shape at the start of a step that iterates
-STRAIN, SHAPE_STRAIN, OLD_STRAIN, START_STRAIN = range(4)
-STRAIN_ROWS = 4
+STRAIN_VECTORS = ("strain", "shape_strain", "stage_strain", "start_strain")
+"""Fields of `Meshes` over all strains."""
 
 FRAME_PAIRS = ((0, 0), (1, 0), (1, 1))
 SHELL_PAIRS = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (3, 0), (3, 1), (3, 2), (3, 3))
@@ -104,7 +102,7 @@ class MeshPlaces(Record):
     first_column, last_column
         First column of the factor, and the one behind its last; base nodes have none.
     first_strain, strain_count
-        In a row of `strains`.
+        In a vector of strains.
     scheme
         How stress enters the step: `CARRIED` and the others.
     first_clear, clear_count
@@ -212,11 +210,11 @@ class MeshElement(Record):
     Attributes
     ----------
     nodes
-        Offsets in a row of `nodal`; frames use two.
+        Offsets in a nodal vector; frames use two.
     data
         Place in `constants`: element matrices, then what the type of element needs.
     strain
-        Place in a row of `strains`.
+        Place in a vector of strains.
     blocks
         Place of a block of the factor, and 1 if it is stored transposed, of each pair of nodes.
     """
@@ -243,7 +241,7 @@ class MeshBase(Record):
     shape_values
         Place of its shape values in `constants`.
     place
-        Of its three numbers in a row of `nodal`.
+        Of its three numbers in a nodal vector.
     blocks
         Places of the blocks that couple it with the nodes of the element.
     """
@@ -370,7 +368,7 @@ class MovingPoints(Arrays):
     points
         Bodies in order.
     entries, factors
-        A point is a sum of nodal vectors: their places in a row of `nodal`, and factors.
+        A point is a sum of nodal vectors: their places in a nodal vector, and factors.
     vectors
         ``Z``: three vectors over the nodes and base nodes of the body, of each point; flat.
     paths
@@ -411,10 +409,37 @@ class Meshes(Arrays):
         Data of elements, bases and loads, flat.
     body
         Numbers by body.
-    nodal
-        Vectors over all nodes and base nodes, and the moving points behind them; shape (12, places).
-    strains
-        Vectors over all strains, shape (4, strains).
+    position, velocity
+        Nodal vectors, as all others to `forward_solution`: over all nodes and base nodes, and the moving points behind
+        them. Carried coordinates and their rates.
+    mean_acceleration
+        Of the last step.
+    mid_position
+        Predicted midpoint, or the present state where forces are evaluated.
+    mid_velocity
+        Velocities of the stage, then scratch of the projection.
+    right_hand_side
+        Of the stage, and its solution.
+    external_force
+        Of the stage: loads, gravity, forces on bases.
+    velocity_change
+        To the midpoint, in an iteration.
+    free
+        1, or 0 for coordinates that are fixed.
+    nodal_mass
+        M times a unit acceleration along x, y, z: lies in the position vectors as one number a vector.
+    trial_position
+        Coordinates at the end of the step in an iteration; the vector of the power iteration in explicit schemes.
+    forward_solution
+        Right-hand side after forward substitution.
+    strain
+        Carried, of all elements, as all other strains.
+    shape_strain
+        Of the shape, scratch.
+    stage_strain
+        Whose stress acts in the stage.
+    start_strain
+        Of the shape at the start of a step that iterates.
     columns, lower, updates
         Structure of the factor: `heavylift.numerics.block_factor`.
     blocks
@@ -438,8 +463,22 @@ class Meshes(Arrays):
     elements: Records[MeshElement]
     constants: Floats1
     body: Records[MeshNumbers]
-    nodal: Floats2
-    strains: Floats2
+    position: Floats1
+    velocity: Floats1
+    mean_acceleration: Floats1
+    mid_position: Floats1
+    mid_velocity: Floats1
+    right_hand_side: Floats1
+    external_force: Floats1
+    velocity_change: Floats1
+    free: Floats1
+    nodal_mass: Floats1
+    trial_position: Floats1
+    forward_solution: Floats1
+    strain: Floats1
+    shape_strain: Floats1
+    stage_strain: Floats1
+    start_strain: Floats1
     columns: Records[FactorColumn]
     lower: Records[LowerBlock]
     updates: Ints1
@@ -454,7 +493,7 @@ class Meshes(Arrays):
 
 
 class FrameMeshes(Meshes):
-    """All frames of a scene: 6 rows, 8 lanes: ``r``, ``r'``, two of padding in a row of `nodal`."""
+    """All frames of a scene: 6 rows, 8 lanes: ``r``, ``r'``, two of padding in a nodal vector."""
 
     shape: ClassVar[Any] = block_shape(6)
     kernel_modules: ClassVar[tuple[str, ...]] = (

@@ -10,16 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.solver.bodies.ancf.at_rest import read_bases, spread_base
-from heavylift.solver.bodies.ancf.kind import (
-    ACCELERATION,
-    RIGHT,
-    WEIGHT,
-    FrameMeshes,
-    Meshes,
-    Q,
-    ShellMeshes,
-    V,
-)
+from heavylift.solver.bodies.ancf.kind import FrameMeshes, Meshes, ShellMeshes
 from heavylift.solver.interface import Workspace, collect_load, move, put_velocity, survey
 from heavylift.solver.kinds import implement
 
@@ -39,7 +30,7 @@ def _spread(kind: Meshes, body: int, wanted: NDArray[np.float64]) -> NDArray[np.
     own = _nodes(kind, body)
     first = int(kind.table[body].first_base)
     places = np.add.outer(kind.bases["place"][first : first + count // 3], np.arange(3)).ravel()
-    right = kind.nodal[RIGHT]
+    right = kind.right_hand_side
     motions = np.zeros((count, own.stop - own.start))
     compliance = np.zeros((count, count))
     for i in range(count):
@@ -48,7 +39,7 @@ def _spread(kind: Meshes, body: int, wanted: NDArray[np.float64]) -> NDArray[np.
         right[places[i]] = -1.0
         spread_base((kind,), body)
         motions[i] = right[own]
-        read_bases((kind,), body, RIGHT, compliance[i])
+        read_bases((kind,), body, kind.right_hand_side, compliance[i])
     size = np.sqrt(np.diag(compliance))
     size[size == 0.0] = 1.0
     weights = np.linalg.pinv(compliance / np.outer(size, size), rcond=1e-11, hermitian=True) @ (wanted / size)
@@ -66,8 +57,8 @@ def survey_meshes(
         lanes, numbers = len(kind.shape[1]), kind.body[body]
         rotation = numbers.rotation
         rows = [
-            kind.nodal[row, own].reshape(-1, lanes)[:, : len(kind.shape[0])].reshape(-1, 3)
-            for row in (WEIGHT, Q)
+            nodal[own].reshape(-1, lanes)[:, : len(kind.shape[0])].reshape(-1, 3)
+            for nodal in (kind.nodal_mass, kind.position)
         ]
         centre = (rows[0] * rows[1]).sum(axis=0) / numbers.mass
         places[line.number, 0] = line.dof
@@ -75,7 +66,7 @@ def survey_meshes(
         places[line.number, 4:] = 1.0, 0.0, 0.0, 0.0
         count = 3 * int(line.base_count)
         inertia[line.dof : line.dof + count] = numbers.mass
-        read_bases((kind,), body, V, velocity[line.dof : line.dof + count])
+        read_bases((kind,), body, kind.velocity, velocity[line.dof : line.dof + count])
 
 
 @implement(move, FrameMeshes)
@@ -85,7 +76,7 @@ def move_meshes(kind: Meshes, increment: NDArray[np.float64]) -> None:
     for body, line in enumerate(kind.table):
         wanted = increment[line.dof : line.dof + 3 * line.base_count]
         if np.any(wanted):
-            kind.nodal[Q, _nodes(kind, body)] += _spread(kind, body, wanted)
+            kind.position[_nodes(kind, body)] += _spread(kind, body, wanted)
 
 
 @implement(put_velocity, FrameMeshes)
@@ -95,11 +86,11 @@ def put_mesh_velocity(kind: Meshes, velocity: NDArray[np.float64]) -> None:
     for body, line in enumerate(kind.table):
         count = 3 * int(line.base_count)
         own, before = _nodes(kind, body), np.zeros(count)
-        kind.nodal[ACCELERATION, own] = 0.0
-        read_bases((kind,), body, V, before)
+        kind.mean_acceleration[own] = 0.0
+        read_bases((kind,), body, kind.velocity, before)
         change = velocity[line.dof : line.dof + count] - before
         if np.any(change):
-            kind.nodal[V, own] += _spread(kind, body, change)
+            kind.velocity[own] += _spread(kind, body, change)
 
 
 @implement(collect_load, FrameMeshes)

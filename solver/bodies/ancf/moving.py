@@ -18,15 +18,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import forward_pivot, subtract_forward
 from heavylift.solver.bodies.ancf.assembly import set_size
-from heavylift.solver.bodies.ancf.kind import (
-    FREE,
-    RIGHT,
-    Meshes,
-    MovingPoints,
-)
+from heavylift.solver.bodies.ancf.kind import Meshes, MovingPoints
 from heavylift.solver.rows import RowArrays
 
 __all__ = [
@@ -48,21 +44,21 @@ Vector = tuple[float, float, float]
 
 
 @kernel(internal=True)
-def point_value(moving: MovingPoints, kind: Meshes, point: int, row: int) -> Vector:
-    """Value of a point in a row of `nodal`, body axes."""
+def point_value(moving: MovingPoints, kind: Meshes, point: int, nodal: Floats1) -> Vector:
+    """Value of a nodal vector at a point, body axes."""
     first = moving.points[point].first_entry
     x = y = z = 0.0
     for i in range(first, first + moving.points[point].entry_count):
         at, value = moving.entries[i], moving.factors[i]
-        x += value * kind.nodal[row, at]
-        y += value * kind.nodal[row, at + 1]
-        z += value * kind.nodal[row, at + 2]
+        x += value * nodal[at]
+        y += value * nodal[at + 1]
+        z += value * nodal[at + 2]
     return x, y, z
 
 
 @kernel(inline=True, internal=True)
 def _place(kind: Meshes, body: int, slot: int) -> int:
-    """Place of the three numbers of a moving point in a row of `nodal`."""
+    """Place of the three numbers of a moving point in a nodal vector."""
     return kind.bases[kind.table[body].first_base + kind.table[body].base_count + slot].place
 
 
@@ -103,7 +99,7 @@ def _find_vectors(moving: MovingPoints, kind: Meshes, body: int, point: int, whi
     for i in range(entry, entry + moving.points[point].entry_count):
         at = moving.entries[i]
         for k in range(3):
-            Z[begin + k * length + at + k] = moving.factors[i] * kind.nodal[FREE, at + k]
+            Z[begin + k * length + at + k] = moving.factors[i] * kind.free[at + k]
         moving.marks[at // lanes] = 1
         first = min(first, moving.column_of[at // lanes])
     path = moving.points[point].path
@@ -187,8 +183,10 @@ def prepare_points(moving: MovingPoints, kind: Meshes, body: int, which: int) ->
 
 
 @kernel(internal=True)
-def point_response(moving: MovingPoints, kind: Meshes, point: int, body: int, which: int, row: int) -> Vector:
-    """``J A^-1 r``, with ``D^-1 L^-1 r`` in a row of `nodal`; vectors of the point are prepared."""
+def point_response(
+    moving: MovingPoints, kind: Meshes, point: int, body: int, which: int, nodal: Floats1
+) -> Vector:
+    """``J A^-1 r``, with ``D^-1 L^-1 r`` in a nodal vector; vectors of the point are prepared."""
     rows, lanes, base = len(kind.shape[0]), len(kind.shape[1]), which * set_size(kind)
     length, Z = vector_length(kind, body), moving.vectors
     begin = moving.points[point].vectors - kind.table[body].first_node * lanes
@@ -198,7 +196,7 @@ def point_response(moving: MovingPoints, kind: Meshes, point: int, body: int, wh
         column = moving.paths[p]
         at, pivot = kind.columns[column].node * lanes, base + kind.columns[column].pivot
         for r in range(rows):
-            value = kind.nodal[row, at + r] / kind.blocks[pivot + r * (lanes + 1)]
+            value = nodal[at + r] / kind.blocks[pivot + r * (lanes + 1)]
             x += Z[begin + at + r] * value
             y += Z[begin + length + at + r] * value
             z += Z[begin + 2 * length + at + r] * value
@@ -226,55 +224,57 @@ def forget_vectors(moving: MovingPoints, kind: Meshes, body: int) -> None:
 
 
 @kernel(internal=True)
-def write_points(moving: MovingPoints, kind: Meshes, body: int, row: int, to: NDArray[np.float64]) -> None:
-    """Values in a row of `nodal` behind those of the bases in a vector of velocities of the scene."""
+def write_points(
+    moving: MovingPoints, kind: Meshes, body: int, nodal: Floats1, to: NDArray[np.float64]
+) -> None:
+    """Values of a nodal vector behind those of the bases in a vector of velocities of the scene."""
     first = moving.bodies[body].first_point
     dof = kind.table[body].dof + 3 * kind.table[body].base_count
     for i in range(kind.table[body].moving_count):
         if moving.points[first + i].live:
-            y = point_value(moving, kind, first + i, row)
+            y = point_value(moving, kind, first + i, nodal)
             to[dof + 3 * i], to[dof + 3 * i + 1], to[dof + 3 * i + 2] = y[0], y[1], y[2]
 
 
 @kernel(internal=True)
 def find_free_points(moving: MovingPoints, kind: Meshes, body: int, which: int) -> None:
-    """After forward substitution of row `RIGHT`: ``-J A^-1 r`` into the places of the points, as of bases."""
-    first = moving.bodies[body].first_point
+    """After forward substitution of `right_hand_side`: ``-J A^-1 r`` into the places of the points, as of bases."""
+    first, right = moving.bodies[body].first_point, kind.right_hand_side
     prepare_points(moving, kind, body, which)
     for i in range(kind.table[body].moving_count):
         x = y = z = 0.0
         if moving.points[first + i].live:
-            x, y, z = point_response(moving, kind, first + i, body, which, RIGHT)
+            x, y, z = point_response(moving, kind, first + i, body, which, right)
         place = _place(kind, body, i)
-        kind.nodal[RIGHT, place], kind.nodal[RIGHT, place + 1], kind.nodal[RIGHT, place + 2] = -x, -y, -z
+        right[place], right[place + 1], right[place + 2] = -x, -y, -z
 
 
 @kernel(internal=True)
 def write_free_points(
-    moving: MovingPoints, kind: Meshes, body: int, row: int, start: float, to: NDArray[np.float64]
+    moving: MovingPoints, kind: Meshes, body: int, nodal: Floats1, start: float, to: NDArray[np.float64]
 ) -> None:
-    """``start`` times values in a row of `nodal`, minus the places of the points in row `RIGHT`, behind the bases."""
-    first = moving.bodies[body].first_point
+    """``start`` times values of a nodal vector, minus `right_hand_side` at the places of points, behind the bases."""
+    first, right = moving.bodies[body].first_point, kind.right_hand_side
     dof = kind.table[body].dof + 3 * kind.table[body].base_count
     for i in range(kind.table[body].moving_count):
         place, at = _place(kind, body, i), dof + 3 * i
         x = y = z = 0.0
         if moving.points[first + i].live:
-            x, y, z = point_value(moving, kind, first + i, row)
-        to[at] = start * x - kind.nodal[RIGHT, place]
-        to[at + 1] = start * y - kind.nodal[RIGHT, place + 1]
-        to[at + 2] = start * z - kind.nodal[RIGHT, place + 2]
+            x, y, z = point_value(moving, kind, first + i, nodal)
+        to[at] = start * x - right[place]
+        to[at + 1] = start * y - right[place + 1]
+        to[at + 2] = start * z - right[place + 2]
 
 
 @kernel(internal=True)
 def add_point_forces(moving: MovingPoints, kind: Meshes, body: int, which: int) -> None:
-    """``Z p`` to the forward-substituted row `RIGHT`, with minus the impulses p in the places of the points."""
-    rows, lanes = len(kind.shape[0]), len(kind.shape[1])
+    """``Z p`` to the forward-substituted `right_hand_side`, with minus the impulses p in the places of the points."""
+    rows, lanes, right = len(kind.shape[0]), len(kind.shape[1]), kind.right_hand_side
     first, length, Z = moving.bodies[body].first_point, vector_length(kind, body), moving.vectors
     prepare_points(moving, kind, body, which)
     for i in range(kind.table[body].moving_count):
         place = _place(kind, body, i)
-        x, y, z = kind.nodal[RIGHT, place], kind.nodal[RIGHT, place + 1], kind.nodal[RIGHT, place + 2]
+        x, y, z = right[place], right[place + 1], right[place + 2]
         if not moving.points[first + i].live or (x == 0.0 and y == 0.0 and z == 0.0):
             continue
         begin = moving.points[first + i].vectors - kind.table[body].first_node * lanes
@@ -282,14 +282,12 @@ def add_point_forces(moving: MovingPoints, kind: Meshes, body: int, which: int) 
         for p in range(path, path + moving.points[first + i].path_count):
             at = kind.columns[moving.paths[p]].node * lanes
             for r in range(at, at + rows):
-                kind.nodal[RIGHT, r] -= (
-                    x * Z[begin + r] + y * Z[begin + length + r] + z * Z[begin + 2 * length + r]
-                )
+                right[r] -= x * Z[begin + r] + y * Z[begin + length + r] + z * Z[begin + 2 * length + r]
 
 
 @kernel(internal=True)
-def add_point_impulses(moving: MovingPoints, kind: Meshes, body: int, row: int) -> None:
-    """``nodal[RIGHT] += J^T p``, with minus the impulses p in the places of the points of a row."""
+def add_point_impulses(moving: MovingPoints, kind: Meshes, body: int, nodal: Floats1) -> None:
+    """``right_hand_side += J^T p``, with minus the impulses p in the places of the points of a nodal vector."""
     for i in range(kind.table[body].moving_count):
         point, place = moving.bodies[body].first_point + i, _place(kind, body, i)
         if not moving.points[point].live:
@@ -298,7 +296,7 @@ def add_point_impulses(moving: MovingPoints, kind: Meshes, body: int, row: int) 
         for e in range(first, first + moving.points[point].entry_count):
             at, value = moving.entries[e], moving.factors[e]
             for k in range(3):
-                kind.nodal[RIGHT, at + k] -= value * kind.nodal[row, place + k]
+                kind.right_hand_side[at + k] -= value * nodal[place + k]
 
 
 @kernel(internal=True)

@@ -10,12 +10,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.block_pattern import BlockPattern
 from heavylift.numerics.records import Records, records
 from heavylift.numerics.small import aligned
-from heavylift.solver.bodies.ancf.kind import (
-    MeshPlaces,
-    MovingPoint,
-    MovingPoints,
-    PointsOfBody,
-)
+from heavylift.solver.bodies.ancf.kind import MeshPlaces, MovingPoint, MovingPoints, PointsOfBody
 from heavylift.solver.bodies.ancf.mesh_contour import control_vectors
 from heavylift.solver.meshes import MeshBody
 

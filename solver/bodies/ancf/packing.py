@@ -17,15 +17,12 @@ from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.ancf.at_rest import prepare_mass
 from heavylift.solver.bodies.ancf.bases import Bases, plan_bases
 from heavylift.solver.bodies.ancf.kind import (
-    ACCELERATION,
     AUTO,
     CARRIED,
     ENERGY_MOMENTUM,
     EXPLICIT,
-    FREE,
-    NODAL_ROWS,
-    STRAIN_ROWS,
-    WEIGHT,
+    NODAL_VECTORS,
+    STRAIN_VECTORS,
     MeshBase,
     MeshElement,
     Meshes,
@@ -33,8 +30,6 @@ from heavylift.solver.bodies.ancf.kind import (
     MeshNumbers,
     MeshPlaces,
     MeshSensor,
-    Q,
-    V,
 )
 from heavylift.solver.bodies.ancf.load_packing import LoadBook
 from heavylift.solver.bodies.ancf.moving_packing import pack_moving
@@ -264,18 +259,18 @@ class _Builder:
             pattern, groups, compliance_blocks, len(self.shape[0]) * self.lanes
         ).T
         moving_nodes = -(-3 * self.moving_count // self.lanes)
-        nodal = aligned((NODAL_ROWS, (self.node_count + moving_nodes) * self.lanes))
-        for row, values in ((Q, self.start), (V, self.speed), (FREE, self.free)):
-            at_nodes = nodal[row, : self.node_count * self.lanes].reshape(self.node_count, self.lanes)
+        places = (self.node_count + moving_nodes) * self.lanes
+        nodal = {name: aligned(places) for name in NODAL_VECTORS}
+        for name, values in (("position", self.start), ("velocity", self.speed), ("free", self.free)):
+            at_nodes = nodal[name][: self.node_count * self.lanes].reshape(self.node_count, self.lanes)
             at_nodes[:, : self.type.rows] = np.vstack(values)
-        nodal[ACCELERATION] = 0.0
         kind = self.type.kind(
             table=table,
             elements=elements,
             constants=np.concatenate(self.constants),
             body=self.body,
-            nodal=nodal,
-            strains=aligned((STRAIN_ROWS, self.strain_count)),
+            **nodal,
+            **{name: aligned(self.strain_count) for name in STRAIN_VECTORS},
             columns=pattern.columns,
             lower=pattern.lower,
             updates=pattern.updates,
@@ -319,11 +314,11 @@ def _sorted(markers: list[tuple[int, int, int, int, int, int]]) -> Records[MeshM
 
 
 def _weigh(kind: Meshes) -> None:
-    """Row `WEIGHT`: the mass matrix times a unit acceleration along all three axes."""
+    """`nodal_mass`: the mass matrix times a unit acceleration along all three axes."""
     lanes = len(kind.shape[1])
     frame = len(kind.shape[0]) == 6
     nodes, vectors = (2, 2) if frame else (4, 4)
-    weight = kind.nodal[WEIGHT]
+    weight = kind.nodal_mass
     for element in kind.elements:
         count = nodes * vectors
         M = kind.constants[element.data : element.data + count * count].reshape(count, count)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.assembly import add_matrix_products
 from heavylift.solver.bodies.ancf.elements import (
@@ -13,17 +14,7 @@ from heavylift.solver.bodies.ancf.elements import (
     measure_strain_energy,
     record_elements,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    RIGHT,
-    SHAPE_STRAIN,
-    STRAIN,
-    WEIGHT,
-    FrameMeshes,
-    Meshes,
-    Q,
-    ShellMeshes,
-    V,
-)
+from heavylift.solver.bodies.ancf.kind import FrameMeshes, Meshes, ShellMeshes
 from heavylift.solver.bodies.ancf.substitution import node_span
 from heavylift.solver.interface import (
     Sums,
@@ -38,19 +29,19 @@ __all__: list[str] = []
 
 @kernel(internal=True)
 def _write_rotated(
-    kind: Meshes, body: int, row: int, vector: int, origin: float, out: NDArray[np.float64], at: int
+    kind: Meshes, body: int, nodal: Floats1, vector: int, origin: float, out: NDArray[np.float64], at: int
 ) -> None:
     """A vector of all nodes in world axes; the origin is added to positions."""
     lanes = len(kind.shape[1])
-    R, x = kind.body[body], kind.nodal[row]
+    R = kind.body[body]
     first = kind.table[body].first_node
     for node in range(kind.table[body].node_count):
         place = (first + node) * lanes + 3 * vector
         for k in range(3):
             out[at + 3 * node + k] = (
-                R.rotation[k, 0] * x[place]
-                + R.rotation[k, 1] * x[place + 1]
-                + R.rotation[k, 2] * x[place + 2]
+                R.rotation[k, 0] * nodal[place]
+                + R.rotation[k, 1] * nodal[place + 1]
+                + R.rotation[k, 2] * nodal[place + 2]
                 + origin * R.origin[k]
             )
 
@@ -65,6 +56,7 @@ def _write_sensors(kind: Meshes, row: NDArray[np.float64]) -> None:
         column, element, shape = at_point.column, at_point.element, at_point.shape_values
         R = kind.body[at_point.body]
         for which in range(2):
+            nodal = kind.position if which == 0 else kind.velocity
             x = y = z = 0.0
             for i in range(nodes):
                 for a in range(vectors):
@@ -72,9 +64,9 @@ def _write_sensors(kind: Meshes, row: NDArray[np.float64]) -> None:
                         kind.elements[element].nodes[i] + 3 * a,
                         kind.constants[shape + i * vectors + a],
                     )
-                    x += value * kind.nodal[which, at]
-                    y += value * kind.nodal[which, at + 1]
-                    z += value * kind.nodal[which, at + 2]
+                    x += value * nodal[at]
+                    y += value * nodal[at + 1]
+                    z += value * nodal[at + 2]
             for k in range(3):
                 total = R.rotation[k, 0] * x + R.rotation[k, 1] * y + R.rotation[k, 2] * z
                 row[column + 3 * which + k] = total + (R.origin[k] if which == 0 else 0.0)
@@ -90,11 +82,11 @@ def record_meshes(kind: Meshes, time: float, work: Workspace, row: NDArray[np.fl
         column, count = kind.table[body].column, 3 * kind.table[body].node_count
         for vector in range(vectors):
             origin = 1.0 if vector == 0 else 0.0
-            _write_rotated(kind, body, Q, vector, origin, row, column + vector * count)
-        _write_rotated(kind, body, V, 0, 0.0, row, column + vectors * count)
+            _write_rotated(kind, body, kind.position, vector, origin, row, column + vector * count)
+        _write_rotated(kind, body, kind.velocity, 0, 0.0, row, column + vectors * count)
         record_elements(kind, body, row, column + (vectors + 1) * count)
-        find_strains(kind, body, Q, SHAPE_STRAIN)
-        measure_drift(kind, body, STRAIN, SHAPE_STRAIN)
+        find_strains(kind, body, kind.position, kind.shape_strain)
+        measure_drift(kind, body, kind.strain, kind.shape_strain)
         row[kind.table[body].last_result] = kind.body[body].drift
     _write_sensors(kind, row)
 
@@ -105,7 +97,7 @@ def _add_angular_momentum(kind: Meshes, body: int, out: Sums) -> None:
     vectors = len(kind.shape[0]) // 3
     nodes = 2 if vectors == 2 else 4
     count = nodes * vectors
-    q, v, R = kind.nodal[Q], kind.nodal[V], kind.body[body]
+    q, v, R = kind.position, kind.velocity, kind.body[body]
     x = y = z = 0.0
     first = kind.table[body].first_element
     for e in range(first, first + kind.table[body].element_count):
@@ -140,19 +132,19 @@ def add_mesh_totals(kind: Meshes, work: Workspace) -> None:
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         R = kind.body[body]
-        right, q, v, weight = kind.nodal[RIGHT], kind.nodal[Q], kind.nodal[V], kind.nodal[WEIGHT]
+        right, q, v, weight = kind.right_hand_side, kind.position, kind.velocity, kind.nodal_mass
         for i in range(first, last):
             right[i] = 0.0
-        add_matrix_products(kind, body, V, 1.0, Q, 0.0, RIGHT)
+        add_matrix_products(kind, body, v, 1.0, q, 0.0, right)
         kinetic = bending = 0.0
         for i in range(first, last):
             kinetic += right[i] * v[i]
             right[i] = 0.0
-        add_matrix_products(kind, body, V, 0.0, Q, 1.0, RIGHT)
+        add_matrix_products(kind, body, v, 0.0, q, 1.0, right)
         for i in range(first, last):
             bending += right[i] * q[i]
         R.elastic_energy = 0.5 * bending
-        measure_strain_energy(kind, body, STRAIN)
+        measure_strain_energy(kind, body, kind.strain)
         p1 = p2 = p3 = s1 = s2 = s3 = 0.0
         for node in range(first, last, lanes):
             for a in range(0, rows, 3):

@@ -20,13 +20,7 @@ from typing import Any
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
-from heavylift.solver.bodies.ancf.kind import (
-    MID_Q,
-    MID_V,
-    TANGENT_MARKER,
-    TRIAD_MARKER,
-    Meshes,
-)
+from heavylift.solver.bodies.ancf.kind import TANGENT_MARKER, TRIAD_MARKER, Meshes
 from heavylift.solver.bodies.ancf.stage import base_value
 from heavylift.solver.interface import Workspace
 
@@ -52,7 +46,7 @@ def _put(kind: Meshes, body: int, out: Any, x: Vector) -> None:
 def _tangent(kind: Meshes, marker: int) -> Vector:
     base = kind.markers[marker].base
     sense = kind.constants[kind.markers[marker].data]
-    t, w = base_value(kind, base, MID_Q), base_value(kind, base, MID_V)
+    t, w = base_value(kind, base, kind.mid_position), base_value(kind, base, kind.mid_velocity)
     size = 1.0 / math.sqrt(_dot(t, t))
     u = (size * t[0], size * t[1], size * t[2])
     along = _dot(u, w)
@@ -69,8 +63,8 @@ def _tangent(kind: Meshes, marker: int) -> Vector:
 def _triad(kind: Meshes, marker: int) -> Vector:
     base, data = kind.markers[marker].base, kind.markers[marker].data
     d1, d2, d3 = kind.constants[data], kind.constants[data + 1], kind.constants[data + 2]
-    a, b = base_value(kind, base, MID_Q), base_value(kind, base + 1, MID_Q)
-    ra, rb = base_value(kind, base, MID_V), base_value(kind, base + 1, MID_V)
+    a, b = base_value(kind, base, kind.mid_position), base_value(kind, base + 1, kind.mid_position)
+    ra, rb = base_value(kind, base, kind.mid_velocity), base_value(kind, base + 1, kind.mid_velocity)
     size = 1.0 / math.sqrt(_dot(a, a))
     e1 = (size * a[0], size * a[1], size * a[2])
     n = cross(a[0], a[1], a[2], b[0], b[1], b[2])
@@ -98,7 +92,7 @@ def _triad(kind: Meshes, marker: int) -> Vector:
 
 @kernel(internal=True)
 def write_second_rates(kind: Meshes, level: int, work: Workspace) -> None:
-    """Of all markers that a level needs, at `MID_Q` and `MID_V`."""
+    """Of all markers that a level needs, at `mid_position` and `mid_velocity`."""
     for marker in range(kind.markers.shape[0]):
         if kind.markers[marker].level > level:
             continue

@@ -11,6 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 from heavylift.solver.bodies.ancf.elements import (
@@ -24,10 +25,7 @@ from heavylift.solver.bodies.ancf.elements import (
     measure_strain_energy,
     record_elements,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    Q,
-    ShellMeshes,
-)
+from heavylift.solver.bodies.ancf.kind import ShellMeshes
 from heavylift.solver.bodies.ancf.shell_data import (
     LANES,
     STRAINS_PER_LINE,
@@ -50,63 +48,54 @@ Four = tuple[int, int, int, int]
 
 
 @kernel(inline=True, internal=True)
-def node_places(kind: ShellMeshes, element: int, row: int) -> Four:
-    """Where the nodes of an element begin in a row of `nodal`, counted from the first row."""
-    first = row * kind.nodal.shape[1]
+def node_places(kind: ShellMeshes, element: int) -> Four:
+    """Where the nodes of an element begin in a nodal vector."""
     nodes = kind.elements[element].nodes
-    return (
-        first + nodes[0],
-        first + nodes[1],
-        first + nodes[2],
-        first + nodes[3],
-    )
+    return nodes[0], nodes[1], nodes[2], nodes[3]
 
 
 @implement(find_strains, ShellMeshes)
 @kernel(internal=True)
-def find_shell_strains(kind: ShellMeshes, body: int, q: int, strain: int) -> None:
+def find_shell_strains(kind: ShellMeshes, body: int, q: Floats1, strain: Floats1) -> None:
     """``E_ab = (r_a.r_b - X_a.X_b)/2``."""
     tables, first = kind.table[body].constants, kind.table[body].first_element
-    row = strain * kind.strains.shape[1]
     for e in range(first, first + kind.table[body].element_count):
-        n0, n1, n2, n3 = node_places(kind, e, q)
-        data, at = kind.elements[e].data, row + kind.elements[e].strain
-        put_element_strains(
-            kind.constants, tables, kind.constants, data, kind.nodal, n0, n1, n2, n3, kind.strains, at
-        )
+        n0, n1, n2, n3 = node_places(kind, e)
+        data, at = kind.elements[e].data, kind.elements[e].strain
+        put_element_strains(kind.constants, tables, kind.constants, data, q, n0, n1, n2, n3, strain, at)
 
 
 @implement(add_strain_rates, ShellMeshes)
 @kernel(internal=True)
-def add_shell_rates(kind: ShellMeshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
+def add_shell_rates(
+    kind: ShellMeshes, body: int, q: Floats1, v: Floats1, strain: Floats1, factor: float
+) -> None:
     """``B v``: ``(r_a.v_b + v_a.r_b)/2``."""
     tables, first = kind.table[body].constants, kind.table[body].first_element
-    row = strain * kind.strains.shape[1]
     for e in range(first, first + kind.table[body].element_count):
-        n0, n1, n2, n3 = node_places(kind, e, q)
-        v0, v1, v2, v3 = node_places(kind, e, v)
-        data, at = kind.elements[e].data, row + kind.elements[e].strain
+        n0, n1, n2, n3 = node_places(kind, e)
+        data, at = kind.elements[e].data, kind.elements[e].strain
         add_element_rates(
             kind.constants, tables, kind.constants, data,
-            kind.nodal, n0, n1, n2, n3, kind.nodal, v0, v1, v2, v3,
-            kind.strains, at, factor,
+            q, n0, n1, n2, n3, v, n0, n1, n2, n3,
+            strain, at, factor,
         )  # fmt: skip
 
 
 @implement(add_stress_forces, ShellMeshes)
 @kernel(internal=True)
-def add_shell_forces(kind: ShellMeshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
-    """``int N_ab r_a.dr_b``, N by strain of the row."""
+def add_shell_forces(
+    kind: ShellMeshes, body: int, q: Floats1, strain: Floats1, force: Floats1, factor: float
+) -> None:
+    """``int N_ab r_a.dr_b``, N by strain."""
     tables, first = kind.table[body].constants, kind.table[body].first_element
-    row = strain * kind.strains.shape[1]
     for e in range(first, first + kind.table[body].element_count):
-        n0, n1, n2, n3 = node_places(kind, e, q)
-        f0, f1, f2, f3 = node_places(kind, e, force)
-        data, at = kind.elements[e].data, row + kind.elements[e].strain
+        n0, n1, n2, n3 = node_places(kind, e)
+        data, at = kind.elements[e].data, kind.elements[e].strain
         add_element_forces(
             kind.constants, tables, kind.constants, data,
-            kind.nodal, n0, n1, n2, n3, kind.strains, at,
-            kind.nodal, f0, f1, f2, f3, factor,
+            q, n0, n1, n2, n3, strain, at,
+            force, n0, n1, n2, n3, factor,
         )  # fmt: skip
 
 
@@ -115,13 +104,13 @@ def add_shell_forces(kind: ShellMeshes, body: int, q: int, strain: int, force: i
 def add_shell_mean_forces(
     kind: ShellMeshes,
     body: int,
-    q_start: int,
-    q_end: int,
-    q_mid: int,
-    start_strain: int,
-    end_strain: int,
-    mean_strain: int,
-    force: int,
+    q_start: Floats1,
+    q_end: Floats1,
+    q_mid: Floats1,
+    start_strain: Floats1,
+    end_strain: Floats1,
+    mean_strain: Floats1,
+    force: Floats1,
     factor: float,
 ) -> None:
     """Strains are quadratic."""
@@ -133,37 +122,34 @@ def add_shell_mean_forces(
 def add_shell_stiffness(
     kind: ShellMeshes,
     body: int,
-    q: int,
-    strain: int,
-    force: int,
+    q: Floats1,
+    strain: Floats1,
+    force: Floats1,
     factor: float,
     scale: float,
     geometric: float,
 ) -> None:
     """Forces, and stiffness into the blocks, element by element while its numbers are at hand."""
     tables, first = kind.table[body].constants, kind.table[body].first_element
-    row = strain * kind.strains.shape[1]
     for e in range(first, first + kind.table[body].element_count):
-        n0, n1, n2, n3 = node_places(kind, e, q)
-        f0, f1, f2, f3 = node_places(kind, e, force)
-        data, at = kind.elements[e].data, row + kind.elements[e].strain
+        n0, n1, n2, n3 = node_places(kind, e)
+        data, at = kind.elements[e].data, kind.elements[e].strain
         add_element_forces(
             kind.constants, tables, kind.constants, data,
-            kind.nodal, n0, n1, n2, n3, kind.strains, at,
-            kind.nodal, f0, f1, f2, f3, factor,
+            q, n0, n1, n2, n3, strain, at,
+            force, n0, n1, n2, n3, factor,
         )  # fmt: skip
         add_element_stiffness(
             kind.constants, tables, kind.constants, data,
-            kind.nodal, n0, n1, n2, n3, kind.strains, at,
+            q, n0, n1, n2, n3, strain, at,
             kind.elements[e].blocks, 0, kind.blocks, 0, BLOCK_ORDER, 0, scale, geometric,
         )  # fmt: skip
 
 
 @implement(measure_strain_energy, ShellMeshes)
 @kernel(internal=True, reassociate=True)
-def measure_shell_energy(kind: ShellMeshes, body: int, strain: int) -> None:
+def measure_shell_energy(kind: ShellMeshes, body: int, strain: Floats1) -> None:
     """``e^T D e / 2`` over all Gauss points."""
-    e = kind.strains
     count = shell_tables(kind.constants, kind.table[body].constants).count
     first, total = kind.table[body].first_element, 0.0
     for element in range(first, first + kind.table[body].element_count):
@@ -171,7 +157,7 @@ def measure_shell_energy(kind: ShellMeshes, body: int, strain: int) -> None:
             at = kind.elements[element].strain + line * STRAINS_PER_LINE
             D = shell_line(kind.constants, kind.elements[element].data, line).moduli
             for g in range(LANES):
-                x, y, z = e[strain, at + g], e[strain, at + 8 + g], e[strain, at + 16 + g]
+                x, y, z = strain[at + g], strain[at + 8 + g], strain[at + 16 + g]
                 squares = D[0, g] * x * x + D[1, g] * y * y + D[2, g] * z * z
                 mixed = D[3, g] * x * y + (D[4, g] * x + D[5, g] * y) * z
                 total += 0.5 * squares + mixed
@@ -180,9 +166,8 @@ def measure_shell_energy(kind: ShellMeshes, body: int, strain: int) -> None:
 
 @implement(measure_drift, ShellMeshes)
 @kernel(internal=True)
-def measure_shell_drift(kind: ShellMeshes, body: int, first: int, second: int) -> None:
+def measure_shell_drift(kind: ShellMeshes, body: int, first: Floats1, second: Floats1) -> None:
     """Differences per length squared of the mesh lines they belong to, which makes them strains."""
-    strains = kind.strains
     count = shell_tables(kind.constants, kind.table[body].constants).count
     begin, largest, found, lost = kind.table[body].first_element, -1.0, 0, 0.0
     for element in range(begin, begin + kind.table[body].element_count):
@@ -192,9 +177,9 @@ def measure_shell_drift(kind: ShellMeshes, body: int, first: int, second: int) -
             metric = shell_line(kind.constants, kind.elements[element].data, line).metric
             for g in range(count):
                 xx, yy = 2.0 * metric[0, g], 2.0 * metric[1, g]
-                d1 = abs(strains[first, at + g] - strains[second, at + g]) / xx
-                d2 = abs(strains[first, at + 8 + g] - strains[second, at + 8 + g]) / yy
-                d3 = abs(strains[first, at + 16 + g] - strains[second, at + 16 + g])
+                d1 = abs(first[at + g] - second[at + g]) / xx
+                d2 = abs(first[at + 8 + g] - second[at + 8 + g]) / yy
+                d3 = abs(first[at + 16 + g] - second[at + 16 + g])
                 largest = max(largest, d1, d2, d3 / math.sqrt(xx * yy))
                 lost += 0.0 * (d1 + d2 + d3)  # NaN, which `max` passes over
         if largest > before:
@@ -206,14 +191,13 @@ def measure_shell_drift(kind: ShellMeshes, body: int, first: int, second: int) -
 @implement(add_follower_load, ShellMeshes)
 @kernel(internal=True)
 def add_shell_pressure(
-    kind: ShellMeshes, body: int, q: int, element: int, load: int, data: int, factor: float
+    kind: ShellMeshes, body: int, q: Floats1, element: int, load: Floats1, data: int, factor: float
 ) -> None:
     """Pressure along ``r_xi x r_eta`` on the present area."""
-    n0, n1, n2, n3 = node_places(kind, element, q)
-    f0, f1, f2, f3 = node_places(kind, element, load)
+    n0, n1, n2, n3 = node_places(kind, element)
     add_element_pressure(
         kind.constants, kind.table[body].constants, kind.constants, kind.elements[element].data,
-        kind.nodal, n0, n1, n2, n3, kind.nodal, f0, f1, f2, f3, factor * kind.constants[data],
+        q, n0, n1, n2, n3, load, n0, n1, n2, n3, factor * kind.constants[data],
     )  # fmt: skip
 
 
@@ -228,9 +212,9 @@ def centre_vector(kind: ShellMeshes, element: int, row: NDArray[np.float64]) -> 
         at = kind.elements[element].nodes[node]
         for vector in range(4):
             value, first = row[4 * node + vector], at + 3 * vector
-            x += value * kind.nodal[Q, first]
-            y += value * kind.nodal[Q, first + 1]
-            z += value * kind.nodal[Q, first + 2]
+            x += value * kind.position[first]
+            y += value * kind.position[first + 1]
+            z += value * kind.position[first + 2]
     return x, y, z
 
 

@@ -7,13 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.bodies.ancf.kind import (
-    FRAME_PAIRS,
-    FREE,
-    SHELL_PAIRS,
-    FrameMeshes,
-    Meshes,
-)
+from heavylift.solver.bodies.ancf.kind import FRAME_PAIRS, SHELL_PAIRS, FrameMeshes, Meshes
 
 __all__ = ["MeshMatrices", "mesh_matrices"]
 
@@ -45,7 +39,7 @@ class MeshMatrices:
     Attributes
     ----------
     places
-        Of the free coordinates in a row of `nodal`.
+        Of the free coordinates in a nodal vector.
     vector, axis
         Of each: number of the nodal vector, 0 for positions; axis of the body.
     body
@@ -63,14 +57,14 @@ class MeshMatrices:
         self.vectors = self.rows // 3
         self.pairs = FRAME_PAIRS if isinstance(kind, FrameMeshes) else SHELL_PAIRS
         self.nodes = 2 if isinstance(kind, FrameMeshes) else 4
-        self._size = kind.nodal.shape[1]
+        self._size = kind.position.shape[0]
         own = []
         for line in kind.table:
             nodes = np.arange(line.first_node, line.first_node + line.node_count)
             own.append((nodes[:, None] * self.lanes + np.arange(self.rows)).ravel())
         all_places = np.concatenate(own)
         body = np.repeat(np.arange(len(own)), [len(part) for part in own])
-        free = kind.nodal[FREE, all_places] != 0.0
+        free = kind.free[all_places] != 0.0
         self.places, self.body = all_places[free], body[free]
         self.all_places = all_places
         slot = self.places % self.lanes
@@ -120,7 +114,7 @@ class MeshMatrices:
         return csr_array((value[kept], (row[kept], column[kept])), shape=(len(self.places), self._size))
 
     def bending_force(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
-        """``K_b q`` of a row of coordinates, over the free ones."""
+        """``K_b q`` of some coordinates, over the free ones."""
         return self._bending_full @ q
 
     def _bases(self, kind: Meshes) -> tuple[Any, NDArray[np.int64]]:

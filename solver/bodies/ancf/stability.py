@@ -11,18 +11,10 @@ from __future__ import annotations
 
 import math
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.elements import add_elastic_forces
-from heavylift.solver.bodies.ancf.kind import (
-    CHANGE_OF_V,
-    FORWARD,
-    FREE,
-    MASS_SET,
-    RIGHT,
-    TRIAL,
-    Meshes,
-    Q,
-)
+from heavylift.solver.bodies.ancf.kind import MASS_SET, Meshes
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
 from heavylift.solver.interface import Workspace
 
@@ -47,34 +39,39 @@ DIFFERENCE = 1e-7
 
 
 @kernel(internal=True)
-def _write_elastic_forces(kind: Meshes, body: int, q: int, force: int) -> None:
-    """``nodal[force] = B^T C e(q) + K_b q``."""
+def _write_elastic_forces(kind: Meshes, body: int, q: Floats1, force: Floats1) -> None:
+    """``force = B^T C e(q) + K_b q``."""
     first, last = node_span(kind, body)
     for i in range(first, last):
-        kind.nodal[force, i] = 0.0
+        force[i] = 0.0
     add_elastic_forces(kind, body, q, force, 1.0)
 
 
 @kernel(internal=True)
 def start_power_iteration(kind: Meshes, body: int) -> None:
-    """A vector without structure into row `TRIAL`, which bodies of the explicit scheme do not need otherwise."""
+    """A vector without structure into `trial_position`, which bodies of the explicit scheme do not need otherwise."""
     first, last = node_span(kind, body)
     golden = 0.5 * (math.sqrt(5.0) - 1.0)
     for i in range(first, last):
         part = golden * (i - first + 1)
-        kind.nodal[TRIAL, i] = kind.nodal[FREE, i] * (part - math.floor(part) - 0.5)
+        kind.trial_position[i] = kind.free[i] * (part - math.floor(part) - 0.5)
 
 
 @kernel(internal=True, reassociate=True)
 def highest_frequency(kind: Meshes, body: int, rounds: int) -> float:
-    """Highest circular frequency [1/s] at the carried coordinates, by some rounds from the vector in `TRIAL`.
+    """Highest circular frequency [1/s] at the carried coordinates, by some rounds from the vector in `trial_position`.
 
-    Rows `RIGHT`, `FORWARD` and `CHANGE_OF_V` are scratch.
+    `right_hand_side`, `forward_solution` and `velocity_change` are scratch.
     """
     first, last = node_span(kind, body)
-    x, moved, right, rest = kind.nodal[TRIAL], kind.nodal[FORWARD], kind.nodal[RIGHT], kind.nodal[CHANGE_OF_V]
-    q, free = kind.nodal[Q], kind.nodal[FREE]
-    _write_elastic_forces(kind, body, Q, CHANGE_OF_V)
+    x, moved, right, rest = (
+        kind.trial_position,
+        kind.forward_solution,
+        kind.right_hand_side,
+        kind.velocity_change,
+    )
+    q, free = kind.position, kind.free
+    _write_elastic_forces(kind, body, q, rest)
     square = 0.0
     for _ in range(rounds):
         largest = 0.0
@@ -85,7 +82,7 @@ def highest_frequency(kind: Meshes, body: int, rounds: int) -> float:
         length = DIFFERENCE * min(kind.body[body].size, 1.0) / largest
         for i in range(first, last):
             moved[i] = q[i] + length * x[i]
-        _write_elastic_forces(kind, body, FORWARD, RIGHT)
+        _write_elastic_forces(kind, body, moved, right)
         for i in range(first, last):
             moved[i] = (right[i] - rest[i]) / length * free[i]  # K x
         for i in range(first, last):

@@ -7,19 +7,16 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.kind import (
-    MID_Q,
-    MID_V,
     POINT_MARKER,
     TANGENT_MARKER,
     VECTOR_MARKER,
     FrameMeshes,
     Meshes,
     MeshNumbers,
-    Q,
     ShellMeshes,
-    V,
 )
 from heavylift.solver.bodies.ancf.moving import write_points
 from heavylift.solver.interface import Workspace, fill_markers
@@ -31,8 +28,8 @@ Vector = tuple[float, float, float]
 
 
 @kernel(internal=True)
-def base_value(kind: Meshes, base: int, row: int) -> Vector:
-    """Value of a base in a row of `nodal`, body axes."""
+def base_value(kind: Meshes, base: int, nodal: Floats1) -> Vector:
+    """Value of a nodal vector at a base, body axes."""
     vectors = len(kind.shape[0]) // 3
     nodes = 2 if vectors == 2 else 4
     element, shape = kind.bases[base].element, kind.bases[base].shape_values
@@ -40,21 +37,21 @@ def base_value(kind: Meshes, base: int, row: int) -> Vector:
     for i in range(nodes):
         for a in range(vectors):
             at, value = kind.elements[element].nodes[i] + 3 * a, kind.constants[shape + i * vectors + a]
-            x += value * kind.nodal[row, at]
-            y += value * kind.nodal[row, at + 1]
-            z += value * kind.nodal[row, at + 2]
+            x += value * nodal[at]
+            y += value * nodal[at + 1]
+            z += value * nodal[at + 2]
     return x, y, z
 
 
 @kernel(internal=True)
-def write_bases(kind: Meshes, row: int, to: NDArray[np.float64]) -> None:
-    """Values of all bases and moving points in a row of `nodal` into a vector of velocities of the scene."""
+def write_bases(kind: Meshes, nodal: Floats1, to: NDArray[np.float64]) -> None:
+    """Values of a nodal vector at all bases and moving points into a vector of velocities of the scene."""
     for body in range(kind.table.shape[0]):
         dof, first = kind.table[body].dof, kind.table[body].first_base
         for i in range(kind.table[body].base_count):
-            y = base_value(kind, first + i, row)
+            y = base_value(kind, first + i, nodal)
             to[dof + 3 * i], to[dof + 3 * i + 1], to[dof + 3 * i + 2] = y[0], y[1], y[2]
-        write_points(kind.moving, kind, body, row, to)
+        write_points(kind.moving, kind, body, nodal, to)
 
 
 @kernel(inline=True, internal=True)
@@ -89,7 +86,7 @@ def _write_tangent(kind: Meshes, marker: int, work: Workspace) -> None:
     body, base = kind.markers[marker].body, kind.markers[marker].base
     sense = kind.constants[kind.markers[marker].data]
     numbers, number = kind.body[body], kind.markers[marker].number
-    t, rate = base_value(kind, base, MID_Q), base_value(kind, base, MID_V)
+    t, rate = base_value(kind, base, kind.mid_position), base_value(kind, base, kind.mid_velocity)
     size = 1.0 / math.sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2])
     u = (size * t[0], size * t[1], size * t[2])
     along = u[0] * rate[0] + u[1] * rate[1] + u[2] * rate[2]
@@ -122,8 +119,8 @@ def _write_triad(kind: Meshes, marker: int, work: Workspace) -> None:
     numbers, number = kind.body[body], kind.markers[marker].number
     data = kind.markers[marker].data
     d1, d2, d3 = kind.constants[data], kind.constants[data + 1], kind.constants[data + 2]
-    a, b = base_value(kind, base, MID_Q), base_value(kind, base + 1, MID_Q)
-    ra, rb = base_value(kind, base, MID_V), base_value(kind, base + 1, MID_V)
+    a, b = base_value(kind, base, kind.mid_position), base_value(kind, base + 1, kind.mid_position)
+    ra, rb = base_value(kind, base, kind.mid_velocity), base_value(kind, base + 1, kind.mid_velocity)
     size = 1.0 / math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
     e1 = (size * a[0], size * a[1], size * a[2])
     n1, n2, n3 = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
@@ -158,7 +155,7 @@ def _write_triad(kind: Meshes, marker: int, work: Workspace) -> None:
 
 @kernel(internal=True)
 def _write_markers(kind: Meshes, level: int, work: Workspace) -> None:
-    """All markers that a level needs, at `MID_Q` and `MID_V`."""
+    """All markers that a level needs, at `mid_position` and `mid_velocity`."""
     for marker in range(kind.markers.shape[0]):
         if kind.markers[marker].level > level:
             continue
@@ -166,11 +163,11 @@ def _write_markers(kind: Meshes, level: int, work: Workspace) -> None:
         if which in (POINT_MARKER, VECTOR_MARKER):
             body, base = kind.markers[marker].body, kind.markers[marker].base
             number, numbers = kind.markers[marker].number, kind.body[body]
-            p = _to_world(numbers, base_value(kind, base, MID_Q))
+            p = _to_world(numbers, base_value(kind, base, kind.mid_position))
             if which == POINT_MARKER:
                 p = (p[0] + numbers.origin[0], p[1] + numbers.origin[1], p[2] + numbers.origin[2])
             _put(work.markers[number].point, p)
-            _put(work.markers[number].velocity, _to_world(numbers, base_value(kind, base, MID_V)))
+            _put(work.markers[number].velocity, _to_world(numbers, base_value(kind, base, kind.mid_velocity)))
             column = 3 * (base - kind.table[body].first_base)
             for k in range(3):
                 for c in range(3):
@@ -187,9 +184,9 @@ def _write_markers(kind: Meshes, level: int, work: Workspace) -> None:
 def fill_mesh_markers(kind: Meshes, at_midpoint: bool, level: int, work: Workspace) -> None:
     """Markers from the bases; rows of other bases in the Jacobians stay zero."""
     if not at_midpoint:
-        for i in range(kind.nodal.shape[1]):
-            kind.nodal[MID_Q, i] = kind.nodal[Q, i]
-            kind.nodal[MID_V, i] = kind.nodal[V, i]
+        for i in range(kind.position.shape[0]):
+            kind.mid_position[i] = kind.position[i]
+            kind.mid_velocity[i] = kind.velocity[i]
     _write_markers(kind, level, work)
 
 

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.bodies.ancf.assembly import (
@@ -34,26 +35,13 @@ from heavylift.solver.bodies.ancf.elements import (
 )
 from heavylift.solver.bodies.ancf.faults import blame_largest
 from heavylift.solver.bodies.ancf.kind import (
-    ACCELERATION,
     ENERGY_MOMENTUM,
     EXPLICIT,
-    FORWARD,
-    LOAD,
     MASS_SET,
-    MID_Q,
-    MID_V,
-    OLD_STRAIN,
-    RIGHT,
-    SHAPE_STRAIN,
     STEP_SET,
-    STRAIN,
-    TRIAL,
-    WEIGHT,
     FrameMeshes,
     Meshes,
-    Q,
     ShellMeshes,
-    V,
 )
 from heavylift.solver.bodies.ancf.loads import gather_loads
 from heavylift.solver.bodies.ancf.moving import release_points, write_free_points
@@ -88,20 +76,20 @@ def is_iterated(kind: Meshes, body: int) -> bool:
 
 
 @kernel(internal=True)
-def write_free_bases(kind: Meshes, body: int, row: int, start: float, work: Workspace) -> None:
-    """What bases and points do without joints, after `solve_forward`, plus `start` times velocities of a row."""
+def write_free_bases(kind: Meshes, body: int, nodal: Floats1, start: float, work: Workspace) -> None:
+    """What bases and points do without joints, after `solve_forward`, plus `start` times some velocities."""
     dof, first = kind.table[body].dof, kind.table[body].first_base
     for i in range(kind.table[body].base_count):
         place = kind.bases[first + i].place
-        y = base_value(kind, first + i, row)
+        y = base_value(kind, first + i, nodal)
         for k in range(3):
-            work.velocity[dof + 3 * i + k] = start * y[k] - kind.nodal[RIGHT, place + k]
-    write_free_points(kind.moving, kind, body, row, start, work.velocity)
+            work.velocity[dof + 3 * i + k] = start * y[k] - kind.right_hand_side[place + k]
+    write_free_points(kind.moving, kind, body, nodal, start, work.velocity)
 
 
 @kernel(internal=True)
 def add_gravity(kind: Meshes, body: int, work: Workspace, factor: float) -> None:
-    """Weight into row `RIGHT`."""
+    """Weight into `right_hand_side`."""
     lanes, rows = len(kind.shape[1]), len(kind.shape[0])
     R = kind.body[body]
     g = work.sums
@@ -115,7 +103,7 @@ def add_gravity(kind: Meshes, body: int, work: Workspace, factor: float) -> None
     z = factor * (
         R.rotation[0, 2] * g.gravity[0] + R.rotation[1, 2] * g.gravity[1] + R.rotation[2, 2] * g.gravity[2]
     )
-    right, weight = kind.nodal[RIGHT], kind.nodal[WEIGHT]
+    right, weight = kind.right_hand_side, kind.nodal_mass
     for node in range(first, last, lanes):
         for a in range(0, rows, 3):
             right[node + a] += weight[node + a] * x
@@ -129,7 +117,7 @@ def add_gravity(kind: Meshes, body: int, work: Workspace, factor: float) -> None
 def start_meshes(kind: Meshes, time: float, work: Workspace) -> None:
     """Carried strains are those of the shape at the start; the explicit scheme learns what its steps may be."""
     for body in range(kind.table.shape[0]):
-        find_strains(kind, body, Q, STRAIN)
+        find_strains(kind, body, kind.position, kind.strain)
         if kind.table[body].scheme == EXPLICIT:
             start_power_iteration(kind, body)
             find_step_limit(kind, body, FIRST_ROUNDS)
@@ -142,13 +130,13 @@ def predict_meshes(kind: Meshes, time: float, step: float) -> None:
     """Midpoint along straight lines; predicted midpoint velocity for rates of markers."""
     half = 0.5 * step
     q, v, a, mid_q, mid_v = (
-        kind.nodal[Q],
-        kind.nodal[V],
-        kind.nodal[ACCELERATION],
-        kind.nodal[MID_Q],
-        kind.nodal[MID_V],
+        kind.position,
+        kind.velocity,
+        kind.mean_acceleration,
+        kind.mid_position,
+        kind.mid_velocity,
     )
-    for i in range(kind.nodal.shape[1]):
+    for i in range(kind.position.shape[0]):
         mid_q[i] = q[i] + half * v[i]
         mid_v[i] = v[i] + half * a[i]
     for body in range(kind.table.shape[0]):
@@ -171,11 +159,11 @@ def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
         A w = h/2 ( f - a M v - K_b (q + (h/2 + b) v) - B^T C (s + (h/2 + b) B v) ) + G^T P
     """
     half = 0.5 * step
-    gather_loads(kind, MID_Q, work)
+    gather_loads(kind, kind.mid_position, work)
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         release_points(kind.moving, kind, body)
-        right, load, ahead = kind.nodal[RIGHT], kind.nodal[LOAD], kind.nodal[TRIAL]
+        right, load, ahead = kind.right_hand_side, kind.external_force, kind.trial_position
         for i in range(first, last):
             right[i] = half * load[i]
         add_gravity(kind, body, work, half)
@@ -186,19 +174,19 @@ def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
             viscous = kind.body[body].viscous_damping
             delay = half + kind.body[body].stiffness_damping
             for i in range(first, last):
-                ahead[i] = kind.nodal[Q, i] + delay * kind.nodal[V, i]
-            add_matrix_products(kind, body, V, -half * viscous, TRIAL, -half, RIGHT)
-            copy_strains(kind, body, STRAIN, OLD_STRAIN)
-            add_strain_rates(kind, body, MID_Q, V, OLD_STRAIN, delay)
+                ahead[i] = kind.position[i] + delay * kind.velocity[i]
+            add_matrix_products(kind, body, kind.velocity, -half * viscous, ahead, -half, right)
+            copy_strains(kind, body, kind.strain, kind.stage_strain)
+            add_strain_rates(kind, body, kind.mid_position, kind.velocity, kind.stage_strain, delay)
             start_step_matrix(kind, body, 1.0 + half * viscous, half * delay)
-            add_stiffness(kind, body, MID_Q, OLD_STRAIN, RIGHT, -half, half * delay, 0.0)
+            add_stiffness(kind, body, kind.mid_position, kind.stage_strain, right, -half, half * delay, 0.0)
             clear_fixed(kind, body, STEP_SET)
             factor_set(kind, body, STEP_SET)
             solve_forward(kind, body, STEP_SET)
-        forward = kind.nodal[FORWARD]
+        forward = kind.forward_solution
         for i in range(first, last):
             forward[i] = right[i]
-        write_free_bases(kind, body, V, 1.0, work)
+        write_free_bases(kind, body, kind.velocity, 1.0, work)
         kind.body[body].change = -1.0
 
 
@@ -206,15 +194,16 @@ def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
 def _add_explicit_forces(kind: Meshes, body: int, half: float) -> None:
     """Elastic and damping forces at the midpoint: the position form of the leapfrog."""
     viscous, stiff = kind.body[body].viscous_damping, kind.body[body].stiffness_damping
-    add_elastic_forces(kind, body, MID_Q, RIGHT, -half)
+    speed, right = kind.mid_velocity, kind.right_hand_side
+    add_elastic_forces(kind, body, kind.mid_position, right, -half)
     if viscous > 0.0 or stiff > 0.0:
-        add_matrix_products(kind, body, MID_V, -half * viscous, MID_V, -half * stiff, RIGHT)
+        add_matrix_products(kind, body, speed, -half * viscous, speed, -half * stiff, right)
     if stiff > 0.0:
         first = kind.table[body].first_strain
         for i in range(first, first + kind.table[body].strain_count):
-            kind.strains[SHAPE_STRAIN, i] = 0.0
-        add_strain_rates(kind, body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
-        add_stress_forces(kind, body, MID_Q, SHAPE_STRAIN, RIGHT, -half)
+            kind.shape_strain[i] = 0.0
+        add_strain_rates(kind, body, kind.mid_position, speed, kind.shape_strain, stiff)
+        add_stress_forces(kind, body, kind.mid_position, kind.shape_strain, right, -half)
 
 
 @implement(check, FrameMeshes)
@@ -224,14 +213,15 @@ def check_meshes(kind: Meshes, step: float, work: Workspace) -> None:
     """Refuse what is not finite, and explicit steps beyond their limit."""
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
-        speed = kind.nodal[MID_V]
+        speed = kind.mid_velocity
         total = 0.0
         for i in range(first, last):
             total += abs(speed[i])
         if not math.isfinite(total):
-            blame_largest(kind, body, MID_V, NOT_FINITE, work)
+            blame_largest(kind, body, kind.mid_velocity, NOT_FINITE, work)
         elif kind.table[body].scheme == EXPLICIT and step > follow_step_limit(kind, body, work):
-            blame_largest(kind, body, TRIAL, STEP_TOO_LARGE, work)  # where the fastest vibration is
+            # where the fastest vibration is
+            blame_largest(kind, body, kind.trial_position, STEP_TOO_LARGE, work)
 
 
 @implement(finish, FrameMeshes)
@@ -247,7 +237,7 @@ def finish_meshes(kind: Meshes, step: float, work: Workspace) -> None:
 def estimate_mesh_error(kind: Meshes, step: float, work: Workspace) -> None:
     """Largest distance of a midpoint velocity from its prediction, as a displacement [m] over the step."""
     lanes = len(kind.shape[1])
-    v, a, found = kind.nodal[V], kind.nodal[ACCELERATION], kind.nodal[MID_V]
+    v, a, found = kind.velocity, kind.mean_acceleration, kind.mid_velocity
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         largest = 0.0

@@ -6,15 +6,11 @@ spend much of their time here, there are substitutions that read just that third
 
 from __future__ import annotations
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.block_factor import backward_blocks, forward_blocks
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.assembly import set_size
-from heavylift.solver.bodies.ancf.kind import (
-    FREE,
-    MASS_SET,
-    RIGHT,
-    Meshes,
-)
+from heavylift.solver.bodies.ancf.kind import MASS_SET, Meshes
 from heavylift.solver.bodies.ancf.moving import add_point_forces, find_free_points
 
 __all__ = ["copy_strains", "node_span", "scatter_back", "solve_forward"]
@@ -25,7 +21,7 @@ LANES = 8
 
 @kernel(inline=True, internal=True)
 def node_span(kind: Meshes, body: int) -> tuple[int, int]:
-    """Places of the nodes of a body in a row of `nodal`."""
+    """Places of the nodes of a body in a nodal vector."""
     lanes = len(kind.shape[1])
     first = kind.table[body].first_node * lanes
     return first, first + kind.table[body].node_count * lanes
@@ -34,7 +30,7 @@ def node_span(kind: Meshes, body: int) -> tuple[int, int]:
 @kernel(internal=True)
 def _forward_axes(kind: Meshes, body: int, base: int) -> None:
     """`forward_blocks` with a factor that does not couple axes: two numbers a node and axis."""
-    x, blocks, lower = kind.nodal[RIGHT], kind.blocks, kind.lower
+    x, blocks, lower = kind.right_hand_side, kind.blocks, kind.lower
     for column in range(kind.table[body].first_column, kind.table[body].last_column):
         z, pivot = kind.columns[column].node * LANES, base + kind.columns[column].pivot
         first, count = kind.columns[column].first_lower, kind.columns[column].lower_count
@@ -56,7 +52,7 @@ def _forward_axes(kind: Meshes, body: int, base: int) -> None:
 @kernel(internal=True)
 def _backward_axes(kind: Meshes, body: int, base: int) -> None:
     """`backward_blocks` with a factor that does not couple axes."""
-    x, blocks, lower = kind.nodal[RIGHT], kind.blocks, kind.lower
+    x, blocks, lower = kind.right_hand_side, kind.blocks, kind.lower
     for column in range(kind.table[body].last_column - 1, kind.table[body].first_column - 1, -1):
         z, pivot = kind.columns[column].node * LANES, base + kind.columns[column].pivot
         first, count = kind.columns[column].first_lower, kind.columns[column].lower_count
@@ -74,13 +70,13 @@ def _backward_axes(kind: Meshes, body: int, base: int) -> None:
 
 @kernel(internal=True)
 def solve_forward(kind: Meshes, body: int, which: int) -> None:
-    """Forward substitution of row `RIGHT` with the factor of a set.
+    """Forward substitution of `right_hand_side` with the factor of a set.
 
     The places of bases and moving points are left with ``-J A^-1 r``.
     """
     lanes = len(kind.shape[1])
     first, last = node_span(kind, body)
-    right, free = kind.nodal[RIGHT], kind.nodal[FREE]
+    right, free = kind.right_hand_side, kind.free
     for i in range(first, last):
         right[i] *= free[i]
     for i in range(last, last + kind.table[body].base_node_count * lanes):
@@ -104,7 +100,7 @@ def solve_forward(kind: Meshes, body: int, which: int) -> None:
 
 @kernel(internal=True)
 def scatter_back(kind: Meshes, body: int, which: int) -> None:
-    """Back substitution of row `RIGHT`, with minus the impulses in the places of bases and moving points."""
+    """Back substitution of `right_hand_side`, with minus the impulses in the places of bases and moving points."""
     add_point_forces(kind.moving, kind, body, which)
     if which == MASS_SET and len(kind.shape[1]) == LANES:
         _backward_axes(kind, body, which * set_size(kind))
@@ -117,14 +113,14 @@ def scatter_back(kind: Meshes, body: int, which: int) -> None:
         which * set_size(kind),
         kind.table[body].first_column,
         kind.table[body].last_column,
-        kind.nodal[RIGHT],
+        kind.right_hand_side,
         0,
     )
 
 
 @kernel(internal=True)
-def copy_strains(kind: Meshes, body: int, of: int, to: int) -> None:
-    """One row of `strains` into another, of one body."""
+def copy_strains(kind: Meshes, body: int, of: Floats1, to: Floats1) -> None:
+    """One vector of strains into another, of one body."""
     first = kind.table[body].first_strain
     for i in range(first, first + kind.table[body].strain_count):
-        kind.strains[to, i] = kind.strains[of, i]
+        to[i] = of[i]

@@ -18,13 +18,12 @@ from heavylift.solver.bodies.ancf.frame_packing import (
 )
 from heavylift.solver.bodies.ancf.kind import (
     FRAME_PAIRS,
-    NODAL_ROWS,
-    STRAIN_ROWS,
+    NODAL_VECTORS,
+    STRAIN_VECTORS,
     FrameMeshes,
     MeshElement,
     MeshNumbers,
     MeshPlaces,
-    Q,
 )
 from tests.solver.groups import partly
 
@@ -63,23 +62,23 @@ def pack(body: FrameBody, *, swap: bool = False) -> FrameMeshes:
         "elements": elements,
         "constants": np.concatenate(constants),
         "body": records(MeshNumbers, 1),
-        "nodal": np.zeros((NODAL_ROWS, LANES * nodes)),
-        "strains": np.zeros((STRAIN_ROWS, int(strains.sum()))),
+        **{name: np.zeros(LANES * nodes) for name in NODAL_VECTORS},
+        **{name: np.zeros(int(strains.sum())) for name in STRAIN_VECTORS},
         "blocks": np.zeros(48 * 3 * count),
     }
     kind = partly(FrameMeshes, **used)
-    put(kind, Q, start_coordinates(body).ravel())
+    put(kind.position, start_coordinates(body).ravel())
     return kind
 
 
-def put(kind: FrameMeshes, row: int, q: np.ndarray) -> None:
-    """Coordinates, six a node, into a row."""
-    kind.nodal[row].reshape(-1, LANES)[:, :6] = q.reshape(-1, 6)
+def put(nodal: np.ndarray, q: np.ndarray) -> None:
+    """Coordinates, six a node, into a nodal vector."""
+    nodal.reshape(-1, LANES)[:, :6] = q.reshape(-1, 6)
 
 
-def get(kind: FrameMeshes, row: int) -> np.ndarray:
-    """Coordinates of a row, six a node; what lies in the padding must be zero."""
-    rows = kind.nodal[row].reshape(-1, LANES)
+def get(nodal: np.ndarray) -> np.ndarray:
+    """Coordinates of a nodal vector, six a node; what lies in the padding must be zero."""
+    rows = nodal.reshape(-1, LANES)
     assert not np.any(rows[:, 6:])
     return rows[:, :6].ravel().copy()
 

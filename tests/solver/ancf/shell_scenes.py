@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import records
 from heavylift.solver.bodies.ancf import shell_elements  # noqa: F401  registers the kernels
@@ -20,12 +21,11 @@ from heavylift.solver.bodies.ancf.elements import (
     record_elements,
 )
 from heavylift.solver.bodies.ancf.kind import (
-    NODAL_ROWS,
+    NODAL_VECTORS,
     SHELL_PAIRS,
-    STRAIN_ROWS,
+    STRAIN_VECTORS,
     MeshNumbers,
     MeshPlaces,
-    Q,
     ShellMeshElement,
     ShellMeshes,
 )
@@ -121,35 +121,35 @@ def pack(bodies: list[ShellBody], swaps: int = 0) -> ShellMeshes:
             strains += int(count)
         nodes += len(body.nodes)
         start.append(start_coordinates(body).reshape(-1, 12))
-    nodal = np.zeros((NODAL_ROWS, nodes * LANES))
-    nodal[Q].reshape(nodes, LANES)[:, :12] = np.vstack(start)
+    nodal = {name: np.zeros(nodes * LANES) for name in NODAL_VECTORS}
+    put(nodal["position"], np.vstack(start))
     given = {
         "table": table,
         "elements": elements,
         "constants": np.concatenate(constants),
         "body": records(MeshNumbers, len(bodies)),
-        "nodal": nodal,
-        "strains": np.zeros((STRAIN_ROWS, strains)),
+        **nodal,
+        **{name: np.zeros(strains) for name in STRAIN_VECTORS},
         "blocks": np.zeros(pairs * BLOCK),
     }
     return partly(ShellMeshes, **given)
 
 
-def put(kind: ShellMeshes, row: int, coordinates: np.ndarray) -> None:
-    """Set a row of `nodal` to vectors of nodes, shape (n, 4, 3)."""
-    kind.nodal[row].reshape(-1, LANES)[:, :12] = coordinates.reshape(-1, 12)
+def put(nodal: np.ndarray, coordinates: np.ndarray) -> None:
+    """Set a nodal vector to vectors of nodes, shape (n, 4, 3)."""
+    nodal.reshape(-1, LANES)[:, :12] = coordinates.reshape(-1, 12)
 
 
-def taken(kind: ShellMeshes, row: int) -> np.ndarray:
-    """Vectors of nodes of a row of `nodal`, shape (n, 4, 3); checks that padding is left alone."""
-    rows = kind.nodal[row].reshape(-1, LANES)
+def taken(nodal: np.ndarray) -> np.ndarray:
+    """Vectors of nodes of a nodal vector, shape (n, 4, 3); checks that padding is left alone."""
+    rows = nodal.reshape(-1, LANES)
     assert not rows[:, 12:].any()
     return rows[:, :12].reshape(-1, 4, 3).copy()
 
 
 def stiffness(kind: ShellMeshes) -> np.ndarray:
     """The blocks as one matrix over all coordinates, shape (12 n, 12 n)."""
-    nodes = kind.nodal.shape[1] // LANES
+    nodes = kind.position.shape[0] // LANES
     out = np.zeros((nodes, 12, nodes, 12))
     for line in kind.elements:
         for p, (i, j) in enumerate(SHELL_PAIRS):
@@ -165,17 +165,19 @@ def stiffness(kind: ShellMeshes) -> np.ndarray:
 
 
 @kernel
-def find(kind: ShellMeshes, body: int, q: int, strain: int) -> None:
+def find(kind: ShellMeshes, body: int, q: Floats1, strain: Floats1) -> None:
     find_strains(kind, body, q, strain)
 
 
 @kernel
-def add_rates(kind: ShellMeshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
+def add_rates(kind: ShellMeshes, body: int, q: Floats1, v: Floats1, strain: Floats1, factor: float) -> None:
     add_strain_rates(kind, body, q, v, strain, factor)
 
 
 @kernel
-def add_forces(kind: ShellMeshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
+def add_forces(
+    kind: ShellMeshes, body: int, q: Floats1, strain: Floats1, force: Floats1, factor: float
+) -> None:
     add_stress_forces(kind, body, q, strain, force, factor)
 
 
@@ -183,9 +185,9 @@ def add_forces(kind: ShellMeshes, body: int, q: int, strain: int, force: int, fa
 def add_both(
     kind: ShellMeshes,
     body: int,
-    q: int,
-    strain: int,
-    force: int,
+    q: Floats1,
+    strain: Floats1,
+    force: Floats1,
     factor: float,
     scale: float,
     geometric: float,
@@ -194,17 +196,19 @@ def add_both(
 
 
 @kernel
-def energy(kind: ShellMeshes, body: int, strain: int) -> None:
+def energy(kind: ShellMeshes, body: int, strain: Floats1) -> None:
     measure_strain_energy(kind, body, strain)
 
 
 @kernel
-def drift(kind: ShellMeshes, body: int, first: int, second: int) -> None:
+def drift(kind: ShellMeshes, body: int, first: Floats1, second: Floats1) -> None:
     measure_drift(kind, body, first, second)
 
 
 @kernel
-def follow(kind: ShellMeshes, body: int, q: int, number: int, load: int, data: int, factor: float) -> None:
+def follow(
+    kind: ShellMeshes, body: int, q: Floats1, number: int, load: Floats1, data: int, factor: float
+) -> None:
     add_follower_load(kind, body, q, number, load, data, factor)
 
 

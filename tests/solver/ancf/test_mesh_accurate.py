@@ -15,14 +15,7 @@ from scipy.integrate import solve_ivp
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.bodies.ancf.elements import add_elastic_forces
-from heavylift.solver.bodies.ancf.kind import (
-    LOAD,
-    POINT_MARKER,
-    TANGENT_MARKER,
-    TRIAD_MARKER,
-    VECTOR_MARKER,
-    Q,
-)
+from heavylift.solver.bodies.ancf.kind import POINT_MARKER, TANGENT_MARKER, TRIAD_MARKER, VECTOR_MARKER
 from heavylift.solver.bodies.ancf.stability import SHARE
 from heavylift.solver.connections import GROUND, Ball, FixedJoint, Hinge, JointFrame, Spring
 from heavylift.solver.integrate.accurate import make_integration
@@ -237,7 +230,7 @@ def test_joints_and_forces_act_through_material_points() -> None:
 
 @kernel
 def elastic_forces(kind: Any) -> None:
-    add_elastic_forces(kind, 0, Q, LOAD, 1.0)
+    add_elastic_forces(kind, 0, kind.position, kind.external_force, 1.0)
 
 
 @pytest.mark.parametrize("shape", ["green-lagrange", "exact", "curved"])
@@ -253,9 +246,9 @@ def test_forces_in_one_pass_are_those_of_independent_elements(shape: str) -> Non
     )
     kind = pack_scene(Scene(bodies=(body,))).bodies[0]
     places = np.array([0, 1, 2, 3, 4, 5, 8, 9, 10, 11, 12, 13])
-    kind.nodal[Q, places] += 0.1 * rng.normal(size=12)
-    q = kind.nodal[Q, places].copy()
-    kind.nodal[LOAD] = 0.0
+    kind.position[places] += 0.1 * rng.normal(size=12)
+    q = kind.position[places].copy()
+    kind.external_force[:] = 0.0
     elastic_forces(kind)
     reference = np.stack([nodes[0], slopes[0], nodes[1], slopes[1]])
     section = OracleSection(EA=0.7e6 * AREA, EI=0.7e6 * INERTIA, mass=DENSITY * AREA)
@@ -264,7 +257,7 @@ def test_forces_in_one_pass_are_those_of_independent_elements(shape: str) -> Non
     if shape == "green-lagrange":
         expected += np.kron(oracle.bending_matrix(), np.eye(3)) @ q
     np.testing.assert_allclose(
-        kind.nodal[LOAD, places], expected, rtol=0.0, atol=1e-11 * np.abs(expected).max()
+        kind.external_force[places], expected, rtol=0.0, atol=1e-11 * np.abs(expected).max()
     )
 
 
@@ -286,8 +279,8 @@ def test_second_rates_of_directions_are_those_of_differences() -> None:
     types = set()
     states, step = {}, 1e-5
     for kind in layout.bodies:
-        place, count = kind.table[0].state_place, kind.nodal.shape[1]
-        states[place] = (kind.nodal[0] + 0.1 * rng.normal(size=count), rng.normal(size=count))
+        place, count = kind.table[0].state_place, kind.position.shape[0]
+        states[place] = (kind.position + 0.1 * rng.normal(size=count), rng.normal(size=count))
         types |= set(kind.markers["type"])
         slope = kind.markers["type"] == VECTOR_MARKER  # the same vector, of unit length
         kind.markers["type"][slope] = TANGENT_MARKER

@@ -15,7 +15,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "joints"))
 from joint_scenes import RESIDUALS, Pose, make_joint
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.ancf.kind import FrameMeshes, Q, ShellMeshes, V
+from heavylift.solver.bodies.ancf.kind import FrameMeshes, ShellMeshes
 from heavylift.solver.bodies.ancf.second_rates import write_second_rates
 from heavylift.solver.connections import (
     GROUND,
@@ -144,15 +144,15 @@ class Model:
                 kind.table, [b for b in self.bodies.values() if isinstance(b, of_type)], strict=True
             ):
                 self.offsets[body.name] = int(line_of[3])
-        self.start = [kind.nodal[Q].copy() for kind in self.kinds]
+        self.start = [kind.position.copy() for kind in self.kinds]
 
-    def mesh(self, name: str, row: int = Q) -> np.ndarray:
+    def mesh(self, name: str, vector: str = "position") -> np.ndarray:
         """Coordinates of the nodes of a mesh, shape (n, 3 vectors), a view."""
         body = self.bodies[name]
         kind = self.kinds[isinstance(body, ShellBody)]
         lanes, rows = len(kind.shape[1]), len(kind.shape[0])
         first = self.offsets[name]
-        return kind.nodal[row].reshape(-1, lanes)[first : first + len(body.nodes), :rows]
+        return getattr(kind, vector).reshape(-1, lanes)[first : first + len(body.nodes), :rows]
 
     def q(self, name: str) -> np.ndarray:
         """Vectors of the nodes of a mesh, shape (n, vectors, 3)."""
@@ -166,22 +166,22 @@ class Model:
         """All meshes deformed and moving."""
         rng = np.random.default_rng(seed)
         for kind, start in zip(self.kinds, self.start, strict=True):
-            kind.nodal[Q] = start
-            kind.nodal[V] = 0.0
+            kind.position[:] = start
+            kind.velocity[:] = 0.0
         for name in self.meshes():
             self.mesh(name)[...] += 0.15 * rng.normal(size=self.mesh(name).shape)
-            self.mesh(name, V)[...] = rng.normal(size=self.mesh(name).shape)
+            self.mesh(name, "velocity")[...] = rng.normal(size=self.mesh(name).shape)
 
     def rest(self, *, keep_velocity: bool = False) -> None:
         """The shape of the start."""
         for kind, start in zip(self.kinds, self.start, strict=True):
-            kind.nodal[Q] = start
+            kind.position[:] = start
             if not keep_velocity:
-                kind.nodal[V] = 0.0
+                kind.velocity[:] = 0.0
 
     def shift(self, step: float) -> None:
         for kind in self.kinds:
-            kind.nodal[Q] += step * kind.nodal[V]
+            kind.position[:] += step * kind.velocity
 
     def fill(self) -> None:
         layout = self.layout
@@ -532,7 +532,7 @@ def test_weld_bends_as_its_stretch_changes(model: Model) -> None:
     for name, stretch in (("f1", 0.0), ("f2", 0.4)):
         _, R = pose_of(model.bodies[name])
         q = model.q(name) @ R.T
-        model.mesh(name, V)[...] = ((q @ A.T + stretch * q) @ R).reshape(len(q), -1)
+        model.mesh(name, "velocity")[...] = ((q @ A.T + stretch * q) @ R).reshape(len(q), -1)
     second = model.second("weld")
     assert np.abs(second[3:]).max() > 1e-2
     np.testing.assert_allclose(model.targets("weld")[3:], -second[3:], atol=1e-6)

@@ -18,15 +18,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import records
 from heavylift.solver.bodies.ancf.assembly import set_size
 from heavylift.solver.bodies.ancf.elements import add_stiffness
-from heavylift.solver.bodies.ancf.kind import (
-    MID_Q,
-    MID_V,
-    RIGHT,
-    SHAPE_STRAIN,
-    STEP_SET,
-    Q,
-    V,
-)
+from heavylift.solver.bodies.ancf.kind import STEP_SET
 from heavylift.solver.bodies.ancf.mesh_contour import mesh_contour
 from heavylift.solver.bodies.ancf.packing import SCHEMES, pack_meshes
 from heavylift.solver.bodies.ancf.sparse_matrices import mesh_matrices
@@ -166,7 +158,7 @@ def plain_stiffness(kind: Any) -> None:
     size = set_size(kind)
     for i in range(STEP_SET * size, STEP_SET * size + size):
         kind.blocks[i] = 0.0
-    add_stiffness(kind, 0, MID_Q, SHAPE_STRAIN, RIGHT, 0.0, 1.0, 0.0)
+    add_stiffness(kind, 0, kind.mid_position, kind.shape_strain, kind.right_hand_side, 0.0, 1.0, 0.0)
 
 
 @cache
@@ -230,9 +222,9 @@ class Model:
                     J[k, number] += value
         return J
 
-    def row(self, row: int) -> np.ndarray:
-        """Free coordinates of a row."""
-        return self.kind.nodal[row, self.matrices.places]
+    def free(self, nodal: np.ndarray) -> np.ndarray:
+        """Free coordinates of a nodal vector."""
+        return nodal[self.matrices.places]
 
     def aim(self, slot: int, spot: tuple[int, tuple[float, float]]) -> None:
         aim((self.kind,), slot, *weights_at(self.body, spot))
@@ -264,8 +256,8 @@ def make(name: str, scheme: str) -> Model:
     kind = pack_meshes([body], 0, [0], 0, [markers], [empty], moving=[2])
     kind.table[0].scheme = SCHEMES[scheme]
     matrices = mesh_matrices(kind)
-    kind.nodal[Q, matrices.places] += 0.02 * rng.normal(size=len(matrices.places))
-    kind.nodal[V, matrices.places] = 0.3 * rng.normal(size=len(matrices.places))
+    kind.position[matrices.places] += 0.02 * rng.normal(size=len(matrices.places))
+    kind.velocity[matrices.places] = 0.3 * rng.normal(size=len(matrices.places))
     work = Workspace.empty(12, 2, 12)
     work.sums.gravity[:] = 1.0, -2.0, -9.81
     return Model(body, kind, work, matrices)
@@ -327,12 +319,14 @@ def test_velocities_are_those_of_the_material_point(name: str, scheme: str) -> N
     velocity = work.velocity.copy()
     go_on(kind, Systems(()), STEP, work)
     J = model.jacobian(SPOT)
-    size = np.abs(J @ model.row(MID_V)).max()
-    np.testing.assert_allclose(velocity[9:], J @ model.row(MID_V), rtol=0.0, atol=1e-12 * size)
+    size = np.abs(J @ model.free(kind.mid_velocity)).max()
+    np.testing.assert_allclose(velocity[9:], J @ model.free(kind.mid_velocity), rtol=0.0, atol=1e-12 * size)
     np.testing.assert_allclose(velocity[9:], velocity[:3], rtol=0.0, atol=1e-12 * size)  # its base
     model.aim(0, OTHER)
     settle(kind, Systems(()), False, work)
-    np.testing.assert_allclose(work.velocity[6:9], model.jacobian(OTHER) @ model.row(V), rtol=1e-12)
+    np.testing.assert_allclose(
+        work.velocity[6:9], model.jacobian(OTHER) @ model.free(kind.velocity), rtol=1e-12
+    )
 
 
 @slow
@@ -358,7 +352,9 @@ def test_a_moving_point_is_as_good_as_a_base(name: str, scheme: str) -> None:
             invert(kind, system, at_midpoint)
             solve(system, work)
             spread(kind, Bodies((kind,)), Systems((system,)), Joints(()), at_midpoint, work, STEP)
-        found = [model.row(row).copy() for row in (Q, V)] + [table["impulse"][:, :3].copy()]
+        found = [model.free(nodal).copy() for nodal in (kind.position, kind.velocity)] + [
+            table["impulse"][:, :3].copy()
+        ]
         np.testing.assert_allclose(model.jacobian(SPOT) @ found[1], work.velocity[:3], atol=1e-10)
         results.append(found)
     for one, other in zip(*results, strict=True):
@@ -400,12 +396,12 @@ def test_control_points_make_the_shape_of_the_mesh(name: str) -> None:
     counts = [space.count for space in made.spaces] + [1] * (2 - len(made.spaces))
     along, across = (3, counts[0], False, 0), (3, counts[1], False, 0)
     contour = records(PackedContour, [(along, across, 5, -1)])[0]
-    model.kind.nodal[MID_Q] = model.kind.nodal[Q] + 0.1 * model.kind.nodal[V]
+    model.kind.mid_position[:] = model.kind.position + 0.1 * model.kind.velocity
     lanes, count = len(model.kind.shape[1]), len(type_of(model.body).vectors)
-    for at_midpoint, of in ((True, MID_Q), (False, Q)):
+    for at_midpoint, nodal in ((True, model.kind.mid_position), (False, model.kind.position)):
         net = np.full((5 + len(made.factors), 3), np.nan)
         form((model.kind,), at_midpoint, contour, 0, counts[0] - 1, counts[1] - 1, net)
-        q = model.kind.nodal[of].reshape(-1, lanes)[: len(model.body.nodes), : 3 * count].reshape(-1, 3)
+        q = nodal.reshape(-1, lanes)[: len(model.body.nodes), : 3 * count].reshape(-1, 3)
         for _ in range(20):
             spot = (int(rng.integers(len(model.body.elements))), (float(rng.random()), float(rng.random())))
             controls, weights = weights_at(model.body, spot)
