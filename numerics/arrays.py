@@ -65,15 +65,31 @@ WORD = ir.IntType(64)
 
 @dataclass_transform(frozen_default=True, eq_default=False)
 class Arrays:
-    """Base of all groups. A subclass lists its fields as a frozen dataclass does."""
+    """Base of all groups. A subclass lists its fields as a frozen dataclass does.
+
+    Attributes
+    ----------
+    carried_fields
+        Of kinds: fields that outlive a step, of records or numbers. A checkpoint keeps them.
+    """
 
     _fields: typing.ClassVar[tuple[str, ...]] = ()
+    carried_fields: typing.ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls) -> None:
-        """Make the constructor."""
+        """Make the constructor.
+
+        Raises
+        ------
+        TypeError
+            If there is no such field as one that is to outlive a step.
+        """
         super().__init_subclass__()
         dataclass(frozen=True, eq=False)(cls)
         cls._fields = tuple(field.name for field in fields(cls))  # type: ignore[arg-type]
+        unknown = set(cls.carried_fields) - set(cls._fields)
+        if unknown:
+            raise TypeError(f"{cls.__name__}: carried {sorted(unknown)}, expected some of {cls._fields}")
 
     def __iter__(self) -> Iterator[Any]:
         """Values of the fields, in order."""

@@ -205,6 +205,8 @@ class RowArrays(Arrays):
 
     shape: ClassVar[Any]
 
+    carried_fields: ClassVar[tuple[str, ...]] = ("rows",)
+
     lanes: int
     attachments: Records[Side]
     panels: Floats1

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import compile_clock
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.numerics.records import Record
-from heavylift.solver.carried import CARRIED
+from heavylift.solver.carried import carried_words
 from heavylift.solver.compiling import compile_units, missing_units
 from heavylift.solver.energy_watch import EnergyWatch
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
@@ -445,14 +444,8 @@ class Simulation:
         layout = self._layout
         yield "control", layout.work.control.words
         for kind in (*layout.bodies, *layout.joints, *layout.systems, *layout.forces):
-            for field, array in zip(kind._fields, kind, strict=True):
-                if field in CARRIED and isinstance(array, Record):
-                    yield f"{type(kind).__name__}.{field}", array.words
-                elif field in CARRIED and isinstance(array, np.ndarray):
-                    yield (
-                        f"{type(kind).__name__}.{field}",
-                        array if array.dtype.names is None else array.view(np.float64),
-                    )
+            for field, words in carried_words(kind):
+                yield f"{type(kind).__name__}.{field}", words
 
 
 def _check_positive(key: str, value: float, expected: str) -> None:

@@ -214,6 +214,17 @@ class FloatingFrameBodies(Arrays):
         "heavylift.solver.bodies.floating_frame_thesis",
     )
 
+    carried_fields: ClassVar[tuple[str, ...]] = (
+        "frame",
+        "modal_position",
+        "modal_velocity",
+        "modal_acceleration",
+        "joint_load",
+        "position_products",
+        "velocity_products",
+        "acceleration_products",
+    )
+
     table: Records[FlexibleRow]
     constants: Floats1
     frame: Records[FloatingFrame]

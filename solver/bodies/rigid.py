@@ -178,6 +178,8 @@ class RigidBodies(Arrays):
         "heavylift.solver.bodies.rigid_step",
     )
 
+    carried_fields: ClassVar[tuple[str, ...]] = ("frame",)
+
     table: Records[RigidIndex]
     constants: Floats1
     frame: Records[RigidFrame]

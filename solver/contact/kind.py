@@ -536,6 +536,12 @@ class ContactRows(RowArrays):
         "heavylift.solver.contact.start",
     )
 
+    carried_fields: ClassVar[tuple[str, ...]] = (
+        "rows",
+        "state",
+        "placed",
+    )
+
     features: Features
     table: Records[ContactEntry]
     values: Records[ContactValues]

@@ -6,6 +6,7 @@ The load acts on the markers of the angle or travel, so that load times rate is 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,6 +69,8 @@ class Motors(Arrays):
     state
         Work done so far [J], shape (n,).
     """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
     table: Records[MotorEntry]
     loads: Records[LoadRow]

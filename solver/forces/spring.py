@@ -7,6 +7,7 @@ step are in `heavylift.solver.joints`.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,6 +86,8 @@ class Springs(Arrays):
     state
         What they remember.
     """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
     table: Records[SpringEntry]
     curves: Floats2

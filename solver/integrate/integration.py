@@ -7,7 +7,7 @@ velocities of their bases among the first, and coordinates and velocities of all
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,6 +117,11 @@ class Integration(Arrays):
     vectors
         State, rates and errors of a step, one after the other; flat.
     """
+
+    carried_fields: ClassVar[tuple[str, ...]] = (
+        "progress",
+        "nodes",
+    )
 
     progress: Progress
     nodes: Floats1

@@ -7,6 +7,7 @@ the drive on b, and part of the reaction moment.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,6 +72,8 @@ class DrivenHinges(Arrays):
     profiles
         Packed, one after the other.
     """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
     table: Records[DrivenHingeEntry]
     state: Records[DrivenHingeState]

@@ -7,6 +7,7 @@ and part of the reaction force.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,6 +65,8 @@ class DrivenSliders(Arrays):
     profiles
         Packed, one after the other.
     """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
     table: Records[DrivenSliderEntry]
     state: Records[DriveState]

@@ -9,7 +9,7 @@ of the axes, whose three rows have rank two::
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +73,8 @@ class Hinges(Arrays):
     state
         Whole turns, see `record_angle`.
     """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
     table: Records[HingeEntry]
     state: Records[AngleState]

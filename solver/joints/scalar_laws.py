@@ -9,6 +9,8 @@ would reverse the motion within the step.
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -133,6 +135,8 @@ class ScalarLaws(Arrays):
     state
         What they carry.
     """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
     table: Records[ScalarLaw]
     curves: Floats2

@@ -9,6 +9,7 @@ two directions m, n of a, square to e and to each other::
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +81,8 @@ class SliderHinges(Arrays):
     state
         Whole turns, see `record_angle`.
     """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
     table: Records[SliderHingeEntry]
     state: Records[AngleState]

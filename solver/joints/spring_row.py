@@ -10,6 +10,8 @@ This is what a row of compliance ``1/k`` and relaxation time ``c/k`` does, so sp
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -66,6 +68,8 @@ class SpringRowState(Record):
 
 class SpringRows(Arrays):
     """All linear springs and joint springs of a scene."""
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
     table: Records[SpringRow]
     state: Records[SpringRowState]

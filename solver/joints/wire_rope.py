@@ -14,6 +14,7 @@ shorter one slowly.
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -141,6 +142,11 @@ class Ropes(Arrays):
     wraps
         Wrap of the rope about each place [rad], shape (m,).
     """
+
+    carried_fields: ClassVar[tuple[str, ...]] = (
+        "state",
+        "wraps",
+    )
 
     table: Records[RopeEntry]
     places: Records[PlaceMarkers]

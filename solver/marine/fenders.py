@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,6 +78,8 @@ class Fenders(Arrays):
         Stiffness [N/m] and damping [N s/m] of the force on b against the displacement and velocity of its point
         relative to the tip, world axes, row by row, symmetric and positive semidefinite; shape (n, 9).
     """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
     table: Records[FenderData]
     curves: Floats2

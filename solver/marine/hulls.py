@@ -327,6 +327,14 @@ class Hulls(Arrays):
         "heavylift.solver.marine.hull_step",
     )
 
+    carried_fields: ClassVar[tuple[str, ...]] = (
+        "frame",
+        "state",
+        "placed",
+        "tanks",
+        "memory_state",
+    )
+
     table: Records[RigidIndex]
     constants: Floats1
     frame: Records[RigidFrame]

@@ -22,6 +22,7 @@ brings its own velocities at its start and its end.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -83,6 +84,8 @@ class ExponentialMemory(Arrays):
         Coefficient of the velocity at the start of the step, shape (n, n).
     """
 
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+
     poles: Floats1
     channels: Ints2
     residues: Floats2
@@ -117,6 +120,8 @@ class DirectMemory(Arrays):
     implicit, explicit
         As in `ExponentialMemory`.
     """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
     channels: Ints2
     middle: Floats2

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,6 +108,8 @@ class MooringLines(Arrays):
     scratch
         Of each line, for a record.
     """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
     lines: Records[MooringData]
     sections: Records[SectionData]

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
+
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.bodies.ancf.contours import body_with_points
@@ -19,7 +21,6 @@ from heavylift.solver.contact.facet_kind import FacetSurfaces
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
-from numpy.typing import NDArray
 
 __all__: list[str] = []
 

@@ -459,6 +459,15 @@ class Meshes(Arrays):
 
     shape: ClassVar[Any]
 
+    carried_fields: ClassVar[tuple[str, ...]] = (
+        "body",
+        "position",
+        "velocity",
+        "mean_acceleration",
+        "trial_position",
+        "strain",
+    )
+
     table: Records[MeshPlaces]
     elements: Records[MeshElement]
     constants: Floats1
