@@ -134,8 +134,8 @@ class StartRows:
         width = attachment["width"]
         entry = np.repeat(np.arange(len(side)), width)
         k = np.arange(len(entry)) - np.repeat(np.cumsum(width) - width, width)
-        sources = attachment[entry].panel + k * lanes + self._lane[row[entry]]
-        return row[entry], attachment[entry].dof + k, sources
+        sources = attachment["panel"][entry] + k * lanes + self._lane[row[entry]]
+        return row[entry], attachment["dof"][entry] + k, sources
 
     def start(self) -> None:
         """Complete the state of the bodies after it was set."""
