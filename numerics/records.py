@@ -682,7 +682,7 @@ def record_at(record: type[R]) -> typing.Callable[[NDArray[np.float64], int], R]
 
     def see(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         array = context.make_array(signature.args[0])(context, builder, arguments[0])
-        if context.enable_boundscheck:
+        if context.enable_boundscheck and words > 0:
             last = builder.add(arguments[1], ir.Constant(WORD, words - 1))
             cgutils.do_boundscheck(context, builder, last, builder.extract_value(array.shape, 0))
         data = builder.bitcast(array.data, WORD.as_pointer())
