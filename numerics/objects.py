@@ -365,10 +365,9 @@ def _link(codegen: Any, wrappers: Any, libraries: Iterable[Any], symbols: set[st
     for value in (*whole.functions, *whole.global_variables):
         if not value.is_declaration and value.name not in symbols:
             value.linkage = "internal"
-    cheap, cheap_builder = codegen._module_pass_manager(slp_vectorize=False, cost="cheap")  # noqa: SLF001
-    cheap.run(whole, cheap_builder)
-    full, full_builder = codegen._module_pass_manager()  # noqa: SLF001
-    full.run(whole, full_builder)
+    # once: Numba does it twice, to find reference counts that cancel, of which there are hardly any here
+    passes, builder = codegen._module_pass_manager(cost="cheap")  # noqa: SLF001
+    passes.run(whole, builder)
     whole.verify()
     return bytes(codegen._tm.emit_object(whole))  # noqa: SLF001
 
