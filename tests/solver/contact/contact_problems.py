@@ -8,10 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.records import Records, records
-from heavylift.solver.contact.layout import UNILATERAL, RowKind, RowParameters
-from heavylift.solver.contact.newton import solve_contacts, solve_contacts_reduced, workspace_length
+from heavylift.solver.contact.layout import UNILATERAL, RowKind, RowParameters, Solution
+from heavylift.solver.contact.newton import (
+    NonsmoothNewton,
+    solve_dense,
+    solve_on_velocities,
+    workspace_length,
+)
 
 Array = NDArray[np.float64]
+
+SOLVER = (NonsmoothNewton(),)
 
 
 @dataclass(eq=False)
@@ -39,7 +46,9 @@ class ContactProblem:
         p = np.zeros(3 * self.count) if start is None else start.ravel().copy()
         y = np.zeros(len(self.y0))
         workspace = np.full(workspace_length(self.count, len(y)), np.nan)
-        status, iterations, residual = solve_contacts_reduced(
+        found = Solution.one()
+        solve_on_velocities(
+            SOLVER,
             self.count,
             self.kinds,
             self.parameters,
@@ -51,18 +60,20 @@ class ContactProblem:
             p,
             y,
             workspace,
+            found,
         )
-        return status, iterations, residual, p.reshape(-1, 3), (self.N @ y).reshape(-1, 3)
+        return found.status, found.iterations, found.residual, p.reshape(-1, 3), (self.N @ y).reshape(-1, 3)
 
     def solve_rows(self, start: Array | None = None) -> tuple[int, int, float, Array, Array]:
         """The same on the matrix of the rows."""
         p = np.zeros(3 * self.count) if start is None else start.ravel().copy()
         w = np.zeros_like(p)
         workspace = np.full(workspace_length(self.count, len(p)), np.nan)
-        status, iterations, residual = solve_contacts(
-            self.count, self.kinds, self.parameters, self.N @ self.y0, self.W, p, w, workspace
+        found = Solution.one()
+        solve_dense(
+            SOLVER, self.count, self.kinds, self.parameters, self.N @ self.y0, self.W, p, w, workspace, found
         )
-        return status, iterations, residual, p.reshape(-1, 3), w.reshape(-1, 3)
+        return found.status, found.iterations, found.residual, p.reshape(-1, 3), w.reshape(-1, 3)
 
 
 def violation(problem: ContactProblem, p: Array, w: Array) -> float:
