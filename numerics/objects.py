@@ -365,10 +365,19 @@ def _link(codegen: Any, wrappers: Any, libraries: Iterable[Any], symbols: set[st
     for value in (*whole.functions, *whole.global_variables):
         if not value.is_declaration and value.name not in symbols:
             value.linkage = "internal"
-    # once: Numba does it twice, to find reference counts that cancel, of which there are hardly any here
-    passes, builder = codegen._module_pass_manager(cost="cheap")  # noqa: SLF001
-    passes.run(whole, builder)
+    # reference counts that cancel are found after the first of them, and removed by the second
+    cheap, cheap_builder = codegen._module_pass_manager(slp_vectorize=False, cost="cheap")  # noqa: SLF001
+    cheap.run(whole, cheap_builder)
+    full, full_builder = codegen._module_pass_manager()  # noqa: SLF001
+    full.run(whole, full_builder)
     whole.verify()
+    missing = sorted(
+        one.name for one in whole.functions if one.is_declaration and one.name.startswith("NRT_")
+    )
+    if missing:  # the process would die where the object is loaded
+        raise CompileError(
+            f"{', '.join(sorted(symbols))}: a kernel makes, reshapes or returns arrays: {', '.join(missing)} is left"
+        )
     return bytes(codegen._tm.emit_object(whole))  # noqa: SLF001
 
 
