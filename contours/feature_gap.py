@@ -184,14 +184,17 @@ def gap_of_edges(
 
 
 @kernel(inline=True, internal=True)
-def contact_gap(  # model
+def contact_gap(
+    # model
     surfaces: CollisionSurfaces,
     kind: int,
     feature_a: int,
     feature_b: int,
     radius: float,
-    side: float,  # state
-    pose: RelativePose,  # out
+    side: float,
+    # state
+    pose: RelativePose,
+    # out
     out: FeatureTouch,
 ) -> float:
     """Gap [m] between two features, with its normal and points; cheap enough for every stage of every contact.
@@ -285,11 +288,13 @@ def beyond_ends(p: Vector, a: Vector, b: Vector) -> float:
 
 
 @kernel(inline=True, internal=True)
-def overshoot(  # model
+def overshoot(
+    # model
     surfaces: CollisionSurfaces,
     kind: int,
     feature_a: int,
-    feature_b: int,  # state
+    feature_b: int,
+    # state
     pose: RelativePose,
     out: FeatureTouch,
 ) -> float:
@@ -319,14 +324,17 @@ def overshoot(  # model
 
 
 @kernel(inline=True, internal=True)
-def feature_gap(  # model
+def feature_gap(
+    # model
     surfaces: CollisionSurfaces,
     kind: int,
     feature_a: int,
     feature_b: int,
     radius: float,
-    side: float,  # state
-    pose: RelativePose,  # out
+    side: float,
+    # state
+    pose: RelativePose,
+    # out
     out: FeatureTouch,
 ) -> float:
     """`contact_gap`, and in ``out.beyond`` how far [m] the nearest points lie outside of the face or edges.

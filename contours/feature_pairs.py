@@ -62,13 +62,16 @@ Box = tuple[float, float, float, float, float, float]
 
 
 @kernel(internal=True)
-def find_contacts(  # model
+def find_contacts(
+    # model
     surfaces: CollisionSurfaces,
     lists: PairLists,
-    pair: int,  # motion
+    pair: int,
+    # motion
     motion: RelativeMotion,
     reach: float,
-    method: int,  # out
+    method: int,
+    # out
     out: ContactList,
 ) -> int:
     """Contacts of one pair of surfaces A and B during an interval.
@@ -117,17 +120,20 @@ def find_contacts(  # model
 
 
 @kernel(internal=True)
-def contacts_of_pairs(  # model
+def contacts_of_pairs(
+    # model
     surfaces: CollisionSurfaces,
     surface_a: int,
     surface_b: int,
     pairs: NDArray[np.int64],
     first: int,
-    count: int,  # motion
+    count: int,
+    # motion
     motion: RelativeMotion,
     reach: float,
     method: int,
-    judged: bool,  # out
+    judged: bool,
+    # out
     out: ContactList,
 ) -> int:
     """`find_contacts` for listed pairs of triangles; not `judged`, all that the swept tests report, and only that."""
@@ -216,19 +222,22 @@ def contacts_of_pairs(  # model
 
 
 @kernel(inline=True, internal=True)
-def vertices_on_face(  # model
+def vertices_on_face(
+    # model
     surfaces: CollisionSurfaces,
     ta: int,
     tb: int,
     box_a: Box,
     b_in_a: Vector,
-    middle_a: Vector,  # motion
+    middle_a: Vector,
+    # motion
     motion: RelativeMotion,
     radius: float,
     far: float,
     rounding: float,
     method: int,
-    judged: bool,  # list
+    judged: bool,
+    # list
     found: int,
     out: ContactList,
 ) -> int:
@@ -325,19 +334,22 @@ def vertices_on_face(  # model
 
 
 @kernel(inline=True, internal=True)
-def face_on_vertices(  # model
+def face_on_vertices(
+    # model
     surfaces: CollisionSurfaces,
     ta: int,
     tb: int,
     box_b: Box,
     a_in_b: Vector,
-    middle_b: Vector,  # motion
+    middle_b: Vector,
+    # motion
     motion: RelativeMotion,
     radius: float,
     far: float,
     rounding: float,
     method: int,
-    judged: bool,  # list
+    judged: bool,
+    # list
     found: int,
     out: ContactList,
 ) -> int:
@@ -454,19 +466,22 @@ def face_on_vertices(  # model
 
 
 @kernel(inline=True, internal=True)
-def edges_on_edges(  # model
+def edges_on_edges(
+    # model
     surfaces: CollisionSurfaces,
     ta: int,
     tb: int,
     box_b: Box,
     middle_a: Vector,
-    b_in_a: Vector,  # motion
+    b_in_a: Vector,
+    # motion
     motion: RelativeMotion,
     radius: float,
     far: float,
     rounding: float,
     method: int,
-    judged: bool,  # list
+    judged: bool,
+    # list
     found: int,
     out: ContactList,
 ) -> int:
@@ -475,7 +490,7 @@ def edges_on_edges(  # model
     for i in range(3):
         if not triangles[ta].flags & (OWNS_AB << i):
             continue
-            # from its first to its second point as `edges` has them: on their order depends what a side means
+        # from its first to its second point as `edges` has them: on their order depends what a side means
         edge_a = triangles[ta].edges[i]
         a0 = fixed_point(points, edges[edge_a].ends[0])
         a1 = fixed_point(points, edges[edge_a].ends[1])

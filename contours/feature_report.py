@@ -143,11 +143,13 @@ def normal_of(
 
 
 @kernel(internal=True)
-def report(  # model
+def report(
+    # model
     points: NDArray[np.float64],
     edges: Records[Edge],
     normals: NDArray[np.float64],
-    motion: RelativeMotion,  # contact
+    motion: RelativeMotion,
+    # contact
     kind: int,
     feature_a: int,
     feature_b: int,
@@ -156,7 +158,8 @@ def report(  # model
     time: float,
     side: float,
     gap: float,
-    rounding: float,  # list
+    rounding: float,
+    # list
     found: int,
     out: ContactList,
 ) -> int:

@@ -67,7 +67,8 @@ def unit(d: Vector) -> tuple[Vector, float]:
 
 
 @kernel(internal=True)
-def judge_vertex_edge(  # model
+def judge_vertex_edge(
+    # model
     points: NDArray[np.float64],
     edges: Records[Edge],
     vertex_first: NDArray[np.int64],
@@ -75,11 +76,13 @@ def judge_vertex_edge(  # model
     edge_first: NDArray[np.int64],
     edge_inward: NDArray[np.float64],
     vertex: int,
-    edge: int,  # motion
+    edge: int,
+    # motion
     motion: RelativeMotion,
     edge_moves: bool,
     x0: Vector,
-    x1: Vector,  # limits
+    x1: Vector,
+    # limits
     radius: float,
     far: float,
 ) -> tuple[int, float, float]:
@@ -103,15 +106,18 @@ def judge_vertex_edge(  # model
 
 
 @kernel(internal=True)
-def judge_vertices(  # model
+def judge_vertices(
+    # model
     points: NDArray[np.float64],
     vertex_first: NDArray[np.int64],
     vertex_neighbours: NDArray[np.int64],
     vertex_a: int,
-    vertex_b: int,  # motion
+    vertex_b: int,
+    # motion
     motion: RelativeMotion,
     x0: Vector,
-    x1: Vector,  # limits
+    x1: Vector,
+    # limits
     radius: float,
     far: float,
 ) -> tuple[int, float, float]:
@@ -138,14 +144,17 @@ def in_axes_of_b(p: Vector, pose: RelativePose) -> Vector:
 
 
 @kernel(inline=True, internal=True)
-def rounded_contacts(  # model
+def rounded_contacts(
+    # model
     surfaces: CollisionSurfaces,
     ta: int,
-    tb: int,  # motion
+    tb: int,
+    # motion
     motion: RelativeMotion,
     radius: float,
     far: float,
-    rounding: float,  # list
+    rounding: float,
+    # list
     found: int,
     out: ContactList,
 ) -> int:

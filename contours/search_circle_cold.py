@@ -101,7 +101,7 @@ def ring_cold(
             if angles[3 * n + k] < least:
                 least = angles[3 * n + k]
                 at = k
-                # the gap changes by no more than the way along the ring
+        # the gap changes by no more than the way along the ring
         if at < 0 or angles[at] - 0.5 * turn * shape.sizes[0] - shape.radius > best + separation:
             break
         start_ring(contour, angles[n + at], angles[2 * n + at], turn * at, result)

@@ -54,7 +54,8 @@ def body_with_points(kind: Meshes, dof: int) -> int:
             return body
     return -1
 
-    # ---- the shape ----
+
+# ---- the shape ----
 
 
 @kernel(internal=True)
@@ -134,7 +135,8 @@ def pose_mesh_contours(kind: Meshes, at_midpoint: bool, contacts: ContactRows) -
         for i in range(kind.position.shape[0]):
             kind.mid_position[i] = kind.position[i]
 
-            # ---- moving points ----
+
+# ---- moving points ----
 
 
 @kernel(internal=True)
@@ -245,7 +247,8 @@ def settle_points_of_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, w
     """From the right-hand side of the stage, forward-substituted, and from the impulses on bases and points."""
     _settle(kind.moving, kind, systems, at_midpoint, work)
 
-    # ---- rows of contacts ----
+
+# ---- rows of contacts ----
 
 
 @implement(put_contour_rows, FrameMeshes)
