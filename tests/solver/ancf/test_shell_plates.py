@@ -42,7 +42,7 @@ def test_plates_stretch_as_they_bend(support: str, nu: float, n: int) -> None:
     for _ in range(60):
         put(kind.trial_position, q)
         find(kind, 0, kind.trial_position, kind.stage_strain)
-        kind.external_force, kind.blocks[:] = 0.0, 0.0
+        kind.external_force[:], kind.blocks[:] = 0.0, 0.0
         add_both(kind, 0, kind.trial_position, kind.stage_strain, kind.external_force, 1.0, 1.0, 1.0)
         rest = (load - taken(kind.external_force)).ravel() - bending @ q.ravel()
         K = stiffness(kind) + bending
