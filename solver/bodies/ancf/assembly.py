@@ -10,6 +10,7 @@ from __future__ import annotations
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.block_factor import factor_blocks
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import nonnegative
 from heavylift.solver.bodies.ancf.kind import CLEAR_LANE, CLEAR_ROW, CONSTANT_SET, MASS_SET, STEP_SET, Meshes
 
 __all__ = [
@@ -152,7 +153,7 @@ def add_matrix_products(
                 row = (i * vectors + a) * count
                 x = y = z = 0.0
                 for j in range(nodes):
-                    place = kind.elements[e].nodes[j]
+                    place = nonnegative(kind.elements[e].nodes[j])
                     for b in range(vectors):
                         m = mass * kind.constants[M + row + j * vectors + b]
                         k = bending * kind.constants[K + row + j * vectors + b]
@@ -160,7 +161,7 @@ def add_matrix_products(
                         x += m * v[at] + k * q[at]
                         y += m * v[at + 1] + k * q[at + 1]
                         z += m * v[at + 2] + k * q[at + 2]
-                at = kind.elements[e].nodes[i] + 3 * a
+                at = nonnegative(kind.elements[e].nodes[i] + 3 * a)
                 out[at] += x
                 out[at + 1] += y
                 out[at + 2] += z

@@ -17,6 +17,7 @@ from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, record_at
 from heavylift.numerics.records import Vector as Vector3
+from heavylift.numerics.small import nonnegative
 from heavylift.solver.bodies.ancf.kind import Meshes
 
 __all__ = [
@@ -183,7 +184,7 @@ def bending_point(constants: NDArray[np.float64], data: int, number: int) -> Ben
 @kernel(inline=True, internal=True)
 def load_element(kind: Meshes, e: int, nodal: Floats1) -> FrameElement:
     """What the derivatives along an element need of a nodal vector."""
-    i, j = kind.elements[e].nodes[0], kind.elements[e].nodes[1]
+    i, j = nonnegative(kind.elements[e].nodes[0]), nonnegative(kind.elements[e].nodes[1])
     chord = (nodal[j] - nodal[i], nodal[j + 1] - nodal[i + 1], nodal[j + 2] - nodal[i + 2])
     return (
         chord,
@@ -260,7 +261,7 @@ def transpose(m: Full) -> Full:
 @kernel(inline=True, internal=True)
 def put_forces(kind: Meshes, e: int, nodal: Floats1, fa: Vector, fb: Vector, fc: Vector) -> None:
     """Add the forces on ``r_2 - r_1``, ``r'_1`` and ``r'_2`` to a nodal vector."""
-    i, j = kind.elements[e].nodes[0], kind.elements[e].nodes[1]
+    i, j = nonnegative(kind.elements[e].nodes[0]), nonnegative(kind.elements[e].nodes[1])
     for k in range(3):
         nodal[i + k] -= fa[k]
         nodal[i + 3 + k] += fb[k]

@@ -9,6 +9,7 @@ from __future__ import annotations
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.block_factor import backward_blocks, forward_blocks
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import nonnegative
 from heavylift.solver.bodies.ancf.assembly import set_size
 from heavylift.solver.bodies.ancf.kind import MASS_SET, Meshes
 from heavylift.solver.bodies.ancf.moving import add_point_forces, find_free_points
@@ -23,8 +24,8 @@ LANES = 8
 def node_span(kind: Meshes, body: int) -> tuple[int, int]:
     """Places of the nodes of a body in a nodal vector."""
     lanes = len(kind.shape[1])
-    first = kind.table[body].first_node * lanes
-    return first, first + kind.table[body].node_count * lanes
+    first = nonnegative(kind.table[body].first_node * lanes)
+    return first, nonnegative(first + kind.table[body].node_count * lanes)
 
 
 @kernel(internal=True)
