@@ -238,7 +238,10 @@ def close_velocities(rows: StartRows) -> tuple[float, str]:
         If drives or prescribed motions contradict each other.
     """
     rows.fill()
-    rigid, G = rows.rigid, rows.jacobian()
+    rigid = rows.rigid
+    if not rigid.any():
+        return 0.0, ""
+    G = rows.jacobian()
     velocity = rows.survey()[2]
     wanted = rows.column("target") - G @ velocity
     wanted[~rigid] = 0.0

@@ -170,8 +170,6 @@ def _count_with_meshes(rows: StartRows, scaled: _Scaled) -> Diagnosis:
 
 def _scaled(rows: StartRows) -> tuple[_Scaled, NDArray[np.float64]]:
     """Unit rows over the free velocities, and the factors that take scaled velocities back."""
-    from scipy.sparse import diags_array
-
     inertia, owner = rows.inertia, rows.owner
     lengths = np.ones(len(rows.free))
     meshes = rows.mesh_bodies
@@ -185,6 +183,11 @@ def _scaled(rows: StartRows) -> tuple[_Scaled, NDArray[np.float64]]:
         if mass > 0.0:
             gyration = np.sqrt(inertia[own[3:6]].max() / mass)
             lengths[place] = np.where(kind < 3, gyration, np.where(kind < 6, 1.0, gyration * np.sqrt(mass)))
+    if not rows.rigid.any():  # a scene without joints need not wait for an import
+        nothing = np.zeros((0, len(rows.free)))
+        return _Scaled(nothing, rows.block[rows.rigid], owner[rows.free], EXACT), lengths
+    from scipy.sparse import diags_array
+
     G = (rows.jacobian()[rows.rigid][:, rows.free] * lengths[None, :]).tocsr()
     norm = np.sqrt(np.asarray((G * G).sum(axis=1)).ravel())
     norm[norm == 0.0] = 1.0
