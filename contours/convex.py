@@ -15,7 +15,7 @@ import numpy as np
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Matrix3, Record, Vector, record_at
+from heavylift.numerics.records import Matrix3, Record, Vector
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,7 +30,6 @@ __all__ = [
     "RING",
     "Primitive",
     "core_distance",
-    "primitive_at",
     "shape_row",
 ]
 
@@ -60,9 +59,6 @@ class Primitive(Record):
     radius: float
     shift: float
 
-
-primitive_at = record_at(Primitive)
-"""A primitive that is part of a flat array."""
 
 _SIZES = {BALL: 0, CAPSULE: 1, BOX: 3, CYLINDER: 2, ELLIPSOID: 3, RING: 1}
 

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.contours.surface_layout import Edge, RelativeMotion
-    from heavylift.numerics.records import Records
 
 __all__ = ["UNIQUE", "ContactList", "FoundContact", "make_contact_list", "report", "shared_end"]
 

@@ -194,14 +194,14 @@ class Reference(Pointer):
 
     def accept(self, value: Any, where: str) -> Any:
         """Only the class itself and its subclasses."""
-        if not isinstance(value, self.group):
+        if not isinstance(value, self.group) or not _begins_as(type(value), self.group):
             raise TypeError(f"{where}: {type(value).__name__}, expected {self.group.__name__}")
         return value
 
     def can_convert_to(self, typingctx: Any, other: Any) -> Any:
         """A subclass begins with the fields of its base."""
         del typingctx
-        if isinstance(other, Reference) and issubclass(self.group, other.group):
+        if isinstance(other, Reference) and _begins_as(self.group, other.group):
             return Conversion.exact if self.group is other.group else Conversion.safe
         return None
 
@@ -209,6 +209,23 @@ class Reference(Pointer):
         """Never."""
         del typingctx
         return self if self == other else None
+
+
+def _compare(group: Any, base: Any) -> bool:
+    """Whether code for a class reads the block of another one rightly: a subclass whose fields keep their layouts."""
+    if group is base:
+        return True
+    if not issubclass(group, base):
+        return False
+    own = layout(group)
+    return all(
+        own[name][1] == place and getattr(own[name][0], "read_as", own[name][0].__eq__)(of_type)
+        for name, (of_type, place) in layout(base).items()
+    )
+
+
+_begins_as: Callable[[Any, Any], bool] = cache(_compare)
+"""As `_compare`."""
 
 
 def number_as_word(of_type: Any, value: Any) -> int:

@@ -36,6 +36,7 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError
 from numba.core.registry import cpu_target
+from numba.core.runtime import rtsys
 from numba.extending import typeof_impl
 from numba.np import numpy_support
 
@@ -357,7 +358,7 @@ def _compile(unit: Unit) -> bytes:
 
 
 def _link(codegen: Any, wrappers: Any, libraries: Iterable[Any], symbols: set[str]) -> bytes:
-    """All parts in one module, optimised once."""
+    """All parts in one module, optimised together."""
     whole = llvm.parse_assembly(str(wrappers))
     whole.data_layout = codegen._data_layout  # noqa: SLF001
     for library in libraries:
@@ -374,7 +375,8 @@ def _link(codegen: Any, wrappers: Any, libraries: Iterable[Any], symbols: set[st
     missing = sorted(
         one.name for one in whole.functions if one.is_declaration and one.name.startswith("NRT_")
     )
-    if missing:  # the process would die where the object is loaded
+    # the process would die where the object is loaded; checks of bounds leave some, and `_engine` knows them then
+    if missing and not numba.config.BOUNDSCHECK:
         raise CompileError(
             f"{', '.join(sorted(symbols))}: a kernel makes, reshapes or returns arrays: {', '.join(missing)} is left"
         )
@@ -399,7 +401,9 @@ def _explain(symbol: str, unit: Unit, dispatcher: Any, error: Exception) -> str:
 @cache
 def _engine() -> Any:
     """The engine that all objects are loaded into; symbols of Numba's helpers are known once its context is there."""
-    _ = cpu_target.target_context
+    context = cpu_target.target_context
+    if numba.config.BOUNDSCHECK:
+        rtsys.initialize(context)
     machine = llvm.Target.from_default_triple().create_target_machine(
         cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), jit=True
     )

@@ -28,6 +28,7 @@ from numba.core.imputils import (
     lower_setattr_generic,
 )
 from numba.core.typeconv import Conversion
+from numba.core.typing.context import BaseContext
 from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global
 from numba.core.typing.templates import signature as call_signature
 from numba.extending import NativeValue, register_model, typeof_impl, unbox
@@ -372,6 +373,11 @@ class RecordsType(Words):
             raise TypeError(f"{where}: {found}, expected a contiguous array of {self.record.__name__}")
         return [value.ctypes.data, len(value)]
 
+    def read_as(self, other: Any) -> bool:
+        """Whether code for another type reads it rightly."""
+        same = isinstance(other, RecordsType) and issubclass(self.record, other.record)
+        return same and self.record.layout.itemsize == other.record.layout.itemsize
+
     def described(self) -> str:
         """All that compiled code knows of it."""
         return f"Records[{RecordType(self.record).described()}]"
@@ -410,6 +416,14 @@ class LaneRecordsType(Words):
         if lanes == 0 or self.lanes not in {0, lanes}:
             raise TypeError(f"{where}: expected {self}")
         return [*RecordsType(_lanes_of(self.record, lanes)).words(value, where), lanes]
+
+    def read_as(self, other: Any) -> bool:
+        """Whether code for another type reads it rightly."""
+        return (
+            isinstance(other, LaneRecordsType)
+            and self.record is other.record
+            and other.lanes in {0, self.lanes}
+        )
 
     def described(self) -> str:
         """All that compiled code knows of it."""
@@ -546,6 +560,22 @@ def _field(context: Any, builder: Any, of_type: Any, value: Any, name: str) -> A
     )
 
 
+_resolve_setattr = BaseContext.resolve_setattr
+
+
+def _refuse_what_does_not_fit(self: Any, target: Any, attr: str, value: Any) -> Any:
+    """A field is set to a number of its sort: a view would be written over it, a fraction cut."""
+    if isinstance(target, RecordType):
+        field = target.record.fields_of.get(attr, (None, 0))[0]
+        cut = isinstance(field, (types.Integer, types.Boolean)) and isinstance(value, types.Float)
+        if not isinstance(field, (types.Number, types.Boolean)) or cut:
+            return None
+    return _resolve_setattr(self, target, attr, value)
+
+
+BaseContext.resolve_setattr = _refuse_what_does_not_fit
+
+
 @lower_setattr_generic(RecordType)
 def _set_field(context: Any, builder: Any, signature: Any, values: Any, name: str) -> None:
     field_type, at = _place_of_field(builder, signature.args[0], values[0], name)
@@ -650,6 +680,17 @@ def _part(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     zero = ir.Constant(WORD, 0)
     made.count = builder.select(builder.icmp_signed("<", count, zero), zero, count)
     return made._getvalue()  # noqa: SLF001
+
+
+def numbers_in(group: Any) -> list[NDArray[np.float64]]:
+    """All floats and records that a group of arrays holds, as arrays that can be kept and put back; views."""
+    found = []
+    for value in group:
+        if isinstance(value, Record):
+            found.append(value.words)
+        elif isinstance(value, np.ndarray) and (value.dtype == np.float64 or value.dtype.names):
+            found.append(value)
+    return found
 
 
 def record_at(record: type[R]) -> typing.Callable[[NDArray[np.float64], int], R]:

@@ -434,9 +434,9 @@ class Simulation:
         """
         digest = hashlib.blake2b(digest_size=16)
         for kind in (*self._layout.bodies, *self._layout.joints, *self._layout.systems):
-            for array in kind:
-                if isinstance(array, np.ndarray):
-                    digest.update(array.tobytes())
+            for value in kind:
+                if isinstance(value, np.ndarray | np.void):  # of numbers or records, or one record
+                    digest.update(value.tobytes())
         return np.frombuffer(digest.digest(), dtype=np.uint8)
 
     def _arrays(self) -> Iterator[tuple[str, NDArray[Any]]]:

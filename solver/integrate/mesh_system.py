@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.records import numbers_in
 from heavylift.solver.bodies.ancf.at_rest import (
     difference_follower,
     fill_stiffness,
@@ -134,12 +135,7 @@ class MeshSystem:
 
     def snapshot(self) -> Any:
         """Coordinates of the meshes; arrays of other bodies and of joints."""
-        arrays = [
-            array
-            for kind in (*self.others, *self.layout.joints)
-            for array in kind
-            if isinstance(array, np.ndarray) and (array.dtype == np.float64 or array.dtype.names)
-        ]
+        arrays = [array for kind in (*self.others, *self.layout.joints) for array in numbers_in(kind)]
         arrays += [kind.position for kind in self.meshes]
         return [(array, array.copy()) for array in arrays]
 

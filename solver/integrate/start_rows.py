@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.records import LaneRecords, lane_records
+from heavylift.numerics.records import LaneRecords, lane_records, numbers_in
 from heavylift.solver.integrate.loop import start_scene
 from heavylift.solver.integrate.rows_at_rest import fill_rigid_rows
 from heavylift.solver.interface import (
@@ -160,12 +160,8 @@ class StartRows:
 
     def snapshot(self) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
         """Arrays of bodies and joints with their contents, for `restore`."""
-        return [
-            (array, array.copy())
-            for kind in (*self.layout.bodies, *self.layout.joints)
-            for array in kind
-            if isinstance(array, np.ndarray) and (array.dtype == np.float64 or array.dtype.names)
-        ]
+        kinds = (*self.layout.bodies, *self.layout.joints)
+        return [(array, array.copy()) for kind in kinds for array in numbers_in(kind)]
 
     def restore(self, snapshot: list[tuple[NDArray[np.float64], NDArray[np.float64]]]) -> None:
         """Put everything back."""

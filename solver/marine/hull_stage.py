@@ -261,7 +261,7 @@ def gather_hull_forces(kind: Hulls, work: Workspace) -> None:
     """Resultants (world axes) and moments about the centres of mass (body axes) of all marker forces."""
     for hull in range(kind.table.shape[0]):
         for j in range(6):
-            kind.frame[hull].force[j] = 0.0
+            kind.frame[hull].wrench[j] = 0.0
     for marker in range(kind.markers.shape[0] - 1, -1, -1):
         if kind.markers[marker].level == RECORD:
             continue
@@ -271,7 +271,7 @@ def gather_hull_forces(kind: Hulls, work: Workspace) -> None:
         offset = kind.hulls[hull].offset
         jacobian = work.jacobian[number]
         for j in range(6):
-            kind.frame[hull].force[j] += (
+            kind.frame[hull].wrench[j] += (
                 jacobian[0, offset + j] * work.markers[number].force[0]
                 + jacobian[1, offset + j] * work.markers[number].force[1]
                 + jacobian[2, offset + j] * work.markers[number].force[2]

@@ -287,7 +287,7 @@ def _correct_line(kind: Hulls, work: Workspace, end: int, step: float) -> None:
         x, y, z = x - x2, y - y2, z - z2
     J, offset = work.jacobian[marker], kind.hulls[hull].offset
     for i in range(6):
-        kind.frame[hull].force[i] -= J[0, offset + i] * x + J[1, offset + i] * y + J[2, offset + i] * z
+        kind.frame[hull].wrench[i] -= J[0, offset + i] * x + J[1, offset + i] * y + J[2, offset + i] * z
 
 
 @implement(finish, Hulls)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1, Reference, described
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.objects import entry
+from heavylift.numerics.objects import CompileError, entry
 from heavylift.numerics.records import (
     LaneRecords,
     Lanes,
@@ -186,6 +186,23 @@ def test_other_arrays_are_refused() -> None:
         _ = Weights(np.zeros(2), Weight.one(), np.zeros(1)).address  # type: ignore[arg-type]
     with pytest.raises(TypeError, match=r"Bad.name: .*expected a number"):
         type("Bad", (Record,), {"__annotations__": {"name": "str"}, "__module__": __name__})
+
+
+@entry
+def store_a_view(group: Weights) -> None:
+    group.weights[0].position = group.weights[1].position
+
+
+@entry
+def store_a_fraction(group: Weights) -> None:
+    group.weights[0].count = group.weights[1].mass
+
+
+@pytest.mark.parametrize("kernel_of", [store_a_view, store_a_fraction])
+def test_what_does_not_fit_a_field_does_not_compile(kernel_of: Any) -> None:
+    """A view would be written over it, a fraction cut."""
+    with pytest.raises(CompileError, match="setattr"):
+        kernel_of(weights())
 
 
 def test_a_layout_names_the_object() -> None:

@@ -1,7 +1,7 @@
 """Frames and shells in the accurate integrator: ``M q'' = f - B^T C e(q) - K_b q``, M factored once.
 
 Coordinates and velocities of a kind stand in the state vector as in nodal vectors, one after the other, from
-`STATE_PLACE` on. Among the velocities of all bodies a mesh has those of its bases, whose accelerations the joints
+`state_place` on. Among the velocities of all bodies a mesh has those of its bases, whose accelerations the joints
 see and change; the impulses of the rows then go to all nodes by the same factor that gave the bases their
 compliance. Losses and the work of loads are integrated with the motion.
 """

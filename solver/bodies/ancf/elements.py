@@ -97,7 +97,7 @@ def measure_strain_energy(kinds: Meshes, body: int, strain: Floats1) -> None:
 
 @generic()
 def measure_drift(kinds: Meshes, body: int, first: Floats1, second: Floats1) -> None:
-    """Largest difference [1] of two vectors of strains into `DRIFT`, its element of the body into `DRIFT_ELEMENT`.
+    """Largest difference [1] of two vectors of strains into `drift`, its element of the body into `drift_element`.
 
     Curvatures count with half the height of the section.
     """

@@ -103,7 +103,7 @@ def highest_frequency(kind: Meshes, body: int, rounds: int) -> float:
 
 @kernel(internal=True)
 def find_step_limit(kind: Meshes, body: int, rounds: int) -> None:
-    """Largest step that is allowed, into `STEP_LIMIT`."""
+    """Largest step that is allowed, into the numbers of the body."""
     frequency = highest_frequency(kind, body, rounds)
     kind.body[body].step_limit = math.inf
     if frequency > 0.0:
