@@ -16,7 +16,7 @@ import pytest
 from scipy.optimize import brentq, fsolve
 from scipy.spatial.transform import Rotation
 
-from heavylift.numerics.outcome import Outcome
+from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.rotation import quaternion_from_rotation_vector
 from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
 from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
@@ -286,6 +286,14 @@ class TestHullsAlone:
 
     def test_goes_on_bit_for_bit(self) -> None:
         check_restart(scene(barge()))
+
+    @pytest.mark.parametrize("water", [{"density": 1000.0}, {"level": 0.5}])
+    def test_a_state_of_other_water_is_refused(self, water: dict[str, float]) -> None:
+        state = Simulation(scene(barge()), 0.05).state()
+        other = scene(barge())
+        changed = replace(other, sea=replace(other.sea, water=replace(WATER, **water)))
+        with pytest.raises(InputError, match="digest"):
+            Simulation(changed, 0.05).restore(state)
 
 
 def check_restart(made: Scene) -> None:
