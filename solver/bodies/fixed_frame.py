@@ -46,10 +46,13 @@ def place_fixed(kind: FloatingFrameBodies, body: int) -> None:
 @kernel(internal=True)
 def predict_fixed(kind: FloatingFrameBodies, body: int, step: float) -> None:
     """Modal coordinates at the midpoint, for markers and contours only."""
-    first = kind.table[body].first_mode
-    for i in range(first, first + kind.table[body].mode_count):
-        kind.mid_modal_position[i] = kind.modal_position[i] + 0.5 * step * kind.modal_velocity[i]
-        kind.mid_modal_velocity[i] = kind.modal_velocity[i]
+    n, first = kind.table[body].mode_count, kind.table[body].first_mode
+    modes = slice(first, first + n)
+    modal_position, modal_velocity = kind.modal_position[modes], kind.modal_velocity[modes]
+    mid_modal_position, mid_modal_velocity = kind.mid_modal_position[modes], kind.mid_modal_velocity[modes]
+    for i in range(n):
+        mid_modal_position[i] = modal_position[i] + 0.5 * step * modal_velocity[i]
+        mid_modal_velocity[i] = modal_velocity[i]
 
 
 @kernel(internal=True)

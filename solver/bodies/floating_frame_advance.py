@@ -38,7 +38,7 @@ NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE
 
 
 @implement(check, FloatingFrameBodies)
-@kernel(internal=True)
+@kernel(internal=True, reassociate=True)
 def check_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
     """Refuse what is not finite, and turns of more than `LARGEST_TURN` in a step."""
     for body in range(kind.table.shape[0]):
