@@ -139,9 +139,9 @@ def spread(
     complete(bodies, systems, at_midpoint, step, work)
     if at_midpoint:
         for _ in range(60):
-            work.control.changed = 0.0
+            work.control.changed = 0
             iterate(bodies, everything, systems, joints, work, 0.0, step)
-            if not work.control.changed > 0.0:
+            if not work.control.changed > 0:
                 break
         advance(bodies, 0.0, step, work)
 
