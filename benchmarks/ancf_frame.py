@@ -22,7 +22,6 @@ import frame_meshes
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf import elements as generics
-from heavylift.solver.bodies.ancf.kind import LOAD, RIGHT, Q, V
 from heavylift.solver.meshes import FrameBody, FrameSection
 
 if TYPE_CHECKING:
@@ -35,31 +34,31 @@ SECONDS = 0.02  # of one measurement
 @kernel
 def strains(kind, count):  # type: ignore[no-untyped-def]
     for _ in range(count):
-        generics.find_strains((kind,), 0, Q, 0)
+        generics.find_strains((kind,), 0, kind.position, kind.strain)
 
 
 @kernel
 def rates(kind, count):  # type: ignore[no-untyped-def]
     for _ in range(count):
-        generics.add_strain_rates((kind,), 0, Q, V, 1, 1e-9)
+        generics.add_strain_rates((kind,), 0, kind.position, kind.velocity, kind.shape_strain, 1e-9)
 
 
 @kernel
 def forces(kind, count):  # type: ignore[no-untyped-def]
     for _ in range(count):
-        generics.add_stress_forces((kind,), 0, Q, 0, LOAD, 1e-9)
+        generics.add_stress_forces((kind,), 0, kind.position, kind.strain, kind.external_force, 1e-9)
 
 
 @kernel
 def tangent(kind, count):  # type: ignore[no-untyped-def]
     for _ in range(count):
-        generics.add_stiffness((kind,), 0, Q, 0, RIGHT, 1e-9, 1e-9, 0.0)
+        generics.add_stiffness((kind,), 0, kind.position, kind.strain, kind.right_hand_side, 1e-9, 1e-9, 0.0)
 
 
 @kernel
 def full_tangent(kind, count):  # type: ignore[no-untyped-def]
     for _ in range(count):
-        generics.add_stiffness((kind,), 0, Q, 0, RIGHT, 1e-9, 1e-9, 1.0)
+        generics.add_stiffness((kind,), 0, kind.position, kind.strain, kind.right_hand_side, 1e-9, 1e-9, 1.0)
 
 
 def frame(count: int, model: str, *, curved: bool) -> FrameBody:
@@ -104,9 +103,9 @@ def main() -> None:
     for model, curved in (("green-lagrange", False), ("exact", False), ("exact", True)):
         kind = frame_meshes.pack(frame(count, model, curved=curved))
         rng = np.random.default_rng(0)
-        for row in (Q, V):
-            q = frame_meshes.get(kind, row)
-            frame_meshes.put(kind, row, q + 1e-3 * rng.normal(size=q.shape))
+        for nodal in (kind.position, kind.velocity):
+            q = frame_meshes.get(nodal)
+            frame_meshes.put(nodal, q + 1e-3 * rng.normal(size=q.shape))
         strains(kind, 1)
         numbers = " ".join(f"{element_time(run, kind, count):8.1f}" for run in what)
         print(f"  {model + (', curved' if curved else ''):>20} {numbers}")

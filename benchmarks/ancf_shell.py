@@ -17,6 +17,7 @@ import numpy as np
 sys.path.append(str(Path(__file__).resolve().parent.parent))
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import records
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.ancf import shell_elements  # noqa: F401  registers the kernels
 from heavylift.solver.bodies.ancf.elements import (
@@ -27,20 +28,13 @@ from heavylift.solver.bodies.ancf.elements import (
     find_strains,
 )
 from heavylift.solver.bodies.ancf.kind import (
-    BODY_COLUMNS,
-    ELEMENT_BLOCKS,
-    ELEMENT_DATA,
-    ELEMENT_STRAIN,
-    ELEMENTS,
-    LOAD,
-    NODAL_ROWS,
+    NODAL_VECTORS,
     SHELL_PAIRS,
-    STRAIN,
-    STRAIN_ROWS,
-    TABLE_COLUMNS,
-    Q,
+    STRAIN_VECTORS,
+    MeshNumbers,
+    MeshPlaces,
+    ShellMeshElement,
     ShellMeshes,
-    V,
 )
 from heavylift.solver.bodies.ancf.shell_packing import (
     body_constants,
@@ -63,32 +57,32 @@ MESH = (12, 8)
 @kernel
 def strains(kind: ShellMeshes, times: int) -> None:
     for _ in range(times):
-        find_strains((kind,), 0, Q, STRAIN)
+        find_strains((kind,), 0, kind.position, kind.strain)
 
 
 @kernel
 def rates(kind: ShellMeshes, times: int) -> None:
     for _ in range(times):
-        add_strain_rates((kind,), 0, Q, V, STRAIN, 1e-9)
+        add_strain_rates((kind,), 0, kind.position, kind.velocity, kind.strain, 1e-9)
 
 
 @kernel
 def forces(kind: ShellMeshes, times: int) -> None:
     for _ in range(times):
-        add_stress_forces((kind,), 0, Q, STRAIN, LOAD, 1e-9)
+        add_stress_forces((kind,), 0, kind.position, kind.strain, kind.external_force, 1e-9)
 
 
 @kernel
 def stiffness(kind: ShellMeshes, times: int) -> None:
     for _ in range(times):
-        add_stiffness((kind,), 0, Q, STRAIN, LOAD, 1e-9, 1e-9, 1.0)
+        add_stiffness((kind,), 0, kind.position, kind.strain, kind.external_force, 1e-9, 1e-9, 1.0)
 
 
 @kernel
 def pressure(kind: ShellMeshes, times: int) -> None:
     for _ in range(times):
         for e in range(kind.elements.shape[0]):
-            add_follower_load((kind,), 0, Q, e, LOAD, 0, 1e-9)
+            add_follower_load((kind,), 0, kind.position, e, kind.external_force, 0, 1e-9)
 
 
 KERNELS = {
@@ -136,31 +130,31 @@ def scene(gauss_points: int, *, equal: bool) -> ShellMeshes:
     constants = aligned(len(shared) + sum(map(len, data)))
     constants[:] = np.concatenate([shared, *data])
     first = dict(zip(map(id, data), len(shared) + len(data[0]) * np.arange(len(data)), strict=True))
-    elements = np.zeros((len(mesh.elements), ELEMENT_BLOCKS + 2 * len(SHELL_PAIRS)), dtype=np.int64)
-    elements[:, :4] = mesh.elements * LANES
-    elements[:, ELEMENT_DATA] = [first[id(block)] for block in element_data(body)]
+    elements = records(ShellMeshElement, len(mesh.elements))
+    elements["nodes"] = mesh.elements * LANES
+    elements["data"] = [first[id(block)] for block in element_data(body)]
     counts = strain_counts(body)
-    elements[:, ELEMENT_STRAIN] = np.cumsum(counts) - counts
+    elements["strain"] = np.cumsum(counts) - counts
     places: dict[tuple[int, int], int] = {}
     for line in elements:
         for p, (i, j) in enumerate(SHELL_PAIRS):
-            m, n = int(line[i]), int(line[j])
+            m, n = int(line.nodes[i]), int(line.nodes[j])
             place = places.setdefault((max(m, n), min(m, n)), len(places) * ROWS * LANES)
-            line[ELEMENT_BLOCKS + 2 * p : ELEMENT_BLOCKS + 2 * p + 2] = place, int(m < n)
-    table = np.zeros((1, TABLE_COLUMNS), dtype=np.int64)
-    table[0, ELEMENTS] = len(elements)
+            line.blocks[p] = place, int(m < n)
+    table = records(MeshPlaces, 1)
+    table[0].element_count = len(elements)
     start = start_coordinates(body)
     start += 0.05 * np.random.default_rng(0).normal(size=start.shape)
-    nodal = aligned((NODAL_ROWS, len(start) * LANES))
-    for row in (Q, V):
-        nodal[row].reshape(-1, LANES)[:, :ROWS] = start.reshape(-1, ROWS)
+    nodal = {name: aligned(len(start) * LANES) for name in NODAL_VECTORS}
+    for name in ("position", "velocity"):
+        nodal[name].reshape(-1, LANES)[:, :ROWS] = start.reshape(-1, ROWS)
     given = {
         "table": table,
         "elements": elements,
         "constants": constants,
-        "body": np.zeros((1, BODY_COLUMNS)),
-        "nodal": nodal,
-        "strains": aligned((STRAIN_ROWS, int(counts.sum()))),
+        "body": records(MeshNumbers, 1),
+        **nodal,
+        **{name: aligned(int(counts.sum())) for name in STRAIN_VECTORS},
         "blocks": aligned(len(places) * ROWS * LANES),
     }
     return partly(ShellMeshes, **given)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.block_factor import backward_blocks, factor_blocks, forward_blocks
-from heavylift.numerics.block_pattern import LOWER_COUNT, BlockPattern, pack_blocks
+from heavylift.numerics.block_pattern import BlockPattern, pack_blocks
 from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ def print_meshes(
         pattern = pack_blocks(count, edges, rows, coordinates=points)
         order = time.perf_counter() - start
         seconds, solution = measure(pattern, edges)
-        below = pattern.columns[:, LOWER_COUNT]
+        below = pattern.columns["lower_count"]
         work = float((below * (below + 1) // 2).sum()) * 2.0 * rows**3
         exponent = "" if before is None else f"{np.log(seconds / before[0]) / np.log(count / before[1]):.2f}"
         print(

@@ -14,7 +14,9 @@ import time
 
 import numpy as np
 
-from heavylift.solver.marine.catenary import BRANCH, FAILED, HORIZONTAL, STATE_WIDTH, VERTICAL, solve_lines
+from heavylift.numerics.records import records
+from heavylift.solver.marine.catenary import FAILED, LineData, LineEnds, LineState, solve_lines
+from heavylift.solver.marine.catenary_walk import SectionData
 
 COUNT, STEPS = 3000, 200
 CHAIN = (401.1437, 187.371, 1 / 215.893e6, 0.0), (400.0, 12.0)
@@ -22,7 +24,7 @@ HANGING = (118.0, 2000.0, 1 / 2e8, 0.0), (100.0, 60.0)
 
 
 def random_lines(seabed, sections=1, seed=3):
-    """Rows of sections, table, numbers and places of taut, ordinary and slack lines."""
+    """Sections, lines and places of taut, ordinary and slack lines."""
     rng = np.random.default_rng(seed)
     x, z = 10 ** rng.uniform(0, 3.3, COUNT), rng.uniform(2, 500, COUNT)
     chord, most = np.hypot(x, z), x + z
@@ -44,33 +46,34 @@ def same_lines(line, place, seabed):
 
 def pack(rows, places, seabed):
     count, sections, _ = rows.shape
-    numbers = np.column_stack(
-        [rows[:, :, 0].sum(1), (rows[:, :, 0] * rows[:, :, 1]).sum(1), (rows[:, :, 0] * rows[:, :, 2]).sum(1)]
-    )
-    first = np.arange(count) * sections
-    table = np.column_stack([first, np.full(count, sections), np.full(count, 0 if seabed else sections)])
-    line = np.column_stack([numbers, np.zeros(count)])
-    return rows.reshape(-1, 4).copy(), table.astype(np.int64), line, places.astype(float)
+    lines = records(LineData, count)
+    lines["first"] = np.arange(count) * sections
+    lines["count"] = sections
+    lines["tail"] = 0 if seabed else sections
+    lines["length"] = rows[:, :, 0].sum(1)
+    lines["weight"] = (rows[:, :, 0] * rows[:, :, 1]).sum(1)
+    lines["stretch"] = (rows[:, :, 0] * rows[:, :, 2]).sum(1)
+    return records(SectionData, rows.reshape(-1, 4)), lines, places.astype(float)
 
 
 def measure(name, problem):
-    sections, table, line, places = problem
-    state, ends = np.zeros((COUNT, STATE_WIDTH)), np.zeros((COUNT, 4))
-    solve_lines(sections, table, line, places, state, ends)
+    sections, lines, places = problem
+    state, ends = records(LineState, COUNT), records(LineEnds, COUNT)
+    solve_lines(sections, lines, places, state, ends)
     cold = []
     for _ in range(31):
-        state[:] = 0.0
+        state.view(float)[:] = 0.0
         begin = time.thread_time()
-        solve_lines(sections, table, line, places, state, ends)
+        solve_lines(sections, lines, places, state, ends)
         cold.append(time.thread_time() - begin)
-    failed = np.count_nonzero(state[:, BRANCH] == FAILED)
+    failed = np.count_nonzero(state["branch"] == FAILED)
     warm = []
     for step in range(STEPS):
         moved = places * (1 + 1e-3 * np.sin(2 * np.pi * step / STEPS))
         begin = time.thread_time()
-        solve_lines(sections, table, line, moved, state, ends)
+        solve_lines(sections, lines, moved, state, ends)
         warm.append(time.thread_time() - begin)
-    failed += np.count_nonzero(state[:, BRANCH] == FAILED)
+    failed += np.count_nonzero(state["branch"] == FAILED)
     print(f"{name:44s}{1e6 * np.median(cold) / COUNT:10.2f}{1e6 * np.median(warm) / COUNT:10.2f}{failed:8d}")
 
 
@@ -80,13 +83,15 @@ def compare(problem, count=100):
     except ImportError:
         print("MoorPy is not installed: pip install moorpy")
         return
-    sections, table, line, places = problem
-    state, ends = np.zeros((COUNT, STATE_WIDTH)), np.zeros((COUNT, 4))
-    solve_lines(sections, table, line, places, state, ends)
+    sections, lines, places = problem
+    state, ends = records(LineState, COUNT), records(LineEnds, COUNT)
+    solve_lines(sections, lines, places, state, ends)
     took, differences, refused = [], [], 0
-    longer = np.flatnonzero(sections[:, 0] > np.hypot(*places.T))  # others it lets hang through the seabed
+    longer = np.flatnonzero(
+        sections["length"] > np.hypot(*places.T)
+    )  # others it lets hang through the seabed
     for i in longer[:count]:
-        length, w, flexibility, _ = sections[i]
+        length, w, flexibility, _ = tuple(sections[i])
         begin = time.thread_time()
         try:
             _, _, h, v, _ = catenary(*places[i], length, 1 / flexibility, w, CB=0.0, Tol=1e-9)
@@ -94,7 +99,7 @@ def compare(problem, count=100):
             refused += 1
             continue
         took.append(time.thread_time() - begin)
-        force = state[i, [HORIZONTAL, VERTICAL]]
+        force = np.array([state[i].horizontal, state[i].vertical])
         differences.append(np.hypot(h + force[0], v + force[1]) / np.hypot(*force))
     print(
         f"MoorPy: {1e6 * np.median(took):.0f} us a line, {refused} of {count} without solution; force differs by"

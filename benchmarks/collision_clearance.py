@@ -18,8 +18,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.contours.clearance import clearance_stack_size, measure_clearance
+from heavylift.contours.clearance import WaitingNodes, clearance_stack_size, measure_clearance
+from heavylift.contours.surface_layout import pose_of
 from heavylift.contours.surface_pack import pack_surfaces
+from heavylift.numerics.records import records
 from heavylift.preprocess.surfaces import TriangleSurface, clean
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "contours"))
@@ -40,15 +42,15 @@ RINGS = 70
 
 def report(name: str, surfaces: CollisionSurfaces, R: ArrayLike, p: ArrayLike) -> None:
     """Print one row."""
-    pose = np.concatenate([np.ravel(R), np.ravel(p)])
-    stack, out = np.zeros(clearance_stack_size(surfaces)), np.zeros(6)
-    distance = measure_clearance(surfaces, 0, 1, pose, 0, math.inf, stack, out)
+    pose = pose_of(R, p)
+    stack, out = records(WaitingNodes, clearance_stack_size(surfaces)), np.zeros(6)
+    distance = measure_clearance(surfaces, 0, 1, pose, math.inf, stack, out)
     row = []
     for above in ABOVE:
         times = []
         for _ in range(REPEATS):
             before = time.thread_time()
-            measure_clearance(surfaces, 0, 1, pose, 0, distance + above, stack, out)
+            measure_clearance(surfaces, 0, 1, pose, distance + above, stack, out)
             times.append(time.thread_time() - before)
         row.append(f"{1e6 * statistics.median(times):10.1f}")
     print(f"{name:26s} {distance:10.6f} {' '.join(row)}")
@@ -65,7 +67,7 @@ def sphere(radius: float) -> TriangleSurface:
     return clean(soup, np.arange(len(soup)).reshape(-1, 3))[0]
 
 
-def pose_of(motion: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def start_of(motion: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Rotation and position at the start of a motion."""
     return motion[:9], motion[9:12]
 
@@ -76,7 +78,7 @@ def main() -> None:
     print(f"{'':26s} {'distance':>10s} {head}  [m, us]")
     for name in NAMES:
         a, b, motion = query(name)
-        report(name, pack_surfaces([a, b]), *pose_of(motion))
+        report(name, pack_surfaces([a, b]), *start_of(motion))
     surfaces = pack_surfaces([surface("hull"), surface("tank")])
     for tilt in TILTS:
         turn = rotation((0.3, 1.0, 0.2), math.radians(tilt))

@@ -16,13 +16,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.contours.pair_list import LIST_SHARE, make_pair_lists
+from heavylift.contours.pair_list import make_pair_lists
 from heavylift.contours.pair_search import refresh_pairs
-from heavylift.contours.surface_layout import MOTION_P1, MOTION_R1, MOTION_WIDTH, PAIR_COUNT, PAIR_TRAVERSALS
+from heavylift.contours.surface_layout import RelativeMotion
 from heavylift.contours.surface_pack import pack_surfaces
 from heavylift.contours.surface_refit import refit_surface
 from heavylift.contours.surface_tree import build_tree
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import record_at
 from heavylift.preprocess.surfaces import TriangleSurface
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "contours"))
@@ -38,15 +39,17 @@ REPEATS = 21
 REACH = 0.02  # m, of contacts that are looked for before they close
 STEPS = 1800
 
+motion_at = record_at(RelativeMotion)
+
 
 @kernel
 def refresh_often(surfaces, lists, motion, reach, times, fresh, share):
     count = 0
     for _ in range(times):
         if fresh:
-            lists.table[0, PAIR_COUNT] = -1
-            lists.values[0, LIST_SHARE] = share
-        count = refresh_pairs(surfaces, lists, 0, motion, reach)
+            lists.table[0].count = -1
+            lists.values[0].share = share
+        count = refresh_pairs(surfaces, lists, 0, motion_at(motion, 0), reach)
     return count
 
 
@@ -54,7 +57,7 @@ def refresh_often(surfaces, lists, motion, reach, times, fresh, share):
 def refresh_along(surfaces, lists, motions, reach):
     total = 0
     for i in range(motions.shape[0]):
-        total += refresh_pairs(surfaces, lists, 0, motions[i], reach)
+        total += refresh_pairs(surfaces, lists, 0, motion_at(motions[i], 0), reach)
     return total
 
 
@@ -125,14 +128,12 @@ def lowering() -> NDArray[np.float64]:
     t = np.linspace(0.0, 180.0, STEPS + 1)
     height = 6.0 * np.maximum(0.0, 1.0 - t / 150.0) + 0.002 * np.sin(2.0 * t)
     x, y = 0.05 * np.sin(0.5 * t), 0.05 * np.cos(0.37 * t)
-    poses = np.zeros((STEPS + 1, MOTION_R1))
+    poses = np.zeros((STEPS + 1, 12))
     for i in range(STEPS + 1):
         roll = rotation((1, 0, 0), 0.003 * np.sin(0.4 * t[i]))
         yaw = rotation((0, 0, 1), 0.004 * np.sin(0.2 * t[i]))
         poses[i] = *(roll @ yaw).ravel(), x[i], y[i], height[i]
-    motions = np.zeros((STEPS, MOTION_WIDTH))
-    motions[:, :MOTION_R1], motions[:, MOTION_R1:] = poses[:-1], poses[1:]
-    return motions
+    return np.concatenate([poses[:-1], poses[1:]], axis=1)
 
 
 def print_lowering() -> None:
@@ -144,13 +145,13 @@ def print_lowering() -> None:
     def run() -> None:
         lists = make_pair_lists(surfaces, [(0, 1)])
         total = refresh_along(surfaces, lists, motions, REACH)
-        results.append((lists.table[0, PAIR_TRAVERSALS], total / STEPS))
+        results.append((lists.table[0].traversals, total / STEPS))
 
     whole = median_time(run)
     searches, pairs = results[-1]
     print(
-        f"\ntank lowered into hull, {STEPS} steps: {1e-3 * whole:.1f} ms for all lists, {searches} of them searched, "
-        f"{pairs:.0f} pairs on average"
+        f"\ntank lowered into hull, {STEPS} steps: {1e-3 * whole:.1f} ms for all lists, {searches} "
+        f"of them searched, {pairs:.0f} pairs on average"
     )
 
 
@@ -158,9 +159,9 @@ def print_sizes() -> None:
     """Cost against the number of triangles: a plate of a fixed size comes near ever larger ones."""
     print(f"\n{'plate 200 on':20s} {'all [ms]':>10s} {'fresh [us]':>10s} {'pairs':>8s} {'kept [us]':>10s}")
     small = sheet(10, 0.05)
-    motion = np.zeros(MOTION_WIDTH)
-    motion[:9] = motion[MOTION_R1 : MOTION_R1 + 9] = np.eye(3).ravel()
-    motion[MOTION_P1 + 2] = -0.002
+    motion = np.zeros(24)
+    motion[:9] = motion[12:21] = np.eye(3).ravel()
+    motion[23] = -0.002
     for count in (22, 70, 224, 387):
         large = sheet(count)
         before = time.thread_time()

@@ -19,11 +19,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "contours
 from collision_kernels import contacts_kernel, gaps_kernel
 from collision_scenes import NAMES, query
 
-from heavylift.contours.feature_gap import EDGE_EDGE
+from heavylift.contours.feature_gap import EDGE_EDGE, FeatureTouch
 from heavylift.contours.feature_pairs import SWEPT
+from heavylift.contours.feature_report import make_contact_list
 from heavylift.contours.pair_list import make_pair_lists
 from heavylift.contours.patches import extreme_points, group_patches, patch_scratch_size
-from heavylift.contours.surface_layout import PAIR_COUNT, PAIR_TRAVERSALS
 from heavylift.contours.surface_pack import pack_surfaces
 
 CAPACITY = 8192
@@ -39,27 +39,27 @@ def median(function, repeats):
     return 1e3 * float(np.median(times))
 
 
-def measure(name, features, numbers):
+def measure(name, out):
     a, b, motion = query(name)
     surfaces = pack_surfaces([a, b])
     lists = make_pair_lists(surfaces, [(0, 1)])
 
     def ask(reach=0.0):
-        return contacts_kernel(surfaces, lists, 0, motion, reach, SWEPT, features, numbers)
+        return contacts_kernel(surfaces, lists, 0, motion, reach, SWEPT, out)
 
     def forget():
-        lists.table[0, PAIR_COUNT] = -1
+        lists.table[0].count = -1
         ask()
 
     near = ask(0.02)
     count = ask()
-    kinds = features[:count, 0].copy()
+    kinds = out.contacts["kind"][:count].copy()
     times = median(forget, 15), median(ask, 31), median(lambda: ask(0.02), 31)
     faces, edges = np.count_nonzero(kinds < EDGE_EDGE), np.count_nonzero(kinds == EDGE_EDGE)
     print(f"{name:18s} {faces:5d} {edges:5d} {near:6d}" + "".join(f"{t:10.3f}" for t in times))
 
 
-def lower(features, numbers):
+def lower(out):
     """Tank into hull by 1 mm a step, swaying a little."""
     a, b, _ = query("tank_hull")
     surfaces = pack_surfaces([a, b])
@@ -74,25 +74,25 @@ def lower(features, numbers):
     found = 0
     for k, motion in enumerate(motions):
         begin = time.thread_time()
-        found = contacts_kernel(surfaces, lists, 0, motion, 1e-3, SWEPT, features, numbers)
+        found = contacts_kernel(surfaces, lists, 0, motion, 1e-3, SWEPT, out)
         times[k] = time.thread_time() - begin
     print(
         f"lowering: {times.sum():.2f} s in {STEPS} steps, mean {1e3 * times.mean():.3f}, median "
-        f"{1e3 * np.median(times):.3f}, largest {1e3 * times.max():.2f} ms; {lists.table[0, PAIR_TRAVERSALS]} "
+        f"{1e3 * np.median(times):.3f}, largest {1e3 * times.max():.2f} ms; {lists.table[0].traversals} "
         f"searches, {found} contacts in the end"
     )
 
 
-def contacts(features, numbers):
+def contacts(found):
     """Gaps and patches of the contacts of tank and hull."""
     a, b, motion = query("tank_hull")
     surfaces = pack_surfaces([a, b])
     lists = make_pair_lists(surfaces, [(0, 1)])
-    n = contacts_kernel(surfaces, lists, 0, motion, 0.0, SWEPT, features, numbers)
-    out = np.zeros(10)
+    n = contacts_kernel(surfaces, lists, 0, motion, 0.0, SWEPT, found)
+    out = FeatureTouch.one()
     pose = motion[12:].copy()
-    gaps_kernel(surfaces, features[:n], numbers, 0.0, pose, 1, out)
-    gap = median(lambda: gaps_kernel(surfaces, features[:n], numbers, 0.0, pose, 100, out), 11)
+    gaps_kernel(surfaces, found.contacts[:n], 0.0, pose, 1, out)
+    gap = median(lambda: gaps_kernel(surfaces, found.contacts[:n], 0.0, pose, 100, out), 11)
     rng = np.random.default_rng(0)
     points, normals = rng.uniform(-10.0, 10.0, (n, 3)) * [1.0, 1.0, 0.0], np.tile([0.0, 0.0, 1.0], (n, 1))
     scratch = np.zeros(patch_scratch_size(n), dtype=np.int64)
@@ -115,16 +115,16 @@ def contacts(features, numbers):
 
 
 def main():
-    features, numbers = np.zeros((CAPACITY, 4), dtype=np.int64), np.zeros((CAPACITY, 3))
+    found = make_contact_list(CAPACITY)
     print("contacts at reach 0 (faces, edges), at 20 mm; times in ms")
     print(
         f"{'':18s} {'faces':>5s} {'edges':>5s} {'20 mm':>6s}"
         + "".join(f"{t:>10s}" for t in ("fresh", "list", "20 mm"))
     )
     for name in NAMES:
-        measure(name, features, numbers)
-    contacts(features, numbers)
-    lower(features, numbers)
+        measure(name, found)
+    contacts(found)
+    lower(found)
 
 
 if __name__ == "__main__":

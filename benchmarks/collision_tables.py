@@ -24,10 +24,12 @@ from collision_kernels import contacts_kernel
 from collision_scenes import models, query
 
 from heavylift.contours.feature_pairs import SWEPT, contacts_of_pairs
+from heavylift.contours.feature_report import make_contact_list
 from heavylift.contours.pair_list import make_pair_lists
-from heavylift.contours.surface_layout import PAIR_COUNT
+from heavylift.contours.surface_layout import RelativeMotion
 from heavylift.contours.surface_pack import pack_surfaces
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import record_at
 from heavylift.preprocess.exclusion import ExclusionBox, exclude
 
 if TYPE_CHECKING:
@@ -42,10 +44,13 @@ REACH = 0.0  # m
 WIDE = np.inf
 
 
+motion_at = record_at(RelativeMotion)
+
+
 @kernel
-def all_pairs_kernel(surfaces, pairs, motion, reach, features, numbers):
+def all_pairs_kernel(surfaces, pairs, motion, reach, out):
     return contacts_of_pairs(
-        surfaces, 0, 1, pairs, 0, pairs.shape[0], motion, reach, SWEPT, True, features, numbers
+        surfaces, 0, 1, pairs, 0, pairs.shape[0], motion_at(motion, 0), reach, SWEPT, True, out
     )
 
 
@@ -63,18 +68,14 @@ class Step:
         self._lists = make_pair_lists(self._surfaces, [(0, 1)])
         self._counts = len(a.triangles), len(b.triangles)
         self._motion = motion
-        self._features, self._numbers = np.zeros((CAPACITY, 4), dtype=np.int64), np.zeros((CAPACITY, 3))
+        self._found = make_contact_list(CAPACITY)
         self.contacts = self._on_list()
 
     def _on_list(self) -> int:
-        return int(
-            contacts_kernel(
-                self._surfaces, self._lists, 0, self._motion, REACH, SWEPT, self._features, self._numbers
-            )
-        )
+        return int(contacts_kernel(self._surfaces, self._lists, 0, self._motion, REACH, SWEPT, self._found))
 
     def _fresh(self) -> int:
-        self._lists.table[0, PAIR_COUNT] = -1
+        self._lists.table[0].count = -1
         return self._on_list()
 
     def tree(self) -> float:
@@ -91,9 +92,7 @@ class Step:
         pairs = np.ascontiguousarray(np.column_stack([grid[1].ravel(), self._counts[0] + grid[0].ravel()]))
 
         def ask() -> int:
-            return int(
-                all_pairs_kernel(self._surfaces, pairs, self._motion, REACH, self._features, self._numbers)
-            )
+            return int(all_pairs_kernel(self._surfaces, pairs, self._motion, REACH, self._found))
 
         found = ask()
         if found != self.contacts:

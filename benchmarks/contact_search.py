@@ -20,20 +20,20 @@ from heavylift.contours.convex import (
     CYLINDER,
     ELLIPSOID,
     RING,
-    SHAPE_AXES,
-    SHAPE_CENTRE,
     shape_row,
 )
-from heavylift.contours.evaluate import EVALUATION, SCRATCH, surface_point
+from heavylift.contours.evaluate import SCRATCH, Evaluation, surface_point
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.contours.samples import sample_grid, sample_points
 from heavylift.contours.search import closest_on_surface
-from heavylift.contours.search_circle import RING_ITERATIONS, RING_PHI, ring_on_surface, start_ring
+from heavylift.contours.search_circle import ring_on_surface, start_ring
 from heavylift.contours.search_circle_cold import RING_ANGLES, ring_cold
 from heavylift.contours.search_cold import closest_point_cold, closest_shape_cold
 from heavylift.contours.search_shape import closest_shape_on_surface
-from heavylift.contours.search_step import CONVERGED, ITERATIONS, RESULT_WIDTH, U, V, start_search
+from heavylift.contours.search_step import CONVERGED, ContourSearch, start_search
 from heavylift.contours.spaces import clamped_space
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import records
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -49,9 +49,9 @@ def evaluate(contour, knots, weights, net, starts, scratch, points, normals, out
     for i in range(starts.shape[0]):
         surface_point(contour, knots, weights, net, starts[i, 0], starts[i, 1], scratch, out)
         for k in range(3):
-            points[i, k] = out[k]
+            points[i, k] = out.position[k]
             a, b = (k + 1) % 3, (k + 2) % 3
-            normals[i, k] = out[3 + a] * out[6 + b] - out[3 + b] * out[6 + a]
+            normals[i, k] = out.tangent_u[a] * out.tangent_v[b] - out.tangent_u[b] * out.tangent_v[a]
 
 
 @kernel
@@ -62,7 +62,7 @@ def warm_points(contour, knots, weights, net, points, starts, scratch, result, f
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
         status = closest_on_surface(contour, knots, weights, net, x, y, z, -1, -1, scratch, result)
         failed += status != CONVERGED
-        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[ITERATIONS]
+        found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.iterations
     return failed
 
 
@@ -77,7 +77,7 @@ def cold_points(
             contour, knots, weights, net, x, y, z, su, sv, samples, reach, 0.0, distances, scratch, result
         )
         failed += status != CONVERGED
-        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[ITERATIONS]
+        found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.iterations
     return failed
 
 
@@ -86,11 +86,11 @@ def warm_shapes(contour, knots, weights, net, kind, shape, points, starts, scrat
     failed = 0
     for i in range(points.shape[0]):
         for k in range(3):
-            shape[SHAPE_CENTRE + k] = points[i, k]
+            shape.centre[k] = points[i, k]
         start_search(contour, starts[i, 0], starts[i, 1], result)
         status = closest_shape_on_surface(contour, knots, weights, net, kind, shape, -1, -1, scratch, result)
         failed += status != CONVERGED
-        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[ITERATIONS]
+        found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.iterations
     return failed
 
 
@@ -115,12 +115,12 @@ def cold_shapes(
     failed = 0
     for i in range(points.shape[0]):
         for k in range(3):
-            shape[SHAPE_CENTRE + k] = points[i, k]
+            shape.centre[k] = points[i, k]
         status = closest_shape_cold(
             contour, knots, weights, net, kind, shape, su, sv, samples, reach, 0.0, distances, scratch, result
         )
         failed += status != CONVERGED
-        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[ITERATIONS]
+        found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.iterations
     return failed
 
 
@@ -129,12 +129,12 @@ def warm_rings(contour, knots, weights, net, shape, points, starts, scratch, res
     failed = 0
     for i in range(points.shape[0]):
         for k in range(3):
-            shape[SHAPE_CENTRE + k] = points[i, k]
+            shape.centre[k] = points[i, k]
         start_ring(contour, starts[i, 0], starts[i, 1], starts[i, 2], result)
         status = ring_on_surface(contour, knots, weights, net, shape, -1, -1, scratch, result)
         failed += status != CONVERGED
-        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[RING_ITERATIONS]
-        found[i, 3] = result[RING_PHI]
+        found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.ring.evaluations
+        found[i, 3] = result.ring.angle
     return failed
 
 
@@ -159,7 +159,7 @@ def cold_rings(
     failed = 0
     for i in range(points.shape[0]):
         for k in range(3):
-            shape[SHAPE_CENTRE + k] = points[i, k]
+            shape.centre[k] = points[i, k]
         status = ring_cold(
             contour,
             knots,
@@ -177,8 +177,8 @@ def cold_rings(
             result,
         )
         failed += status != CONVERGED
-        found[i, 0], found[i, 1], found[i, 2] = result[U], result[V], result[RING_ITERATIONS]
-        found[i, 3] = result[RING_PHI]
+        found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.ring.evaluations
+        found[i, 3] = result.ring.angle
     return failed
 
 
@@ -205,12 +205,13 @@ def main() -> None:
     su, sv = spaces
     x, y = np.meshgrid(np.linspace(0.0, 1.0, su.count), np.linspace(0.0, 0.5, sv.count), indexing="ij")
     net = np.stack([x, y, 0.05 * np.sin(9.0 * x) * np.cos(7.0 * y)], -1).reshape(-1, 3)
-    contour = np.array([3, su.count, 0, 0, 3, sv.count, 0, su.knots.size, 0, -1])
+    along, across = (3, su.count, False, 0), (3, sv.count, False, su.knots.size)
+    contour = records(PackedContour, [(along, across, 0, -1)])[0]
     arrays = contour, np.concatenate([su.knots, sv.knots]), np.zeros(0), np.ascontiguousarray(net)
-    scratch, result = np.zeros(SCRATCH), np.zeros(RESULT_WIDTH)
+    scratch, result = np.zeros(SCRATCH), ContourSearch.one()
     feet = 0.05 + 0.9 * generator.random((COUNT, 2))
     points, normals = np.zeros((COUNT, 3)), np.zeros((COUNT, 3))
-    out = np.zeros(EVALUATION)
+    out = Evaluation.one()
     print(f"{'':44s} {'time':>11s} {'evaluations':>8s} not converged")
     line(
         "evaluation",
@@ -261,7 +262,7 @@ def main() -> None:
         ("rounded cylinder", CYLINDER, (0.03, 0.03)),
     ):
         shape = shape_row(kind, sizes, 0.0 if kind == ELLIPSOID else 0.02)
-        shape[SHAPE_AXES : SHAPE_AXES + 9] = tilt.ravel()
+        shape.axes[:] = tilt
         args = (*arrays, kind, shape, above, *tail, scratch, result, found)
         failed = cold_shapes(*args)
         starts = found[:, :2] + 1e-3 / np.sqrt(2.0) * generator.standard_normal((COUNT, 2))
@@ -274,7 +275,7 @@ def main() -> None:
         )
 
     shape = shape_row(RING, (0.06,))
-    shape[SHAPE_AXES : SHAPE_AXES + 9] = tilt.ravel()
+    shape.axes[:] = tilt
     args = (*arrays, shape, above, *tail, np.zeros(4 * RING_ANGLES), scratch, result, found)
     failed = cold_rings(*args)
     starts = found[:, [0, 1, 3]] + 1e-3 * generator.standard_normal((COUNT, 3))

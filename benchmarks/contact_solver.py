@@ -19,7 +19,6 @@ sys.path.append(str(Path(__file__).resolve().parent.parent / "tests" / "solver" 
 import contact_problems as problems
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.layout import FRICTION
 from heavylift.solver.contact.newton import solve_contacts, solve_contacts_reduced, workspace_length
 
 if TYPE_CHECKING:
@@ -119,7 +118,7 @@ def main() -> None:
         p = problem.solve()[3].ravel()
         problem.y0 *= 1.001
         print(f"  {'warm':26s} {reduced(problem, p)}")
-        problem.parameters[:, FRICTION] = 0.0
+        problem.parameters["friction"] = 0.0
         print(f"  {'without friction':26s} {reduced(problem)}")
 
 

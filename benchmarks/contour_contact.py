@@ -22,12 +22,12 @@ import contact_search
 import numpy as np
 import nurbs
 
-from heavylift.contours.evaluate import EVALUATION, SCRATCH
+from heavylift.contours.evaluate import SCRATCH, Evaluation
 from heavylift.contours.face_grid import face_grid
 from heavylift.contours.modal_sums import modal_data
 from heavylift.contours.neutral import NeutralContour, neutral_surface, packed
 from heavylift.contours.samples import sample_grid, sample_points
-from heavylift.contours.search_step import RESULT_WIDTH
+from heavylift.contours.search_step import ContourSearch
 from heavylift.modal import bases
 from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility
@@ -148,7 +148,7 @@ def measure_parts() -> None:
     """Surface points and searches beside their targets."""
     generator = np.random.default_rng(1)
     uv = generator.uniform(size=(nurbs.PLACES, 2))
-    scratch, out = np.zeros(SCRATCH), np.zeros(EVALUATION)
+    scratch, out = np.zeros(SCRATCH), Evaluation.one()
     plain = neutral_surface(nurbs.grid())
     table, knots, weights, net = packed([plain])
     found = [nurbs.measured(nurbs.points, (table[0], knots, weights, net, uv, scratch, out), nurbs.PLACES)]
@@ -171,8 +171,8 @@ def search_times(surface: NeutralContour, generator: np.random.Generator) -> lis
     count = contact_search.COUNT
     feet = 0.05 + 0.9 * generator.random((count, 2))
     points, normals = np.zeros((count, 3)), np.zeros((count, 3))
-    scratch, result, found = np.zeros(SCRATCH), np.zeros(RESULT_WIDTH), np.zeros((count, 4))
-    contact_search.evaluate(*arrays, feet, scratch, points, normals, np.zeros(EVALUATION))
+    scratch, result, found = np.zeros(SCRATCH), ContourSearch.one(), np.zeros((count, 4))
+    contact_search.evaluate(*arrays, feet, scratch, points, normals, Evaluation.one())
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     points += generator.uniform(-0.02, 0.05, (count, 1)) * normals
     starts = feet + 1e-3 * generator.standard_normal((count, 2))

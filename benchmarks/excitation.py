@@ -106,7 +106,7 @@ def main() -> None:
             f"interpolated series,   {6 * hulls:2d} coordinates                      {1e6 * seconds:9.3f} us"
         )
         seconds = median_seconds(hour, long_crested, coefficients, place, repeats=5)
-        step = 1.0 / series.settings[1]
+        step = 1.0 / series.rate
         print(
             f"series of one hour,    {6 * hulls:2d} coordinates, every {step:.3g} s          {seconds:9.3f} s"
         )

@@ -21,7 +21,7 @@ from hull_shapes import box_grid, icosphere
 from heavylift.numerics.jit import kernel
 from heavylift.preprocess.hull_surface import check_hull
 from heavylift.preprocess.surfaces import TriangleSurface
-from heavylift.solver.marine.clipping import CLIP_WIDTH, CROSSING, clip_surface
+from heavylift.solver.marine.clipping import Clip, clip_surface
 from heavylift.solver.marine.floating import Pose
 from heavylift.solver.marine.hydrostatics import equilibrium
 from heavylift.solver.marine.righting_arm import righting_arm_curve
@@ -36,7 +36,7 @@ def clip_often(points, triangles, rotation, height, placed, out, repeats):
     total = 0.0
     for k in range(repeats):
         clip_surface(points, triangles, rotation, height + 1e-6 * k, placed, out)
-        total += out[0]
+        total += out.volume
     return total
 
 
@@ -53,11 +53,11 @@ def median(function, repeats=25):
 
 def clipping(name, points, triangles, height):
     rotation = Pose(0.0, 0.1, 0.05).rotation.ravel()
-    placed, out = np.zeros_like(points), np.zeros(CLIP_WIDTH)
+    placed, out = np.zeros_like(points), Clip.one()
     repeats = max(3, 200_000 // len(triangles))
     t = median(lambda: clip_often(points, triangles, rotation, height, placed, out, repeats)) / repeats
     print(
-        f"{name:8s}{len(triangles):11d}{int(out[CROSSING]):10d}{1e6 * t:10.2f}{1e9 * t / len(triangles):14.2f}"
+        f"{name:8s}{len(triangles):11d}{int(out.crossing):10d}{1e6 * t:10.2f}{1e9 * t / len(triangles):14.2f}"
     )
 
 

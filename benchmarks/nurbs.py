@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.contours.evaluate import EVALUATION, SCRATCH, curve_point, surface_point, surface_weights
+from heavylift.contours.evaluate import SCRATCH, Evaluation, curve_point, surface_point, surface_weights
 from heavylift.contours.modal_sums import modal_data, modal_points, modal_shapes
 from heavylift.contours.neutral import NeutralContour, neutral_surface, packed
 from heavylift.numerics.jit import kernel
@@ -31,7 +31,7 @@ def points(contour, knots, weights, net, uv, scratch, out):  # type: ignore[no-u
     total = 0.0
     for i in range(uv.shape[0]):
         surface_point(contour, knots, weights, net, uv[i, 0], uv[i, 1], scratch, out)
-        total += out[0] + out[17]
+        total += out.position[0] + out.derivative_vv[2]
     return total
 
 
@@ -40,7 +40,7 @@ def points_of_curve(contour, knots, weights, net, uv, scratch, out):  # type: ig
     total = 0.0
     for i in range(uv.shape[0]):
         curve_point(contour, knots, weights, net, uv[i, 0], scratch, out)
-        total += out[0] + out[11]
+        total += out.position[0] + out.derivative_uu[2]
     return total
 
 
@@ -63,7 +63,7 @@ def jacobians(contour, knots, weights, net, uv, scratch, out, controls, w, data,
         modal_points(data, 0, n, q, 0, controls, stride, net, 0)
         surface_point(contour, knots, weights, net, uv[i, 0], uv[i, 1], scratch, out)
         modal_shapes(data, 0, n, controls, stride, w, 0, jacobian, 0)
-        total += out[0] + jacobian[n]
+        total += out.position[0] + jacobian[n]
     return total
 
 
@@ -91,7 +91,7 @@ def tell(what: str, seconds: float) -> None:
 def measure_kernels() -> None:
     random = np.random.default_rng(1)
     uv = random.uniform(size=(PLACES, 2))
-    scratch, out = np.zeros(SCRATCH), np.zeros(EVALUATION)
+    scratch, out = np.zeros(SCRATCH), Evaluation.one()
     controls, w = np.zeros(64, dtype=np.int64), np.zeros(192)
     for degree in (2, 3, 4, 5):
         for rational in (False, True):

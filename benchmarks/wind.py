@@ -14,10 +14,6 @@ import numpy as np
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.interface import (
-    CONTROL_COUNT,
-    MARKER_WIDTH,
-    POINT,
-    SUM_COUNT,
     Workspace,
     add_forces,
 )
@@ -81,19 +77,12 @@ def measure(field, load, count, height):
     book = MarkerBook()
     markers = fluid_markers(book, loads)
     kind = pack_fluid_loads([field], loads, markers, range(len(fluid_channels([field], loads))))
-    work = Workspace(
-        np.zeros(6),
-        np.zeros((book.count, MARKER_WIDTH)),
-        np.zeros((book.count, 3, 6)),
-        np.zeros(SUM_COUNT),
-        np.zeros(CONTROL_COUNT),
-        np.zeros(0),
-        np.zeros(3, dtype=np.int64),
-    )
+    work = Workspace.empty(6, book.count)
     rng = np.random.default_rng(0)
-    work.markers[:, POINT : POINT + 6] = rng.uniform(-1.0, 1.0, (book.count, 6))
+    for name in ("point", "velocity"):
+        work.markers[name] = rng.uniform(-1.0, 1.0, (book.count, 3))
     for point, _ in markers:
-        work.markers[point, POINT + 2] = height * rng.uniform(1.0, 2.0)
+        work.markers[point].point[2] = height * rng.uniform(1.0, 2.0)
     times = np.linspace(0.0, 600.0, max(CALLS // count, 200))
     repeat((kind,), work, times[:1])
     return 1e9 * median(lambda: repeat((kind,), work, times), 21) / len(times)

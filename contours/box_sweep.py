@@ -5,19 +5,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from heavylift.contours.surface_layout import (
-    CORNER_A,
-    CORNER_B,
-    CORNER_C,
-    MOTION_P0,
-    MOTION_P1,
-    MOTION_R1,
-)
 from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from heavylift.contours.surface_layout import BoundingBox, RelativeMotion, Triangle
+    from heavylift.numerics.records import Records
 
 __all__ = [
     "Box",
@@ -36,15 +31,17 @@ Box = tuple[float, float, float, float, float, float]
 
 
 @kernel(inline=True, internal=True)
-def box_at(boxes: NDArray[np.float64], row: int) -> Box:
+def box_at(boxes: Records[BoundingBox], row: int) -> Box:
     """Centre and half lengths."""
-    return boxes[row, 0], boxes[row, 1], boxes[row, 2], boxes[row, 3], boxes[row, 4], boxes[row, 5]
+    centre, half = boxes[row].centre, boxes[row].half
+    return centre[0], centre[1], centre[2], half[0], half[1], half[2]
 
 
 @kernel(inline=True, internal=True)
-def write_box(boxes: NDArray[np.float64], row: int, box: Box) -> None:
+def write_box(boxes: Records[BoundingBox], row: int, box: Box) -> None:
     """Centre and half lengths."""
-    boxes[row, 0], boxes[row, 1], boxes[row, 2], boxes[row, 3], boxes[row, 4], boxes[row, 5] = box
+    centre, half = boxes[row].centre, boxes[row].half
+    centre[0], centre[1], centre[2], half[0], half[1], half[2] = box
 
 
 @kernel(inline=True, internal=True)
@@ -79,7 +76,7 @@ def extent(box: Box) -> float:
 
 
 @kernel(inline=True, internal=True)
-def swept_box(path: NDArray[np.float64], box: Box) -> Box:
+def swept_box(path: RelativeMotion, box: Box) -> Box:
     """Box in the axes of A around a box of B that moves straight from the start to the end of a path."""
     x, half_x = _swept_axis(path, 0, box)
     y, half_y = _swept_axis(path, 1, box)
@@ -88,12 +85,13 @@ def swept_box(path: NDArray[np.float64], box: Box) -> Box:
 
 
 @kernel(inline=True, internal=True)
-def _swept_axis(path: NDArray[np.float64], i: int, box: Box) -> tuple[float, float]:
+def _swept_axis(path: RelativeMotion, i: int, box: Box) -> tuple[float, float]:
     """Middle and half length of a swept box along one axis of A."""
-    r0, r1, r2 = path[3 * i], path[3 * i + 1], path[3 * i + 2]
-    q0, q1, q2 = path[MOTION_R1 + 3 * i], path[MOTION_R1 + 3 * i + 1], path[MOTION_R1 + 3 * i + 2]
-    start = path[MOTION_P0 + i] + r0 * box[0] + r1 * box[1] + r2 * box[2]
-    end = path[MOTION_P1 + i] + q0 * box[0] + q1 * box[1] + q2 * box[2]
+    R, Q = path.start.rotation, path.end.rotation
+    r0, r1, r2 = R[3 * i], R[3 * i + 1], R[3 * i + 2]
+    q0, q1, q2 = Q[3 * i], Q[3 * i + 1], Q[3 * i + 2]
+    start = path.start.origin[i] + r0 * box[0] + r1 * box[1] + r2 * box[2]
+    end = path.end.origin[i] + q0 * box[0] + q1 * box[1] + q2 * box[2]
     half_start = abs(r0) * box[3] + abs(r1) * box[4] + abs(r2) * box[5]
     half_end = abs(q0) * box[3] + abs(q1) * box[4] + abs(q2) * box[5]
     low = min(start - half_start, end - half_end)
@@ -103,12 +101,12 @@ def _swept_axis(path: NDArray[np.float64], i: int, box: Box) -> tuple[float, flo
 
 @kernel(inline=True, internal=True)
 def swept_triangle(
-    path: NDArray[np.float64], points: NDArray[np.float64], triangles: NDArray[np.int64], triangle: int
+    path: RelativeMotion, points: NDArray[np.float64], triangles: Records[Triangle], triangle: int
 ) -> Box:
     """Box in the axes of A around the corners of a triangle of B on the way: tighter than its box in B, swept."""
-    a = triangles[triangle, CORNER_A]
-    b = triangles[triangle, CORNER_B]
-    c = triangles[triangle, CORNER_C]
+    a = triangles[triangle].corners[0]
+    b = triangles[triangle].corners[1]
+    c = triangles[triangle].corners[2]
     x, half_x = _swept_corners(path, 0, points, a, b, c)
     y, half_y = _swept_corners(path, 1, points, a, b, c)
     z, half_z = _swept_corners(path, 2, points, a, b, c)
@@ -117,18 +115,19 @@ def swept_triangle(
 
 @kernel(inline=True, internal=True)
 def _swept_corners(
-    path: NDArray[np.float64], i: int, points: NDArray[np.float64], a: int, b: int, c: int
+    path: RelativeMotion, i: int, points: NDArray[np.float64], a: int, b: int, c: int
 ) -> tuple[float, float]:
     """Middle and half length of what three points pass along one axis of A."""
     low = math.inf
     high = -math.inf
     for end in range(2):
-        start = MOTION_R1 * end
-        r0, r1, r2 = path[start + 3 * i], path[start + 3 * i + 1], path[start + 3 * i + 2]
+        pose = path.start if end == 0 else path.end
+        R = pose.rotation
+        r0, r1, r2 = R[3 * i], R[3 * i + 1], R[3 * i + 2]
         at_a = r0 * points[a, 0] + r1 * points[a, 1] + r2 * points[a, 2]
         at_b = r0 * points[b, 0] + r1 * points[b, 1] + r2 * points[b, 2]
         at_c = r0 * points[c, 0] + r1 * points[c, 1] + r2 * points[c, 2]
-        origin = path[start + MOTION_P0 + i]
+        origin = pose.origin[i]
         low = min(low, origin + min(at_a, at_b, at_c))
         high = max(high, origin + max(at_a, at_b, at_c))
     return 0.5 * (low + high), 0.5 * (high - low)

@@ -13,31 +13,31 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from heavylift.contours.feature_gap import fixed_point, moved_point
-from heavylift.contours.feature_judge import minus, turn
-from heavylift.contours.surface_layout import (
-    BOX_CENTRE,
-    BOX_HALF,
-    CORNER_A,
-    CORNER_B,
-    CORNER_C,
-    NODE_COUNT,
-    NODE_FIRST,
-    NODE_LEFT,
-    ROOT_NODE,
-)
+from heavylift.contours.feature_gap import fixed_point, moved, moved_point
+from heavylift.contours.feature_judge import turn
+from heavylift.contours.surface_layout import pose_of
 from heavylift.contours.surface_tree import tree_depth
 from heavylift.contours.triangle_pair import triangle_distance
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
+from heavylift.numerics.records import Record, records
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from heavylift.contours.surface_layout import BoundingBox, RelativePose, TreeNode, Triangle
     from heavylift.contours.surface_pack import CollisionSurfaces
     from heavylift.numerics.arrays import Floats1
+    from heavylift.numerics.records import Records
 
-__all__ = ["Clearance", "clearance", "clearance_stack_size", "find_clearance", "measure_clearance"]
+__all__ = [
+    "Clearance",
+    "WaitingNodes",
+    "clearance",
+    "clearance_stack_size",
+    "find_clearance",
+    "measure_clearance",
+]
 
 ROUNDING = 1e-15
 """Part of the coordinates by which nothing nearer is looked for: of plates side by side, all pairs are as near."""
@@ -45,8 +45,22 @@ ROUNDING = 1e-15
 BOUND_SLACK = 1e-9
 """Part of a given bound that is added to it: surfaces at rest stand exactly at theirs."""
 
-STACK_WIDTH = 3
-"""A pair of nodes, numbers: node of A, node of B, squared distance of their boxes [m^2]."""
+
+class WaitingNodes(Record):
+    """Two nodes that are still to be compared.
+
+    Attributes
+    ----------
+    node_a, node_b
+        Of the trees of A and B.
+    squared_gap
+        Squared distance of their boxes [m^2].
+    """
+
+    node_a: int
+    node_b: int
+    squared_gap: float
+
 
 Vector = tuple[float, float, float]
 
@@ -70,10 +84,9 @@ class Clearance(NamedTuple):
 
 def clearance_stack_size(surfaces: CollisionSurfaces) -> int:
     """Places that `clearance` needs as scratch, for any pair of the surfaces of a scene."""
-    depths = [tree_depth(surfaces.nodes, int(row[ROOT_NODE])) for row in surfaces.surfaces]
+    depths = [tree_depth(surfaces.nodes, int(row.root)) for row in surfaces.surfaces]
     # every pair of nodes taken from the stack puts at most two back, one level deeper
-    deepest = max((one + other for one, other in combinations(depths, 2)), default=0) + 2
-    return STACK_WIDTH * deepest
+    return max((one + other for one, other in combinations(depths, 2)), default=0) + 2
 
 
 def find_clearance(
@@ -92,11 +105,9 @@ def find_clearance(
     upper
         What the distance hardly exceeds [m], for speed; see `clearance`.
     """
-    pose = np.concatenate([np.ravel(np.asarray(R, dtype=np.float64)), np.asarray(p, dtype=np.float64)])
     out = np.zeros(6)
-    distance = measure_clearance(
-        surfaces, a, b, pose, 0, upper, np.zeros(clearance_stack_size(surfaces)), out
-    )
+    stack = records(WaitingNodes, clearance_stack_size(surfaces))
+    distance = measure_clearance(surfaces, a, b, pose_of(R, p), upper, stack, out)
     return Clearance(distance, out[:3].copy(), out[3:].copy())
 
 
@@ -105,14 +116,13 @@ def measure_clearance(
     surfaces: CollisionSurfaces,
     surface_a: int,
     surface_b: int,
-    pose: Floats1,
-    at: int,
+    pose: RelativePose,
     upper: float,
-    stack: Floats1,
+    stack: Records[WaitingNodes],
     out: Floats1,
 ) -> float:
     """`clearance` for callers in Python."""
-    return clearance(surfaces, surface_a, surface_b, pose, at, upper, stack, out)
+    return clearance(surfaces, surface_a, surface_b, pose, upper, stack, out)
 
 
 @kernel(internal=True)
@@ -122,11 +132,10 @@ def clearance(
     surface_a: int,
     surface_b: int,
     # state
-    pose: NDArray[np.float64],
-    at: int,
+    pose: RelativePose,
     upper: float,
     # scratch
-    stack: NDArray[np.float64],
+    stack: Records[WaitingNodes],
     # out
     out: NDArray[np.float64],
 ) -> float:
@@ -136,8 +145,8 @@ def clearance(
     ----------
     surfaces, surface_a, surface_b
         All surfaces of a scene, and the numbers of two; boxes and normals must hold for their present points.
-    pose, at
-        Rotation (9, row by row) and position (3) [m] of B in the axes of A, from place `at` on.
+    pose
+        Of B in the axes of A.
     upper
         What the distance hardly exceeds [m], infinite if unknown: the last distance and what points have moved since.
         It saves most of the search; if it is too small the search is done again without it.
@@ -148,7 +157,8 @@ def clearance(
     """
     radius_a, radius_b = surfaces.radii[surface_a], surfaces.radii[surface_b]
     size = surfaces.reaches[surface_a] + surfaces.reaches[surface_b]
-    size += abs(pose[at + 9]) + abs(pose[at + 10]) + abs(pose[at + 11])
+    shift = pose.origin
+    size += abs(shift[0]) + abs(shift[1]) + abs(shift[2])
     rounding = ROUNDING * size
     limit = upper + radius_a + radius_b
     limit += max(BOUND_SLACK * abs(limit), 4.0 * rounding)
@@ -162,10 +172,9 @@ def clearance(
                 surfaces.triangles,
                 surfaces.triangle_boxes,
                 surfaces.normals,
-                surfaces.surfaces[surface_a, ROOT_NODE],
-                surfaces.surfaces[surface_b, ROOT_NODE],
+                surfaces.surfaces[surface_a].root,
+                surfaces.surfaces[surface_b].root,
                 pose,
-                at,
                 limit if attempt == 0 else math.inf,
                 rounding,
                 stack,
@@ -186,51 +195,45 @@ def clearance(
 @kernel(internal=True)
 def _search(
     # model
-    nodes: NDArray[np.int64],
-    boxes: NDArray[np.float64],
+    nodes: Records[TreeNode],
+    boxes: Records[BoundingBox],
     points: NDArray[np.float64],
-    triangles: NDArray[np.int64],
-    triangle_boxes: NDArray[np.float64],
+    triangles: Records[Triangle],
+    triangle_boxes: Records[BoundingBox],
     normals: NDArray[np.float64],
     root_a: int,
     root_b: int,
     # state
-    pose: NDArray[np.float64],
-    at: int,
+    pose: RelativePose,
     limit: float,
     rounding: float,
     # scratch
-    stack: NDArray[np.float64],
+    stack: Records[WaitingNodes],
     # out
     out: NDArray[np.float64],
 ) -> float:
     """Smallest distance of the triangles of two surfaces [m]; infinite if it is not below the limit."""
     best = limit
-    stack[0] = root_a
-    stack[1] = root_b
-    stack[2] = 0.0
-    top = 1
+    top = _push(stack, 0, root_a, root_b, 0.0)
     while top > 0:
         top -= 1
-        if not stack[STACK_WIDTH * top + 2] < _square(best - rounding):
+        if not stack[top].squared_gap < _square(best - rounding):
             continue
-        node_a = int(stack[STACK_WIDTH * top])
-        node_b = int(stack[STACK_WIDTH * top + 1])
-        if not _squared_gap_in_b(boxes, node_a, node_b, pose, at) < _square(best - rounding):
+        node_a, node_b = stack[top].node_a, stack[top].node_b
+        if not _squared_gap_in_b(boxes, node_a, node_b, pose) < _square(best - rounding):
             continue  # boxes that are turned against each other are smaller in their own axes
-        left_a, left_b = nodes[node_a, NODE_LEFT], nodes[node_b, NODE_LEFT]
+        left_a, left_b = nodes[node_a].left, nodes[node_b].left
         if left_a < 0 and left_b < 0:
             best = _leaves(
                 points,
                 triangles,
                 triangle_boxes,
                 normals,
-                nodes[node_a, NODE_FIRST],
-                nodes[node_a, NODE_COUNT],
-                nodes[node_b, NODE_FIRST],
-                nodes[node_b, NODE_COUNT],
+                nodes[node_a].first,
+                nodes[node_a].count,
+                nodes[node_b].first,
+                nodes[node_b].count,
                 pose,
-                at,
                 best,
                 rounding,
                 out,
@@ -240,8 +243,8 @@ def _search(
             near_a, near_b, far_a, far_b = left_a, node_b, left_a + 1, node_b
         else:
             near_a, near_b, far_a, far_b = node_a, left_b, node_a, left_b + 1
-        near = _squared_gap(boxes, near_a, near_b, pose, at)
-        far = _squared_gap(boxes, far_a, far_b, pose, at)
+        near = _squared_gap(boxes, near_a, near_b, pose)
+        far = _squared_gap(boxes, far_a, far_b, pose)
         if far < near:
             near_a, near_b, far_a, far_b = far_a, far_b, near_a, near_b
             near, far = far, near
@@ -254,11 +257,11 @@ def _search(
 
 
 @kernel(inline=True, internal=True)
-def _push(stack: NDArray[np.float64], top: int, node_a: int, node_b: int, squared_gap: float) -> int:
+def _push(stack: Records[WaitingNodes], top: int, node_a: int, node_b: int, squared_gap: float) -> int:
     """Put two nodes on the stack; returns its new height."""
-    stack[STACK_WIDTH * top] = node_a
-    stack[STACK_WIDTH * top + 1] = node_b
-    stack[STACK_WIDTH * top + 2] = squared_gap
+    stack[top].node_a = node_a
+    stack[top].node_b = node_b
+    stack[top].squared_gap = squared_gap
     return top + 1
 
 
@@ -269,47 +272,49 @@ def _square(length: float) -> float:
 
 
 @kernel(inline=True, internal=True)
-def _size(boxes: NDArray[np.float64], node: int) -> float:
+def _size(boxes: Records[BoundingBox], node: int) -> float:
     """Sum of the half lengths of a box [m]."""
-    return boxes[node, BOX_HALF] + boxes[node, BOX_HALF + 1] + boxes[node, BOX_HALF + 2]
+    half = boxes[node].half
+    return half[0] + half[1] + half[2]
 
 
 @kernel(inline=True, internal=True)
-def _squared_gap(
-    boxes: NDArray[np.float64], node_a: int, node_b: int, pose: NDArray[np.float64], at: int
-) -> float:
+def _squared_gap(boxes: Records[BoundingBox], node_a: int, node_b: int, pose: RelativePose) -> float:
     """Squared distance of a box of A from the box along the axes of A around one of B [m^2]."""
-    hx, hy, hz = boxes[node_b, BOX_HALF], boxes[node_b, BOX_HALF + 1], boxes[node_b, BOX_HALF + 2]
-    x, y, z = moved_point(boxes, node_b, pose, at)
+    half = boxes[node_b].half
+    hx, hy, hz = half[0], half[1], half[2]
+    R = pose.rotation
+    centre = boxes[node_b].centre
     hx, hy, hz = (
-        abs(pose[at]) * hx + abs(pose[at + 1]) * hy + abs(pose[at + 2]) * hz,
-        abs(pose[at + 3]) * hx + abs(pose[at + 4]) * hy + abs(pose[at + 5]) * hz,
-        abs(pose[at + 6]) * hx + abs(pose[at + 7]) * hy + abs(pose[at + 8]) * hz,
+        abs(R[0]) * hx + abs(R[1]) * hy + abs(R[2]) * hz,
+        abs(R[3]) * hx + abs(R[4]) * hy + abs(R[5]) * hz,
+        abs(R[6]) * hx + abs(R[7]) * hy + abs(R[8]) * hz,
     )
-    return _squared_gap_to(boxes, node_a, (x, y, z), (hx, hy, hz))
+    return _squared_gap_to(boxes, node_a, moved((centre[0], centre[1], centre[2]), pose), (hx, hy, hz))
 
 
 @kernel(inline=True, internal=True)
-def _squared_gap_in_b(
-    boxes: NDArray[np.float64], node_a: int, node_b: int, pose: NDArray[np.float64], at: int
-) -> float:
+def _squared_gap_in_b(boxes: Records[BoundingBox], node_a: int, node_b: int, pose: RelativePose) -> float:
     """Squared distance of a box of B from the box along the axes of B around one of A [m^2]."""
-    hx, hy, hz = boxes[node_a, BOX_HALF], boxes[node_a, BOX_HALF + 1], boxes[node_a, BOX_HALF + 2]
-    centre = minus(fixed_point(boxes, node_a), (pose[at + 9], pose[at + 10], pose[at + 11]))
-    half = (
-        abs(pose[at]) * hx + abs(pose[at + 3]) * hy + abs(pose[at + 6]) * hz,
-        abs(pose[at + 1]) * hx + abs(pose[at + 4]) * hy + abs(pose[at + 7]) * hz,
-        abs(pose[at + 2]) * hx + abs(pose[at + 5]) * hy + abs(pose[at + 8]) * hz,
+    half = boxes[node_a].half
+    hx, hy, hz = half[0], half[1], half[2]
+    R, place, shift = pose.rotation, boxes[node_a].centre, pose.origin
+    centre = (place[0] - shift[0], place[1] - shift[1], place[2] - shift[2])
+    around = (
+        abs(R[0]) * hx + abs(R[3]) * hy + abs(R[6]) * hz,
+        abs(R[1]) * hx + abs(R[4]) * hy + abs(R[7]) * hz,
+        abs(R[2]) * hx + abs(R[5]) * hy + abs(R[8]) * hz,
     )
-    return _squared_gap_to(boxes, node_b, turn(centre, pose, at, True), half)
+    return _squared_gap_to(boxes, node_b, turn(centre, pose, True), around)
 
 
 @kernel(inline=True, internal=True)
-def _squared_gap_to(boxes: NDArray[np.float64], row: int, centre: Vector, half: Vector) -> float:
+def _squared_gap_to(boxes: Records[BoundingBox], row: int, centre: Vector, half: Vector) -> float:
     """Squared distance of a box of A from one given in the same axes [m^2]."""
-    x = abs(boxes[row, BOX_CENTRE] - centre[0]) - boxes[row, BOX_HALF] - half[0]
-    y = abs(boxes[row, BOX_CENTRE + 1] - centre[1]) - boxes[row, BOX_HALF + 1] - half[1]
-    z = abs(boxes[row, BOX_CENTRE + 2] - centre[2]) - boxes[row, BOX_HALF + 2] - half[2]
+    box = boxes[row]
+    x = abs(box.centre[0] - centre[0]) - box.half[0] - half[0]
+    y = abs(box.centre[1] - centre[1]) - box.half[1] - half[1]
+    z = abs(box.centre[2] - centre[2]) - box.half[2] - half[2]
     return _square(x) + _square(y) + _square(z)
 
 
@@ -317,16 +322,15 @@ def _squared_gap_to(boxes: NDArray[np.float64], row: int, centre: Vector, half: 
 def _leaves(
     # model
     points: NDArray[np.float64],
-    triangles: NDArray[np.int64],
-    triangle_boxes: NDArray[np.float64],
+    triangles: Records[Triangle],
+    triangle_boxes: Records[BoundingBox],
     normals: NDArray[np.float64],
     first_a: int,
     count_a: int,
     first_b: int,
     count_b: int,
     # state
-    pose: NDArray[np.float64],
-    at: int,
+    pose: RelativePose,
     best: float,
     rounding: float,
     # out
@@ -334,10 +338,10 @@ def _leaves(
 ) -> float:
     """Smallest distance [m] of some triangles of A from some of B, or the best so far."""
     for tb in range(first_b, first_b + count_b):
-        p = moved_point(points, triangles[tb, CORNER_A], pose, at)
-        q = moved_point(points, triangles[tb, CORNER_B], pose, at)
-        r = moved_point(points, triangles[tb, CORNER_C], pose, at)
-        m = turn(fixed_point(normals, tb), pose, at, False)
+        p = moved_point(points, triangles[tb].corners[0], pose)
+        q = moved_point(points, triangles[tb].corners[1], pose)
+        r = moved_point(points, triangles[tb].corners[2], pose)
+        m = turn(fixed_point(normals, tb), pose, False)
         low_x, high_x = min(p[0], q[0], r[0]), max(p[0], q[0], r[0])
         low_y, high_y = min(p[1], q[1], r[1]), max(p[1], q[1], r[1])
         low_z, high_z = min(p[2], q[2], r[2]), max(p[2], q[2], r[2])
@@ -345,9 +349,9 @@ def _leaves(
         half = (0.5 * (high_x - low_x), 0.5 * (high_y - low_y), 0.5 * (high_z - low_z))
         for ta in range(first_a, first_a + count_a):
             if _squared_gap_to(triangle_boxes, ta, centre, half) < _square(best - rounding):
-                a = fixed_point(points, triangles[ta, CORNER_A])
-                b = fixed_point(points, triangles[ta, CORNER_B])
-                c = fixed_point(points, triangles[ta, CORNER_C])
+                a = fixed_point(points, triangles[ta].corners[0])
+                b = fixed_point(points, triangles[ta].corners[1])
+                c = fixed_point(points, triangles[ta].corners[2])
                 n = fixed_point(normals, ta)
                 best = triangle_distance(a, b, c, n, p, q, r, m, best, rounding, out)
     return best

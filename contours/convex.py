@@ -1,4 +1,4 @@
-"""Distance to rigid primitives: core shapes with a radius about them, packed into rows for the kernels.
+"""Distance to rigid primitives: core shapes with a radius about them, packed into records for the kernels.
 
 The distance of a point to a primitive is the signed distance phi to its core less the radius: point (ball), segment
 (capsule), box (rounded box), solid cylinder (rounded rims), ellipsoid, and the thin ring. The signed distance to a
@@ -15,11 +15,11 @@ import numpy as np
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Matrix3, Record, Vector
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
 
 __all__ = [
     "BALL",
@@ -28,12 +28,7 @@ __all__ = [
     "CYLINDER",
     "ELLIPSOID",
     "RING",
-    "SHAPE_AXES",
-    "SHAPE_CENTRE",
-    "SHAPE_RADIUS",
-    "SHAPE_SHIFT",
-    "SHAPE_SIZES",
-    "SHAPE_WIDTH",
+    "Primitive",
     "core_distance",
     "shape_row",
 ]
@@ -41,20 +36,37 @@ __all__ = [
 BALL, CAPSULE, BOX, CYLINDER, ELLIPSOID, RING = range(6)
 """Kinds. Axis of capsule, cylinder and ring is the third of the shape."""
 
-SHAPE_CENTRE, SHAPE_AXES, SHAPE_SIZES, SHAPE_RADIUS, SHAPE_SHIFT = 0, 3, 12, 15, 16
-"""First columns of a row: centre [m] and axes, row-major with the axes of the shape as columns, both in the axes of the
-contour and written by the caller as the body moves; three sizes [m], radius [m], and the shift that keeps ``phi +
-shift`` positive until the surface reaches the middle of the core [m]."""
 
-SHAPE_WIDTH = 17
+class Primitive(Record):
+    """A core with a radius about it.
+
+    Attributes
+    ----------
+    centre, axes
+        Centre [m] and, as columns, axes of the shape, both in the axes of the contour and written by the caller as the
+        body moves.
+    sizes
+        See `shape_row` [m].
+    radius
+        About the core [m].
+    shift
+        What keeps ``phi + shift`` positive until the surface reaches the middle of the core [m].
+    """
+
+    centre: Vector
+    axes: Matrix3
+    sizes: Vector
+    radius: float
+    shift: float
+
 
 _SIZES = {BALL: 0, CAPSULE: 1, BOX: 3, CYLINDER: 2, ELLIPSOID: 3, RING: 1}
 
 Core = tuple[float, float, float, float, float, float, float, float, float, float]
 
 
-def shape_row(kind: int, sizes: Sequence[float] = (), radius: float = 0.0) -> NDArray[np.float64]:
-    """Row of a primitive at the origin, its axes those of the contour.
+def shape_row(kind: int, sizes: Sequence[float] = (), radius: float = 0.0) -> Primitive:
+    """Record of a primitive at the origin, its axes those of the contour.
 
     Parameters
     ----------
@@ -65,10 +77,6 @@ def shape_row(kind: int, sizes: Sequence[float] = (), radius: float = 0.0) -> ND
         cylinder's core; three half axes of an ellipsoid; radius of a ring.
     radius
         About the core [m].
-
-    Returns
-    -------
-    Shape (SHAPE_WIDTH,).
 
     Raises
     ------
@@ -85,11 +93,11 @@ def shape_row(kind: int, sizes: Sequence[float] = (), radius: float = 0.0) -> ND
             raise InputError(f"{value} m", source="shape", key="sizes, radius", expected="lengths")
     if positive and min(sizes) <= 0.0:
         raise InputError(f"{min(sizes)} m", source="shape", key="sizes", expected="lengths above 0")
-    row = np.zeros(SHAPE_WIDTH)
-    row[SHAPE_AXES : SHAPE_AXES + 9] = np.eye(3).ravel()
-    row[SHAPE_SIZES : SHAPE_SIZES + len(sizes)] = sizes
-    row[SHAPE_RADIUS] = radius
-    row[SHAPE_SHIFT] = min(sizes) if kind in (BOX, CYLINDER, ELLIPSOID) else 0.0
+    row = Primitive.one()
+    row.axes[:] = np.eye(3)
+    row.sizes[: len(sizes)] = sizes
+    row.radius = radius
+    row.shift = min(sizes) if kind in (BOX, CYLINDER, ELLIPSOID) else 0.0
     return row
 
 
@@ -251,13 +259,13 @@ def _ellipsoid(a: float, b: float, c: float, shift: float, x: float, y: float, z
 
 
 @kernel(internal=True)
-def core_distance(kind: int, shape: NDArray, x: float, y: float, z: float) -> Core:
+def core_distance(kind: int, shape: Primitive, x: float, y: float, z: float) -> Core:
     """Distance to a core and derivatives of ``f = (phi + shift)^2 / 2``, in the axes of the shape.
 
     Parameters
     ----------
     kind, shape
-        Kind and row of the primitive.
+        Kind and record of the primitive.
     x, y, z
         The point from the centre [m], in the axes of the shape.
 
@@ -266,7 +274,7 @@ def core_distance(kind: int, shape: NDArray, x: float, y: float, z: float) -> Co
     value, g1, g2, g3, h11, h22, h33, h12, h13, h23
         ``phi + shift`` [m], gradient [m] and second derivatives of f.
     """
-    a, b, c, shift = shape[SHAPE_SIZES], shape[SHAPE_SIZES + 1], shape[SHAPE_SIZES + 2], shape[SHAPE_SHIFT]
+    a, b, c, shift = shape.sizes[0], shape.sizes[1], shape.sizes[2], shape.shift
     if kind == BOX:
         return _box(a, b, c, shift, x, y, z)
     if kind == CYLINDER:

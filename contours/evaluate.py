@@ -1,6 +1,6 @@
 """Kernels: position, tangents and second derivatives of packed contours, and the weights of their control points.
 
-A contour is a row of integers (`heavylift.contours.layout`) into flat arrays of knots, rational weights and control
+A contour (`PackedContour`) points into flat arrays of knots, rational weights and control
 points. Parameters are wrapped into a closed direction and clamped to an open one.
 """
 
@@ -9,28 +9,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from heavylift.contours.basis import find_span, wrap, write_basis
-from heavylift.contours.layout import (
-    CLOSED_U,
-    CLOSED_V,
-    COUNT_U,
-    COUNT_V,
-    DEGREE_U,
-    DEGREE_V,
-    KNOTS_U,
-    KNOTS_V,
-    NET,
-    WEIGHTS,
-)
-from heavylift.contours.net_sums import BASIS_V, EVALUATION, SCRATCH, bicubic, polynomial, rational
+from heavylift.contours.net_sums import BASIS_V, SCRATCH, Evaluation, bicubic, polynomial, rational
 from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from heavylift.contours.packed_contour import PackedContour
+
 __all__ = [
-    "EVALUATION",
     "SCRATCH",
+    "Evaluation",
     "curve_point",
     "curve_weights",
     "surface_point",
@@ -39,14 +29,12 @@ __all__ = [
 
 
 @kernel(inline=True, internal=True)
-def place(
-    contour: NDArray[np.int64], knots: NDArray[np.float64], u: float, scratch: NDArray[np.float64]
-) -> int:
+def place(contour: PackedContour, knots: NDArray[np.float64], u: float, scratch: NDArray[np.float64]) -> int:
     """Basis of direction u into the scratch; returns the index of its first function."""
-    degree = contour[DEGREE_U]
-    count = contour[COUNT_U]
-    closed = contour[CLOSED_U]
-    first = contour[KNOTS_U]
+    degree = contour.u.degree
+    count = contour.u.count
+    closed = contour.u.closed
+    first = contour.u.first_knot
     inside = wrap(u, closed)
     span = find_span(knots, first, degree, count + degree if closed else count, inside)
     write_basis(knots, first, degree, span, inside, scratch, 0)
@@ -55,13 +43,13 @@ def place(
 
 @kernel(inline=True, internal=True)
 def place_across(
-    contour: NDArray[np.int64], knots: NDArray[np.float64], v: float, scratch: NDArray[np.float64]
+    contour: PackedContour, knots: NDArray[np.float64], v: float, scratch: NDArray[np.float64]
 ) -> int:
     """Basis of direction v into the scratch; returns the index of its first function."""
-    degree = contour[DEGREE_V]
-    count = contour[COUNT_V]
-    closed = contour[CLOSED_V]
-    first = contour[KNOTS_V]
+    degree = contour.v.degree
+    count = contour.v.count
+    closed = contour.v.closed
+    first = contour.v.first_knot
     inside = wrap(v, closed)
     span = find_span(knots, first, degree, count + degree if closed else count, inside)
     write_basis(knots, first, degree, span, inside, scratch, BASIS_V)
@@ -70,21 +58,21 @@ def place_across(
 
 @kernel(internal=True)
 def surface_point(
-    contour: NDArray[np.int64],
+    contour: PackedContour,
     knots: NDArray[np.float64],
     weights: NDArray[np.float64],
     net: NDArray[np.float64],
     u: float,
     v: float,
     scratch: NDArray[np.float64],
-    out: NDArray[np.float64],
+    out: Evaluation,
 ) -> None:
     """Position, tangents and second derivatives of a surface.
 
     Parameters
     ----------
     contour
-        Packed row of the surface, shape (CONTOUR_WIDTH,).
+        The packed surface.
     knots, weights, net
         Flat knots, flat rational weights, control points [m] of shape (n, 3).
     u, v
@@ -92,13 +80,13 @@ def surface_point(
     scratch
         Shape (SCRATCH,).
     out
-        Shape (EVALUATION,): S, S_u, S_v, S_uu, S_uv, S_vv, three components each.
+        All of it is written.
     """
     start_u = place(contour, knots, u, scratch)
     start_v = place_across(contour, knots, v, scratch)
-    if contour[WEIGHTS] >= 0:
+    if contour.first_weight >= 0:
         rational(contour, weights, net, start_u, start_v, scratch, out)
-    elif contour[DEGREE_U] == 3 and contour[DEGREE_V] == 3:
+    elif contour.u.degree == 3 and contour.v.degree == 3:
         bicubic(contour, net, start_u, start_v, scratch, out)
     else:
         polynomial(contour, net, start_u, start_v, scratch, out)
@@ -106,28 +94,30 @@ def surface_point(
 
 @kernel(internal=True)
 def curve_point(
-    contour: NDArray[np.int64],
+    contour: PackedContour,
     knots: NDArray[np.float64],
     weights: NDArray[np.float64],
     net: NDArray[np.float64],
     u: float,
     scratch: NDArray[np.float64],
-    out: NDArray[np.float64],
+    out: Evaluation,
 ) -> None:
-    """Position, tangent and second derivative of a curve: S 0:3, S_u 3:6, S_uu 9:12 of `out`; see `surface_point`."""
+    """Position, tangent and second derivative by u of a curve, only these of `out`; see `surface_point`."""
     start = place(contour, knots, u, scratch)
-    count = contour[COUNT_U]
-    wide = contour[DEGREE_U] + 1
+    count = contour.u.count
+    wide = contour.u.degree + 1
+    first_weight, first_control = contour.first_weight, contour.first_control
     x = y = z = dx = dy = dz = ex = ey = ez = 0.0
     w = dw = ew = 0.0
     for i in range(wide):
         local = start + i
         local = local - count if local >= count else local
-        weight = weights[contour[WEIGHTS] + local] if contour[WEIGHTS] >= 0 else 1.0
+        weight = weights[first_weight + local] if first_weight >= 0 else 1.0
         n = weight * scratch[i]
         d = weight * scratch[wide + i]
         e = weight * scratch[2 * wide + i]
-        px, py, pz = net[contour[NET] + local, 0], net[contour[NET] + local, 1], net[contour[NET] + local, 2]
+        at = first_control + local
+        px, py, pz = net[at, 0], net[at, 1], net[at, 2]
         x += n * px
         y += n * py
         z += n * pz
@@ -140,21 +130,21 @@ def curve_point(
         ey += e * py
         ez += e * pz
         ew += e
-    if contour[WEIGHTS] >= 0:
+    if contour.first_weight >= 0:
         inverse = 1.0 / w
         x, y, z = x * inverse, y * inverse, z * inverse
         dx, dy, dz = (dx - dw * x) * inverse, (dy - dw * y) * inverse, (dz - dw * z) * inverse
         ex = (ex - 2.0 * dw * dx - ew * x) * inverse
         ey = (ey - 2.0 * dw * dy - ew * y) * inverse
         ez = (ez - 2.0 * dw * dz - ew * z) * inverse
-    out[0], out[1], out[2] = x, y, z
-    out[3], out[4], out[5] = dx, dy, dz
-    out[9], out[10], out[11] = ex, ey, ez
+    out.position[0], out.position[1], out.position[2] = x, y, z
+    out.tangent_u[0], out.tangent_u[1], out.tangent_u[2] = dx, dy, dz
+    out.derivative_uu[0], out.derivative_uu[1], out.derivative_uu[2] = ex, ey, ez
 
 
 @kernel(internal=True)
 def surface_weights(
-    contour: NDArray[np.int64],
+    contour: PackedContour,
     knots: NDArray[np.float64],
     weights: NDArray[np.float64],
     u: float,
@@ -184,10 +174,10 @@ def surface_weights(
     """
     start_u = place(contour, knots, u, scratch)
     start_v = place_across(contour, knots, v, scratch)
-    count_u = contour[COUNT_U]
-    count_v = contour[COUNT_V]
-    wide_u = contour[DEGREE_U] + 1
-    wide_v = contour[DEGREE_V] + 1
+    count_u = contour.u.count
+    count_v = contour.v.count
+    wide_u = contour.u.degree + 1
+    wide_v = contour.v.degree + 1
     stride = wide_u * wide_v
     at = 0
     for i in range(wide_u):
@@ -204,10 +194,10 @@ def surface_weights(
             w[at + stride] = d * across
             w[at + 2 * stride] = n * slope
             at += 1
-    if contour[WEIGHTS] >= 0:
+    if contour.first_weight >= 0:
         total = total_u = total_v = 0.0
         for c in range(stride):
-            weight = weights[contour[WEIGHTS] + controls[c]]
+            weight = weights[contour.first_weight + controls[c]]
             w[c] *= weight
             w[c + stride] *= weight
             w[c + 2 * stride] *= weight
@@ -225,7 +215,7 @@ def surface_weights(
 
 @kernel(internal=True)
 def curve_weights(
-    contour: NDArray[np.int64],
+    contour: PackedContour,
     knots: NDArray[np.float64],
     weights: NDArray[np.float64],
     u: float,
@@ -241,18 +231,18 @@ def curve_weights(
         The stride: degree + 1. ``w[c]`` and ``w[c + stride]`` are written, ``w[c + 2 stride]`` is set to zero.
     """
     start = place(contour, knots, u, scratch)
-    count = contour[COUNT_U]
-    stride = contour[DEGREE_U] + 1
+    count = contour.u.count
+    stride = contour.u.degree + 1
     for i in range(stride):
         local = start + i
         controls[i] = local - count if local >= count else local
         w[i] = scratch[i]
         w[i + stride] = scratch[stride + i]
         w[i + 2 * stride] = 0.0
-    if contour[WEIGHTS] >= 0:
+    if contour.first_weight >= 0:
         total = slope = 0.0
         for c in range(stride):
-            weight = weights[contour[WEIGHTS] + controls[c]]
+            weight = weights[contour.first_weight + controls[c]]
             w[c] *= weight
             w[c + stride] *= weight
             total += w[c]

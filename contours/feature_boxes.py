@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from heavylift.contours.surface_layout import BOX_CENTRE, BOX_HALF, ROOT_NODE
 from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from heavylift.contours.surface_layout import BoundingBox
     from heavylift.contours.surface_pack import CollisionSurfaces
+    from heavylift.numerics.records import Records
 
 __all__ = ["apart", "box_around", "box_of", "grown", "middle_of", "stored_box"]
 
@@ -54,22 +52,20 @@ def apart(a: Box, b: Box) -> bool:
 
 
 @kernel(inline=True, internal=True)
-def stored_box(boxes: NDArray[np.float64], row: int) -> Box:
+def stored_box(boxes: Records[BoundingBox], row: int) -> Box:
     """Box from centre and half lengths."""
-    x, y, z = boxes[row, BOX_CENTRE], boxes[row, BOX_CENTRE + 1], boxes[row, BOX_CENTRE + 2]
-    u, v, w = boxes[row, BOX_HALF], boxes[row, BOX_HALF + 1], boxes[row, BOX_HALF + 2]
+    centre, half = boxes[row].centre, boxes[row].half
+    x, y, z = centre[0], centre[1], centre[2]
+    u, v, w = half[0], half[1], half[2]
     return x - u, y - v, z - w, x + u, y + v, z + w
 
 
 @kernel(inline=True, internal=True)
 def middle_of(surfaces: CollisionSurfaces, surface: int) -> Vector:
     """Middle of the box around a surface [m], in its own axes."""
-    root = surfaces.surfaces[surface, ROOT_NODE]
-    return (
-        surfaces.boxes[root, BOX_CENTRE],
-        surfaces.boxes[root, BOX_CENTRE + 1],
-        surfaces.boxes[root, BOX_CENTRE + 2],
-    )
+    root = surfaces.surfaces[surface].root
+    centre = surfaces.boxes[root].centre
+    return centre[0], centre[1], centre[2]
 
 
 @kernel(inline=True, internal=True)

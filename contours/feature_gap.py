@@ -13,12 +13,15 @@ import math
 from typing import TYPE_CHECKING
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record
+from heavylift.numerics.records import Vector as VectorField
 from heavylift.numerics.small import cross
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from heavylift.contours.surface_layout import RelativePose
     from heavylift.contours.surface_pack import CollisionSurfaces
 
 __all__ = [
@@ -29,7 +32,9 @@ __all__ = [
     "VERTEX_EDGE",
     "VERTEX_FACE",
     "VERTEX_VERTEX",
+    "FeatureTouch",
     "contact_gap",
+    "copy_pose",
     "feature_gap",
 ]
 
@@ -54,6 +59,25 @@ PARALLEL = 1e-6
 Vector = tuple[float, float, float]
 
 
+class FeatureTouch(Record):
+    """Where two features are nearest, all in the axes of A.
+
+    Attributes
+    ----------
+    normal
+        From A to B, of unit length.
+    point_a, point_b
+        Nearest points [m]: on the surfaces without rounding, and on the plane of the face or the lines of the edges.
+    beyond
+        How far they lie outside of the face or edges [m].
+    """
+
+    normal: VectorField
+    point_a: VectorField
+    point_b: VectorField
+    beyond: float
+
+
 @kernel(inline=True, internal=True)
 def fixed_point(points: NDArray[np.float64], row: int) -> Vector:
     """Coordinates [m] of a point."""
@@ -61,42 +85,52 @@ def fixed_point(points: NDArray[np.float64], row: int) -> Vector:
 
 
 @kernel(inline=True, internal=True)
-def moved_point(points: NDArray[np.float64], row: int, pose: NDArray[np.float64], at: int) -> Vector:
-    """Point of B [m] in the axes of A: ``R x + p`` with R and p from place `at` of `pose`."""
-    x, y, z = points[row, 0], points[row, 1], points[row, 2]
+def moved(p: Vector, pose: RelativePose) -> Vector:
+    """Point of B [m] in the axes of A: ``R x + p``."""
+    x, y, z = p
+    R, shift = pose.rotation, pose.origin
     return (
-        pose[at] * x + pose[at + 1] * y + pose[at + 2] * z + pose[at + 9],
-        pose[at + 3] * x + pose[at + 4] * y + pose[at + 5] * z + pose[at + 10],
-        pose[at + 6] * x + pose[at + 7] * y + pose[at + 8] * z + pose[at + 11],
+        R[0] * x + R[1] * y + R[2] * z + shift[0],
+        R[3] * x + R[4] * y + R[5] * z + shift[1],
+        R[6] * x + R[7] * y + R[8] * z + shift[2],
     )
 
 
 @kernel(inline=True, internal=True)
-def turned(x: float, y: float, z: float, pose: NDArray[np.float64], at: int) -> Vector:
+def moved_point(points: NDArray[np.float64], row: int, pose: RelativePose) -> Vector:
+    """Point of B [m] in the axes of A."""
+    return moved(fixed_point(points, row), pose)
+
+
+@kernel(inline=True, internal=True)
+def turned(x: float, y: float, z: float, pose: RelativePose) -> Vector:
     """Direction of B in the axes of A."""
-    return (
-        pose[at] * x + pose[at + 1] * y + pose[at + 2] * z,
-        pose[at + 3] * x + pose[at + 4] * y + pose[at + 5] * z,
-        pose[at + 6] * x + pose[at + 7] * y + pose[at + 8] * z,
-    )
+    R = pose.rotation
+    return R[0] * x + R[1] * y + R[2] * z, R[3] * x + R[4] * y + R[5] * z, R[6] * x + R[7] * y + R[8] * z
 
 
 @kernel(inline=True, internal=True)
-def turned_back(x: float, y: float, z: float, pose: NDArray[np.float64], at: int) -> Vector:
+def turned_back(x: float, y: float, z: float, pose: RelativePose) -> Vector:
     """Direction of A in the axes of B."""
-    return (
-        pose[at] * x + pose[at + 3] * y + pose[at + 6] * z,
-        pose[at + 1] * x + pose[at + 4] * y + pose[at + 7] * z,
-        pose[at + 2] * x + pose[at + 5] * y + pose[at + 8] * z,
-    )
+    R = pose.rotation
+    return R[0] * x + R[3] * y + R[6] * z, R[1] * x + R[4] * y + R[7] * z, R[2] * x + R[5] * y + R[8] * z
 
 
 @kernel(inline=True, internal=True)
-def fill(out: NDArray[np.float64], n: Vector, a: Vector, b: Vector) -> None:
+def copy_pose(pose: RelativePose, to: RelativePose) -> None:
+    """Write a pose over another."""
+    for k in range(9):
+        to.rotation[k] = pose.rotation[k]
+    for k in range(3):
+        to.origin[k] = pose.origin[k]
+
+
+@kernel(inline=True, internal=True)
+def fill(out: FeatureTouch, n: Vector, a: Vector, b: Vector) -> None:
     """Write normal and both points."""
-    out[0], out[1], out[2] = n
-    out[3], out[4], out[5] = a
-    out[6], out[7], out[8] = b
+    out.normal[0], out.normal[1], out.normal[2] = n
+    out.point_a[0], out.point_a[1], out.point_a[2] = a
+    out.point_b[0], out.point_b[1], out.point_b[2] = b
 
 
 @kernel(inline=True, internal=True)
@@ -108,7 +142,7 @@ def foot_on_line(p: Vector, a: Vector, b: Vector) -> Vector:
 
 
 @kernel(inline=True, internal=True)
-def gap_between(a: Vector, b: Vector, radius: float, out: NDArray[np.float64]) -> float:
+def gap_between(a: Vector, b: Vector, radius: float, out: FeatureTouch) -> float:
     """Gap [m] of two points, and the direction between them; where they coincide, any."""
     dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     distance = math.sqrt(dx * dx + dy * dy + dz * dz)
@@ -121,7 +155,7 @@ def gap_between(a: Vector, b: Vector, radius: float, out: NDArray[np.float64]) -
 
 @kernel(inline=True, internal=True)
 def gap_of_edges(
-    a0: Vector, a1: Vector, b0: Vector, b1: Vector, radius: float, side: float, out: NDArray[np.float64]
+    a0: Vector, a1: Vector, b0: Vector, b1: Vector, radius: float, side: float, out: FeatureTouch
 ) -> float:
     """Gap [m] of the lines along two edges; of parallel ones from the middle of the second."""
     ax, ay, az = a1[0] - a0[0], a1[1] - a0[1], a1[2] - a0[2]
@@ -159,10 +193,9 @@ def contact_gap(
     radius: float,
     side: float,
     # state
-    pose: NDArray[np.float64],
-    at: int,
+    pose: RelativePose,
     # out
-    out: NDArray[np.float64],
+    out: FeatureTouch,
 ) -> float:
     """Gap [m] between two features, with its normal and points; cheap enough for every stage of every contact.
 
@@ -182,8 +215,7 @@ def contact_gap(
     pose, at
         Rotation (9, row by row) and position [m] (3) of B in the axes of A begin at place `at`.
     out
-        Written: unit normal from A to B (3), nearest point of A (3) and of B (3) [m], all in the axes of A; the points
-        lie on the surfaces without rounding, and on the plane of the face or the lines of the edges. Shape (>= 9,).
+        Written, but for `beyond`.
 
     Returns
     -------
@@ -193,16 +225,16 @@ def contact_gap(
     points, triangles, edges = surfaces.points, surfaces.triangles, surfaces.edges
     if kind == VERTEX_FACE:
         n = fixed_point(surfaces.normals, feature_a)
-        a = fixed_point(points, triangles[feature_a, 0])
-        b = moved_point(points, feature_b, pose, at)
+        a = fixed_point(points, triangles[feature_a].corners[0])
+        b = moved_point(points, feature_b, pose)
         s = n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2])
         foot = (b[0] - s * n[0], b[1] - s * n[1], b[2] - s * n[2])
         fill(out, (side * n[0], side * n[1], side * n[2]), foot, b)
         return side * s - radius
     if kind == FACE_VERTEX:
         own = fixed_point(surfaces.normals, feature_b)
-        n = turned(own[0], own[1], own[2], pose, at)
-        b = moved_point(points, triangles[feature_b, 0], pose, at)
+        n = turned(own[0], own[1], own[2], pose)
+        b = moved_point(points, triangles[feature_b].corners[0], pose)
         a = fixed_point(points, feature_a)
         s = n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2])
         foot = (a[0] + s * n[0], a[1] + s * n[1], a[2] + s * n[2])
@@ -210,25 +242,25 @@ def contact_gap(
         return side * s - radius
     if kind == EDGE_EDGE:
         return gap_of_edges(
-            fixed_point(points, edges[feature_a, 0]),
-            fixed_point(points, edges[feature_a, 1]),
-            moved_point(points, edges[feature_b, 0], pose, at),
-            moved_point(points, edges[feature_b, 1], pose, at),
+            fixed_point(points, edges[feature_a].ends[0]),
+            fixed_point(points, edges[feature_a].ends[1]),
+            moved_point(points, edges[feature_b].ends[0], pose),
+            moved_point(points, edges[feature_b].ends[1], pose),
             radius,
             side,
             out,
         )
     if kind == VERTEX_EDGE:
-        b = moved_point(points, feature_b, pose, at)
-        a0 = fixed_point(points, edges[feature_a, 0])
-        a1 = fixed_point(points, edges[feature_a, 1])
+        b = moved_point(points, feature_b, pose)
+        a0 = fixed_point(points, edges[feature_a].ends[0])
+        a1 = fixed_point(points, edges[feature_a].ends[1])
         return gap_between(foot_on_line(b, a0, a1), b, radius, out)
     if kind == EDGE_VERTEX:
         a = fixed_point(points, feature_a)
-        b0 = moved_point(points, edges[feature_b, 0], pose, at)
-        b1 = moved_point(points, edges[feature_b, 1], pose, at)
+        b0 = moved_point(points, edges[feature_b].ends[0], pose)
+        b1 = moved_point(points, edges[feature_b].ends[1], pose)
         return gap_between(a, foot_on_line(a, b0, b1), radius, out)
-    return gap_between(fixed_point(points, feature_a), moved_point(points, feature_b, pose, at), radius, out)
+    return gap_between(fixed_point(points, feature_a), moved_point(points, feature_b, pose), radius, out)
 
 
 @kernel(inline=True, internal=True)
@@ -263,31 +295,31 @@ def overshoot(
     feature_a: int,
     feature_b: int,
     # state
-    pose: NDArray[np.float64],
-    at: int,
-    out: NDArray[np.float64],
+    pose: RelativePose,
+    out: FeatureTouch,
 ) -> float:
     """How far [m] the nearest points that `contact_gap` left in `out` lie outside of their face or edges."""
     points, triangles, edges = surfaces.points, surfaces.triangles, surfaces.edges
-    a = (out[3], out[4], out[5])
-    x, y, z = turned_back(out[6] - pose[at + 9], out[7] - pose[at + 10], out[8] - pose[at + 11], pose, at)
+    a = (out.point_a[0], out.point_a[1], out.point_a[2])
+    q, shift = out.point_b, pose.origin
+    x, y, z = turned_back(q[0] - shift[0], q[1] - shift[1], q[2] - shift[2], pose)
     b = (x, y, z)  # in its own axes, where its face and edges stand still
     if kind in (VERTEX_FACE, FACE_VERTEX):
         face = feature_a if kind == VERTEX_FACE else feature_b
         return beyond_face(
             a if kind == VERTEX_FACE else b,
-            fixed_point(points, triangles[face, 0]),
-            fixed_point(points, triangles[face, 1]),
-            fixed_point(points, triangles[face, 2]),
+            fixed_point(points, triangles[face].corners[0]),
+            fixed_point(points, triangles[face].corners[1]),
+            fixed_point(points, triangles[face].corners[2]),
             fixed_point(surfaces.normals, face),
         )
     beyond = -math.inf
     if kind in (EDGE_EDGE, VERTEX_EDGE):
-        a0 = fixed_point(points, edges[feature_a, 0])
-        beyond = beyond_ends(a, a0, fixed_point(points, edges[feature_a, 1]))
+        a0 = fixed_point(points, edges[feature_a].ends[0])
+        beyond = beyond_ends(a, a0, fixed_point(points, edges[feature_a].ends[1]))
     if kind in (EDGE_EDGE, EDGE_VERTEX):
-        b0 = fixed_point(points, edges[feature_b, 0])
-        beyond = max(beyond, beyond_ends(b, b0, fixed_point(points, edges[feature_b, 1])))
+        b0 = fixed_point(points, edges[feature_b].ends[0])
+        beyond = max(beyond, beyond_ends(b, b0, fixed_point(points, edges[feature_b].ends[1])))
     return beyond
 
 
@@ -301,18 +333,17 @@ def feature_gap(
     radius: float,
     side: float,
     # state
-    pose: NDArray[np.float64],
-    at: int,
+    pose: RelativePose,
     # out
-    out: NDArray[np.float64],
+    out: FeatureTouch,
 ) -> float:
-    """`contact_gap`, and in ``out[9]`` how far [m] the nearest points lie outside of the face or edges.
+    """`contact_gap`, and in ``out.beyond`` how far [m] the nearest points lie outside of the face or edges.
 
     Notes
     -----
     The overshoot is the largest distance beyond an edge of the face, or beyond an end of the edges, zero or negative
     inside; a pair with a positive one has slid off its features. Two vertices cannot: minus infinity.
     """
-    gap = contact_gap(surfaces, kind, feature_a, feature_b, radius, side, pose, at, out)
-    out[9] = overshoot(surfaces, kind, feature_a, feature_b, pose, at, out)
+    gap = contact_gap(surfaces, kind, feature_a, feature_b, radius, side, pose, out)
+    out.beyond = overshoot(surfaces, kind, feature_a, feature_b, pose, out)
     return gap

@@ -20,7 +20,7 @@ import math
 from typing import TYPE_CHECKING
 
 from heavylift.contours.feature_fans import NEAR_PART, fan_is_crossed, fan_rises
-from heavylift.contours.feature_gap import beyond_face, fixed_point
+from heavylift.contours.feature_gap import beyond_face, fixed_point, turned, turned_back
 from heavylift.contours.feature_regions import SLACK, vertex_is_nearest, vertex_neighbour_sum
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
@@ -28,6 +28,8 @@ from heavylift.numerics.small import cross
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from heavylift.contours.surface_layout import RelativeMotion, RelativePose
 
 __all__ = ["HIT", "NEAR", "NEITHER", "judge_vertex"]
 
@@ -65,26 +67,16 @@ def between(a: Vector, b: Vector, t: float) -> Vector:
 
 
 @kernel(inline=True, internal=True)
-def turn(d: Vector, motion: NDArray[np.float64], at: int, back: bool) -> Vector:
-    """``R d`` or ``R^T d`` with the rotation at place `at`."""
+def turn(d: Vector, pose: RelativePose, back: bool) -> Vector:
+    """``R d`` or ``R^T d``."""
     x, y, z = d
-    if back:
-        return (
-            motion[at] * x + motion[at + 3] * y + motion[at + 6] * z,
-            motion[at + 1] * x + motion[at + 4] * y + motion[at + 7] * z,
-            motion[at + 2] * x + motion[at + 5] * y + motion[at + 8] * z,
-        )
-    return (
-        motion[at] * x + motion[at + 1] * y + motion[at + 2] * z,
-        motion[at + 3] * x + motion[at + 4] * y + motion[at + 5] * z,
-        motion[at + 6] * x + motion[at + 7] * y + motion[at + 8] * z,
-    )
+    return turned_back(x, y, z, pose) if back else turned(x, y, z, pose)
 
 
 @kernel(inline=True, internal=True)
-def turn_at(d: Vector, motion: NDArray[np.float64], t: float, back: bool) -> Vector:
+def turn_at(d: Vector, motion: RelativeMotion, t: float, back: bool) -> Vector:
     """`turn` at a time in [0, 1]: points move linearly, so the matrix is between those of the ends."""
-    return between(turn(d, motion, 0, back), turn(d, motion, 12, back), t)
+    return between(turn(d, motion.start, back), turn(d, motion.end, back), t)
 
 
 @kernel(inline=True, internal=True)
@@ -116,7 +108,7 @@ def judge_vertex(
     own_middle: Vector,
     face_middle: Vector,
     # motion
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     face_moves: bool,
     x0: Vector,
     x1: Vector,
@@ -186,9 +178,9 @@ def judge_vertex(
         ):
             return NEITHER, 1.0, 0.0, 0.0
         if not vertex_is_through(
-            points, vertex_first, vertex_neighbours, vertex, a, b, c, n, motion, 12, face_moves, x1, s1
+            points, vertex_first, vertex_neighbours, vertex, a, b, c, n, motion.end, face_moves, x1, s1
         ) or not vertex_is_through(
-            points, vertex_first, vertex_neighbours, vertex, a, b, c, n, motion, 0, face_moves, x0, s0
+            points, vertex_first, vertex_neighbours, vertex, a, b, c, n, motion.start, face_moves, x0, s0
         ):
             return NEITHER, 1.0, 0.0, 0.0
         return NEAR, 1.0, -side, -side * s1 - radius
@@ -224,7 +216,7 @@ def vertex_is_behind(
     n: Vector,
     side: float,
     # motion
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     face_moves: bool,
     x: Vector,
     t: float,
@@ -256,8 +248,7 @@ def vertex_is_through(
     c: Vector,
     n: Vector,
     # motion
-    motion: NDArray[np.float64],
-    at: int,
+    pose: RelativePose,
     face_moves: bool,
     x: Vector,
     s: float,
@@ -268,7 +259,7 @@ def vertex_is_through(
     """
     for k in range(vertex_first[vertex], vertex_first[vertex + 1]):
         e = minus(fixed_point(points, vertex_neighbours[k]), fixed_point(points, vertex))
-        e = turn(e, motion, at, face_moves)
+        e = turn(e, pose, face_moves)
         along = dot(n, e)
         if s * along < 0.0 and abs(s) <= NEAR_PART * abs(along):
             share = -s / along
@@ -289,7 +280,7 @@ def side_of_vertex(
     n: Vector,
     own_middle: Vector,
     face_middle: Vector,
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     face_moves: bool,
 ) -> float:
     """Side of a vertex that lies in the plane of a face: where its neighbours are.
@@ -297,7 +288,7 @@ def side_of_vertex(
     If they lie in the plane too, where the middle of its surface is, or opposite to the middle of the other one.
     """
     s = vertex_neighbour_sum(points, vertex_first, vertex_neighbours, vertex)
-    along = dot(n, turn(s, motion, 0, face_moves))
+    along = dot(n, turn(s, motion.start, face_moves))
     if abs(along) <= LEVEL * math.sqrt(dot(s, s)):
         r = minus(own_middle, a)
         along = dot(n, r)

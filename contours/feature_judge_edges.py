@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from heavylift.contours.surface_layout import Edge, RelativeMotion
+    from heavylift.numerics.records import Records
+
 __all__ = ["judge_edges"]
 
 Vector = tuple[float, float, float]
@@ -37,14 +40,14 @@ def edge_is_behind(
     points: NDArray[np.float64],
     vertex_first: NDArray[np.int64],
     vertex_neighbours: NDArray[np.int64],
-    edges: NDArray[np.int64],
+    edges: Records[Edge],
     edge_first: NDArray[np.int64],
     edge_opposite: NDArray[np.int64],
     edge: int,
     other: int,
     d: Vector,
     # motion
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     other_moves: bool,
     x: Vector,
     s: float,
@@ -64,13 +67,13 @@ def edge_is_behind(
     s
         Place of x along the first edge, 0 to 1.
     """
-    own = fixed_point(points, edges[edge, 0])
-    along = minus(fixed_point(points, edges[edge, 1]), own)
+    own = fixed_point(points, edges[edge].ends[0])
+    along = minus(fixed_point(points, edges[edge].ends[1]), own)
     for end in range(2):
-        corner = edges[other, end]
+        corner = edges[other].ends[end]
         if not fan_rises(points, vertex_first, vertex_neighbours, corner, d):
             continue
-        reference = fixed_point(points, edges[other, 1 - end])
+        reference = fixed_point(points, edges[other].ends[1 - end])
         for row in range(edge_first[other], edge_first[other + 1]):
             reference = between(reference, fixed_point(points, edge_opposite[row]), 0.5)
         # both parts of the edge lead away from x, and its triangles
@@ -94,7 +97,7 @@ def judge_edges(
     points: NDArray[np.float64],
     vertex_first: NDArray[np.int64],
     vertex_neighbours: NDArray[np.int64],
-    edges: NDArray[np.int64],
+    edges: Records[Edge],
     edge_first: NDArray[np.int64],
     edge_inward: NDArray[np.float64],
     edge_opposite: NDArray[np.int64],
@@ -103,7 +106,7 @@ def judge_edges(
     middle_a: Vector,
     middle_b: Vector,
     # motion
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     a0: Vector,
     a1: Vector,
     p0: Vector,
@@ -185,7 +188,7 @@ def judge_edges(
             return NEITHER, 1.0, 0.0, 0.0, 0.0, 0.0  # as for a vertex
     else:
         wa = edge_inward_sum(edge_first, edge_inward, edge_a)
-        wb = turn(edge_inward_sum(edge_first, edge_inward, edge_b), motion, 0, False)
+        wb = turn(edge_inward_sum(edge_first, edge_inward, edge_b), motion.start, False)
         s0 = dot(n, minus(wb, wa))
         if abs(s0) <= LEVEL:
             s0 = dot(n, minus(middle_b, middle_a))
@@ -201,8 +204,9 @@ def judge_edges(
         edge_b, edge_a, d, motion, False, between(between(p0, q0, t), between(p1, q1, t), at_b), at_b, t, rounding,
     ):  # fmt: skip
         return NEITHER, 1.0, 0.0, 0.0, 0.0, 0.0
-    shift = (motion[9], motion[10], motion[11])
-    y = turn_at(minus(y, between(shift, (motion[21], motion[22], motion[23]), t)), motion, t, True)
+    start, end = motion.start.origin, motion.end.origin
+    shift = between((start[0], start[1], start[2]), (end[0], end[1], end[2]), t)
+    y = turn_at(minus(y, shift), motion, t, True)
     if edge_is_behind(
         points, vertex_first, vertex_neighbours, edges, edge_first, edge_opposite,
         edge_a, edge_b, back, motion, True, y, at_a, t, rounding,

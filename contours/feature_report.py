@@ -1,7 +1,7 @@
 """The list of contacts of an interval, in which a vertex on the seam of two coplanar faces stands once.
 
-Contacts that may repeat each other are found through a hash table (linear probing) in the last rows of the list
-itself; nothing is allocated, and the cost for each contact does not depend on their number.
+Contacts that may repeat each other are found through a hash table (linear probing) that belongs to the list; nothing is
+allocated, and the cost for each contact does not depend on their number.
 """
 
 from __future__ import annotations
@@ -9,16 +9,21 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from heavylift.contours.feature_gap import EDGE_EDGE, FACE_VERTEX, VERTEX_FACE, fixed_point, turned
 from heavylift.contours.feature_judge import HIT, dot, minus
+from heavylift.numerics.arrays import Arrays, Floats2, Ints1
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record, Records, records
 from heavylift.numerics.small import cross
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["UNIQUE", "report", "room_for", "shared_end"]
+    from heavylift.contours.surface_layout import Edge, RelativeMotion
+
+__all__ = ["UNIQUE", "ContactList", "FoundContact", "make_contact_list", "report", "shared_end"]
 
 UNIQUE = -1
 """In place of a vertex: the pair of features cannot repeat another one."""
@@ -32,46 +37,89 @@ AT_END = 1e-7
 Vector = tuple[float, float, float]
 
 
-@kernel(internal=True)
-def room_for(features: NDArray[np.int64]) -> int:
-    """Number of contacts that fit in the list: the last rows hold the table, one slot for each row or fewer."""
-    capacity = features.shape[0]
+class FoundContact(Record):
+    """Two features that are hit, or near at the end.
+
+    Attributes
+    ----------
+    kind, first, second
+        Kind of the features, and feature of A and of B: rows of points, edges or triangles.
+    hit
+        1 if hit in the interval, else 0.
+    time
+        Of impact, in [0, 1]; 1 if not hit.
+    side
+        As `contact_gap` takes it.
+    gap
+        At the end [m].
+    """
+
+    kind: int
+    first: int
+    second: int
+    hit: int
+    time: float
+    side: float
+    gap: float
+
+
+class ContactList(Arrays):
+    """What a search has found.
+
+    Attributes
+    ----------
+    contacts
+        As many as fit in.
+    table
+        Slots of the hash table: places in the list, or -1; their number is a power of 2.
+    corners
+        Of a triangle of B at the start, then at the end [m]; scratch, shape (6, 3).
+    """
+
+    contacts: Records[FoundContact]
+    table: Ints1
+    corners: Floats2
+
+
+def make_contact_list(capacity: int) -> ContactList:
+    """An empty list for three quarters of a number of contacts, or a little less."""
     slots = 4
     while 2 * slots <= capacity:
         slots *= 2
-    return min(capacity - slots // 4, 3 * slots // 4)  # a full table would be searched for ever
+    room = min(capacity - slots // 4, 3 * slots // 4)  # a full table would be searched for ever
+    return ContactList(records(FoundContact, room), np.full(slots, -1, dtype=np.int64), np.zeros((6, 3)))
 
 
 @kernel(inline=True, internal=True)
-def shared_end(edges: NDArray[np.int64], edge_a: int, edge_b: int, along_a: float, along_b: float) -> int:
+def shared_end(edges: Records[Edge], edge_a: int, edge_b: int, along_a: float, along_b: float) -> int:
     """The vertex at which two edges touch, that of B first; `UNIQUE` between their ends."""
     if abs(along_b) <= AT_END:
-        return edges[edge_b, 0]
+        return edges[edge_b].ends[0]
     if abs(along_b - 1.0) <= AT_END:
-        return edges[edge_b, 1]
+        return edges[edge_b].ends[1]
     if abs(along_a) <= AT_END:
-        return edges[edge_a, 0]
+        return edges[edge_a].ends[0]
     if abs(along_a - 1.0) <= AT_END:
-        return edges[edge_a, 1]
+        return edges[edge_a].ends[1]
     return UNIQUE
 
 
 @kernel(inline=True, internal=True)
-def meets(edges: NDArray[np.int64], edge: int, other: int, vertex: int) -> bool:
+def meets(edges: Records[Edge], edge: int, other: int, vertex: int) -> bool:
     """Whether two edges are the same, or both end in a vertex."""
     if edge == other:
         return True
-    return (edges[edge, 0] == vertex or edges[edge, 1] == vertex) and (
-        edges[other, 0] == vertex or edges[other, 1] == vertex
+    return (edges[edge].ends[0] == vertex or edges[edge].ends[1] == vertex) and (
+        edges[other].ends[0] == vertex or edges[other].ends[1] == vertex
     )
 
 
 @kernel(internal=True)
 def normal_of(
     points: NDArray[np.float64],
-    edges: NDArray[np.int64],
+    edges: Records[Edge],
     normals: NDArray[np.float64],
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     kind: int,
     feature_a: int,
     feature_b: int,
@@ -79,9 +127,13 @@ def normal_of(
 ) -> Vector:
     """Unit normal at the end, in axes that are the same for all contacts of a kind."""
     if kind == EDGE_EDGE:
-        u = minus(fixed_point(points, edges[feature_a, 1]), fixed_point(points, edges[feature_a, 0]))
-        w = minus(fixed_point(points, edges[feature_b, 1]), fixed_point(points, edges[feature_b, 0]))
-        v = turned(w[0], w[1], w[2], motion, 12)
+        u = minus(
+            fixed_point(points, edges[feature_a].ends[1]), fixed_point(points, edges[feature_a].ends[0])
+        )
+        w = minus(
+            fixed_point(points, edges[feature_b].ends[1]), fixed_point(points, edges[feature_b].ends[0])
+        )
+        v = turned(w[0], w[1], w[2], motion.end)
         n = cross(u[0], u[1], u[2], v[0], v[1], v[2])
         side /= math.sqrt(dot(n, n))
     else:
@@ -93,9 +145,9 @@ def normal_of(
 def report(
     # model
     points: NDArray[np.float64],
-    edges: NDArray[np.int64],
+    edges: Records[Edge],
     normals: NDArray[np.float64],
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     # contact
     kind: int,
     feature_a: int,
@@ -108,9 +160,7 @@ def report(
     rounding: float,
     # list
     found: int,
-    room: int,
-    features: NDArray[np.int64],
-    numbers: NDArray[np.float64],
+    out: ContactList,
 ) -> int:
     """Add a contact to the list, unless it repeats one.
 
@@ -126,27 +176,28 @@ def report(
         Row of points where the contact is, or `UNIQUE`.
     rounding
         Gaps [m] that differ by less are the same.
-    found, room, features, numbers
-        Number of contacts so far, largest number, and the list.
+    found, out
+        Number of contacts so far, and the list.
 
     Returns
     -------
     found
         The new number; -2 if there is no room.
     """
+    contacts, table = out.contacts, out.table
     slot = 0
     if vertex != UNIQUE:
-        slots = 4 * (features.shape[0] - room)
+        slots = table.shape[0]
         if found == 0:
-            clear(features, room)
+            clear(table)
         n = normal_of(points, edges, normals, motion, kind, feature_a, feature_b, side)
         slot = ((vertex * 0x9E3779B1) >> 7) & (slots - 1)
         while True:
-            k = features[room + (slot >> 2), slot & 3]
-            if k < 0:
+            if table[slot] < 0:
                 break
-            other_a, other_b = features[k, 1], features[k, 2]
-            same = kind == features[k, 0] and abs(gap - numbers[k, 2]) <= rounding
+            other = contacts[table[slot]]
+            other_a, other_b = other.first, other.second
+            same = kind == other.kind and abs(gap - other.gap) <= rounding
             if same:
                 if kind == VERTEX_FACE:
                     same = feature_b == other_b
@@ -157,33 +208,30 @@ def report(
                         edges, feature_b, other_b, vertex
                     )
             if same:
-                m = normal_of(points, edges, normals, motion, kind, other_a, other_b, numbers[k, 1])
+                m = normal_of(points, edges, normals, motion, kind, other_a, other_b, other.side)
                 same = dot(n, m) >= 1.0 - SAME
             if same:
                 if verdict == HIT:
-                    numbers[k, 0] = min(time, numbers[k, 0])
-                    features[k, 3] = 1
+                    other.time = min(time, other.time)
+                    other.hit = 1
                 return found
             slot = (slot + 1) & (slots - 1)
     elif found == 0:
-        clear(features, room)
-    if found >= room:
+        clear(table)
+    if found >= contacts.shape[0]:
         return -2
     if vertex != UNIQUE:
-        features[room + (slot >> 2), slot & 3] = found
-    features[found, 0] = kind
-    features[found, 1] = feature_a
-    features[found, 2] = feature_b
-    features[found, 3] = 1 if verdict == HIT else 0
-    numbers[found, 0] = time if verdict == HIT else 1.0
-    numbers[found, 1] = side
-    numbers[found, 2] = gap
+        table[slot] = found
+    new = contacts[found]
+    new.kind, new.first, new.second = kind, feature_a, feature_b
+    new.hit = 1 if verdict == HIT else 0
+    new.time = time if verdict == HIT else 1.0
+    new.side, new.gap = side, gap
     return found + 1
 
 
 @kernel(inline=True, internal=True)
-def clear(features: NDArray[np.int64], room: int) -> None:
+def clear(table: NDArray[np.int64]) -> None:
     """Empty the table."""
-    for row in range(room, features.shape[0]):
-        for column in range(4):
-            features[row, column] = -1
+    for slot in range(table.shape[0]):
+        table[slot] = -1

@@ -13,14 +13,17 @@ from heavylift.contours.feature_gap import EDGE_VERTEX, VERTEX_EDGE, VERTEX_VERT
 from heavylift.contours.feature_judge import HIT, NEAR, NEITHER, between, dot, minus, turn, turn_at
 from heavylift.contours.feature_regions import SLACK, edge_is_nearest, vertex_is_nearest
 from heavylift.contours.feature_report import UNIQUE, report
-from heavylift.contours.surface_layout import EDGE_AB, FLAGS, OWNS_A, OWNS_AB
+from heavylift.contours.surface_layout import OWNS_A, OWNS_AB
 from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from heavylift.contours.feature_report import ContactList
+    from heavylift.contours.surface_layout import Edge, RelativeMotion, RelativePose
     from heavylift.contours.surface_pack import CollisionSurfaces
+    from heavylift.numerics.records import Records
 
 __all__ = ["rounded_contacts"]
 
@@ -67,7 +70,7 @@ def unit(d: Vector) -> tuple[Vector, float]:
 def judge_vertex_edge(
     # model
     points: NDArray[np.float64],
-    edges: NDArray[np.int64],
+    edges: Records[Edge],
     vertex_first: NDArray[np.int64],
     vertex_neighbours: NDArray[np.int64],
     edge_first: NDArray[np.int64],
@@ -75,7 +78,7 @@ def judge_vertex_edge(
     vertex: int,
     edge: int,
     # motion
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     edge_moves: bool,
     x0: Vector,
     x1: Vector,
@@ -84,7 +87,7 @@ def judge_vertex_edge(
     far: float,
 ) -> tuple[int, float, float]:
     """Verdict on a vertex (at both ends of the interval in the axes of the edge) and an edge; time; gap [m]."""
-    a, b = fixed_point(points, edges[edge, 0]), fixed_point(points, edges[edge, 1])
+    a, b = fixed_point(points, edges[edge].ends[0]), fixed_point(points, edges[edge].ends[1])
     d0, s0 = off_line(x0, a, b)
     d1, s1 = off_line(x1, a, b)
     verdict, t = first_touch(d0, d1, radius, far)
@@ -111,7 +114,7 @@ def judge_vertices(
     vertex_a: int,
     vertex_b: int,
     # motion
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     x0: Vector,
     x1: Vector,
     # limits
@@ -134,9 +137,10 @@ def judge_vertices(
 
 
 @kernel(inline=True, internal=True)
-def in_axes_of_b(p: Vector, motion: NDArray[np.float64], at: int) -> Vector:
+def in_axes_of_b(p: Vector, pose: RelativePose) -> Vector:
     """Point of A [m] in the axes of B."""
-    return turn((p[0] - motion[at + 9], p[1] - motion[at + 10], p[2] - motion[at + 11]), motion, at, True)
+    shift = pose.origin
+    return turn((p[0] - shift[0], p[1] - shift[1], p[2] - shift[2]), pose, True)
 
 
 @kernel(inline=True, internal=True)
@@ -146,55 +150,97 @@ def rounded_contacts(
     ta: int,
     tb: int,
     # motion
-    motion: NDArray[np.float64],
+    motion: RelativeMotion,
     radius: float,
     far: float,
     rounding: float,
     # list
-    moved: int,
     found: int,
-    room: int,
-    features: NDArray[np.int64],
-    numbers: NDArray[np.float64],
+    out: ContactList,
 ) -> int:
     """Report the contacts of all vertices and edges that two triangles own; see `contacts_of_pairs`."""
     points, triangles, edges = surfaces.points, surfaces.triangles, surfaces.edges
     for i in range(3):
         for j in range(3):
-            row_a, row_b = triangles[ta, i], triangles[tb, j]
-            edge_a, edge_b = triangles[ta, EDGE_AB + i], triangles[tb, EDGE_AB + j]
-            own_a, own_b = triangles[ta, FLAGS] & (OWNS_A << i), triangles[tb, FLAGS] & (OWNS_A << j)
-            own_edge_a = triangles[ta, FLAGS] & (OWNS_AB << i)
-            own_edge_b = triangles[tb, FLAGS] & (OWNS_AB << j)
+            row_a, row_b = triangles[ta].corners[i], triangles[tb].corners[j]
+            edge_a, edge_b = triangles[ta].edges[i], triangles[tb].edges[j]
+            own_a, own_b = triangles[ta].flags & (OWNS_A << i), triangles[tb].flags & (OWNS_A << j)
+            own_edge_a = triangles[ta].flags & (OWNS_AB << i)
+            own_edge_b = triangles[tb].flags & (OWNS_AB << j)
             a = fixed_point(points, row_a)
-            x0 = fixed_point(numbers, moved + j)
-            x1 = fixed_point(numbers, moved + 3 + j)
+            x0 = fixed_point(out.corners, j)
+            x1 = fixed_point(out.corners, 3 + j)
             for kind in range(VERTEX_EDGE, VERTEX_VERTEX + 1):
                 verdict, time, gap = NEITHER, 1.0, 0.0
                 feature_a, feature_b = row_a, row_b
                 if kind == VERTEX_EDGE and own_b and own_edge_a:
                     feature_a = edge_a
                     verdict, time, gap = judge_vertex_edge(
-                        points, edges, surfaces.vertex_first, surfaces.vertex_neighbours, surfaces.edge_first,
-                        surfaces.edge_inward, row_b, edge_a, motion, False, x0, x1, radius, far,
-                    )  # fmt: skip
+                        points,
+                        edges,
+                        surfaces.vertex_first,
+                        surfaces.vertex_neighbours,
+                        surfaces.edge_first,
+                        surfaces.edge_inward,
+                        row_b,
+                        edge_a,
+                        motion,
+                        False,
+                        x0,
+                        x1,
+                        radius,
+                        far,
+                    )
                 elif kind == EDGE_VERTEX and own_a and own_edge_b:
                     feature_b = edge_b
-                    y0, y1 = in_axes_of_b(a, motion, 0), in_axes_of_b(a, motion, 12)
+                    y0, y1 = in_axes_of_b(a, motion.start), in_axes_of_b(a, motion.end)
                     verdict, time, gap = judge_vertex_edge(
-                        points, edges, surfaces.vertex_first, surfaces.vertex_neighbours, surfaces.edge_first,
-                        surfaces.edge_inward, row_a, edge_b, motion, True, y0, y1, radius, far,
-                    )  # fmt: skip
+                        points,
+                        edges,
+                        surfaces.vertex_first,
+                        surfaces.vertex_neighbours,
+                        surfaces.edge_first,
+                        surfaces.edge_inward,
+                        row_a,
+                        edge_b,
+                        motion,
+                        True,
+                        y0,
+                        y1,
+                        radius,
+                        far,
+                    )
                 elif kind == VERTEX_VERTEX and own_a and own_b:
                     verdict, time, gap = judge_vertices(
-                        points, surfaces.vertex_first, surfaces.vertex_neighbours, row_a, row_b, motion,
-                        x0, x1, radius, far,
-                    )  # fmt: skip
+                        points,
+                        surfaces.vertex_first,
+                        surfaces.vertex_neighbours,
+                        row_a,
+                        row_b,
+                        motion,
+                        x0,
+                        x1,
+                        radius,
+                        far,
+                    )
                 if verdict != NEITHER:
                     found = report(
-                        points, edges, surfaces.normals, motion, kind, feature_a, feature_b, UNIQUE,
-                        verdict, time, 1.0, gap, rounding, found, room, features, numbers,
-                    )  # fmt: skip
+                        points,
+                        edges,
+                        surfaces.normals,
+                        motion,
+                        kind,
+                        feature_a,
+                        feature_b,
+                        UNIQUE,
+                        verdict,
+                        time,
+                        1.0,
+                        gap,
+                        rounding,
+                        found,
+                        out,
+                    )
                     if found < 0:
                         return found
     return found

@@ -7,40 +7,71 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from heavylift.contours.layout import COUNT_U, COUNT_V, DEGREE_U, DEGREE_V, LARGEST_DEGREE, NET, WEIGHTS
+from heavylift.contours.layout import LARGEST_DEGREE
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record, Vector
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["BASIS_V", "EVALUATION", "SCRATCH", "bicubic", "polynomial", "rational"]
+    from heavylift.contours.packed_contour import PackedContour
 
-EVALUATION = 18
-"""Numbers of one evaluation: S 0:3, S_u 3:6, S_v 6:9, S_uu 9:12, S_uv 12:15, S_vv 15:18."""
+__all__ = ["BASIS_V", "SCRATCH", "Evaluation", "bicubic", "polynomial", "rational"]
+
+
+class Evaluation(Record):
+    """A contour at one place (u, v).
+
+    Attributes
+    ----------
+    position
+        S [m].
+    tangent_u, tangent_v
+        First derivatives S_u, S_v by the parameters [m].
+    derivative_uu, derivative_uv, derivative_vv
+        Second derivatives S_uu, S_uv, S_vv [m].
+    """
+
+    position: Vector
+    tangent_u: Vector
+    tangent_v: Vector
+    derivative_uu: Vector
+    derivative_uv: Vector
+    derivative_vv: Vector
+
 
 BASIS_V = 3 * (LARGEST_DEGREE + 1)
-BASIS_W = 2 * BASIS_V
-ORDERS_U, ORDERS_V = (0, 1, 0, 2, 1, 0), (0, 0, 1, 0, 1, 2)
-"""Of the derivatives in an evaluation."""
 
-SCRATCH = 2 * BASIS_V + 6
-"""Length of the scratch array of the kernels here: the basis of u, that of v, the weight function."""
+SCRATCH = 2 * BASIS_V
+"""Length of the scratch array of the kernels here: the basis of u, that of v."""
+
+
+@kernel(inline=True, internal=True)
+def _clear(out: Evaluation) -> None:
+    """Begin sums."""
+    for k in range(3):
+        out.position[k] = 0.0
+        out.tangent_u[k] = 0.0
+        out.tangent_v[k] = 0.0
+        out.derivative_uu[k] = 0.0
+        out.derivative_uv[k] = 0.0
+        out.derivative_vv[k] = 0.0
 
 
 @kernel(inline=True, internal=True)
 def bicubic(
-    contour: NDArray[np.int64],
+    contour: PackedContour,
     net: NDArray[np.float64],
     start_u: int,
     start_v: int,
     scratch: NDArray[np.float64],
-    out: NDArray[np.float64],
+    out: Evaluation,
 ) -> None:
     """Sums over 4 x 4 control points, everything in registers."""
-    count_u = contour[COUNT_U]
-    count_v = contour[COUNT_V]
-    first = contour[NET]
+    count_u = contour.u.count
+    count_v = contour.v.count
+    first = contour.first_control
     c0 = start_v
     c1 = start_v + 1
     c2 = start_v + 2
@@ -73,33 +104,32 @@ def bicubic(
             su += d * a
             suv += d * b
             suu += scratch[8 + i] * a
-        out[k] = s
-        out[3 + k] = su
-        out[6 + k] = sv
-        out[9 + k] = suu
-        out[12 + k] = suv
-        out[15 + k] = svv
+        out.position[k] = s
+        out.tangent_u[k] = su
+        out.tangent_v[k] = sv
+        out.derivative_uu[k] = suu
+        out.derivative_uv[k] = suv
+        out.derivative_vv[k] = svv
 
 
 @kernel(internal=True)
 def polynomial(
-    contour: NDArray[np.int64],
+    contour: PackedContour,
     net: NDArray[np.float64],
     start_u: int,
     start_v: int,
     scratch: NDArray[np.float64],
-    out: NDArray[np.float64],
+    out: Evaluation,
 ) -> None:
     """Sums over the control points at any degrees."""
-    count_u = contour[COUNT_U]
-    count_v = contour[COUNT_V]
-    wide_u = contour[DEGREE_U] + 1
-    wide_v = contour[DEGREE_V] + 1
-    for k in range(EVALUATION):
-        out[k] = 0.0
+    count_u = contour.u.count
+    count_v = contour.v.count
+    wide_u = contour.u.degree + 1
+    wide_v = contour.v.degree + 1
+    _clear(out)
     for i in range(wide_u):
         row = start_u + i
-        row = contour[NET] + (row - count_u if row >= count_u else row) * count_v
+        row = contour.first_control + (row - count_u if row >= count_u else row) * count_v
         ax = ay = az = bx = by = bz = cx = cy = cz = 0.0
         for j in range(wide_v):
             column = start_v + j
@@ -120,71 +150,81 @@ def polynomial(
         n = scratch[i]
         d = scratch[wide_u + i]
         e = scratch[2 * wide_u + i]
-        out[0] += n * ax
-        out[1] += n * ay
-        out[2] += n * az
-        out[3] += d * ax
-        out[4] += d * ay
-        out[5] += d * az
-        out[6] += n * bx
-        out[7] += n * by
-        out[8] += n * bz
-        out[9] += e * ax
-        out[10] += e * ay
-        out[11] += e * az
-        out[12] += d * bx
-        out[13] += d * by
-        out[14] += d * bz
-        out[15] += n * cx
-        out[16] += n * cy
-        out[17] += n * cz
+        out.position[0] += n * ax
+        out.position[1] += n * ay
+        out.position[2] += n * az
+        out.tangent_u[0] += d * ax
+        out.tangent_u[1] += d * ay
+        out.tangent_u[2] += d * az
+        out.tangent_v[0] += n * bx
+        out.tangent_v[1] += n * by
+        out.tangent_v[2] += n * bz
+        out.derivative_uu[0] += e * ax
+        out.derivative_uu[1] += e * ay
+        out.derivative_uu[2] += e * az
+        out.derivative_uv[0] += d * bx
+        out.derivative_uv[1] += d * by
+        out.derivative_uv[2] += d * bz
+        out.derivative_vv[0] += n * cx
+        out.derivative_vv[1] += n * cy
+        out.derivative_vv[2] += n * cz
 
 
 @kernel(internal=True)
 def rational(
-    contour: NDArray[np.int64],
+    contour: PackedContour,
     weights: NDArray[np.float64],
     net: NDArray[np.float64],
     start_u: int,
     start_v: int,
     scratch: NDArray[np.float64],
-    out: NDArray[np.float64],
+    out: Evaluation,
 ) -> None:
     """Quotient of homogeneous sums (The NURBS Book, eq 4.20 for derivatives to order 2)."""
-    count_u = contour[COUNT_U]
-    count_v = contour[COUNT_V]
-    wide_u = contour[DEGREE_U] + 1
-    wide_v = contour[DEGREE_V] + 1
-    for k in range(EVALUATION):
-        out[k] = 0.0
-    for k in range(6):
-        scratch[BASIS_W + k] = 0.0
+    count_u = contour.u.count
+    count_v = contour.v.count
+    wide_u = contour.u.degree + 1
+    wide_v = contour.v.degree + 1
+    _clear(out)
+    w = wu = wv = wuu = wuv = wvv = 0.0
     for i in range(wide_u):
         row = start_u + i
         row = (row - count_u if row >= count_u else row) * count_v
         for j in range(wide_v):
             column = start_v + j
             local = row + (column - count_v if column >= count_v else column)
-            weight = weights[contour[WEIGHTS] + local]
-            for order in range(6):
-                along = scratch[ORDERS_U[order] * wide_u + i]
-                part = weight * along * scratch[BASIS_V + ORDERS_V[order] * wide_v + j]
-                scratch[BASIS_W + order] += part
-                for k in range(3):
-                    out[3 * order + k] += part * net[contour[NET] + local, k]
-    inverse = 1.0 / scratch[BASIS_W]
-    wu = scratch[BASIS_W + 1]
-    wv = scratch[BASIS_W + 2]
-    wuu = scratch[BASIS_W + 3]
-    wuv = scratch[BASIS_W + 4]
-    wvv = scratch[BASIS_W + 5]
+            weight = weights[contour.first_weight + local]
+            n = weight * scratch[i]
+            d = weight * scratch[wide_u + i]
+            e = weight * scratch[2 * wide_u + i]
+            part = n * scratch[BASIS_V + j]
+            part_u = d * scratch[BASIS_V + j]
+            part_v = n * scratch[BASIS_V + wide_v + j]
+            part_uu = e * scratch[BASIS_V + j]
+            part_uv = d * scratch[BASIS_V + wide_v + j]
+            part_vv = n * scratch[BASIS_V + 2 * wide_v + j]
+            w += part
+            wu += part_u
+            wv += part_v
+            wuu += part_uu
+            wuv += part_uv
+            wvv += part_vv
+            for k in range(3):
+                p = net[contour.first_control + local, k]
+                out.position[k] += part * p
+                out.tangent_u[k] += part_u * p
+                out.tangent_v[k] += part_v * p
+                out.derivative_uu[k] += part_uu * p
+                out.derivative_uv[k] += part_uv * p
+                out.derivative_vv[k] += part_vv * p
+    inverse = 1.0 / w
     for k in range(3):
-        s = out[k] * inverse
-        su = (out[3 + k] - wu * s) * inverse
-        sv = (out[6 + k] - wv * s) * inverse
-        out[k] = s
-        out[3 + k] = su
-        out[6 + k] = sv
-        out[9 + k] = (out[9 + k] - 2.0 * wu * su - wuu * s) * inverse
-        out[12 + k] = (out[12 + k] - wu * sv - wv * su - wuv * s) * inverse
-        out[15 + k] = (out[15 + k] - 2.0 * wv * sv - wvv * s) * inverse
+        s = out.position[k] * inverse
+        su = (out.tangent_u[k] - wu * s) * inverse
+        sv = (out.tangent_v[k] - wv * s) * inverse
+        out.position[k] = s
+        out.tangent_u[k] = su
+        out.tangent_v[k] = sv
+        out.derivative_uu[k] = (out.derivative_uu[k] - 2.0 * wu * su - wuu * s) * inverse
+        out.derivative_uv[k] = (out.derivative_uv[k] - wu * sv - wv * su - wuv * s) * inverse
+        out.derivative_vv[k] = (out.derivative_vv[k] - 2.0 * wv * sv - wvv * s) * inverse

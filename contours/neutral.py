@@ -18,8 +18,9 @@ from heavylift.contours.interpolation import (
     parameters_along,
     parameters_averaged,
 )
-from heavylift.contours.layout import CONTOUR_WIDTH
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.contours.spaces import SplineSpace
+    from heavylift.numerics.records import Records
 
 __all__ = ["NeutralContour", "neutral_curve", "neutral_surface", "packed"]
 
@@ -221,7 +223,7 @@ def neutral_surface(
 
 def packed(
     contours: Sequence[NeutralContour],
-) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Records[PackedContour], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Contours as arrays for kernels.
 
     Parameters
@@ -232,24 +234,23 @@ def packed(
     Returns
     -------
     tuple
-        Rows of `heavylift.contours.layout`, shape (n, CONTOUR_WIDTH); knots of all; rational weights of those that
+        Records of the contours, shape (n,); knots of all; rational weights of those that
         have any; undeformed control points of all [m], shape (points, 3).
     """
-    table = np.zeros((len(contours), CONTOUR_WIDTH), dtype=np.int64)
+    table = records(PackedContour, len(contours))
     knots: list[NDArray[np.float64]] = []
     weights: list[NDArray[np.float64]] = []
     knot_count = weight_count = point_count = 0
     for row, contour in zip(table, contours, strict=True):
-        entries = []
-        for space in contour.spaces:
-            entries += [space.degree, space.count, int(space.closed), knot_count]
+        for direction, space in zip((row.u, row.v), contour.spaces, strict=False):
+            direction.degree, direction.count, direction.closed = space.degree, space.count, space.closed
+            direction.first_knot = knot_count
             knots.append(space.knots)
             knot_count += space.knots.size
         if not contour.is_surface:
-            entries += [0, 1, 0, knot_count]
-        row[:8] = entries
-        row[8] = point_count
-        row[9] = weight_count if contour.weights.size else -1
+            row.v.count, row.v.first_knot = 1, knot_count
+        row.first_control = point_count
+        row.first_weight = weight_count if contour.weights.size else -1
         weights.append(contour.weights)
         weight_count += contour.weights.size
         point_count += len(contour.control)

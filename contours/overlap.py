@@ -12,18 +12,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from heavylift.contours.feature_gap import fixed_point, moved_point
+from heavylift.contours.feature_gap import fixed_point, moved, moved_point
 from heavylift.contours.feature_judge import between, dot, inside_face, minus, turn
-from heavylift.contours.surface_layout import (
-    BOX_CENTRE,
-    BOX_HALF,
-    FLAGS,
-    IS_FACE,
-    NODE_COUNT,
-    NODE_FIRST,
-    NODE_LEFT,
-    ROOT_NODE,
-)
+from heavylift.contours.surface_layout import IS_FACE, pose_of
 from heavylift.contours.surface_tree import tree_depth
 from heavylift.contours.triangle_distance import point_triangle, segment_segment
 from heavylift.numerics.jit import kernel
@@ -33,8 +24,10 @@ from heavylift.numerics.small import cross
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from heavylift.contours.surface_layout import BoundingBox, RelativePose
     from heavylift.contours.surface_pack import CollisionSurfaces
     from heavylift.numerics.arrays import Floats1, Ints1, Ints2
+    from heavylift.numerics.records import Records
 
 __all__ = ["Overlap", "find_overlap"]
 
@@ -79,27 +72,25 @@ def find_overlap(surfaces: CollisionSurfaces, a: int, b: int, R: ArrayLike, p: A
     R, p
         Rotation, shape (3, 3), and position [m], shape (3,), of B in the axes of A: ``x_A = R x_B + p``.
     """
-    pose = np.concatenate([np.ravel(np.asarray(R, dtype=np.float64)), np.asarray(p, dtype=np.float64)])
-    depths = [tree_depth(surfaces.nodes, int(surfaces.surfaces[s, ROOT_NODE])) for s in (a, b)]
+    depths = [tree_depth(surfaces.nodes, int(surfaces.surfaces[s].root)) for s in (a, b)]
     stack = np.zeros((4 + 3 * sum(depths), 2), dtype=np.int64)
     triangles = np.full(2, -1, dtype=np.int64)
     found = np.zeros(4)
-    deepest_overlap(surfaces, a, b, pose, stack, triangles, found)
+    deepest_overlap(surfaces, a, b, pose_of(R, p), stack, triangles, found)
     return Overlap(int(triangles[0]), int(triangles[1]), float(found[0]), found[1:].copy())
 
 
 @kernel(inline=True, internal=True)
 def _far_apart(
-    boxes: NDArray[np.float64], node_a: int, node_b: int, pose: NDArray[np.float64], margin: float
+    boxes: Records[BoundingBox], node_a: int, node_b: int, pose: RelativePose, margin: float
 ) -> bool:
     """Whether a box of A and a turned box of B are clear of each other along the axes of A."""
-    cx, cy, cz = moved_point(boxes, node_b, pose, 0)
-    hx, hy, hz = boxes[node_b, BOX_HALF], boxes[node_b, BOX_HALF + 1], boxes[node_b, BOX_HALF + 2]
-    centre = (cx, cy, cz)
+    R, place, reach = pose.rotation, boxes[node_b].centre, boxes[node_b].half
+    centre = moved((place[0], place[1], place[2]), pose)
     for k in range(3):
-        half = abs(pose[3 * k]) * hx + abs(pose[3 * k + 1]) * hy + abs(pose[3 * k + 2]) * hz
-        distance = abs(centre[k] - boxes[node_a, BOX_CENTRE + k])
-        if distance > half + boxes[node_a, BOX_HALF + k] + margin:
+        half = abs(R[3 * k]) * reach[0] + abs(R[3 * k + 1]) * reach[1] + abs(R[3 * k + 2]) * reach[2]
+        distance = abs(centre[k] - boxes[node_a].centre[k])
+        if distance > half + boxes[node_a].half[k] + margin:
             return True
     return False
 
@@ -179,7 +170,7 @@ def deepest_overlap(
     surface_a: int,
     surface_b: int,
     # state
-    pose: Floats1,
+    pose: RelativePose,
     # scratch
     stack: Ints2,
     # out
@@ -190,15 +181,15 @@ def deepest_overlap(
     nodes, boxes = surfaces.nodes, surfaces.boxes
     radius = surfaces.radii[surface_a] + surfaces.radii[surface_b]
     found[0] = TOUCHING * max(min(surfaces.reaches[surface_a], surfaces.reaches[surface_b]), radius)
-    stack[0, 0] = surfaces.surfaces[surface_a, ROOT_NODE]
-    stack[0, 1] = surfaces.surfaces[surface_b, ROOT_NODE]
+    stack[0, 0] = surfaces.surfaces[surface_a].root
+    stack[0, 1] = surfaces.surfaces[surface_b].root
     waiting = 1
     while waiting > 0:
         waiting -= 1
         node_a, node_b = stack[waiting, 0], stack[waiting, 1]
         if _far_apart(boxes, node_a, node_b, pose, radius):
             continue
-        left_a, left_b = nodes[node_a, NODE_LEFT], nodes[node_b, NODE_LEFT]
+        left_a, left_b = nodes[node_a].left, nodes[node_b].left
         if left_a >= 0 and (left_b < 0 or _size(boxes, node_a) >= _size(boxes, node_b)):
             for child in range(2):
                 stack[waiting, 0], stack[waiting, 1] = left_a + child, node_b
@@ -208,18 +199,19 @@ def deepest_overlap(
                 stack[waiting, 0], stack[waiting, 1] = node_a, left_b + child
                 waiting += 1
         else:
-            first_a, first_b = nodes[node_a, NODE_FIRST], nodes[node_b, NODE_FIRST]
-            for ta in range(first_a, first_a + nodes[node_a, NODE_COUNT]):
-                for tb in range(first_b, first_b + nodes[node_b, NODE_COUNT]):
+            first_a, first_b = nodes[node_a].first, nodes[node_b].first
+            for ta in range(first_a, first_a + nodes[node_a].count):
+                for tb in range(first_b, first_b + nodes[node_b].count):
                     _compare(surfaces, ta, tb, radius, pose, triangles, found)
     if triangles[0] < 0:
         found[0] = 0.0
 
 
 @kernel(inline=True, internal=True)
-def _size(boxes: NDArray[np.float64], node: int) -> float:
+def _size(boxes: Records[BoundingBox], node: int) -> float:
     """Sum of the half lengths of a box [m]."""
-    return boxes[node, BOX_HALF] + boxes[node, BOX_HALF + 1] + boxes[node, BOX_HALF + 2]
+    half = boxes[node].half
+    return half[0] + half[1] + half[2]
 
 
 @kernel(inline=True, internal=True)
@@ -228,22 +220,22 @@ def _compare(
     ta: int,
     tb: int,
     radius: float,
-    pose: NDArray[np.float64],
+    pose: RelativePose,
     triangles: NDArray[np.int64],
     found: NDArray[np.float64],
 ) -> None:
     """Keep the overlap of two triangles if it is deeper than the one found so far."""
     points, rows, normals = surfaces.points, surfaces.triangles, surfaces.normals
-    a = fixed_point(points, rows[ta, 0])
-    b = fixed_point(points, rows[ta, 1])
-    c = fixed_point(points, rows[ta, 2])
-    p = moved_point(points, rows[tb, 0], pose, 0)
-    q = moved_point(points, rows[tb, 1], pose, 0)
-    r = moved_point(points, rows[tb, 2], pose, 0)
+    a = fixed_point(points, rows[ta].corners[0])
+    b = fixed_point(points, rows[ta].corners[1])
+    c = fixed_point(points, rows[ta].corners[2])
+    p = moved_point(points, rows[tb].corners[0], pose)
+    q = moved_point(points, rows[tb].corners[1], pose)
+    r = moved_point(points, rows[tb].corners[2], pose)
     n = fixed_point(normals, ta)
-    m = turn(fixed_point(normals, tb), pose, 0, False)
+    m = turn(fixed_point(normals, tb), pose, False)
     through, place = False, a
-    if rows[tb, FLAGS] & IS_FACE and rows[ta, FLAGS] & IS_FACE:
+    if rows[tb].flags & IS_FACE and rows[ta].flags & IS_FACE:
         for k in range(3):
             if not through:
                 e, f = (p, q) if k == 0 else ((q, r) if k == 1 else (r, p))

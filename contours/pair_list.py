@@ -8,27 +8,16 @@ is linear in the position.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
+from numpy.typing import NDArray
 
-from heavylift.contours.surface_layout import (
-    BOX_HALF,
-    BOX_WIDTH,
-    FIRST_TRIANGLE,
-    MOTION_WIDTH,
-    PAIR_CAPACITY,
-    PAIR_COUNT,
-    PAIR_FIRST,
-    PAIR_SURFACE_A,
-    PAIR_SURFACE_B,
-    PAIR_WIDTH,
-    ROOT_NODE,
-    TRIANGLE_COUNT,
-)
+from heavylift.contours.surface_layout import BoundingBox, PairList, RelativeMotion
 from heavylift.contours.surface_tree import tree_depth
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
+from heavylift.numerics.arrays import Arrays, Floats2, Ints1, Ints2
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Record, Records, records
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,15 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FRAME_WIDTH",
-    "LIST_BOX",
-    "LIST_PATH",
-    "LIST_SHARE",
-    "LIST_SIZE",
-    "LIST_SLACK",
-    "LIST_START",
-    "LIST_TRAVEL",
-    "LIST_TRAVEL_LATEST",
-    "LIST_WIDTH",
+    "ListMemory",
     "PairLists",
     "make_pair_lists",
 ]
@@ -53,16 +34,37 @@ __all__ = [
 FRAME_WIDTH = 12
 """A box of B in the axes of A: its centre, and its three half axes [m]."""
 
-# what a list remembers: box around B in its own axes (centre, half lengths); where that box began its path in the axes
-# of A, and how far it was to go; distance within which all pairs are listed, without the radii; ways that points had
-# gone in refits when the list was made, and when it was last asked for; mean size of the smaller triangles; share of
-# the margin that the capacity allows
-LIST_BOX = 0
-LIST_START = BOX_WIDTH
-LIST_PATH = LIST_START + FRAME_WIDTH
-LIST_SLACK = LIST_PATH + FRAME_WIDTH
-LIST_TRAVEL, LIST_TRAVEL_LATEST, LIST_SIZE, LIST_SHARE = range(LIST_SLACK + 1, LIST_SLACK + 5)
-LIST_WIDTH = LIST_SLACK + 5
+Frame = Annotated[NDArray[np.float64], (FRAME_WIDTH,)]
+
+
+class ListMemory(Record):
+    """What a list remembers of its making.
+
+    Attributes
+    ----------
+    box
+        Box around B in its own axes: centre and half lengths [m].
+    start, path
+        Where that box began its path in the axes of A, and how far it was to go [m].
+    slack
+        Distance within which all pairs are listed, without the radii [m].
+    travel, travel_latest
+        Ways that points had gone in refits when the list was made, and when it was last asked for [m].
+    mean_size
+        Of the smaller triangles [m].
+    share
+        Share of the margin that the capacity allows.
+    """
+
+    box: BoundingBox
+    start: Frame
+    path: Frame
+    slack: float
+    travel: float
+    travel_latest: float
+    mean_size: float
+    share: float
+
 
 LEAST_CAPACITY = 131072
 PAIRS_PER_TRIANGLE = 24
@@ -77,30 +79,30 @@ class PairLists(Arrays):
     pairs
         Triangles of surface A and B, shape (capacity, 2); the lists of all pairs of surfaces one after another.
     table
-        Shape (np, 6), see `surface_layout`.
+        Of each pair of surfaces, shape (np,).
     values
-        What each list remembers of its making, shape (np, 35).
+        What each list remembers of its making.
     stack, stack_boxes
-        Nodes of A and B that are still to be compared, shape (m, 2), and the swept box of that of B, shape (m, 6).
+        Nodes of A and B that are still to be compared, shape (m, 2), and the swept box of that of B, shape (m,).
     swept_boxes, swept_marks
-        Swept boxes of triangles of B, shape (k, 6), and the search in which each was written, shape (k,).
+        Swept boxes of triangles of B, and the search in which each was written, shape (k,).
     searches
         Number of searches so far, shape (1,).
     path
-        Poses of B at the ends of the path that is searched, laid out as a motion, shape (24,).
+        That is searched.
     frames
         Box around B at both ends of the interval, shape (2, 12).
     """
 
     pairs: Ints2
-    table: Ints2
-    values: Floats2
+    table: Records[PairList]
+    values: Records[ListMemory]
     stack: Ints2
-    stack_boxes: Floats2
-    swept_boxes: Floats2
+    stack_boxes: Records[BoundingBox]
+    swept_boxes: Records[BoundingBox]
     swept_marks: Ints1
     searches: Ints1
-    path: Floats1
+    path: RelativeMotion
     frames: Floats2
 
 
@@ -128,10 +130,10 @@ def make_pair_lists(
         raise InputError(
             f"{capacity}", source="pair lists", key="capacity", expected="at least one place for each pair"
         )
-    table = np.zeros((len(pairs), PAIR_WIDTH), dtype=np.int64)
-    values = np.zeros((len(pairs), LIST_WIDTH))
+    table = records(PairList, len(pairs))
+    values = records(ListMemory, len(pairs))
     sizes = [_mean_size(surfaces, s) for s in range(count)]
-    depths = [tree_depth(surfaces.nodes, int(row[ROOT_NODE])) for row in surfaces.surfaces]
+    depths = [tree_depth(surfaces.nodes, int(row.root)) for row in surfaces.surfaces]
     first = 0
     for i, (a, b) in enumerate(pairs):
         if not (0 <= a < count and 0 <= b < count and a != b):
@@ -141,34 +143,34 @@ def make_pair_lists(
                 key=f"pair {i + 1}",
                 expected=f"two different numbers from 0 to {count - 1}",
             )
-        rows = [int(surfaces.surfaces[s, TRIANGLE_COUNT]) for s in (a, b)]
+        rows = [int(surfaces.surfaces[s].triangle_count) for s in (a, b)]
         most = capacity or max(LEAST_CAPACITY, PAIRS_PER_TRIANGLE * sum(rows))
         most = min(most, rows[0] * rows[1])
-        table[i, [PAIR_SURFACE_A, PAIR_SURFACE_B]] = a, b
-        table[i, [PAIR_FIRST, PAIR_CAPACITY, PAIR_COUNT]] = first, most, -1
-        values[i, LIST_SIZE] = min(sizes[a], sizes[b])
-        values[i, LIST_SHARE] = 1.0
+        table[i].surface_a, table[i].surface_b = a, b
+        table[i].first, table[i].capacity, table[i].count = first, most, -1
+        values[i].mean_size = min(sizes[a], sizes[b])
+        values[i].share = 1.0
         first += most
     # every pair of nodes taken from the stack puts at most two back, one level deeper
     deepest = max((depths[a] + depths[b] for a, b in pairs), default=0) + 2
-    longest = max((int(surfaces.surfaces[b, TRIANGLE_COUNT]) for _, b in pairs), default=0)
+    longest = max((int(surfaces.surfaces[b].triangle_count) for _, b in pairs), default=0)
     return PairLists(
         pairs=np.zeros((first, 2), dtype=np.int64),
         table=table,
         values=values,
         stack=np.zeros((deepest, 2), dtype=np.int64),
-        stack_boxes=np.zeros((deepest, BOX_WIDTH)),
-        swept_boxes=np.zeros((longest, BOX_WIDTH)),
+        stack_boxes=records(BoundingBox, deepest),
+        swept_boxes=records(BoundingBox, longest),
         swept_marks=np.zeros(longest, dtype=np.int64),
         searches=np.zeros(1, dtype=np.int64),
-        path=np.zeros(MOTION_WIDTH),
+        path=RelativeMotion.one(),
         frames=np.zeros((2, FRAME_WIDTH)),
     )
 
 
 def _mean_size(surfaces: CollisionSurfaces, surface: int) -> float:
     """Mean diagonal of the boxes of the triangles of a surface, with its rounding [m]."""
-    first = surfaces.surfaces[surface, FIRST_TRIANGLE]
-    rows = slice(first, first + surfaces.surfaces[surface, TRIANGLE_COUNT])
-    halves = surfaces.triangle_boxes[rows, BOX_HALF:]
+    first = surfaces.surfaces[surface].first_triangle
+    rows = slice(first, first + surfaces.surfaces[surface].triangle_count)
+    halves = surfaces.triangle_boxes["half"][rows]
     return float(2.0 * np.linalg.norm(halves, axis=1).mean() + 2.0 * surfaces.radii[surface])

@@ -20,34 +20,8 @@ from heavylift.contours.box_sweep import (
     swept_triangle,
     write_box,
 )
-from heavylift.contours.pair_list import (
-    FRAME_WIDTH,
-    LIST_BOX,
-    LIST_PATH,
-    LIST_SHARE,
-    LIST_SIZE,
-    LIST_SLACK,
-    LIST_START,
-    LIST_TRAVEL,
-    LIST_TRAVEL_LATEST,
-)
-from heavylift.contours.surface_layout import (
-    BOX_WIDTH,
-    FIRST_TRIANGLE,
-    MOTION_P0,
-    MOTION_R0,
-    MOTION_R1,
-    NODE_COUNT,
-    NODE_FIRST,
-    NODE_LEFT,
-    PAIR_CAPACITY,
-    PAIR_COUNT,
-    PAIR_FIRST,
-    PAIR_SURFACE_A,
-    PAIR_SURFACE_B,
-    PAIR_TRAVERSALS,
-    ROOT_NODE,
-)
+from heavylift.contours.feature_gap import copy_pose
+from heavylift.contours.pair_list import FRAME_WIDTH
 from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
@@ -55,8 +29,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.contours.box_sweep import Box
-    from heavylift.contours.pair_list import PairLists
+    from heavylift.contours.pair_list import ListMemory, PairLists
+    from heavylift.contours.surface_layout import BoundingBox, RelativeMotion, TreeNode, Triangle
     from heavylift.contours.surface_pack import CollisionSurfaces
+    from heavylift.numerics.records import Records
 
 __all__ = ["refresh_pairs"]
 
@@ -83,7 +59,7 @@ ROUNDING = 1e-14
 
 @kernel(internal=True)
 def refresh_pairs(
-    surfaces: CollisionSurfaces, lists: PairLists, pair: int, motion: NDArray[np.float64], reach: float
+    surfaces: CollisionSurfaces, lists: PairLists, pair: int, motion: RelativeMotion, reach: float
 ) -> int:
     """Make sure that a list holds all triangle pairs that can come within reach of each other during a motion.
 
@@ -94,8 +70,7 @@ def refresh_pairs(
     pair
         Row of the pair of surfaces in the table of the lists.
     motion
-        Of surface B in the axes of A: ``R0`` (row by row), ``p0``, ``R1``, ``p1`` with ``x_A = R x_B + p`` [m] at the
-        start and at the end, shape (24,). Points move straight between the two.
+        Of surface B in the axes of A.
     reach
         Distance [m] beyond the radii.
 
@@ -110,56 +85,56 @@ def refresh_pairs(
     A point of B at distance r from the origin of its axes leaves the straight line by up to ``r (1 - cos(theta / 2))``,
     about ``r theta^2 / 8``, if B turns about that origin by the angle theta: this counts as reach.
     """
-    table = lists.table
-    values = lists.values
+    listed = lists.table[pair]
+    memory = lists.values[pair]
     frames = lists.frames
-    a = table[pair, PAIR_SURFACE_A]
-    b = table[pair, PAIR_SURFACE_B]
+    a = listed.surface_a
+    b = listed.surface_b
     travel = surfaces.travels[a] + surfaces.travels[b]
-    root_a = surfaces.surfaces[a, ROOT_NODE]
-    root_b = surfaces.surfaces[b, ROOT_NODE]
+    root_a = surfaces.surfaces[a].root
+    root_b = surfaces.surfaces[b].root
     boxes = surfaces.boxes
     need = reach + _chord_height(motion, surfaces.reaches[b])
-    if table[pair, PAIR_COUNT] >= 0:
-        _place_box(values, pair, motion, frames)
-        moved = max(_off_path(values, pair, frames, 0), _off_path(values, pair, frames, 1))
-        if moved + travel - values[pair, LIST_TRAVEL] + need <= values[pair, LIST_SLACK]:
-            values[pair, LIST_TRAVEL_LATEST] = travel
-            return table[pair, PAIR_COUNT]
+    if listed.count >= 0:
+        _place_box(memory, motion, frames)
+        moved = max(_off_path(memory, frames, 0), _off_path(memory, frames, 1))
+        if moved + travel - memory.travel + need <= memory.slack:
+            memory.travel_latest = travel
+            return listed.count
 
-    for k in range(BOX_WIDTH):
-        values[pair, LIST_BOX + k] = boxes[root_b, k]
-    _place_box(values, pair, motion, frames)
+    for k in range(3):
+        memory.box.centre[k] = boxes[root_b].centre[k]
+        memory.box.half[k] = boxes[root_b].half[k]
+    _place_box(memory, motion, frames)
     for k in range(FRAME_WIDTH):
-        values[pair, LIST_START + k] = frames[0, k]
-        values[pair, LIST_PATH + k] = frames[1, k] - frames[0, k]
-    step = _farthest_corner(values, pair, LIST_PATH)
-    refitted = travel - values[pair, LIST_TRAVEL_LATEST]
-    values[pair, LIST_TRAVEL] = travel
-    values[pair, LIST_TRAVEL_LATEST] = travel
-    size = values[pair, LIST_SIZE]
+        memory.start[k] = frames[0, k]
+        memory.path[k] = frames[1, k] - frames[0, k]
+    step = _farthest_corner(memory.path)
+    refitted = travel - memory.travel_latest
+    memory.travel = travel
+    memory.travel_latest = travel
+    size = memory.mean_size
     margin = min(MARGIN_STEPS * step + PATH_STEPS * refitted, LARGEST_MARGIN * size)
     margin = max(margin, LEAST_MARGIN * size)
     path = lists.path
-    for k in range(MOTION_R1):
-        path[k] = motion[k]
-        path[MOTION_R1 + k] = motion[MOTION_R1 + k]
+    copy_pose(motion.start, path.start)
+    copy_pose(motion.end, path.end)
     root = swept_box(path, box_at(boxes, root_b))
     inner = surfaces.radii[a] + surfaces.radii[b] + ROUNDING * (extent(root) + extent(box_at(boxes, root_a)))
     gap = math.sqrt(squared_gap(root, box_at(boxes, root_a))) - inner
     if gap > need + margin:
-        values[pair, LIST_SLACK] = gap
-        table[pair, PAIR_COUNT] = 0
+        memory.slack = gap
+        listed.count = 0
         return 0
 
     ahead = min((PATH_STEPS - 1.0) * step, LONGEST_PATH * size) / step if step > 0.0 else 0.0
-    share = values[pair, LIST_SHARE]
-    table[pair, PAIR_TRAVERSALS] += 1
+    share = memory.share
+    listed.traversals += 1
     while True:
         slack = need + share * margin
         longer = 1.0 + share * ahead
-        for k in range(MOTION_R1):
-            path[MOTION_R1 + k] = motion[k] + longer * (motion[MOTION_R1 + k] - motion[k])
+        _extend(motion.start.rotation, motion.end.rotation, longer, path.end.rotation)
+        _extend(motion.start.origin, motion.end.origin, longer, path.end.origin)
         lists.searches[0] += 1
         count = _search(
             surfaces.points,
@@ -169,13 +144,13 @@ def refresh_pairs(
             surfaces.triangle_boxes,
             root_a,
             root_b,
-            surfaces.surfaces[b, FIRST_TRIANGLE],
+            surfaces.surfaces[b].first_triangle,
             path,
             inner + slack,
             lists.searches[0],
             lists.pairs,
-            table[pair, PAIR_FIRST],
-            table[pair, PAIR_CAPACITY],
+            listed.first,
+            listed.capacity,
             lists.stack,
             lists.stack_boxes,
             lists.swept_boxes,
@@ -185,24 +160,24 @@ def refresh_pairs(
             break
         share = 0.5 * share if share > LEAST_SHARE else 0.0
     for k in range(FRAME_WIDTH):
-        values[pair, LIST_PATH + k] *= longer
-    values[pair, LIST_SHARE] = min(1.0, max(LEAST_SHARE, 2.0 * share))
-    values[pair, LIST_SLACK] = slack
-    table[pair, PAIR_COUNT] = count
+        memory.path[k] *= longer
+    memory.share = min(1.0, max(LEAST_SHARE, 2.0 * share))
+    memory.slack = slack
+    listed.count = count
     return count
 
 
 @kernel(internal=True)
 def _search(
     points: NDArray[np.float64],
-    triangles: NDArray[np.int64],
-    nodes: NDArray[np.int64],
-    boxes: NDArray[np.float64],
-    triangle_boxes: NDArray[np.float64],
+    triangles: Records[Triangle],
+    nodes: Records[TreeNode],
+    boxes: Records[BoundingBox],
+    triangle_boxes: Records[BoundingBox],
     root_a: int,
     root_b: int,
     first_b: int,
-    path: NDArray[np.float64],
+    path: RelativeMotion,
     distance: float,
     mark: int,
     # out
@@ -211,8 +186,8 @@ def _search(
     capacity: int,
     # scratch
     stack: NDArray[np.int64],
-    stack_boxes: NDArray[np.float64],
-    swept_boxes: NDArray[np.float64],
+    stack_boxes: Records[BoundingBox],
+    swept_boxes: Records[BoundingBox],
     swept_marks: NDArray[np.int64],
 ) -> int:
     """List the triangles whose boxes, those of B swept, come within a distance; -1 if there are too many."""
@@ -227,8 +202,8 @@ def _search(
         b = stack[top, 1]
         box_b = box_at(stack_boxes, top)
         box_a = box_at(boxes, a)
-        left_a = nodes[a, NODE_LEFT]
-        left_b = nodes[b, NODE_LEFT]
+        left_a = nodes[a].left
+        left_b = nodes[b].left
         if left_a >= 0 and (left_b < 0 or is_larger(box_a, box_at(boxes, b))):
             for child in range(left_a, left_a + 2):
                 if near(box_b, box_at(boxes, child), distance):
@@ -239,9 +214,9 @@ def _search(
                 if near(box, box_a, distance):
                     top = _push(stack, stack_boxes, top, a, child, box)
         else:
-            first = nodes[a, NODE_FIRST]
-            end = first + nodes[a, NODE_COUNT]
-            for j in range(nodes[b, NODE_FIRST], nodes[b, NODE_FIRST] + nodes[b, NODE_COUNT]):
+            first = nodes[a].first
+            end = first + nodes[a].count
+            for j in range(nodes[b].first, nodes[b].first + nodes[b].count):
                 local = j - first_b
                 if swept_marks[local] != mark:
                     swept_marks[local] = mark
@@ -259,12 +234,21 @@ def _search(
     return count
 
 
+@kernel(inline=True, internal=True)
+def _extend(
+    start: NDArray[np.float64], end: NDArray[np.float64], factor: float, out: NDArray[np.float64]
+) -> None:
+    """``start + factor (end - start)``."""
+    for k in range(out.shape[0]):
+        out[k] = start[k] + factor * (end[k] - start[k])
+
+
 @kernel(internal=True)
-def _chord_height(motion: NDArray[np.float64], radius: float) -> float:
+def _chord_height(motion: RelativeMotion, radius: float) -> float:
     """Distance between arc and chord at a radius, ``r (1 - cos(theta / 2))`` [m]."""
     difference = 0.0
     for k in range(9):
-        change = motion[MOTION_R1 + k] - motion[MOTION_R0 + k]
+        change = motion.end.rotation[k] - motion.start.rotation[k]
         difference += change * change
     # of two rotations apart by theta: 8 sin^2(theta / 2)
     sine2 = min(1.0, 0.125 * difference)
@@ -272,42 +256,40 @@ def _chord_height(motion: NDArray[np.float64], radius: float) -> float:
 
 
 @kernel(internal=True)
-def _place_box(
-    values: NDArray[np.float64], pair: int, motion: NDArray[np.float64], frames: NDArray[np.float64]
-) -> None:
+def _place_box(memory: ListMemory, motion: RelativeMotion, frames: NDArray[np.float64]) -> None:
     """Centre and half axes of the remembered box of B in the axes of A, at the start and at the end."""
     for end in range(2):
-        start = MOTION_R1 * end
+        pose = motion.start if end == 0 else motion.end
         for i in range(3):
-            centre = motion[start + MOTION_P0 + i]
+            centre = pose.origin[i]
             for k in range(3):
-                entry = motion[start + 3 * i + k]
-                centre += entry * values[pair, LIST_BOX + k]
-                frames[end, 3 + 3 * k + i] = entry * values[pair, LIST_BOX + 3 + k]
+                entry = pose.rotation[3 * i + k]
+                centre += entry * memory.box.centre[k]
+                frames[end, 3 + 3 * k + i] = entry * memory.box.half[k]
             frames[end, i] = centre
 
 
 @kernel(internal=True)
-def _off_path(values: NDArray[np.float64], pair: int, frames: NDArray[np.float64], end: int) -> float:
+def _off_path(memory: ListMemory, frames: NDArray[np.float64], end: int) -> float:
     """Bound on how far points of B are from where they were at the nearest place of the remembered path [m]."""
     along = 0.0
     squared = 0.0
     for k in range(FRAME_WIDTH):
-        way = values[pair, LIST_PATH + k]
-        along += way * (frames[end, k] - values[pair, LIST_START + k])
+        way = memory.path[k]
+        along += way * (frames[end, k] - memory.start[k])
         squared += way * way
     s = min(1.0, max(0.0, along / squared)) if squared > 0.0 else 0.0
     for k in range(FRAME_WIDTH):
-        frames[end, k] -= values[pair, LIST_START + k] + s * values[pair, LIST_PATH + k]
-    return _farthest_corner(frames, end, 0)
+        frames[end, k] -= memory.start[k] + s * memory.path[k]
+    return _farthest_corner(frames[end])
 
 
 @kernel(internal=True)
-def _farthest_corner(table: NDArray[np.float64], row: int, first: int) -> float:
+def _farthest_corner(frame: NDArray[np.float64]) -> float:
     """Longest of the vectors ``v +- u1 +- u2 +- u3`` [m], with v and the three u one after another."""
     vv = 0.0
     for k in range(3):
-        vv += table[row, first + k] * table[row, first + k]
+        vv += frame[k] * frame[k]
     longest = 0.0
     for signs in range(4):
         second = 1.0 if signs & 1 else -1.0
@@ -315,12 +297,8 @@ def _farthest_corner(table: NDArray[np.float64], row: int, first: int) -> float:
         vw = 0.0
         ww = 0.0
         for k in range(3):
-            w = (
-                table[row, first + 3 + k]
-                + second * table[row, first + 6 + k]
-                + third * table[row, first + 9 + k]
-            )
-            vw += table[row, first + k] * w
+            w = frame[3 + k] + second * frame[6 + k] + third * frame[9 + k]
+            vw += frame[k] * w
             ww += w * w
         longest = max(longest, ww + 2.0 * abs(vw))
     return math.sqrt(vv + longest)
@@ -328,7 +306,7 @@ def _farthest_corner(table: NDArray[np.float64], row: int, first: int) -> float:
 
 @kernel(inline=True, internal=True)
 def _push(
-    stack: NDArray[np.int64], stack_boxes: NDArray[np.float64], top: int, a: int, b: int, box: Box
+    stack: NDArray[np.int64], stack_boxes: Records[BoundingBox], top: int, a: int, b: int, box: Box
 ) -> int:
     """Put two nodes on the stack; returns its new height."""
     stack[top, 0] = a

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.contours.basis import find_span, write_basis
-from heavylift.contours.layout import COUNT_U, COUNT_V, DEGREE_U, DEGREE_V, LARGEST_DEGREE, NET, WEIGHTS
+from heavylift.contours.layout import LARGEST_DEGREE
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from heavylift.contours.packed_contour import PackedContour
     from heavylift.contours.spaces import SplineSpace
     from heavylift.numerics.arrays import Floats1, Floats2, Ints1
 
@@ -100,7 +101,7 @@ def sample_grid(spaces: tuple[SplineSpace, ...], per_piece: int = 2) -> SampleGr
 
 @entry
 def sample_points(
-    contour: Ints1,
+    contour: PackedContour,
     weights: Floats1,
     net: Floats2,
     first_u: Ints1,
@@ -115,7 +116,7 @@ def sample_points(
     Parameters
     ----------
     contour, weights, net
-        Packed row, rational weights, control points [m], all of them formed.
+        Packed contour, rational weights, control points [m], all of them formed.
     first_u, first_v, basis_u, basis_v
         Of a `SampleGrid` of a x b samples.
     across
@@ -129,8 +130,9 @@ def sample_points(
         Reach of a sample [m]: three quarters of its largest distance to the next one in u plus that in v, of which it
         represents one half.
     """
-    count_u, count_v = contour[COUNT_U], contour[COUNT_V]
-    wide_u, wide_v = contour[DEGREE_U] + 1, contour[DEGREE_V] + 1
+    count_u, count_v = contour.u.count, contour.v.count
+    wide_u, wide_v = contour.u.degree + 1, contour.v.degree + 1
+    first_weight, first_control = contour.first_weight, contour.first_control
     a, b = first_u.size, first_v.size
     for i in range(count_u):
         for j in range(b):
@@ -139,11 +141,11 @@ def sample_points(
                 column = first_v[j] + k
                 local = i * count_v + (column - count_v if column >= count_v else column)
                 w = basis_v[j, k]
-                if contour[WEIGHTS] >= 0:
-                    w *= weights[contour[WEIGHTS] + local]
-                px += w * net[contour[NET] + local, 0]
-                py += w * net[contour[NET] + local, 1]
-                pz += w * net[contour[NET] + local, 2]
+                if first_weight >= 0:
+                    w *= weights[first_weight + local]
+                px += w * net[first_control + local, 0]
+                py += w * net[first_control + local, 1]
+                pz += w * net[first_control + local, 2]
                 total += w
             at = i * b + j
             across[0, at], across[1, at], across[2, at], across[3, at] = px, py, pz, total

@@ -6,44 +6,47 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.contours.evaluate import EVALUATION, SCRATCH, curve_point, surface_point
+from heavylift.contours.evaluate import SCRATCH, Evaluation, curve_point, surface_point
 from heavylift.contours.neutral import NeutralContour, packed
 from heavylift.numerics.objects import entry
+from heavylift.numerics.records import records
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.numerics.arrays import Floats1, Floats2, Ints1
+    from heavylift.contours.packed_contour import PackedContour
+    from heavylift.numerics.arrays import Floats1, Floats2
+    from heavylift.numerics.records import Records
 
 __all__ = ["evaluate_contour", "sample_grid"]
 
 
 @entry
 def fill_surface(
-    contour: Ints1,
+    contour: PackedContour,
     knots: Floats1,
     weights: Floats1,
     net: Floats2,
     parameters: Floats2,
     scratch: Floats1,
-    out: Floats2,
+    out: Records[Evaluation],
 ) -> None:
-    """One row of results a row of parameters (u, v)."""
+    """One result a row of parameters (u, v)."""
     for k in range(parameters.shape[0]):
         surface_point(contour, knots, weights, net, parameters[k, 0], parameters[k, 1], scratch, out[k])
 
 
 @entry
 def fill_curve(
-    contour: Ints1,
+    contour: PackedContour,
     knots: Floats1,
     weights: Floats1,
     net: Floats2,
     parameters: Floats2,
     scratch: Floats1,
-    out: Floats2,
+    out: Records[Evaluation],
 ) -> None:
-    """One row of results a row of parameters (u,)."""
+    """One result a row of parameters (u,)."""
     for k in range(parameters.shape[0]):
         curve_point(contour, knots, weights, net, parameters[k, 0], scratch, out[k])
 
@@ -72,10 +75,10 @@ def evaluate_contour(
     shape = contour if coordinates is None else contour.deformed(coordinates)
     table, knots, weights, net = packed([shape])
     at = np.ascontiguousarray(parameters, dtype=np.float64).reshape(-1, len(contour.spaces))
-    out = np.zeros((len(at), EVALUATION))
+    out = records(Evaluation, len(at))
     fill = fill_surface if contour.is_surface else fill_curve
     fill(table[0], knots, weights, net, at, np.zeros(SCRATCH), out)
-    return out.reshape(-1, 6, 3)
+    return out.view(np.float64).reshape(-1, 6, 3)
 
 
 def sample_grid(

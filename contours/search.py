@@ -6,7 +6,7 @@ until it returns something else than `NEED_SPAN`::
     start_search(contour, u, v, result)
     status = closest_on_surface(contour, knots, weights, net, x, y, z, span_u, span_v, scratch, result)
     while status == NEED_SPAN:
-        span_u, span_v = int(result[SPAN_U]), int(result[SPAN_V])
+        span_u, span_v = result.span_u, result.span_v
         ...                                     # form the control points of these spans in `net`
         status = closest_on_surface(contour, knots, weights, net, x, y, z, span_u, span_v, scratch, result)
 
@@ -21,29 +21,18 @@ from typing import TYPE_CHECKING
 
 from heavylift.contours.basis import find_span
 from heavylift.contours.evaluate import curve_point, surface_point
-from heavylift.contours.layout import (
-    CLOSED_U,
-    CLOSED_V,
-    COUNT_U,
-    COUNT_V,
-    DEGREE_U,
-    DEGREE_V,
-    KNOTS_U,
-    KNOTS_V,
-)
 from heavylift.contours.search_step import (
     EVALUATE,
     NEED_SPAN,
-    SPAN_U,
-    SPAN_V,
-    TRIAL_U,
-    TRIAL_V,
     step_search,
 )
 from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from heavylift.contours.packed_contour import PackedContour
+    from heavylift.contours.search_step import ContourSearch
 
 __all__ = ["ROUNDING", "closest_on_curve", "closest_on_surface", "leaves_window", "signed_gap"]
 
@@ -52,26 +41,28 @@ ROUNDING = 8.9e-16
 
 
 @kernel(inline=True, internal=True)
-def leaves_window(contour: NDArray, knots: NDArray, span_u: int, span_v: int, result: NDArray) -> bool:
+def leaves_window(
+    contour: PackedContour, knots: NDArray, span_u: int, span_v: int, result: ContourSearch
+) -> bool:
     """Whether the trial point lies outside of the knot spans that are formed; writes those that it needs."""
     if span_u < 0:
         return False
-    functions = contour[COUNT_U] + (contour[DEGREE_U] if contour[CLOSED_U] == 1 else 0)
-    wanted_u = find_span(knots, contour[KNOTS_U], contour[DEGREE_U], functions, result[TRIAL_U])
+    functions = contour.u.count + (contour.u.degree if contour.u.closed else 0)
+    wanted_u = find_span(knots, contour.u.first_knot, contour.u.degree, functions, result.trial_u)
     wanted_v = span_v
-    if contour[DEGREE_V] > 0:
-        functions = contour[COUNT_V] + (contour[DEGREE_V] if contour[CLOSED_V] == 1 else 0)
-        wanted_v = find_span(knots, contour[KNOTS_V], contour[DEGREE_V], functions, result[TRIAL_V])
+    if contour.v.degree > 0:
+        functions = contour.v.count + (contour.v.degree if contour.v.closed else 0)
+        wanted_v = find_span(knots, contour.v.first_knot, contour.v.degree, functions, result.trial_v)
     if wanted_u == span_u and wanted_v == span_v:
         return False
-    result[SPAN_U] = wanted_u
-    result[SPAN_V] = wanted_v
+    result.span_u = wanted_u
+    result.span_v = wanted_v
     return True
 
 
 @kernel(internal=True)
 def closest_on_surface(
-    contour: NDArray,
+    contour: PackedContour,
     knots: NDArray,
     weights: NDArray,
     net: NDArray,
@@ -81,14 +72,14 @@ def closest_on_surface(
     span_u: int,
     span_v: int,
     scratch: NDArray,
-    result: NDArray,
+    result: ContourSearch,
 ) -> int:
     """Go on with the search for the closest point of a surface.
 
     Parameters
     ----------
     contour, knots, weights, net
-        Packed row, knots, rational weights, control points [m].
+        Packed contour, knots, rational weights, control points [m].
     x, y, z
         The point [m].
     span_u, span_v
@@ -96,12 +87,12 @@ def closest_on_surface(
     scratch
         For the evaluation.
     result
-        State and result, of length RESULT_WIDTH, begun by `start_search`.
+        State and result, begun by `start_search`.
 
     Returns
     -------
-    CONVERGED, NEED_SPAN, NOT_CONVERGED or NOT_FINITE. When converged, `result` has in 0:18 the evaluation at the
-    point, and at U, V, DISTANCE_SQUARED, FLAGS, ITERATIONS what they name.
+    CONVERGED, NEED_SPAN, NOT_CONVERGED or NOT_FINITE. When converged, `result` is the evaluation at the point, with
+    its parameters, squared distance, flags and number of evaluations.
 
     Notes
     -----
@@ -111,10 +102,11 @@ def closest_on_surface(
     while True:
         if leaves_window(contour, knots, span_u, span_v, result):
             return NEED_SPAN
-        surface_point(contour, knots, weights, net, result[TRIAL_U], result[TRIAL_V], scratch, result)
-        s1, s2, s3 = result[0], result[1], result[2]
-        a1, a2, a3 = result[3], result[4], result[5]
-        b1, b2, b3 = result[6], result[7], result[8]
+        surface_point(contour, knots, weights, net, result.trial_u, result.trial_v, scratch, result)
+        s1, s2, s3 = result.position[0], result.position[1], result.position[2]
+        a1, a2, a3 = result.tangent_u[0], result.tangent_u[1], result.tangent_u[2]
+        b1, b2, b3 = result.tangent_v[0], result.tangent_v[1], result.tangent_v[2]
+        uu, uv, vv = result.derivative_uu, result.derivative_uv, result.derivative_vv
         r1 = s1 - x
         r2 = s2 - y
         r3 = s3 - z
@@ -123,9 +115,9 @@ def closest_on_surface(
             0.5 * (r1 * r1 + r2 * r2 + r3 * r3),
             r1 * a1 + r2 * a2 + r3 * a3,
             r1 * b1 + r2 * b2 + r3 * b3,
-            a1 * a1 + a2 * a2 + a3 * a3 + r1 * result[9] + r2 * result[10] + r3 * result[11],
-            a1 * b1 + a2 * b2 + a3 * b3 + r1 * result[12] + r2 * result[13] + r3 * result[14],
-            b1 * b1 + b2 * b2 + b3 * b3 + r1 * result[15] + r2 * result[16] + r3 * result[17],
+            a1 * a1 + a2 * a2 + a3 * a3 + r1 * uu[0] + r2 * uu[1] + r3 * uu[2],
+            a1 * b1 + a2 * b2 + a3 * b3 + r1 * uv[0] + r2 * uv[1] + r3 * uv[2],
+            b1 * b1 + b2 * b2 + b3 * b3 + r1 * vv[0] + r2 * vv[1] + r3 * vv[2],
             ROUNDING * (abs(s1) + abs(s2) + abs(s3) + abs(x) + abs(y) + abs(z)),
             result,
         )
@@ -135,7 +127,7 @@ def closest_on_surface(
 
 @kernel(internal=True)
 def closest_on_curve(
-    contour: NDArray,
+    contour: PackedContour,
     knots: NDArray,
     weights: NDArray,
     net: NDArray,
@@ -144,15 +136,16 @@ def closest_on_curve(
     z: float,
     span_u: int,
     scratch: NDArray,
-    result: NDArray,
+    result: ContourSearch,
 ) -> int:
     """Go on with the search for the closest point of a curve; as `closest_on_surface` with ``v = 0``."""
     while True:
         if leaves_window(contour, knots, span_u, 0, result):
             return NEED_SPAN
-        curve_point(contour, knots, weights, net, result[TRIAL_U], scratch, result)
-        s1, s2, s3 = result[0], result[1], result[2]
-        a1, a2, a3 = result[3], result[4], result[5]
+        curve_point(contour, knots, weights, net, result.trial_u, scratch, result)
+        s1, s2, s3 = result.position[0], result.position[1], result.position[2]
+        a1, a2, a3 = result.tangent_u[0], result.tangent_u[1], result.tangent_u[2]
+        uu = result.derivative_uu
         r1 = s1 - x
         r2 = s2 - y
         r3 = s3 - z
@@ -161,7 +154,7 @@ def closest_on_curve(
             0.5 * (r1 * r1 + r2 * r2 + r3 * r3),
             r1 * a1 + r2 * a2 + r3 * a3,
             0.0,
-            a1 * a1 + a2 * a2 + a3 * a3 + r1 * result[9] + r2 * result[10] + r3 * result[11],
+            a1 * a1 + a2 * a2 + a3 * a3 + r1 * uu[0] + r2 * uu[1] + r3 * uu[2],
             0.0,
             1.0,
             ROUNDING * (abs(s1) + abs(s2) + abs(s3) + abs(x) + abs(y) + abs(z)),
@@ -172,7 +165,7 @@ def closest_on_curve(
 
 
 @kernel(inline=True, internal=True)
-def signed_gap(x: float, y: float, z: float, result: NDArray) -> tuple[float, float, float, float]:
+def signed_gap(x: float, y: float, z: float, result: ContourSearch) -> tuple[float, float, float, float]:
     """Gap along the outward normal ``n = S_u x S_v / |S_u x S_v|`` of the evaluation in a result, and the normal.
 
     Returns
@@ -180,11 +173,12 @@ def signed_gap(x: float, y: float, z: float, result: NDArray) -> tuple[float, fl
     g, n1, n2, n3
         ``g = n.(x - S)``, positive on the outer side; a normal of NaN where the tangents are parallel.
     """
-    n1 = result[4] * result[8] - result[5] * result[7]
-    n2 = result[5] * result[6] - result[3] * result[8]
-    n3 = result[3] * result[7] - result[4] * result[6]
+    a, b, s = result.tangent_u, result.tangent_v, result.position
+    n1 = a[1] * b[2] - a[2] * b[1]
+    n2 = a[2] * b[0] - a[0] * b[2]
+    n3 = a[0] * b[1] - a[1] * b[0]
     length = math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
     n1 /= length
     n2 /= length
     n3 /= length
-    return n1 * (x - result[0]) + n2 * (y - result[1]) + n3 * (z - result[2]), n1, n2, n3
+    return n1 * (x - s[0]) + n2 * (y - s[1]) + n3 * (z - s[2]), n1, n2, n3

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from heavylift.contours.convex import SHAPE_AXES, SHAPE_CENTRE, SHAPE_RADIUS, SHAPE_SIZES
 from heavylift.contours.search import ROUNDING, closest_on_surface, signed_gap
 from heavylift.contours.search_step import (
     ABOVE_U,
@@ -21,12 +20,8 @@ from heavylift.contours.search_step import (
     BORDER,
     CONVERGED,
     DEGENERATE,
-    FLAGS,
-    ITERATIONS,
     NOT_CONVERGED,
     TOLERANCE,
-    U,
-    V,
     start_search,
 )
 from heavylift.numerics.jit import kernel
@@ -34,37 +29,29 @@ from heavylift.numerics.jit import kernel
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = [
-    "RING_GAP",
-    "RING_ITERATIONS",
-    "RING_PHI",
-    "ring_gap_slopes",
-    "ring_on_surface",
-    "ring_point",
-    "start_ring",
-]
+    from heavylift.contours.convex import Primitive
+    from heavylift.contours.packed_contour import PackedContour
+    from heavylift.contours.search_step import ContourSearch
 
-RING_PHI, RING_GAP, RING_ITERATIONS = 43, 44, 45
-"""Columns of a result: angle of the ring [rad], gap there [m], evaluations of the surface."""
-
-_STAGE, _TRIAL_PHI, _SLOPE, _CURVATURE, _REGION, _STEP, _PREDICTED, _U, _V, _DU, _DV, _ANGLES = range(46, 58)
+__all__ = ["ring_gap_slopes", "ring_on_surface", "ring_point", "start_ring"]
 
 _LARGEST_ANGLES = 60
 _FIRST_REGION = 0.3
 
 
 @kernel(inline=True, internal=True)
-def start_ring(contour: NDArray, u: float, v: float, phi: float, result: NDArray) -> None:
+def start_ring(contour: PackedContour, u: float, v: float, phi: float, result: ContourSearch) -> None:
     """Begin a new search at parameters of the surface and an angle of the ring."""
     start_search(contour, u, v, result)
-    result[_STAGE] = 0.0
-    result[_TRIAL_PHI] = phi
-    result[_ANGLES] = 0.0
-    result[RING_ITERATIONS] = 0.0
+    ring = result.ring
+    ring.stage = 0
+    ring.trial_angle = phi
+    ring.angles = 0
+    ring.evaluations = 0
 
 
 @kernel(inline=True, internal=True)
-def ring_point(shape: NDArray, phi: float) -> tuple[float, float, float, float, float, float]:
+def ring_point(shape: Primitive, phi: float) -> tuple[float, float, float, float, float, float]:
     """Point of the ring's circle at an angle from its first axis, from the centre of the ring, and derivative by it.
 
     Returns
@@ -72,11 +59,11 @@ def ring_point(shape: NDArray, phi: float) -> tuple[float, float, float, float, 
     r1, r2, r3, d1, d2, d3
         ``R (cos phi e_1 + sin phi e_2)`` [m] and its derivative; the second derivative is ``-r``.
     """
-    radius = shape[SHAPE_SIZES]
+    radius = shape.sizes[0]
     c = radius * math.cos(phi)
     s = radius * math.sin(phi)
-    e1, e2, e3 = shape[SHAPE_AXES], shape[SHAPE_AXES + 3], shape[SHAPE_AXES + 6]
-    f1, f2, f3 = shape[SHAPE_AXES + 1], shape[SHAPE_AXES + 4], shape[SHAPE_AXES + 7]
+    e1, e2, e3 = shape.axes[0, 0], shape.axes[1, 0], shape.axes[2, 0]
+    f1, f2, f3 = shape.axes[0, 1], shape.axes[1, 1], shape.axes[2, 1]
     return (
         c * e1 + s * f1,
         c * e2 + s * f2,
@@ -88,7 +75,9 @@ def ring_point(shape: NDArray, phi: float) -> tuple[float, float, float, float, 
 
 
 @kernel(internal=True)
-def ring_gap_slopes(shape: NDArray, phi: float, result: NDArray) -> tuple[float, float, float, float, float]:
+def ring_gap_slopes(
+    shape: Primitive, phi: float, result: ContourSearch
+) -> tuple[float, float, float, float, float]:
     """Signed gap of a point of the ring to its closest point of the surface, and how both change with the angle.
 
     Parameters
@@ -113,23 +102,24 @@ def ring_gap_slopes(shape: NDArray, phi: float, result: NDArray) -> tuple[float,
     what passes beyond the border does not penetrate the patch.
     """
     r1, r2, r3, d1, d2, d3 = ring_point(shape, phi)
-    x = shape[SHAPE_CENTRE] + r1
-    y = shape[SHAPE_CENTRE + 1] + r2
-    z = shape[SHAPE_CENTRE + 2] + r3
-    a1, a2, a3 = result[3], result[4], result[5]
-    b1, b2, b3 = result[6], result[7], result[8]
-    w1 = x - result[0]
-    w2 = y - result[1]
-    w3 = z - result[2]
+    x = shape.centre[0] + r1
+    y = shape.centre[1] + r2
+    z = shape.centre[2] + r3
+    a1, a2, a3 = result.tangent_u[0], result.tangent_u[1], result.tangent_u[2]
+    b1, b2, b3 = result.tangent_v[0], result.tangent_v[1], result.tangent_v[2]
+    uu, uv, vv = result.derivative_uu, result.derivative_uv, result.derivative_vv
+    w1 = x - result.position[0]
+    w2 = y - result.position[1]
+    w3 = z - result.position[2]
     E = a1 * a1 + a2 * a2 + a3 * a3
     F = a1 * b1 + a2 * b2 + a3 * b3
     G = b1 * b1 + b2 * b2 + b3 * b3
-    h_uu = E - (w1 * result[9] + w2 * result[10] + w3 * result[11])
-    h_uv = F - (w1 * result[12] + w2 * result[13] + w3 * result[14])
-    h_vv = G - (w1 * result[15] + w2 * result[16] + w3 * result[17])
+    h_uu = E - (w1 * uu[0] + w2 * uu[1] + w3 * uu[2])
+    h_uv = F - (w1 * uv[0] + w2 * uv[1] + w3 * uv[2])
+    h_vv = G - (w1 * vv[0] + w2 * vv[1] + w3 * vv[2])
     t_u = a1 * d1 + a2 * d2 + a3 * d3
     t_v = b1 * d1 + b2 * d2 + b3 * d3
-    flags = int(result[FLAGS])
+    flags = result.flags
     free_u = flags & (BELOW_U | ABOVE_U) == 0
     free_v = flags & (BELOW_V | ABOVE_V) == 0
     du = 0.0
@@ -153,9 +143,9 @@ def ring_gap_slopes(shape: NDArray, phi: float, result: NDArray) -> tuple[float,
         turn = p1 * (d1 - a1 * du - b1 * dv) + p2 * (d2 - a2 * du - b2 * dv) + p3 * (d3 - a3 * du - b3 * dv)
         return g, slope, turn / g - (m1 * r1 + m2 * r2 + m3 * r3), du, dv
     g, n1, n2, n3 = signed_gap(x, y, z, result)
-    L = n1 * result[9] + n2 * result[10] + n3 * result[11]
-    M = n1 * result[12] + n2 * result[13] + n3 * result[14]
-    N = n1 * result[15] + n2 * result[16] + n3 * result[17]
+    L = n1 * uu[0] + n2 * uu[1] + n3 * uu[2]
+    M = n1 * uv[0] + n2 * uv[1] + n3 * uv[2]
+    N = n1 * vv[0] + n2 * vv[1] + n3 * vv[2]
     area = E * G - F * F
     alpha = (G * t_u - F * t_v) / area  # tangential part of x' = alpha S_u + beta S_v
     beta = (E * t_v - F * t_u) / area
@@ -165,15 +155,15 @@ def ring_gap_slopes(shape: NDArray, phi: float, result: NDArray) -> tuple[float,
 
 @kernel(internal=True)
 def ring_on_surface(
-    contour: NDArray,
+    contour: PackedContour,
     knots: NDArray,
     weights: NDArray,
     net: NDArray,
-    shape: NDArray,
+    shape: Primitive,
     span_u: int,
     span_v: int,
     scratch: NDArray,
-    result: NDArray,
+    result: ContourSearch,
 ) -> int:
     """Go on with the search for a local minimum of the gap of a ring to a surface.
 
@@ -186,33 +176,34 @@ def ring_on_surface(
 
     Returns
     -------
-    Status as there. When converged, RING_PHI and RING_GAP (less the radius about the ring) of the result are
+    Status as there. When converged, `angle` and `gap` (less the radius about the ring) of the ring of the result are
     written, and the rest is that of the closest point of the surface to this point of the ring. DEGENERATE also means
     that the gap hardly changes along the ring.
     """
+    ring, s = result.ring, result.position
     while True:
-        trial = result[_TRIAL_PHI]
+        trial = ring.trial_angle
         r1, r2, r3, _, _, _ = ring_point(shape, trial)
-        x = shape[SHAPE_CENTRE] + r1
-        y = shape[SHAPE_CENTRE + 1] + r2
-        z = shape[SHAPE_CENTRE + 2] + r3
+        x = shape.centre[0] + r1
+        y = shape.centre[1] + r2
+        z = shape.centre[2] + r3
         status = closest_on_surface(contour, knots, weights, net, x, y, z, span_u, span_v, scratch, result)
         if status != CONVERGED:
             return status
-        result[RING_ITERATIONS] += result[ITERATIONS]
-        result[_ANGLES] += 1.0
+        ring.evaluations += result.iterations
+        ring.angles += 1
         g, slope, curvature, du, dv = ring_gap_slopes(shape, trial, result)
-        stage = result[_STAGE]
+        stage = ring.stage
         region = _FIRST_REGION
         last = math.inf
         accepted = True
-        size = abs(x) + abs(y) + abs(z) + abs(result[0]) + abs(result[1]) + abs(result[2])
-        noise = ROUNDING * (size + shape[SHAPE_SIZES])
-        if stage == 1.0:
-            region = result[_REGION]
-            last = result[_STEP]
-            before = result[RING_GAP] + shape[SHAPE_RADIUS]
-            predicted = result[_PREDICTED]
+        size = abs(x) + abs(y) + abs(z) + abs(s[0]) + abs(s[1]) + abs(s[2])
+        noise = ROUNDING * (size + shape.sizes[0])
+        if stage == 1:
+            region = ring.region
+            last = ring.step
+            before = ring.gap + shape.radius
+            predicted = ring.predicted
             if predicted > noise:
                 ratio = (before - g) / predicted
                 accepted = ratio > 1e-4
@@ -222,38 +213,38 @@ def ring_on_surface(
                     region = min(2.0 * region, 1.0)
             else:
                 accepted = g <= before + 2.0 * noise
-        if stage != 2.0:
+        if stage != 2:
             if accepted:
-                result[RING_PHI] = trial
-                result[RING_GAP] = g - shape[SHAPE_RADIUS]
-                result[_SLOPE] = slope
-                result[_CURVATURE] = curvature
-                result[_U] = result[U]
-                result[_V] = result[V]
-                result[_DU] = du
-                result[_DV] = dv
-            slope = result[_SLOPE]
-            curvature = result[_CURVATURE]
+                ring.angle = trial
+                ring.gap = g - shape.radius
+                ring.slope = slope
+                ring.curvature = curvature
+                ring.u = result.u
+                ring.v = result.v
+                ring.du = du
+                ring.dv = dv
+            slope = ring.slope
+            curvature = ring.curvature
             step = -slope / curvature if curvature > 0.0 else math.copysign(region, -slope)
             step = min(max(step, -region), region)
             decrease = -(slope + 0.5 * curvature * step) * step
             lost = decrease <= noise and (not accepted or abs(step) > 0.5 * last or abs(step) > 1e-3)
             if not (abs(step) <= TOLERANCE or lost or region < 1e-14):
-                if result[_ANGLES] >= _LARGEST_ANGLES:
+                if ring.angles >= _LARGEST_ANGLES:
                     return NOT_CONVERGED
-                result[_TRIAL_PHI] = result[RING_PHI] + step
-                result[_STEP] = abs(step)
-                result[_PREDICTED] = decrease
-                result[_REGION] = region
-                result[_STAGE] = 1.0
-                u = result[_U] + result[_DU] * step
-                start_search(contour, u, result[_V] + result[_DV] * step, result)
+                ring.trial_angle = ring.angle + step
+                ring.step = abs(step)
+                ring.predicted = decrease
+                ring.region = region
+                ring.stage = 1
+                u = ring.u + ring.du * step
+                start_search(contour, u, ring.v + ring.dv * step, result)
                 continue
             if not accepted:  # back to the closest point of the angle that was kept
-                result[_TRIAL_PHI] = result[RING_PHI]
-                result[_STAGE] = 2.0
-                start_search(contour, result[_U], result[_V], result)
+                ring.trial_angle = ring.angle
+                ring.stage = 2
+                start_search(contour, ring.u, ring.v, result)
                 continue
-        if not result[_CURVATURE] > 1e-9 * shape[SHAPE_SIZES]:
-            result[FLAGS] = float(int(result[FLAGS]) | DEGENERATE)
+        if not ring.curvature > 1e-9 * shape.sizes[0]:
+            result.flags |= DEGENERATE
         return CONVERGED

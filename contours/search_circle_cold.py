@@ -5,21 +5,17 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from heavylift.contours.convex import SHAPE_CENTRE, SHAPE_RADIUS, SHAPE_SIZES
-from heavylift.contours.search_circle import (
-    RING_GAP,
-    RING_PHI,
-    ring_gap_slopes,
-    ring_on_surface,
-    ring_point,
-    start_ring,
-)
+from heavylift.contours.search_circle import ring_gap_slopes, ring_on_surface, ring_point, start_ring
 from heavylift.contours.search_cold import closest_point_cold, nearest_sample
-from heavylift.contours.search_step import CONVERGED, FLAGS, OTHER_DISTANCE, OTHER_U, OTHER_V, TWIN, U, V
+from heavylift.contours.search_step import CONVERGED, TWIN
 from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from heavylift.contours.convex import Primitive
+    from heavylift.contours.packed_contour import PackedContour
+    from heavylift.contours.search_step import ContourSearch
 
 __all__ = ["RING_ANGLES", "ring_cold"]
 
@@ -33,11 +29,11 @@ _SAME = 1e-6
 
 @kernel(internal=True)
 def ring_cold(
-    contour: NDArray,
+    contour: PackedContour,
     knots: NDArray,
     weights: NDArray,
     net: NDArray,
-    shape: NDArray,
+    shape: Primitive,
     sample_u: NDArray,
     sample_v: NDArray,
     points: NDArray,
@@ -46,7 +42,7 @@ def ring_cold(
     distances: NDArray,
     angles: NDArray,
     scratch: NDArray,
-    result: NDArray,
+    result: ContourSearch,
 ) -> int:
     """Least signed gap of a ring to a surface, without a start.
 
@@ -61,13 +57,13 @@ def ring_cold(
 
     Returns
     -------
-    Status as there. OTHER_DISTANCE is the gap of a second minimum along the ring, OTHER_U, OTHER_V its place.
+    Status as there. `other_distance` is the gap of a second minimum along the ring, `other_u`, `other_v` its place.
     """
     n = RING_ANGLES
     turn = 2.0 * math.pi / n
     for k in range(n):
         r1, r2, r3, _, _, _ = ring_point(shape, turn * k)
-        x, y, z = shape[SHAPE_CENTRE] + r1, shape[SHAPE_CENTRE + 1] + r2, shape[SHAPE_CENTRE + 2] + r3
+        x, y, z = shape.centre[0] + r1, shape.centre[1] + r2, shape.centre[2] + r3
         status = closest_point_cold(
             contour,
             knots,
@@ -88,8 +84,8 @@ def ring_cold(
         if status != CONVERGED:
             return status
         angles[k] = ring_gap_slopes(shape, turn * k, result)[0]
-        angles[n + k] = result[U]
-        angles[2 * n + k] = result[V]
+        angles[n + k] = result.u
+        angles[2 * n + k] = result.v
     for k in range(n):
         before = angles[k - 1 if k > 0 else n - 1]
         after = angles[k + 1 if k + 1 < n else 0]
@@ -106,26 +102,26 @@ def ring_cold(
                 least = angles[3 * n + k]
                 at = k
         # the gap changes by no more than the way along the ring
-        if at < 0 or angles[at] - 0.5 * turn * shape[SHAPE_SIZES] - shape[SHAPE_RADIUS] > best + separation:
+        if at < 0 or angles[at] - 0.5 * turn * shape.sizes[0] - shape.radius > best + separation:
             break
         start_ring(contour, angles[n + at], angles[2 * n + at], turn * at, result)
         status = ring_on_surface(contour, knots, weights, net, shape, -1, -1, scratch, result)
         angles[3 * n + at] = math.inf
-        gap = result[RING_GAP]
-        apart = abs(result[RING_PHI] - best_angle)
+        gap = result.ring.gap
+        apart = abs(result.ring.angle - best_angle)
         apart = abs(apart - 2.0 * math.pi * round(apart / (2.0 * math.pi)))
         if gap < best:
             if apart > _SAME:
                 other, other_u, other_v = best, u, v
-            best, best_angle, u, v = gap, result[RING_PHI], result[U], result[V]
+            best, best_angle, u, v = gap, result.ring.angle, result.u, result.v
             final = status
         elif apart > _SAME and gap < other:
-            other, other_u, other_v = gap, result[U], result[V]
+            other, other_u, other_v = gap, result.u, result.v
     start_ring(contour, u, v, best_angle, result)
     status = ring_on_surface(contour, knots, weights, net, shape, -1, -1, scratch, result)
-    result[OTHER_U] = other_u
-    result[OTHER_V] = other_v
-    result[OTHER_DISTANCE] = other
+    result.other_u = other_u
+    result.other_v = other_v
+    result.other_distance = other
     if other <= best + separation:
-        result[FLAGS] = float(int(result[FLAGS]) | TWIN)
+        result.flags |= TWIN
     return max(final, status)

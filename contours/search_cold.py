@@ -9,35 +9,21 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from heavylift.contours.convex import SHAPE_CENTRE, SHAPE_SHIFT, SHAPE_SIZES, core_distance
-from heavylift.contours.layout import CLOSED_U, CLOSED_V, DEGREE_V
+from heavylift.contours.convex import core_distance
 from heavylift.contours.search import closest_on_curve, closest_on_surface
-from heavylift.contours.search_shape import (
-    closest_shape_on_curve,
-    closest_shape_on_surface,
-    into_shape,
-)
-from heavylift.contours.search_step import (
-    CONVERGED,
-    DISTANCE_SQUARED,
-    FLAGS,
-    NOT_FINITE,
-    OTHER_DISTANCE,
-    OTHER_U,
-    OTHER_V,
-    TWIN,
-    U,
-    V,
-    start_search,
-)
+from heavylift.contours.search_shape import closest_shape_on_curve, closest_shape_on_surface, into_shape
+from heavylift.contours.search_step import CONVERGED, NOT_FINITE, TWIN, start_search
 from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from heavylift.contours.convex import Primitive
+    from heavylift.contours.packed_contour import PackedContour
+    from heavylift.contours.search_step import ContourSearch
+
 __all__ = ["closest_point_cold", "closest_shape_cold", "nearest_sample"]
 
-_BEST_U, _BEST_V, _BEST, _SECOND_U, _SECOND_V, _SECOND, _NEAREST, _NEXT, _STARTS = range(58, 67)
 _LARGEST_STARTS = 16
 _SAME = 1e-6
 """Of parameters: minima nearer than this are one."""
@@ -57,24 +43,23 @@ def _distances_to_point(
 
 @kernel(internal=True)
 def _distances_to_shape(
-    kind: int, shape: NDArray, points: NDArray, count: int, margin: float, distances: NDArray
+    kind: int, shape: Primitive, points: NDArray, count: int, margin: float, distances: NDArray
 ) -> None:
     """Squared distances, shifted, of samples to the core of a primitive.
 
     Of samples that are farther than the best by more than `margin`, only a bound of that from the ball about the core.
     """
-    c = SHAPE_CENTRE
-    _distances_to_point(points, count, shape[c], shape[c + 1], shape[c + 2], distances)
+    _distances_to_point(points, count, shape.centre[0], shape.centre[1], shape.centre[2], distances)
     nearest = nearest_sample(distances, count)
     if nearest < 0:
         return
-    p, q, r = shape[SHAPE_SIZES], shape[SHAPE_SIZES + 1], shape[SHAPE_SIZES + 2]
-    ball = math.sqrt(p * p + q * q + r * r) - shape[SHAPE_SHIFT]
+    p, q, r = shape.sizes[0], shape.sizes[1], shape.sizes[2]
+    ball = math.sqrt(p * p + q * q + r * r) - shape.shift
     x, y, z = into_shape(
         shape,
-        points[0, nearest] - shape[c],
-        points[1, nearest] - shape[c + 1],
-        points[2, nearest] - shape[c + 2],
+        points[0, nearest] - shape.centre[0],
+        points[1, nearest] - shape.centre[1],
+        points[2, nearest] - shape.centre[2],
     )
     within = core_distance(kind, shape, x, y, z)[0] + margin
     for k in range(count):
@@ -83,7 +68,10 @@ def _distances_to_shape(
             distances[k] = bound * bound
         else:
             x, y, z = into_shape(
-                shape, points[0, k] - shape[c], points[1, k] - shape[c + 1], points[2, k] - shape[c + 2]
+                shape,
+                points[0, k] - shape.centre[0],
+                points[1, k] - shape.centre[1],
+                points[2, k] - shape.centre[2],
             )
             value = core_distance(kind, shape, x, y, z)[0]
             distances[k] = value * value
@@ -125,85 +113,95 @@ def _is_least(distances: NDArray, i: int, j: int, a: int, b: int, closed_u: bool
 
 
 @kernel(inline=True, internal=True)
-def _same_place(contour: NDArray, u: float, v: float, u2: float, v2: float) -> bool:
+def _same_place(contour: PackedContour, u: float, v: float, u2: float, v2: float) -> bool:
     """Whether parameters agree, also across a seam."""
     du = abs(u - u2)
     dv = abs(v - v2)
-    if contour[CLOSED_U] == 1:
+    if contour.u.closed:
         du = min(du, 1.0 - du)
-    if contour[CLOSED_V] == 1:
+    if contour.v.closed:
         dv = min(dv, 1.0 - dv)
     return du < _SAME and dv < _SAME
 
 
 @kernel(inline=True, internal=True)
-def _begin_starts(result: NDArray) -> None:
+def _begin_starts(result: ContourSearch) -> None:
     """Begin to go through the samples."""
-    result[_NEXT] = -1.0
-    result[_STARTS] = 0.0
-    result[_BEST] = math.inf
-    result[_SECOND] = math.inf
+    starts = result.starts
+    starts.next = -1
+    starts.count = 0
+    starts.best = math.inf
+    starts.second = math.inf
 
 
 @kernel(internal=True)
 def _next_start(
-    contour: NDArray, distances: NDArray, a: int, b: int, reach: float, separation: float, result: NDArray
+    contour: PackedContour,
+    distances: NDArray,
+    a: int,
+    b: int,
+    reach: float,
+    separation: float,
+    result: ContourSearch,
 ) -> int:
     """Number of the sample from which to search next, -1 if no other can lead to a nearer minimum.
 
     The nearest sample comes first; of the others those that are nearer than their neighbours, if the least distance
     found so far is not below what their reach allows.
     """
-    if result[_NEXT] < 0.0:
+    starts = result.starts
+    if starts.next < 0:
         nearest = nearest_sample(distances, a * b)
-        result[_NEAREST] = nearest
-        result[_NEXT] = 0.0
+        starts.nearest = nearest
+        starts.next = 0
         return nearest
-    if result[_STARTS] >= _LARGEST_STARTS:
+    if starts.count >= _LARGEST_STARTS:
         return -1
-    closed_u, closed_v = contour[CLOSED_U] == 1, contour[CLOSED_V] == 1
-    nearest = int(result[_NEAREST])
-    within = (result[_BEST] + separation + reach) ** 2
-    for k in range(int(result[_NEXT]), a * b):
+    closed_u, closed_v = contour.u.closed, contour.v.closed
+    nearest = starts.nearest
+    within = (starts.best + separation + reach) ** 2
+    for k in range(starts.next, a * b):
         if distances[k] <= within and k != nearest:
             i = k // b
             if _is_least(distances, i, k - i * b, a, b, closed_u, closed_v):
-                result[_NEXT] = k + 1
+                starts.next = k + 1
                 return k
     return -1
 
 
 @kernel(internal=True)
-def _keep_minimum(contour: NDArray, status: int, result: NDArray) -> None:
+def _keep_minimum(contour: PackedContour, status: int, result: ContourSearch) -> None:
     """Compare the minimum of a search that ended with the two best so far."""
-    result[_STARTS] += 1.0
-    u, v, best = result[_BEST_U], result[_BEST_V], result[_BEST]
+    starts = result.starts
+    starts.count += 1
+    u, v, best = starts.best_u, starts.best_v, starts.best
     first = best == math.inf
     if status != CONVERGED and not first:
         return
-    distance = math.sqrt(result[DISTANCE_SQUARED])
-    if not first and _same_place(contour, u, v, result[U], result[V]):
+    distance = math.sqrt(result.squared_distance)
+    if not first and _same_place(contour, u, v, result.u, result.v):
         return
     if distance < best:
-        result[_SECOND_U], result[_SECOND_V], result[_SECOND] = u, v, best
-        result[_BEST_U], result[_BEST_V], result[_BEST] = result[U], result[V], distance
-    elif distance < result[_SECOND]:
-        result[_SECOND_U], result[_SECOND_V], result[_SECOND] = result[U], result[V], distance
+        starts.second_u, starts.second_v, starts.second = u, v, best
+        starts.best_u, starts.best_v, starts.best = result.u, result.v, distance
+    elif distance < starts.second:
+        starts.second_u, starts.second_v, starts.second = result.u, result.v, distance
 
 
 @kernel(inline=True, internal=True)
-def _finish(separation: float, result: NDArray) -> None:
+def _finish(separation: float, result: ContourSearch) -> None:
     """Write the second minimum."""
-    result[OTHER_U] = result[_SECOND_U]
-    result[OTHER_V] = result[_SECOND_V]
-    result[OTHER_DISTANCE] = result[_SECOND]
-    if result[_SECOND] <= result[_BEST] + separation:
-        result[FLAGS] = float(int(result[FLAGS]) | TWIN)
+    starts = result.starts
+    result.other_u = starts.second_u
+    result.other_v = starts.second_v
+    result.other_distance = starts.second
+    if starts.second <= starts.best + separation:
+        result.flags |= TWIN
 
 
 @kernel(internal=True)
 def closest_point_cold(
-    contour: NDArray,
+    contour: PackedContour,
     knots: NDArray,
     weights: NDArray,
     net: NDArray,
@@ -217,14 +215,14 @@ def closest_point_cold(
     separation: float,
     distances: NDArray,
     scratch: NDArray,
-    result: NDArray,
+    result: ContourSearch,
 ) -> int:
     """Closest point of a surface or a curve to a point, without a start.
 
     Parameters
     ----------
     contour, knots, weights, net
-        Packed row, knots, rational weights, control points [m], all of them formed.
+        Packed contour, knots, rational weights, control points [m], all of them formed.
     x, y, z
         The point [m].
     sample_u, sample_v
@@ -240,7 +238,7 @@ def closest_point_cold(
 
     Returns
     -------
-    Status as of the warm search, without `NEED_SPAN`. OTHER_U, OTHER_V, OTHER_DISTANCE (not squared) are a second
+    Status as of the warm search, without `NEED_SPAN`. `other_u`, `other_v`, `other_distance` (not squared) are a second
     minimum if one was met, at infinity if not.
     """
     a, b = sample_u.size, sample_v.size
@@ -253,7 +251,7 @@ def closest_point_cold(
     status = CONVERGED
     while True:
         start_search(contour, u, v, result)
-        if contour[DEGREE_V] == 0:
+        if contour.v.degree == 0:
             status = closest_on_curve(contour, knots, weights, net, x, y, z, -1, scratch, result)
         else:
             status = closest_on_surface(contour, knots, weights, net, x, y, z, -1, -1, scratch, result)
@@ -262,8 +260,8 @@ def closest_point_cold(
         _keep_minimum(contour, status, result)
         k = _next_start(contour, distances, a, b, reach, separation, result)
         if k < 0:
-            u, v = result[_BEST_U], result[_BEST_V]
-            if result[U] == u and result[V] == v:
+            u, v = result.starts.best_u, result.starts.best_v
+            if result.u == u and result.v == v:
                 break
         else:
             u, v = sample_u[k // b], sample_v[k % b]
@@ -273,12 +271,12 @@ def closest_point_cold(
 
 @kernel(internal=True)
 def closest_shape_cold(
-    contour: NDArray,
+    contour: PackedContour,
     knots: NDArray,
     weights: NDArray,
     net: NDArray,
     kind: int,
-    shape: NDArray,
+    shape: Primitive,
     sample_u: NDArray,
     sample_v: NDArray,
     points: NDArray,
@@ -286,11 +284,11 @@ def closest_shape_cold(
     separation: float,
     distances: NDArray,
     scratch: NDArray,
-    result: NDArray,
+    result: ContourSearch,
 ) -> int:
     """Closest or deepest point of a surface or a curve to a primitive, without a start; see `closest_point_cold`.
 
-    A ring against a surface has `ring_cold`. OTHER_DISTANCE is that to the core, shifted as DISTANCE_SQUARED is.
+    A ring against a surface has `ring_cold`. `other_distance` is that to the core, shifted as `squared_distance` is.
     """
     a, b = sample_u.size, sample_v.size
     _distances_to_shape(kind, shape, points, a * b, separation + reach, distances)
@@ -302,7 +300,7 @@ def closest_shape_cold(
     status = CONVERGED
     while True:
         start_search(contour, u, v, result)
-        if contour[DEGREE_V] == 0:
+        if contour.v.degree == 0:
             status = closest_shape_on_curve(contour, knots, weights, net, kind, shape, -1, scratch, result)
         else:
             status = closest_shape_on_surface(
@@ -313,8 +311,8 @@ def closest_shape_cold(
         _keep_minimum(contour, status, result)
         k = _next_start(contour, distances, a, b, reach, separation, result)
         if k < 0:
-            u, v = result[_BEST_U], result[_BEST_V]
-            if result[U] == u and result[V] == v:
+            u, v = result.starts.best_u, result.starts.best_v
+            if result.u == u and result.v == v:
                 break
         else:
             u, v = sample_u[k // b], sample_v[k % b]

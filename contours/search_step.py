@@ -2,7 +2,7 @@
 
 The searches minimise a function of the parameters (u, v) of a contour, half a squared distance. They evaluate it where
 `step_search` asks, with first and second derivatives, and hand the values back. All that is known between two
-evaluations stands in the array `result`, so a search can be left at any evaluation, for control points that its caller
+evaluations stands in a `ContourSearch`, so a search can be left at any evaluation, for control points that its caller
 must form first, and taken up again.
 """
 
@@ -12,11 +12,12 @@ import math
 from typing import TYPE_CHECKING
 
 from heavylift.contours.basis import wrap
-from heavylift.contours.layout import CLOSED_U, CLOSED_V, COUNT_U, COUNT_V, DEGREE_U, DEGREE_V
+from heavylift.contours.net_sums import Evaluation
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from heavylift.contours.packed_contour import PackedContour
 
 __all__ = [
     "ABOVE_U",
@@ -28,56 +29,170 @@ __all__ = [
     "CONVERGED",
     "DEEP",
     "DEGENERATE",
-    "DISTANCE_SQUARED",
     "EVALUATE",
-    "FLAGS",
-    "ITERATIONS",
     "LARGEST_ITERATIONS",
     "NEED_SPAN",
     "NOT_CONVERGED",
     "NOT_FINITE",
-    "OTHER_DISTANCE",
-    "OTHER_U",
-    "OTHER_V",
-    "RESULT_WIDTH",
-    "SPAN_U",
-    "SPAN_V",
     "TOLERANCE",
-    "TRIAL_U",
-    "TRIAL_V",
     "TWIN",
-    "U",
-    "V",
+    "ContourSearch",
+    "RingSearch",
+    "SampleStarts",
     "least_quadratic",
     "start_search",
     "step_search",
 ]
 
 CONVERGED, NEED_SPAN, NOT_CONVERGED, NOT_FINITE = range(4)
-"""How a search returns: at a local minimum; control points of the spans in SPAN_U, SPAN_V are to be formed before the
+"""How a search returns: at a local minimum; control points of the spans `span_u`, `span_v` are to be formed before the
 search goes on; after too many evaluations; a value is not finite."""
 
 EVALUATE = -1
-"""Of `step_search`: the next place to evaluate is (TRIAL_U, TRIAL_V)."""
+"""Of `step_search`: the next place to evaluate is (`trial_u`, `trial_v`)."""
 
-U, V, DISTANCE_SQUARED, FLAGS, ITERATIONS, SPAN_U, SPAN_V, OTHER_U, OTHER_V, OTHER_DISTANCE = range(18, 28)
-"""Columns of a result after the 18 numbers of the evaluation at (u, v): parameters, squared distance, flags as a float
-that holds a whole number, evaluations so far, spans that are wanted; parameters and distance of a second minimum."""
 
-TRIAL_U, TRIAL_V = 28, 29
-_STAGE, _VALUE, _G_U, _G_V, _H_UU, _H_UV, _H_VV, _RADIUS, _PREDICTED, _STEP, _SMALL, _END, _FLAGS = range(
-    30, 43
-)
-RESULT_WIDTH = 72
-"""Of the array of a search; the searches over angles of a ring and over samples keep theirs behind column 43."""
+class RingSearch(Record):
+    """What the search over the angles of a ring keeps.
 
-_START, _TRIAL, _RESTORE = 0.0, 1.0, 2.0
+    Attributes
+    ----------
+    angle, gap
+        Angle of the ring [rad], and gap there [m].
+    evaluations
+        Of the surface, for all angles so far.
+    stage, angles
+        What the angle at hand is, and how many there were.
+    trial_angle
+        The angle at hand [rad].
+    slope, curvature
+        Derivatives of the gap by the angle [m].
+    region, step, predicted
+        Largest step [rad], size of the last one [rad], and by how much the gap should fall [m].
+    u, v, du, dv
+        Parameters of the surface at `angle`, and their derivatives by it.
+    """
+
+    angle: float
+    gap: float
+    evaluations: int
+    stage: int
+    angles: int
+    trial_angle: float
+    slope: float
+    curvature: float
+    region: float
+    step: float
+    predicted: float
+    u: float
+    v: float
+    du: float
+    dv: float
+
+
+class SampleStarts(Record):
+    """What a search from the samples of a grid keeps.
+
+    Attributes
+    ----------
+    best_u, best_v, best
+        Parameters and distance [m] of the nearest minimum so far.
+    second_u, second_v, second
+        Those of the next one.
+    nearest
+        Number of the nearest sample.
+    next
+        Number of the sample from which to go on; -1 before the first.
+    count
+        Searches so far.
+    """
+
+    best_u: float
+    best_v: float
+    best: float
+    second_u: float
+    second_v: float
+    second: float
+    nearest: int
+    next: int
+    count: int
+
+
+class ContourSearch(Evaluation):
+    """State and result of a search; it begins with the evaluation at (u, v).
+
+    Attributes
+    ----------
+    u, v
+        Parameters.
+    squared_distance
+        Squared distance there [m^2].
+    flags
+        Sum of those that are named below.
+    iterations
+        Evaluations so far.
+    span_u, span_v
+        Knot spans that are wanted.
+    other_u, other_v, other_distance
+        Parameters and distance [m] of a second minimum.
+    trial_u, trial_v
+        Where to evaluate next.
+    stage
+        What the next evaluation is.
+    value, gradient_u, gradient_v, hessian_uu, hessian_uv, hessian_vv
+        Of half the squared distance at (u, v) [m^2].
+    radius
+        Of the trust region, in knot spans.
+    predicted
+        By how much the last step should have lowered the value [m^2].
+    step
+        Its size, in knot spans.
+    small
+        Steps so far whose effect was below rounding.
+    end, kept_flags
+        Status and flags that are returned after the accepted point has been evaluated again.
+    ring
+        Of a search over the angles of a ring.
+    starts
+        Of a search from samples.
+    """
+
+    u: float
+    v: float
+    squared_distance: float
+    flags: int
+    iterations: int
+    span_u: int
+    span_v: int
+    other_u: float
+    other_v: float
+    other_distance: float
+    trial_u: float
+    trial_v: float
+    stage: int
+    value: float
+    gradient_u: float
+    gradient_v: float
+    hessian_uu: float
+    hessian_uv: float
+    hessian_vv: float
+    radius: float
+    predicted: float
+    step: float
+    small: int
+    end: int
+    kept_flags: int
+    ring: RingSearch
+    starts: SampleStarts
+
+
+_START, _TRIAL, _RESTORE = range(3)
 """What the next evaluation is: the first one, that of a trial step, or again that of the accepted point."""
 
 BELOW_U, ABOVE_U, BELOW_V, ABOVE_V, DEGENERATE, TWIN, BEHIND, DEEP = 1, 2, 4, 8, 16, 32, 64, 128
 """Flags of a result. The first four: the point is held by this border of the patch, beyond which the distance would
 fall further. DEGENERATE: the distance has no definite minimum here (centre of curvature, flat face on a flat surface).
-TWIN: OTHER_* is a second minimum within the separation asked for. BEHIND: the primitive lies on the inner side.
+TWIN: `other_*` is a second minimum within the separation asked for. BEHIND: the primitive lies on the inner side.
 DEEP: the surface has reached the core of a primitive, where the gap has no normal any more."""
 
 BORDER = BELOW_U | ABOVE_U | BELOW_V | ABOVE_V
@@ -93,14 +208,14 @@ _SMALLEST_CURVATURE = 1e-9
 
 
 @kernel(inline=True, internal=True)
-def start_search(contour: NDArray, u: float, v: float, result: NDArray) -> None:
+def start_search(contour: PackedContour, u: float, v: float, result: ContourSearch) -> None:
     """Begin a new search at some parameters, brought into the patch; ``v = 0`` of a curve."""
-    result[TRIAL_U] = wrap(u, contour[CLOSED_U] == 1)
-    result[TRIAL_V] = wrap(v, contour[CLOSED_V] == 1)
-    result[_STAGE] = _START
-    result[ITERATIONS] = 0.0
-    result[FLAGS] = 0.0
-    result[OTHER_DISTANCE] = math.inf
+    result.trial_u = wrap(u, contour.u.closed)
+    result.trial_v = wrap(v, contour.v.closed)
+    result.stage = _START
+    result.iterations = 0
+    result.flags = 0
+    result.other_distance = math.inf
 
 
 @kernel(inline=True, internal=True)
@@ -192,7 +307,7 @@ def _indefinite(h_uu: float, h_uv: float, h_vv: float, a: float, b: float, flags
 
 @kernel(internal=True)
 def step_search(
-    contour: NDArray,
+    contour: PackedContour,
     f: float,
     g_u: float,
     g_v: float,
@@ -200,21 +315,21 @@ def step_search(
     h_uv: float,
     h_vv: float,
     resolution: float,
-    result: NDArray,
+    result: ContourSearch,
 ) -> int:
     """Take the values at the trial point and choose what to evaluate next.
 
     Parameters
     ----------
     contour
-        Packed row.
+        The packed contour.
     f, g_u, g_v, h_uu, h_uv, h_vv
-        Half the squared distance at (TRIAL_U, TRIAL_V), its gradient and its second derivatives; of a curve
+        Half the squared distance at (`trial_u`, `trial_v`), its gradient and its second derivatives; of a curve
         ``g_v = h_uv = 0, h_vv = 1``.
     resolution
         Rounding error of a difference of positions [m].
     result
-        The tangents of the evaluation in columns 3:9, and the state of the search.
+        The tangents of the evaluation, and the state of the search.
 
     Returns
     -------
@@ -228,25 +343,25 @@ def step_search(
     algorithm 6.1.1. Changes of f below its rounding error are not judged: the last steps, which only gradients can
     see, are taken as long as they halve.
     """
-    open_u = contour[CLOSED_U] == 0
-    open_v = contour[CLOSED_V] == 0 and contour[DEGREE_V] > 0
-    stage = result[_STAGE]
-    result[ITERATIONS] += 1.0
+    open_u = not contour.u.closed
+    open_v = not contour.v.closed and contour.v.degree > 0
+    stage = result.stage
+    result.iterations += 1
     if stage == _RESTORE:
-        result[FLAGS] = result[_FLAGS]
-        return int(result[_END])
+        result.flags = result.kept_flags
+        return result.end
     if not (math.isfinite(f) and math.isfinite(g_u + g_v) and math.isfinite(h_uu + h_uv + h_vv)):
         return NOT_FINITE
     radius = 1.0
-    small = 0.0
+    small = 0
     last = math.inf
     accepted = True
     if stage == _TRIAL:
-        radius = result[_RADIUS]
-        small = result[_SMALL]
-        last = result[_STEP]
-        predicted = result[_PREDICTED]
-        before = result[_VALUE]
+        radius = result.radius
+        small = result.small
+        last = result.step
+        predicted = result.predicted
+        before = result.value
         noise = resolution * (math.sqrt(2.0 * before) + resolution)
         if predicted > noise:
             ratio = (before - f) / predicted
@@ -256,34 +371,34 @@ def step_search(
             elif ratio > 0.75 and last > 0.99 * radius:
                 radius *= 2.0
         else:
-            small += 1.0
+            small += 1
             accepted = f <= before + 20.0 * noise
-    u = result[U]
-    v = result[V]
+    u = result.u
+    v = result.v
     if accepted:
-        u = result[TRIAL_U]
-        v = result[TRIAL_V]
-        result[U] = u
-        result[V] = v
-        result[DISTANCE_SQUARED] = 2.0 * f
-        result[_VALUE] = f
-        result[_G_U] = g_u
-        result[_G_V] = g_v
-        result[_H_UU] = h_uu
-        result[_H_UV] = h_uv
-        result[_H_VV] = h_vv
+        u = result.trial_u
+        v = result.trial_v
+        result.u = u
+        result.v = v
+        result.squared_distance = 2.0 * f
+        result.value = f
+        result.gradient_u = g_u
+        result.gradient_v = g_v
+        result.hessian_uu = h_uu
+        result.hessian_uv = h_uv
+        result.hessian_vv = h_vv
     else:
-        f = result[_VALUE]
-        g_u = result[_G_U]
-        g_v = result[_G_V]
-        h_uu = result[_H_UU]
-        h_uv = result[_H_UV]
-        h_vv = result[_H_VV]
+        f = result.value
+        g_u = result.gradient_u
+        g_v = result.gradient_v
+        h_uu = result.hessian_uu
+        h_uv = result.hessian_uv
+        h_vv = result.hessian_vv
 
-    width_u = 1.0 / (contour[COUNT_U] if not open_u else contour[COUNT_U] - contour[DEGREE_U])
+    width_u = 1.0 / (contour.u.count if not open_u else contour.u.count - contour.u.degree)
     width_v = 0.0
-    if contour[DEGREE_V] > 0:
-        width_v = 1.0 / (contour[COUNT_V] if not open_v else contour[COUNT_V] - contour[DEGREE_V])
+    if contour.v.degree > 0:
+        width_v = 1.0 / (contour.v.count if not open_v else contour.v.count - contour.v.degree)
     low_u = -radius * width_u
     high_u = -low_u
     low_v = -radius * width_v
@@ -296,10 +411,11 @@ def step_search(
         high_v = min(high_v, 1.0 - v)
     du, dv, decrease = least_quadratic(g_u, g_v, h_uu, h_uv, h_vv, low_u, high_u, low_v, high_v)
 
-    a = result[3] * result[3] + result[4] * result[4] + result[5] * result[5]
+    along, across = result.tangent_u, result.tangent_v
+    a = along[0] * along[0] + along[1] * along[1] + along[2] * along[2]
     b = 1.0
-    if contour[DEGREE_V] > 0:
-        b = result[6] * result[6] + result[7] * result[7] + result[8] * result[8]
+    if contour.v.degree > 0:
+        b = across[0] * across[0] + across[1] * across[1] + across[2] * across[2]
     step = max(abs(du) / width_u, abs(dv) / width_v if width_v > 0.0 else 0.0)
     noise = resolution * (math.sqrt(2.0 * f) + resolution)
     exact = abs(du) <= TOLERANCE and abs(dv) <= TOLERANCE
@@ -311,28 +427,28 @@ def step_search(
         flags = _held(u, v, g_u, g_v, open_u, open_v, floor * math.sqrt(a), floor * math.sqrt(b))
         if _indefinite(h_uu, h_uv, h_vv, a, b, flags):
             flags |= DEGENERATE
-        lost = lost or not accepted or small >= 4.0 or step > 0.5 * last or flags & DEGENERATE != 0
+        lost = lost or not accepted or small >= 4 or step > 0.5 * last or flags & DEGENERATE != 0
     end = CONVERGED
     if not (exact or lost):
-        if result[ITERATIONS] < LARGEST_ITERATIONS:
+        if result.iterations < LARGEST_ITERATIONS:
             trial_u = u + du
             trial_v = v + dv
             # a step to the border must reach it exactly
-            result[TRIAL_U] = 1.0 if open_u and du >= 1.0 - u else wrap(trial_u, not open_u)
-            result[TRIAL_V] = 1.0 if open_v and dv >= 1.0 - v else wrap(trial_v, contour[CLOSED_V] == 1)
-            result[_RADIUS] = radius
-            result[_SMALL] = small
-            result[_STEP] = step
-            result[_PREDICTED] = decrease
-            result[_STAGE] = _TRIAL
+            result.trial_u = 1.0 if open_u and du >= 1.0 - u else wrap(trial_u, not open_u)
+            result.trial_v = 1.0 if open_v and dv >= 1.0 - v else wrap(trial_v, contour.v.closed)
+            result.radius = radius
+            result.small = small
+            result.step = step
+            result.predicted = decrease
+            result.stage = _TRIAL
             return EVALUATE
         end = NOT_CONVERGED
-    result[FLAGS] = flags
+    result.flags = flags
     if accepted:
         return end
-    result[_END] = end  # the evaluation at hand is that of a step that was refused
-    result[_FLAGS] = flags
-    result[TRIAL_U] = u
-    result[TRIAL_V] = v
-    result[_STAGE] = _RESTORE
+    result.end = end  # the evaluation at hand is that of a step that was refused
+    result.kept_flags = flags
+    result.trial_u = u
+    result.trial_v = v
+    result.stage = _RESTORE
     return EVALUATE

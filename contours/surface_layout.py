@@ -1,85 +1,172 @@
-"""Columns of packed triangle surfaces, of relative motions and of pair lists: what collision kernels read."""
+"""Records of packed triangle surfaces, of relative motions and of pair lists: what collision kernels read."""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+
+from heavylift.numerics.records import Record, Vector
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
 __all__ = [
-    "BOX_CENTRE",
-    "BOX_HALF",
-    "BOX_WIDTH",
-    "CORNER_A",
-    "CORNER_B",
-    "CORNER_C",
-    "EDGE_AB",
-    "EDGE_BC",
-    "EDGE_CA",
-    "EDGE_END",
-    "EDGE_START",
-    "EDGE_TRIANGLE",
-    "EDGE_WIDTH",
-    "FIRST_EDGE",
-    "FIRST_POINT",
-    "FIRST_TRIANGLE",
-    "FLAGS",
     "IS_FACE",
-    "MOTION_P0",
-    "MOTION_P1",
-    "MOTION_R0",
-    "MOTION_R1",
-    "MOTION_WIDTH",
-    "NODE_COUNT",
-    "NODE_FIRST",
-    "NODE_LEFT",
-    "NODE_WIDTH",
     "OWNS_A",
     "OWNS_AB",
     "OWNS_B",
     "OWNS_BC",
     "OWNS_C",
     "OWNS_CA",
-    "PAIR_CAPACITY",
-    "PAIR_COUNT",
-    "PAIR_FIRST",
-    "PAIR_SURFACE_A",
-    "PAIR_SURFACE_B",
-    "PAIR_TRAVERSALS",
-    "PAIR_WIDTH",
-    "POINT_COUNT",
-    "ROOT_NODE",
-    "SURFACE",
-    "SURFACE_WIDTH",
-    "TRIANGLE_COUNT",
-    "TRIANGLE_WIDTH",
+    "BoundingBox",
+    "Edge",
+    "PackedSurface",
+    "PairList",
+    "RelativeMotion",
+    "RelativePose",
+    "TreeNode",
+    "Triangle",
+    "pose_of",
 ]
 
-# a triangle, integers: rows of its points, rows of its edges (-1: none), what it owns, its surface
-CORNER_A, CORNER_B, CORNER_C, EDGE_AB, EDGE_BC, EDGE_CA, FLAGS, SURFACE = range(8)
-TRIANGLE_WIDTH = 8
-
-# bits of FLAGS: every point and every edge belongs to one triangle only, so that it is tested once; a lone point or
-# segment is no face
+# every point and every edge belongs to one triangle only, so that it is tested once; a lone point or segment is no face
 OWNS_A, OWNS_B, OWNS_C, OWNS_AB, OWNS_BC, OWNS_CA, IS_FACE = (1 << bit for bit in range(7))
+"""Bits of the flags of a triangle."""
 
-# an edge, integers: rows of its points, and of one triangle that has it
-EDGE_START, EDGE_END, EDGE_TRIANGLE = range(3)
-EDGE_WIDTH = 3
 
-# a node of the tree, integers: its left child (the right one follows it; -1: a leaf), its triangles
-NODE_LEFT, NODE_FIRST, NODE_COUNT = range(3)
-NODE_WIDTH = 3
+class Triangle(Record):
+    """A triangle with corners A, B, C.
 
-# a box along the axes of the body [m]: centre (3) and half lengths (3)
-BOX_CENTRE, BOX_HALF = 0, 3
-BOX_WIDTH = 6
+    Attributes
+    ----------
+    corners
+        Rows of its points.
+    edges
+        Rows of its edges AB, BC, CA; -1: none.
+    flags
+        What it owns, and whether it is a face.
+    surface
+        Its surface.
+    """
 
-# a surface, integers
-FIRST_POINT, FIRST_TRIANGLE, FIRST_EDGE, ROOT_NODE, TRIANGLE_COUNT, POINT_COUNT = range(6)
-SURFACE_WIDTH = 6
+    corners: Annotated[NDArray[np.int64], (3,)]
+    edges: Annotated[NDArray[np.int64], (3,)]
+    flags: int
+    surface: int
 
-# motion of surface B in the axes of A over an interval: x_A = R x_B + p at its start and at its end, R row by row
-MOTION_R0, MOTION_P0, MOTION_R1, MOTION_P1 = 0, 9, 12, 21
-MOTION_WIDTH = 24
 
-# a pair of surfaces, integers: the surfaces, the place of its list, the length of the list (-1: none is made yet), and
-# how many times it was made
-PAIR_SURFACE_A, PAIR_SURFACE_B, PAIR_FIRST, PAIR_CAPACITY, PAIR_COUNT, PAIR_TRAVERSALS = range(6)
-PAIR_WIDTH = 6
+class Edge(Record):
+    """An edge.
+
+    Attributes
+    ----------
+    ends
+        Rows of its points.
+    triangle
+        Row of one triangle that has it.
+    """
+
+    ends: Annotated[NDArray[np.int64], (2,)]
+    triangle: int
+
+
+class TreeNode(Record):
+    """A node of the tree of a surface.
+
+    Attributes
+    ----------
+    left
+        Its left child, which the right one follows; -1: a leaf.
+    first, count
+        Its triangles.
+    """
+
+    left: int
+    first: int
+    count: int
+
+
+class BoundingBox(Record):
+    """A box along the axes of the body.
+
+    Attributes
+    ----------
+    centre, half
+        Centre and half lengths [m].
+    """
+
+    centre: Vector
+    half: Vector
+
+
+class PackedSurface(Record):
+    """Where the rows of a surface are.
+
+    Attributes
+    ----------
+    first_point, first_triangle, first_edge, root
+        First point, triangle and edge, and the root of its tree.
+    triangle_count, point_count
+        How many triangles and points it has.
+    """
+
+    first_point: int
+    first_triangle: int
+    first_edge: int
+    root: int
+    triangle_count: int
+    point_count: int
+
+
+class RelativePose(Record):
+    """Pose of surface B in the axes of A: ``x_A = R x_B + p``.
+
+    Attributes
+    ----------
+    rotation
+        R, row by row.
+    origin
+        p, of B [m].
+    """
+
+    rotation: Annotated[NDArray[np.float64], (9,)]
+    origin: Vector
+
+
+def pose_of(R: ArrayLike, p: ArrayLike) -> RelativePose:
+    """Pose from a rotation matrix, shape (3, 3), and a position [m], shape (3,)."""
+    pose = RelativePose.one()
+    pose.rotation[:] = np.ravel(np.asarray(R, dtype=np.float64))
+    pose.origin[:] = p
+    return pose
+
+
+class RelativeMotion(Record):
+    """Motion of surface B in the axes of A over an interval; points move straight from its start to its end."""
+
+    start: RelativePose
+    end: RelativePose
+
+
+class PairList(Record):
+    """The list of a pair of surfaces.
+
+    Attributes
+    ----------
+    surface_a, surface_b
+        The surfaces.
+    first, capacity
+        Place of the list among all, and how long it may be.
+    count
+        How long it is; -1: none is made yet.
+    traversals
+        How many times it was made.
+    """
+
+    surface_a: int
+    surface_b: int
+    first: int
+    capacity: int
+    count: int
+    traversals: int

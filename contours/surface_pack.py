@@ -7,27 +7,18 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from heavylift.contours.surface_layout import (
-    BOX_CENTRE,
-    BOX_HALF,
-    BOX_WIDTH,
-    EDGE_AB,
-    EDGE_END,
-    EDGE_START,
-    EDGE_TRIANGLE,
-    EDGE_WIDTH,
-    FLAGS,
     IS_FACE,
-    NODE_FIRST,
-    NODE_LEFT,
-    NODE_WIDTH,
     OWNS_A,
     OWNS_AB,
-    SURFACE,
-    SURFACE_WIDTH,
-    TRIANGLE_WIDTH,
+    BoundingBox,
+    Edge,
+    PackedSurface,
+    TreeNode,
+    Triangle,
 )
 from heavylift.contours.surface_tree import build_tree
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1
+from heavylift.numerics.records import R, Records, records
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -43,18 +34,18 @@ FLATTEST_FACE = 1e-12
 
 
 class CollisionSurfaces(Arrays):
-    """All surfaces of a scene, one after another; for the columns see `surface_layout`.
+    """All surfaces of a scene, one after another.
 
     Attributes
     ----------
     points
         In the axes of the body of their surface [m], shape (n, 3).
     triangles
-        Shape (nt, 8), in leaf order of their trees.
+        In leaf order of their trees, shape (nt,).
     normals
         Unit normals of faces, wound as given, shape (nt, 3); zeros for what is no face.
     edges
-        Shape (ne, 3).
+        Shape (ne,).
     edge_first
         Rows of `edge_inward` of each edge: from its own number to the next, shape (ne + 1,).
     edge_inward
@@ -65,11 +56,11 @@ class CollisionSurfaces(Arrays):
     vertex_neighbours
         Points that an edge joins to the point, shape (2 ne,).
     nodes
-        Of the trees, shape (nn, 3).
+        Of the trees, shape (nn,).
     boxes
-        Of the nodes [m], shape (nn, 6); without the radii.
+        Of the nodes, shape (nn,); without the radii.
     surfaces
-        Shape (ns, 6).
+        Shape (ns,).
     radii
         Rounding [m], shape (ns,).
     reaches
@@ -77,7 +68,7 @@ class CollisionSurfaces(Arrays):
     order
         Number of each triangle in its surface as it was given, shape (nt,).
     triangle_boxes
-        Of the triangles [m], shape (nt, 6); without the radii.
+        Of the triangles, shape (nt,); without the radii.
     edge_opposite
         Point of the face opposite to the edge, for each row of `edge_inward`, shape (k,).
     fitted_points
@@ -87,20 +78,20 @@ class CollisionSurfaces(Arrays):
     """
 
     points: Floats2
-    triangles: Ints2
+    triangles: Records[Triangle]
     normals: Floats2
-    edges: Ints2
+    edges: Records[Edge]
     edge_first: Ints1
     edge_inward: Floats2
     vertex_first: Ints1
     vertex_neighbours: Ints1
-    nodes: Ints2
-    boxes: Floats2
-    surfaces: Ints2
+    nodes: Records[TreeNode]
+    boxes: Records[BoundingBox]
+    surfaces: Records[PackedSurface]
     radii: Floats1
     reaches: Floats1
     order: Ints1
-    triangle_boxes: Floats2
+    triangle_boxes: Records[BoundingBox]
     edge_opposite: Ints1
     fitted_points: Floats2
     travels: Floats1
@@ -110,17 +101,17 @@ class _Part(NamedTuple):
     """One surface, its rows counted from zero."""
 
     points: NDArray[np.float64]
-    triangles: NDArray[np.int64]
+    triangles: Records[Triangle]
     normals: NDArray[np.float64]
-    edges: NDArray[np.int64]
+    edges: Records[Edge]
     opposite_counts: NDArray[np.int64]
     opposite: NDArray[np.int64]
     neighbour_counts: NDArray[np.int64]
     neighbours: NDArray[np.int64]
-    nodes: NDArray[np.int64]
-    boxes: NDArray[np.float64]
+    nodes: Records[TreeNode]
+    boxes: Records[BoundingBox]
     order: NDArray[np.int64]
-    triangle_boxes: NDArray[np.float64]
+    triangle_boxes: Records[BoundingBox]
     reach: float
 
 
@@ -137,22 +128,25 @@ def pack_surfaces(surfaces: Sequence[TriangleSurface]) -> CollisionSurfaces:
     A point that no triangle uses keeps its row, but nothing owns it: it never touches anything.
     """
     parts = [_pack_one(surface) for surface in surfaces]
-    table = np.zeros((len(parts), SURFACE_WIDTH), dtype=np.int64)
+    table = records(PackedSurface, len(parts))
+    triangles = _joined(Triangle, [part.triangles for part in parts])
+    edges = _joined(Edge, [part.edges for part in parts])
+    nodes = _joined(TreeNode, [part.nodes for part in parts])
     point = triangle = edge = node = 0
-    triangles, edges, nodes, opposite, neighbours = [], [], [], [], []
+    opposite, neighbours = [], []
     for s, part in enumerate(parts):
         table[s] = point, triangle, edge, node, len(part.triangles), len(part.points)
-        rows = part.triangles.copy()
-        rows[:, :EDGE_AB] += point
-        joined = rows[:, EDGE_AB:FLAGS]
+        rows = triangles[triangle : triangle + len(part.triangles)]
+        rows["corners"] += point
+        joined = rows["edges"]
         joined[joined >= 0] += edge
-        rows[:, SURFACE] = s
-        triangles.append(rows)
-        edges.append(part.edges + np.array([point, point, triangle]))
-        tree = part.nodes.copy()
-        tree[tree[:, NODE_LEFT] >= 0, NODE_LEFT] += node
-        tree[:, NODE_FIRST] += triangle
-        nodes.append(tree)
+        rows["surface"] = s
+        sides = edges[edge : edge + len(part.edges)]
+        sides["ends"] += point
+        sides["triangle"] += triangle
+        tree = nodes[node : node + len(part.nodes)]
+        tree["left"] += np.where(tree["left"] >= 0, node, 0)
+        tree["first"] += triangle
         opposite.append(part.opposite + point)
         neighbours.append(part.neighbours + point)
         point += len(part.points)
@@ -161,26 +155,25 @@ def pack_surfaces(surfaces: Sequence[TriangleSurface]) -> CollisionSurfaces:
         node += len(part.nodes)
 
     points = _stack([part.points for part in parts], 3)
-    edge_rows = _stack(edges, EDGE_WIDTH, np.int64)
     edge_first = _firsts([part.opposite_counts for part in parts])
     edge_opposite = _stack(opposite, 0, np.int64)
-    owner = np.repeat(np.arange(len(edge_rows)), np.diff(edge_first))
+    owner = np.repeat(np.arange(len(edges)), np.diff(edge_first))
     return CollisionSurfaces(
         points=points,
-        triangles=_stack(triangles, TRIANGLE_WIDTH, np.int64),
+        triangles=triangles,
         normals=_stack([part.normals for part in parts], 3),
-        edges=edge_rows,
+        edges=edges,
         edge_first=edge_first,
-        edge_inward=_inward(points, edge_rows[owner], edge_opposite),
+        edge_inward=_inward(points, edges[owner], edge_opposite),
         vertex_first=_firsts([part.neighbour_counts for part in parts]),
         vertex_neighbours=_stack(neighbours, 0, np.int64),
-        nodes=_stack(nodes, NODE_WIDTH, np.int64),
-        boxes=_stack([part.boxes for part in parts], BOX_WIDTH),
+        nodes=nodes,
+        boxes=_joined(BoundingBox, [part.boxes for part in parts]),
         surfaces=table,
         radii=np.array([surface.radius for surface in surfaces], dtype=np.float64),
         reaches=np.array([part.reach for part in parts], dtype=np.float64),
         order=_stack([part.order for part in parts], 0, np.int64),
-        triangle_boxes=_stack([part.triangle_boxes for part in parts], BOX_WIDTH),
+        triangle_boxes=_joined(BoundingBox, [part.triangle_boxes for part in parts]),
         edge_opposite=edge_opposite,
         fitted_points=points.copy(),
         travels=np.zeros(len(parts)),
@@ -197,26 +190,26 @@ def _pack_one(surface: TriangleSurface) -> _Part:
     corner = given[tree.order]
     normals, faces = _normals(points, corner)
 
-    rows = np.zeros((len(corner), TRIANGLE_WIDTH), dtype=np.int64)
-    rows[:, :EDGE_AB] = corner
-    rows[:, FLAGS] = IS_FACE * faces
+    rows = records(Triangle, len(corner))
+    rows["corners"] = corner
+    rows["flags"] = IS_FACE * faces
     # the first triangle in leaf order that has a point owns it, and likewise edges
     _, first = np.unique(corner.ravel(), return_index=True)
-    np.add.at(rows[:, FLAGS], first // 3, OWNS_A << (first % 3))
-    edges, owner = _edges(corner, len(points), rows[:, EDGE_AB:FLAGS])
-    np.add.at(rows[:, FLAGS], owner // 3, OWNS_AB << (owner % 3))
+    np.add.at(rows["flags"], first // 3, OWNS_A << (first % 3))
+    edges, owner = _edges(corner, len(points), rows["edges"])
+    np.add.at(rows["flags"], owner // 3, OWNS_AB << (owner % 3))
 
     # corner (i + 2) is opposite to the side from corner i to i + 1
-    numbers = rows[:, EDGE_AB:FLAGS][faces].ravel()
+    numbers = rows["edges"][faces].ravel()
     by_edge = np.argsort(numbers, kind="stable")
     opposite = corner[faces][:, [2, 0, 1]].ravel()[by_edge]
-    ends = edges[:, :EDGE_TRIANGLE]
+    ends = edges["ends"]
     starts = np.concatenate([ends[:, 0], ends[:, 1]])
     by_point = np.argsort(starts, kind="stable")
 
-    boxes = np.empty((len(corner), BOX_WIDTH))
-    boxes[:, BOX_CENTRE:BOX_HALF] = (0.5 * (lower + upper))[tree.order]
-    boxes[:, BOX_HALF:] = (0.5 * (upper - lower))[tree.order]
+    boxes = records(BoundingBox, len(corner))
+    boxes["centre"] = (0.5 * (lower + upper))[tree.order]
+    boxes["half"] = (0.5 * (upper - lower))[tree.order]
     return _Part(
         points=points,
         triangles=rows,
@@ -250,8 +243,8 @@ def _normals(
 
 def _edges(
     corner: NDArray[np.int64], point_count: int, numbers: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Edges of triangles, shape (ne, 3), and the place of the first side of each among all sides, shape (ne,).
+) -> tuple[Records[Edge], NDArray[np.int64]]:
+    """Edges of triangles, shape (ne,), and the place of the first side of each among all sides, shape (ne,).
 
     Parameters
     ----------
@@ -271,20 +264,20 @@ def _edges(
     numbers[...] = -1
     numbers[real] = number.ravel()
     owner = sides[first]
-    edges = np.empty((len(owner), EDGE_WIDTH), dtype=np.int64)
-    edges[:, EDGE_START] = start[owner]
-    edges[:, EDGE_END] = end[owner]
-    edges[:, EDGE_TRIANGLE] = owner // 3
+    edges = records(Edge, len(owner))
+    edges["ends"][:, 0] = start[owner]
+    edges["ends"][:, 1] = end[owner]
+    edges["triangle"] = owner // 3
     return edges, owner
 
 
 def _inward(
-    points: NDArray[np.float64], edges: NDArray[np.int64], opposite: NDArray[np.int64]
+    points: NDArray[np.float64], edges: Records[Edge], opposite: NDArray[np.int64]
 ) -> NDArray[np.float64]:
     """Unit vectors perpendicular to edges, towards a point each, shape (k, 3)."""
-    along = points[edges[:, EDGE_END]] - points[edges[:, EDGE_START]]
+    along = points[edges["ends"][:, 1]] - points[edges["ends"][:, 0]]
     along /= np.linalg.norm(along, axis=1)[:, np.newaxis]
-    inward = points[opposite] - points[edges[:, EDGE_START]]
+    inward = points[opposite] - points[edges["ends"][:, 0]]
     for _ in range(2):  # once more: of a sliver little is left by the first
         inward -= (inward * along).sum(axis=1)[:, np.newaxis] * along
         inward /= np.linalg.norm(inward, axis=1)[:, np.newaxis]
@@ -295,6 +288,16 @@ def _firsts(counts: list[NDArray[np.int64]]) -> NDArray[np.int64]:
     """Where each of some groups begins, and where the last ends."""
     every = np.concatenate([*counts, np.zeros(0, dtype=np.int64)])
     return np.concatenate([[0], np.cumsum(every)]).astype(np.int64)
+
+
+def _joined(record: type[R], parts: list[Records[R]]) -> Records[R]:
+    """Records one after another."""
+    made = records(record, sum(map(len, parts)))
+    start = 0
+    for part in parts:
+        made[start : start + len(part)] = part
+        start += len(part)
+    return made
 
 
 def _stack(arrays: list[NDArray], width: int, kind: type = np.float64) -> NDArray:

@@ -9,26 +9,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from heavylift.contours.surface_layout import (
-    BOX_CENTRE,
-    BOX_HALF,
-    CORNER_A,
-    CORNER_B,
-    CORNER_C,
-    EDGE_END,
-    EDGE_START,
-    FIRST_EDGE,
-    FIRST_POINT,
-    FIRST_TRIANGLE,
-    FLAGS,
-    IS_FACE,
-    NODE_COUNT,
-    NODE_FIRST,
-    NODE_LEFT,
-    POINT_COUNT,
-    ROOT_NODE,
-    TRIANGLE_COUNT,
-)
+from heavylift.contours.surface_layout import IS_FACE
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 
@@ -36,7 +17,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from heavylift.contours.surface_layout import BoundingBox, Edge, TreeNode, Triangle
     from heavylift.contours.surface_pack import CollisionSurfaces
+    from heavylift.numerics.records import Records
 
 __all__ = ["refit_surface"]
 
@@ -62,27 +45,25 @@ def refit_surface(surfaces: CollisionSurfaces, surface: int) -> float:
     A face or edge that has shrunk to nothing keeps its direction.
     """
     row = surfaces.surfaces[surface]
-    triangle = row[FIRST_TRIANGLE]
-    end = triangle + row[TRIANGLE_COUNT]
+    triangle = row.first_triangle
+    end = triangle + row.triangle_count
     last = surface + 1 == surfaces.surfaces.shape[0]
-    end_node = surfaces.nodes.shape[0] if last else surfaces.surfaces[surface + 1, ROOT_NODE]
-    end_edge = surfaces.edges.shape[0] if last else surfaces.surfaces[surface + 1, FIRST_EDGE]
-    first_point = row[FIRST_POINT]
-    way = _advance_points(
-        surfaces.points, surfaces.fitted_points, first_point, first_point + row[POINT_COUNT]
-    )
+    end_node = surfaces.nodes.shape[0] if last else surfaces.surfaces[surface + 1].root
+    end_edge = surfaces.edges.shape[0] if last else surfaces.surfaces[surface + 1].first_edge
+    first_point = row.first_point
+    way = _advance_points(surfaces.points, surfaces.fitted_points, first_point, first_point + row.point_count)
     surfaces.travels[surface] += way
     squared_reach = _refit_triangles(
         surfaces.points, surfaces.triangles, triangle, end, surfaces.triangle_boxes, surfaces.normals
     )
     surfaces.reaches[surface] = math.sqrt(squared_reach)
-    _refit_nodes(surfaces.nodes, surfaces.triangle_boxes, row[ROOT_NODE], end_node, surfaces.boxes)
+    _refit_nodes(surfaces.nodes, surfaces.triangle_boxes, row.root, end_node, surfaces.boxes)
     _refit_edges(
         surfaces.points,
         surfaces.edges,
         surfaces.edge_first,
         surfaces.edge_opposite,
-        row[FIRST_EDGE],
+        row.first_edge,
         end_edge,
         surfaces.edge_inward,
     )
@@ -106,19 +87,19 @@ def _advance_points(points: NDArray[np.float64], fitted: NDArray[np.float64], fi
 @kernel(internal=True)
 def _refit_triangles(
     points: NDArray[np.float64],
-    triangles: NDArray[np.int64],
+    triangles: Records[Triangle],
     first: int,
     end: int,
     # out
-    boxes: NDArray[np.float64],
+    boxes: Records[BoundingBox],
     normals: NDArray[np.float64],
 ) -> float:
     """Boxes and normals; returns the largest squared distance of a corner from the origin [m^2]."""
     farthest = 0.0
     for t in range(first, end):
-        a = triangles[t, CORNER_A]
-        b = triangles[t, CORNER_B]
-        c = triangles[t, CORNER_C]
+        a = triangles[t].corners[0]
+        b = triangles[t].corners[1]
+        c = triangles[t].corners[2]
         aa = 0.0
         bb = 0.0
         cc = 0.0
@@ -128,10 +109,10 @@ def _refit_triangles(
             aa += points[a, k] * points[a, k]
             bb += points[b, k] * points[b, k]
             cc += points[c, k] * points[c, k]
-            boxes[t, BOX_CENTRE + k] = 0.5 * (low + high)
-            boxes[t, BOX_HALF + k] = 0.5 * (high - low)
+            boxes[t].centre[k] = 0.5 * (low + high)
+            boxes[t].half[k] = 0.5 * (high - low)
         farthest = max(farthest, aa, bb, cc)
-        if triangles[t, FLAGS] & IS_FACE:
+        if triangles[t].flags & IS_FACE:
             x, y, z = cross(
                 points[b, 0] - points[a, 0],
                 points[b, 1] - points[a, 1],
@@ -150,36 +131,36 @@ def _refit_triangles(
 
 @kernel(internal=True)
 def _refit_nodes(
-    nodes: NDArray[np.int64],
-    triangle_boxes: NDArray[np.float64],
+    nodes: Records[TreeNode],
+    triangle_boxes: Records[BoundingBox],
     root: int,
     end: int,
     # out
-    boxes: NDArray[np.float64],
+    boxes: Records[BoundingBox],
 ) -> None:
     """Boxes of leaves from triangles, others from their children, which come after them."""
     for node in range(end - 1, root - 1, -1):
-        left = nodes[node, NODE_LEFT]
-        first = nodes[node, NODE_FIRST]
+        left = nodes[node].left
+        first = nodes[node].first
         for k in range(3):
             low = math.inf
             high = -math.inf
             if left >= 0:
                 for child in range(left, left + 2):
-                    low = min(low, boxes[child, BOX_CENTRE + k] - boxes[child, BOX_HALF + k])
-                    high = max(high, boxes[child, BOX_CENTRE + k] + boxes[child, BOX_HALF + k])
+                    low = min(low, boxes[child].centre[k] - boxes[child].half[k])
+                    high = max(high, boxes[child].centre[k] + boxes[child].half[k])
             else:
-                for t in range(first, first + nodes[node, NODE_COUNT]):
-                    low = min(low, triangle_boxes[t, BOX_CENTRE + k] - triangle_boxes[t, BOX_HALF + k])
-                    high = max(high, triangle_boxes[t, BOX_CENTRE + k] + triangle_boxes[t, BOX_HALF + k])
-            boxes[node, BOX_CENTRE + k] = 0.5 * (low + high)
-            boxes[node, BOX_HALF + k] = 0.5 * (high - low)
+                for t in range(first, first + nodes[node].count):
+                    low = min(low, triangle_boxes[t].centre[k] - triangle_boxes[t].half[k])
+                    high = max(high, triangle_boxes[t].centre[k] + triangle_boxes[t].half[k])
+            boxes[node].centre[k] = 0.5 * (low + high)
+            boxes[node].half[k] = 0.5 * (high - low)
 
 
 @kernel(internal=True)
 def _refit_edges(
     points: NDArray[np.float64],
-    edges: NDArray[np.int64],
+    edges: Records[Edge],
     edge_first: NDArray[np.int64],
     edge_opposite: NDArray[np.int64],
     first: int,
@@ -189,8 +170,8 @@ def _refit_edges(
 ) -> None:
     """Directions from edges into their faces."""
     for e in range(first, end):
-        a = edges[e, EDGE_START]
-        b = edges[e, EDGE_END]
+        a = edges[e].ends[0]
+        b = edges[e].ends[1]
         dx = points[b, 0] - points[a, 0]
         dy = points[b, 1] - points[a, 1]
         dz = points[b, 2] - points[a, 2]

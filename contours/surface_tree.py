@@ -13,22 +13,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from heavylift.contours.surface_layout import (
-    BOX_CENTRE,
-    BOX_HALF,
-    BOX_WIDTH,
-    NODE_COUNT,
-    NODE_FIRST,
-    NODE_LEFT,
-    NODE_WIDTH,
-)
+from heavylift.contours.surface_layout import BoundingBox, TreeNode
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
+from heavylift.numerics.records import records
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.numerics.arrays import Floats1, Floats2, Ints1, Ints2
+    from heavylift.numerics.records import Records
 
 __all__ = ["LEAF_TRIANGLES", "SurfaceTree", "build_tree", "tree_depth"]
 
@@ -45,16 +39,16 @@ class SurfaceTree(NamedTuple):
     Attributes
     ----------
     nodes
-        Left child (the right one follows it; -1: a leaf), first triangle in leaf order, number of triangles; shape
-        (nn, 3). The root is the first row; children come after their parent.
+        Their triangles are counted in leaf order; shape (nn,). The root is the first one; children come after their
+        parent.
     boxes
-        Centre and half lengths [m], shape (nn, 6).
+        Of the nodes, shape (nn,).
     order
         Number of each triangle, in leaf order, shape (nt,).
     """
 
-    nodes: NDArray[np.int64]
-    boxes: NDArray[np.float64]
+    nodes: Records[TreeNode]
+    boxes: Records[BoundingBox]
     order: NDArray[np.int64]
 
 
@@ -69,8 +63,7 @@ def build_tree(lower: NDArray[np.float64], upper: NDArray[np.float64]) -> Surfac
     count = len(lower)
     middles = lower + upper
     sorted_by = np.ascontiguousarray(np.argsort(middles, axis=0, kind="stable").T, dtype=np.int64)
-    nodes = np.zeros((2 * count, NODE_WIDTH), dtype=np.int64)
-    boxes = np.zeros((2 * count, BOX_WIDTH))
+    nodes, boxes = records(TreeNode, 2 * count), records(BoundingBox, 2 * count)
     size = float(np.linalg.norm(upper.max(axis=0) - lower.min(axis=0)))
     used = _split_all(
         np.ascontiguousarray(lower),
@@ -87,13 +80,13 @@ def build_tree(lower: NDArray[np.float64], upper: NDArray[np.float64]) -> Surfac
     return SurfaceTree(nodes[:used].copy(), boxes[:used].copy(), sorted_by[0].copy())
 
 
-def tree_depth(nodes: NDArray[np.int64], root: int = 0) -> int:
+def tree_depth(nodes: Records[TreeNode], root: int = 0) -> int:
     """Levels of a tree; 1 if the root is a leaf."""
     level = np.array([root], dtype=np.int64)
     depth = 0
     while level.size:
         depth += 1
-        left = nodes[level, NODE_LEFT]
+        left = nodes["left"][level]
         left = left[left >= 0]
         level = np.concatenate([left, left + 1])
     return depth
@@ -108,33 +101,33 @@ def _split_all(
     # in and out: triangles sorted along each axis
     sorted_by: Ints2,
     # out
-    nodes: Ints2,
-    boxes: Floats2,
+    nodes: Records[TreeNode],
+    boxes: Records[BoundingBox],
     # scratch
     costs: Floats1,
     left_half: Ints1,
     moved: Ints1,
 ) -> int:
     """Split boxes, parents first, until all leaves are small; returns the number of nodes."""
-    nodes[0, NODE_LEFT] = -1
-    nodes[0, NODE_FIRST] = 0
-    nodes[0, NODE_COUNT] = lower.shape[0]
+    nodes[0].left = -1
+    nodes[0].first = 0
+    nodes[0].count = lower.shape[0]
     used = 1
     node = 0
     while node < used:
-        first = nodes[node, NODE_FIRST]
-        count = nodes[node, NODE_COUNT]
+        first = nodes[node].first
+        count = nodes[node].count
         _write_box(lower, upper, sorted_by, first, count, node, boxes)
         if count > leaf_triangles:
             axis, left = _best_split(lower, upper, edge_weight, sorted_by, first, count, costs)
             _sort_halves(sorted_by, first, count, axis, left, left_half, moved)
-            nodes[node, NODE_LEFT] = used
-            nodes[used, NODE_FIRST] = first
-            nodes[used, NODE_COUNT] = left
-            nodes[used + 1, NODE_FIRST] = first + left
-            nodes[used + 1, NODE_COUNT] = count - left
-            nodes[used, NODE_LEFT] = -1
-            nodes[used + 1, NODE_LEFT] = -1
+            nodes[node].left = used
+            nodes[used].first = first
+            nodes[used].count = left
+            nodes[used + 1].first = first + left
+            nodes[used + 1].count = count - left
+            nodes[used].left = -1
+            nodes[used + 1].left = -1
             used += 2
         node += 1
     return used
@@ -148,7 +141,7 @@ def _write_box(
     first: int,
     count: int,
     node: int,
-    boxes: NDArray[np.float64],
+    boxes: Records[BoundingBox],
 ) -> None:
     """Box around some triangles."""
     for k in range(3):
@@ -158,8 +151,8 @@ def _write_box(
             t = sorted_by[0, i]
             low = min(low, lower[t, k])
             high = max(high, upper[t, k])
-        boxes[node, BOX_CENTRE + k] = 0.5 * (low + high)
-        boxes[node, BOX_HALF + k] = 0.5 * (high - low)
+        boxes[node].centre[k] = 0.5 * (low + high)
+        boxes[node].half[k] = 0.5 * (high - low)
 
 
 @kernel(internal=True)

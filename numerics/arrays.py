@@ -44,12 +44,14 @@ __all__ = [
     "Ints2",
     "Pointer",
     "Reference",
+    "Words",
     "array_type",
     "declared_types",
     "described",
     "numba_type",
     "number_as_word",
     "rebuild_array",
+    "word_count",
 ]
 
 Floats1 = Annotated[NDArray[np.float64], 1]
@@ -63,15 +65,31 @@ WORD = ir.IntType(64)
 
 @dataclass_transform(frozen_default=True, eq_default=False)
 class Arrays:
-    """Base of all groups. A subclass lists its fields as a frozen dataclass does."""
+    """Base of all groups. A subclass lists its fields as a frozen dataclass does.
+
+    Attributes
+    ----------
+    carried_fields
+        Of kinds: fields that outlive a step, of records or numbers. A checkpoint keeps them.
+    """
 
     _fields: typing.ClassVar[tuple[str, ...]] = ()
+    carried_fields: typing.ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls) -> None:
-        """Make the constructor."""
+        """Make the constructor.
+
+        Raises
+        ------
+        TypeError
+            If there is no such field as one that is to outlive a step.
+        """
         super().__init_subclass__()
         dataclass(frozen=True, eq=False)(cls)
         cls._fields = tuple(field.name for field in fields(cls))  # type: ignore[arg-type]
+        unknown = set(cls.carried_fields) - set(cls._fields)
+        if unknown:
+            raise TypeError(f"{cls.__name__}: carried {sorted(unknown)}, expected some of {cls._fields}")
 
     def __iter__(self) -> Iterator[Any]:
         """Values of the fields, in order."""
@@ -122,9 +140,35 @@ class Arrays:
                 held = of_type.accept(value, f"{type(self).__name__}.{name}")
                 self.__dict__.setdefault("_held", []).append(held)
                 words.append(held.address)
+            elif isinstance(of_type, Words):
+                words += of_type.words(value, f"{type(self).__name__}.{name}")
             else:
                 words.append(number_as_word(of_type, value))
         return words
+
+
+class Words(types.Type):
+    """Numba type of what is handed over as several words, and rebuilt from them."""
+
+    word_count: typing.ClassVar[int]
+
+    def words(self, value: Any, where: str) -> list[int]:
+        """The words of a value.
+
+        Raises
+        ------
+        TypeError
+            If kernels would misread it; names the place and both types.
+        """
+        raise NotImplementedError
+
+    def rebuild(self, context: Any, builder: Any, words: list[Any]) -> Any:
+        """The value in compiled code."""
+        raise NotImplementedError
+
+    def to_words(self, context: Any, builder: Any, value: Any) -> list[Any]:
+        """The words of a value in compiled code."""
+        raise NotImplementedError
 
 
 class Pointer(types.Type):
@@ -150,14 +194,14 @@ class Reference(Pointer):
 
     def accept(self, value: Any, where: str) -> Any:
         """Only the class itself and its subclasses."""
-        if not isinstance(value, self.group):
+        if not isinstance(value, self.group) or not _begins_as(type(value), self.group):
             raise TypeError(f"{where}: {type(value).__name__}, expected {self.group.__name__}")
         return value
 
     def can_convert_to(self, typingctx: Any, other: Any) -> Any:
         """A subclass begins with the fields of its base."""
         del typingctx
-        if isinstance(other, Reference) and issubclass(self.group, other.group):
+        if isinstance(other, Reference) and _begins_as(self.group, other.group):
             return Conversion.exact if self.group is other.group else Conversion.safe
         return None
 
@@ -165,6 +209,23 @@ class Reference(Pointer):
         """Never."""
         del typingctx
         return self if self == other else None
+
+
+def _compare(group: Any, base: Any) -> bool:
+    """Whether code for a class reads the block of another one rightly: a subclass whose fields keep their layouts."""
+    if group is base:
+        return True
+    if not issubclass(group, base):
+        return False
+    own = layout(group)
+    return all(
+        own[name][1] == place and getattr(own[name][0], "read_as", own[name][0].__eq__)(of_type)
+        for name, (of_type, place) in layout(base).items()
+    )
+
+
+_begins_as: Callable[[Any, Any], bool] = cache(_compare)
+"""As `_compare`."""
 
 
 def number_as_word(of_type: Any, value: Any) -> int:
@@ -206,6 +267,8 @@ def numba_type(annotation: Any) -> Any:
             found = Reference(annotation)
         elif hasattr(annotation, "numba_type"):
             found = annotation.numba_type()
+    elif found is None and hasattr(annotation, "numba_type"):
+        found = annotation.numba_type()
     if found is None:
         raise TypeError(f"{annotation!r}: expected a number, an array of known dimension, Arrays or a Table")
     return found
@@ -257,8 +320,15 @@ def _layout(group: Any) -> dict[str, tuple[Any, int]]:
         except TypeError as error:
             raise TypeError(f"{group.__name__}.{name}: {error}") from None
         made[name] = of_type, place
-        place += 1 + (of_type.ndim if isinstance(of_type, types.Array) else 0)
+        place += word_count(of_type)
     return made
+
+
+def word_count(of_type: Any) -> int:
+    """Words that a value is handed over as."""
+    if isinstance(of_type, types.Array):
+        return 1 + int(of_type.ndim)
+    return of_type.word_count if isinstance(of_type, Words) else 1
 
 
 layout: Callable[[Any], dict[str, tuple[Any, int]]] = cache(_layout)
@@ -269,7 +339,7 @@ layout: Callable[[Any], dict[str, tuple[Any, int]]] = cache(_layout)
 def described(of_type: Any) -> str:
     """All that compiled code knows of a type: of a group its fields and where they are, and those of groups in it."""
     if not isinstance(of_type, Reference):
-        return str(of_type)
+        return of_type.described() if hasattr(of_type, "described") else str(of_type)
     parts = [f"{name} {place} {described(one)}" for name, (one, place) in layout(of_type.group).items()]
     constants = [
         f"{name}={value!r}"
@@ -353,8 +423,10 @@ def _field(context: Any, builder: Any, reference: Any, value: Any, name: str) ->
         of_type = context.typing_context.resolve_value_type(constant)
         return context.get_constant_generic(builder, of_type, constant)
     of_type, place = known[name]
-    if isinstance(of_type, types.Array):
-        words = [constant_word(builder, value, place + i) for i in range(1 + of_type.ndim)]
+    if isinstance(of_type, (types.Array, Words)):
+        words = [constant_word(builder, value, place + i) for i in range(word_count(of_type))]
+        if isinstance(of_type, Words):
+            return of_type.rebuild(context, builder, words)
         return impl_ret_borrowed(context, builder, of_type, rebuild_array(context, builder, of_type, words))
     word = constant_word(builder, value, place)
     if isinstance(of_type, Pointer):

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.block_pattern import LOWER, LOWER_COUNT, NODE, PIVOT, UPDATE
+from heavylift.numerics.block_pattern import FactorColumn, LowerBlock
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import (
     backward_pivot,
@@ -25,6 +25,7 @@ from heavylift.numerics.lanes import (
     subtract_forward,
 )
 from heavylift.numerics.lanes_wide import subtract_backward_sum, subtract_products
+from heavylift.numerics.records import Records
 
 __all__ = ["backward_blocks", "factor_blocks", "forward_blocks"]
 
@@ -32,7 +33,7 @@ __all__ = ["backward_blocks", "factor_blocks", "forward_blocks"]
 @kernel(internal=True)
 def factor_blocks(  # type: ignore[no-untyped-def]
     shape,
-    columns: NDArray[np.int64],
+    columns: Records[FactorColumn],
     updates: NDArray[np.int64],
     blocks: NDArray[np.float64],
     base: int,
@@ -52,17 +53,17 @@ def factor_blocks(  # type: ignore[no-untyped-def]
     column = first
     while column < last:
         width = 1
-        while columns[column + width - 1, UPDATE] < 0:
+        while columns[column + width - 1].first_update < 0:
             width += 1
-        start = base + columns[column, PIVOT]
+        start = base + columns[column].pivot
         below = start + width * (width + 1) // 2 * size
-        count = columns[column + width - 1, LOWER_COUNT]
+        count = columns[column + width - 1].lower_count
         for m in range(width):
             row = start + m * (m + 1) // 2 * size
             pivot = row + m * size
             if m > 0:
                 for t in range(m):
-                    at = base + columns[column + t, PIVOT]
+                    at = base + columns[column + t].pivot
                     scale_block(shape, blocks, work + t * size, blocks, row + t * size, blocks, at)
                 subtract_products(shape, blocks, pivot, blocks, work, blocks, row, m)
             factor_pivot(shape, blocks, pivot)
@@ -71,11 +72,11 @@ def factor_blocks(  # type: ignore[no-untyped-def]
                 if m > 0:
                     subtract_products(shape, blocks, other + m * size, blocks, work, blocks, other, m)
                 solve_off_diagonal(shape, blocks, other + m * size, blocks, pivot)
-        update = columns[column + width - 1, UPDATE]
+        update = columns[column + width - 1].first_update
         for l in range(count):
             row = below + l * width * size
             for t in range(width):
-                at = base + columns[column + t, PIVOT]
+                at = base + columns[column + t].pivot
                 scale_block(shape, blocks, work + t * size, blocks, row + t * size, blocks, at)
             for k in range(l, count):
                 target = base + updates[update]
@@ -89,8 +90,8 @@ def factor_blocks(  # type: ignore[no-untyped-def]
 @kernel(internal=True)
 def forward_blocks(  # type: ignore[no-untyped-def]
     shape,
-    columns: NDArray[np.int64],
-    lower: NDArray[np.int64],
+    columns: Records[FactorColumn],
+    lower: Records[LowerBlock],
     blocks: NDArray[np.float64],
     base: int,
     first: int,
@@ -104,18 +105,18 @@ def forward_blocks(  # type: ignore[no-untyped-def]
     """
     lanes = len(shape[1])
     for column in range(first, last):
-        z = x_at + columns[column, NODE] * lanes
-        at, count = columns[column, LOWER], columns[column, LOWER_COUNT]
-        forward_pivot(shape, x, z, blocks, base + columns[column, PIVOT])
+        z = x_at + columns[column].node * lanes
+        at, count = columns[column].first_lower, columns[column].lower_count
+        forward_pivot(shape, x, z, blocks, base + columns[column].pivot)
         for l in range(at, at + count):
-            subtract_forward(shape, x, x_at + lower[l, 0] * lanes, blocks, base + lower[l, 1], x, z)
+            subtract_forward(shape, x, x_at + lower[l].node * lanes, blocks, base + lower[l].place, x, z)
 
 
 @kernel(internal=True)
 def backward_blocks(  # type: ignore[no-untyped-def]
     shape,
-    columns: NDArray[np.int64],
-    lower: NDArray[np.int64],
+    columns: Records[FactorColumn],
+    lower: Records[LowerBlock],
     blocks: NDArray[np.float64],
     base: int,
     first: int,
@@ -126,7 +127,7 @@ def backward_blocks(  # type: ignore[no-untyped-def]
     """``x = L^-T z`` of columns ``first ... last - 1``, with whatever stands in the vectors of base nodes."""
     lanes = len(shape[1])
     for column in range(last - 1, first - 1, -1):
-        node, pivot = columns[column, NODE], columns[column, PIVOT]
-        at, count = columns[column, LOWER], columns[column, LOWER_COUNT]
+        node, pivot = columns[column].node, columns[column].pivot
+        at, count = columns[column].first_lower, columns[column].lower_count
         subtract_backward_sum(shape, x, x_at, node, blocks, base, pivot, lower, at, count)
         backward_pivot(shape, x, x_at + node * lanes, blocks, base + pivot)

@@ -16,15 +16,44 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.dissection import FactorStructure, order_nodes
 from heavylift.numerics.lanes import block_shape
+from heavylift.numerics.records import Record, Records, records
 
-__all__ = ["LOWER", "LOWER_COUNT", "NODE", "PIVOT", "UPDATE", "BlockPattern", "pack_blocks"]
+__all__ = ["BlockPattern", "FactorColumn", "LowerBlock", "pack_blocks"]
 
 WIDEST_PANEL = 8
 """Most columns of a panel: one of its rows and the scaled copy of another stay in the fastest cache."""
 
-# columns of `columns`: node, first and number of lower blocks, first update, place of the pivot
-NODE, LOWER, LOWER_COUNT, UPDATE, PIVOT = range(5)
-WITH_NEXT = -1  # in place of the first update: the column is eliminated with the next one
+WITH_NEXT = -1
+"""In place of the first update: the column is eliminated with the next one."""
+
+
+class FactorColumn(Record):
+    """A column of the factor.
+
+    Attributes
+    ----------
+    node
+        That is eliminated.
+    first_lower, lower_count
+        Of its blocks below the pivot.
+    first_update
+        Of those that its panel makes; `WITH_NEXT` in all columns of a panel but the last.
+    pivot
+        Place of its pivot.
+    """
+
+    node: int
+    first_lower: int
+    lower_count: int
+    first_update: int
+    pivot: int
+
+
+class LowerBlock(Record):
+    """A block below a pivot: its later node and its place."""
+
+    node: int
+    place: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,11 +68,9 @@ class BlockPattern:
     shape
         Block shape for `heavylift.numerics.lanes`.
     columns
-        Of each column in the order of elimination its node, the first and the number of its lower blocks, its
-        first update, and the place of its pivot; shape (nc, 5). The first update is -1 for all columns of a
-        panel but the last.
+        In the order of elimination.
     lower
-        Node and place of each block below a pivot, shape (nl, 2).
+        Blocks below the pivots, column by column.
     updates
         Places of the blocks that the pairs of lower blocks of a panel change, shape (nu,): for each lower block
         of its last column, those in the column of its node, from the pivot on.
@@ -62,8 +89,8 @@ class BlockPattern:
     """
 
     shape: tuple[tuple[int, ...], tuple[int, ...]]
-    columns: NDArray[np.int64]
-    lower: NDArray[np.int64]
+    columns: Records[FactorColumn]
+    lower: Records[LowerBlock]
     updates: NDArray[np.int64]
     ranges: NDArray[np.int64]
     size: int
@@ -274,12 +301,14 @@ class _Layout:
         targets = np.concatenate([np.zeros(0, dtype=np.int64), *wanted])
         node_of = np.concatenate([np.zeros(0, dtype=np.int64), *self.nodes])
         scratch = self.block_count * self.block
+        columns, below = records(FactorColumn, len(table)), records(LowerBlock, len(lower))
+        columns["node"], columns["first_update"] = node_of[table[:, 0]], first_update
+        columns["first_lower"], columns["lower_count"], columns["pivot"] = table[:, 1:].T
+        below["node"], below["place"] = node_of[lower[:, 0]], lower[:, 1]
         return BlockPattern(
             shape=shape,
-            columns=np.stack(
-                [node_of[table[:, 0]], table[:, 1], table[:, 2], first_update, table[:, 3]], axis=1
-            ),
-            lower=np.stack([node_of[lower[:, 0]], lower[:, 1]], axis=1),
+            columns=columns,
+            lower=below,
             updates=places[np.searchsorted(keys, targets)].ravel(),
             ranges=np.array(self.ranges, dtype=np.int64).reshape(-1, 2),
             size=scratch + max(1, self.widest) * self.block,

@@ -77,7 +77,8 @@ class _Writer:
         self.rows, self.lanes = shape.types[0].count, shape.types[1].count
 
     def data(self, array_type: Any, array: Any) -> Any:
-        return self.context.make_array(array_type)(self.context, self.builder, array).data
+        """Address of the first number; an array of records has it under the same name."""
+        return cgutils.create_struct_proxy(array_type)(self.context, self.builder, array).data
 
     def at(self, pointer: Any, offset: Any, element: Any = DOUBLE) -> Any:
         place = ir.Constant(INTEGER, offset) if isinstance(offset, int) else offset

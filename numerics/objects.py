@@ -36,6 +36,7 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError
 from numba.core.registry import cpu_target
+from numba.core.runtime import rtsys
 from numba.extending import typeof_impl
 from numba.np import numpy_support
 
@@ -44,11 +45,13 @@ from heavylift.numerics.arrays import (
     Arrays,
     Pointer,
     Reference,
+    Words,
     declared_types,
     described,
     numba_type,
     number_as_word,
     rebuild_array,
+    word_count,
 )
 from heavylift.numerics.jit import kernel, module_of
 from heavylift.numerics.sources import cache_root, closure_digest, edited_since_start
@@ -245,8 +248,8 @@ def _age(path: Path) -> float:
 
 def native_words(of_type: Any) -> list[ir.Type]:
     """What a parameter becomes in the interface of a compiled function."""
-    if isinstance(of_type, types.Array):
-        return [WORD] * (1 + of_type.ndim)
+    if isinstance(of_type, (types.Array, Words)):
+        return [WORD] * word_count(of_type)
     if isinstance(of_type, Pointer):
         return [WORD.as_pointer()]
     return [ir.DoubleType()] if of_type == types.float64 else [WORD]
@@ -264,12 +267,16 @@ def to_words(context: Any, builder: Any, of_type: Any, value: Any) -> list[Any]:
         array = context.make_array(of_type)(context, builder, value)
         lengths = [builder.extract_value(array.shape, i) for i in range(of_type.ndim)]
         return [builder.ptrtoint(array.data, WORD), *lengths]
+    if isinstance(of_type, Words):
+        return of_type.to_words(context, builder, value)
     return [builder.zext(value, WORD)] if of_type == types.boolean else [value]
 
 
 def _from_words(context: Any, builder: Any, of_type: Any, words: list[Any]) -> Any:
     if isinstance(of_type, types.Array):
         return rebuild_array(context, builder, of_type, words)
+    if isinstance(of_type, Words):
+        return of_type.rebuild(context, builder, words)
     return builder.trunc(words[0], ir.IntType(1)) if of_type == types.boolean else words[0]
 
 
@@ -351,7 +358,7 @@ def _compile(unit: Unit) -> bytes:
 
 
 def _link(codegen: Any, wrappers: Any, libraries: Iterable[Any], symbols: set[str]) -> bytes:
-    """All parts in one module, optimised once."""
+    """All parts in one module, optimised together."""
     whole = llvm.parse_assembly(str(wrappers))
     whole.data_layout = codegen._data_layout  # noqa: SLF001
     for library in libraries:
@@ -359,11 +366,20 @@ def _link(codegen: Any, wrappers: Any, libraries: Iterable[Any], symbols: set[st
     for value in (*whole.functions, *whole.global_variables):
         if not value.is_declaration and value.name not in symbols:
             value.linkage = "internal"
+    # reference counts that cancel are found after the first of them, and removed by the second
     cheap, cheap_builder = codegen._module_pass_manager(slp_vectorize=False, cost="cheap")  # noqa: SLF001
     cheap.run(whole, cheap_builder)
     full, full_builder = codegen._module_pass_manager()  # noqa: SLF001
     full.run(whole, full_builder)
     whole.verify()
+    missing = sorted(
+        one.name for one in whole.functions if one.is_declaration and one.name.startswith("NRT_")
+    )
+    # the process would die where the object is loaded; checks of bounds leave some, and `_engine` knows them then
+    if missing and not numba.config.BOUNDSCHECK:
+        raise CompileError(
+            f"{', '.join(sorted(symbols))}: a kernel makes, reshapes or returns arrays: {', '.join(missing)} is left"
+        )
     return bytes(codegen._tm.emit_object(whole))  # noqa: SLF001
 
 
@@ -385,7 +401,9 @@ def _explain(symbol: str, unit: Unit, dispatcher: Any, error: Exception) -> str:
 @cache
 def _engine() -> Any:
     """The engine that all objects are loaded into; symbols of Numba's helpers are known once its context is there."""
-    _ = cpu_target.target_context
+    context = cpu_target.target_context
+    if numba.config.BOUNDSCHECK:
+        rtsys.initialize(context)
     machine = llvm.Target.from_default_triple().create_target_machine(
         cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), jit=True
     )
@@ -477,6 +495,8 @@ def native_function(address: int, parameters: Iterable[Any], result: Any) -> Cal
                 if not fits or numpy_support.from_dtype(value.dtype) != of_type.dtype:
                     raise TypeError(f"{value.dtype} array of shape {value.shape}, expected {of_type}")
                 words += [value.ctypes.data, *value.shape]
+            elif isinstance(of_type, Words):
+                words += of_type.words(value, "an argument")
             elif isinstance(of_type, Pointer):
                 words.append(value.address)
             elif of_type == types.float64:

@@ -14,6 +14,7 @@ __all__ = [
     "cholesky_factor",
     "cholesky_solve",
     "cross",
+    "nonnegative",
     "rotate",
     "rotate_back",
     "solve_symmetric_3",
@@ -28,6 +29,15 @@ def aligned(shape: int | tuple[int, ...]) -> NDArray[np.float64]:
     buffer = np.zeros(8 * count + 64, dtype=np.uint8)
     start = -buffer.ctypes.data % 64
     return buffer[start : start + 8 * count].view(np.float64).reshape(shape)
+
+
+@kernel(inline=True, internal=True)
+def nonnegative(index: int) -> int:
+    """An index, below 2^31, that the compiler knows not to count from the end of an array.
+
+    Otherwise it looks at the sign of each index for each array that has a length of its own.
+    """
+    return index & 0x7FFFFFFF
 
 
 @kernel(inline=True)

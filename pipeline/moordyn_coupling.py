@@ -18,7 +18,7 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.moordyn_input import quasi_static_force
 from heavylift.pipeline.moordyn_lines import MoorDynLine, moordyn_package, work_folder
 from heavylift.solver.connections import GROUND
-from heavylift.solver.marine.mooring_lines import EXTRA
+from heavylift.solver.marine.mooring_lines import MooringState
 from heavylift.solver.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -214,5 +214,5 @@ def _hold(simulation: Simulation, rows: list[int], forces: list[NDArray[np.float
     """Let forces act on fairleads beside the catenaries until they are changed again."""
     state = simulation.state()
     for row, force in zip(rows, forces, strict=True):
-        state[STATE][row, EXTRA : EXTRA + 3] = force
+        state[STATE].view(MooringState.layout)["extra"][row] = force
     simulation.restore(state)

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.marine.catenary import HORIZONTAL, STATE_WIDTH, VERTICAL, solve_lines
+from heavylift.numerics.records import records
+from heavylift.solver.marine.catenary import LineEnds, LineState, solve_lines
 from heavylift.solver.marine.catenary_line import line_profile, pack_sections
 from heavylift.solver.marine.moorings import check_sections
 
@@ -68,18 +69,18 @@ def quasi_static_force(
     anchors, fairleads
         Ends, world [m], shape (nt, 3).
     """
-    rows, tail, values = pack_sections(
+    rows, lines = pack_sections(
         line.sections, line.clumps, on_seabed=line.seabed is not None, friction=line.friction
     )
-    table = np.array([[0, len(rows), tail]], dtype=np.int64)
-    state, ends = np.zeros((1, STATE_WIDTH)), np.zeros((1, 4))
+    states, ends = records(LineState, 1), records(LineEnds, 1)
+    state = states[0]
     r = fairleads - anchors
     places = np.column_stack([np.hypot(r[:, 0], r[:, 1]), r[:, 2]])
     forces = np.empty((len(r), 3))
     for i in range(len(r)):
-        solve_lines(rows, table, values[None], places[i : i + 1], state, ends)
-        share = state[0, HORIZONTAL] / max(places[i, 0], 1e-9)
-        forces[i] = -share * r[i, 0], -share * r[i, 1], -state[0, VERTICAL]
+        solve_lines(rows, lines, places[i : i + 1], states, ends)
+        share = state.horizontal / max(places[i, 0], 1e-9)
+        forces[i] = -share * r[i, 0], -share * r[i, 1], -state.vertical
     return forces
 
 

@@ -1,28 +1,18 @@
-"""What outlives a step: the arrays of the kinds that a checkpoint keeps, and one array that holds all of them."""
+"""What outlives a step: fields that kinds name as carried, which a checkpoint keeps, and one array that holds all."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Arrays
+from heavylift.numerics.records import Record
 from heavylift.numerics.small import aligned
 
-__all__ = ["CARRIED", "LINE", "share_state"]
-
-CARRIED = (
-    "frame",
-    "modal",
-    "products",
-    "rows",
-    "state",
-    "body",
-    "nodal",
-    "strains",
-    "placed",
-)
-"""Fields of kinds that outlive a step."""
+__all__ = ["LINE", "carried_words", "share_state"]
 
 LINE = 8
 """Numbers in a cache line, which each array fills to its end."""
@@ -46,11 +36,7 @@ def share_state(
         That array.
     """
     sizes = [
-        -(-getattr(kind, field).size // LINE) * LINE
-        for kinds in groups
-        for kind in kinds
-        for field in CARRIED
-        if field in kind._fields
+        _lines(getattr(kind, field)) for kinds in groups for kind in kinds for field in kind.carried_fields
     ]
     whole = aligned(max(1, sum(sizes)))
     start = 0
@@ -58,15 +44,30 @@ def share_state(
     for kinds in groups:
         changed = []
         for kind in kinds:
-            views: dict[str, NDArray[np.float64]] = {}
-            for field in CARRIED:
-                if field in kind._fields:
-                    old = getattr(kind, field)
-                    views[field] = whole[start : start + old.size].reshape(old.shape)
-                    views[field][...] = old
-                    start += -(-old.size // LINE) * LINE
+            views: dict[str, NDArray[Any]] = {}
+            for field in kind.carried_fields:
+                old = getattr(kind, field)
+                memory = whole[start : start + old.nbytes // whole.itemsize]
+                views[field] = memory.view(old.dtype).reshape(old.shape)
+                views[field][...] = old
+                start += _lines(old)
             replaced = kind._replace(**views)
             # parts of a kind that have a state of their own keep it in that of the kind
             changed.append(replaced.sharing_state() if hasattr(replaced, "sharing_state") else replaced)
         made.append(tuple(changed))
     return tuple(made), whole
+
+
+def carried_words(kind: Arrays) -> Iterator[tuple[str, NDArray[np.float64]]]:
+    """Fields of a kind that outlive a step, with all that is in them as numbers; views."""
+    for field in kind.carried_fields:
+        value = getattr(kind, field)
+        if isinstance(value, Record):
+            yield field, value.words
+        else:
+            yield field, value if value.dtype.names is None else value.view(np.float64)
+
+
+def _lines(array: NDArray[Any]) -> int:
+    """Words of an array of numbers or records, to the end of its last cache line."""
+    return -(-(array.nbytes // 8) // LINE) * LINE

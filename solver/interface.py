@@ -8,46 +8,26 @@ kind of body is behind them.
 
 from __future__ import annotations
 
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Floats3, Ints1
+import numpy as np
+
+from heavylift.numerics.arrays import Arrays, Floats1, Floats3
+from heavylift.numerics.records import Record, Records, Vector, records
 from heavylift.solver.kinds import Members, Table, generic, optional
 from heavylift.solver.rows import RowArrays, RowSystem
 
 __all__ = [
     "ACCELERATIONS",
-    "ANGULAR_MOMENTUM",
-    "CHANGED",
-    "CONTROL_COUNT",
-    "CORNER",
-    "DISSIPATED",
-    "DRIVE_WORK",
-    "ELASTIC",
     "ENERGY_NAMES",
-    "ERROR",
-    "EXTERNAL_WORK",
-    "FIELD",
     "FORCES",
-    "KINETIC",
-    "LAST_STEP",
-    "LINEAR_MOMENTUM",
-    "MARKER_WIDTH",
-    "NEXT_STEP",
-    "POINT",
-    "POINT_BIAS",
-    "POINT_FORCE",
-    "POINT_VELOCITY",
-    "POSE_ERROR",
-    "POTENTIAL",
     "RECORD",
     "ROWS",
-    "SPLIT",
-    "STATUS_BLOCK",
-    "STATUS_BODY",
-    "STATUS_OUTCOME",
-    "STEP_COUNT",
-    "SUM_COUNT",
     "Bodies",
+    "Control",
     "Forces",
     "Joints",
+    "Marker",
+    "Status",
+    "Sums",
     "Systems",
     "Workspace",
     "add_forces",
@@ -107,26 +87,10 @@ __all__ = [
     "write_velocity",
 ]
 
-STATUS_OUTCOME, STATUS_BODY, STATUS_BLOCK = 0, 1, 2
-"""Places of `Workspace.status`: an `Outcome`, and the number of the body or block of rows it concerns."""
-
-NEXT_STEP, LAST_STEP, ERROR, STEP_COUNT, CHANGED, CORNER, POSE_ERROR, SPLIT, CONTROL_COUNT = range(9)
-"""Places of `Workspace.control`, and its length."""
-
-POINT, POINT_VELOCITY, POINT_FORCE, POINT_BIAS, MARKER_WIDTH = 0, 3, 6, 9, 12
-"""Columns of `Workspace.markers`, and their number."""
-
 ROWS, FORCES, RECORD, ACCELERATIONS = range(4)
 """What markers are filled for: rows only; forces too; records too; all of it, with rates and second rates."""
 
-FIELD = 0
-"""Place of the acceleration of gravity in `Workspace.sums`."""
-
-KINETIC, ELASTIC, POTENTIAL, EXTERNAL_WORK, DRIVE_WORK, DISSIPATED = range(3, 9)
-"""Places of the energies in `Workspace.sums`."""
-
-LINEAR_MOMENTUM, ANGULAR_MOMENTUM, SUM_COUNT = 9, 12, 15
-"""Places of the momenta in `Workspace.sums`, and its length."""
+NO_CORNERS = np.zeros(0)
 
 ENERGY_NAMES = ("kinetic", "elastic", "potential", "external_work", "drive_work", "dissipated")
 
@@ -151,6 +115,81 @@ row_arrays, joint_rows = Members(Systems, RowArrays), Members(Systems, RowSystem
 """All systems with rows in a table, and those of joints."""
 
 
+class Status(Record):
+    """How a step ended: an `Outcome`, and the number of the body or block of rows that it concerns."""
+
+    outcome: int
+    body: int
+    block: int
+
+
+class Control(Record):
+    """Step control; carried.
+
+    Attributes
+    ----------
+    next_step, last_step
+        Step that is tried next, and the last one [s].
+    error, pose_error
+        Estimated errors of points [m], and of orientations as a speed [m/s].
+    step_count
+        Steps done.
+    changed
+        Laws that moved in the last iteration.
+    corner
+        Number of the next corner.
+    split
+        Shorter step [s] that an impact asks for, or 0.
+    """
+
+    next_step: float
+    last_step: float
+    error: float
+    step_count: int
+    changed: int
+    corner: int
+    pose_error: float
+    split: float
+
+
+class Marker(Record):
+    """A vector attached to a body, in world axes.
+
+    Attributes
+    ----------
+    point
+        Position [m] or unit direction.
+    velocity
+        Its rate at the predicted midpoint velocity.
+    force
+        Force on it [N].
+    bias
+        Its second rate without accelerations of the body.
+    """
+
+    point: Vector
+    velocity: Vector
+    force: Vector
+    bias: Vector
+
+
+class Sums(Record):
+    """What concerns all bodies: acceleration of gravity [m/s2], energies [J], momenta about the world origin.
+
+    The energies and momenta of a record stand in this order.
+    """
+
+    gravity: Vector
+    kinetic: float
+    elastic: float
+    potential: float
+    external_work: float
+    drive_work: float
+    dissipated: float
+    linear_momentum: Vector
+    angular_momentum: Vector
+
+
 class Workspace(Arrays):
     """Arrays shared by all kinds during a step, made once a scene.
 
@@ -159,32 +198,38 @@ class Workspace(Arrays):
     velocity
         Generalised velocities of the stage, of all bodies [m/s, rad/s, modal], shape (dof_count,).
     markers
-        Marker vectors in world axes (positions [m] or unit directions), their rates at the predicted
-        midpoint velocity, the forces on them [N], and their second rates without accelerations of the
-        body; shape (marker_count, 12). Rates and forces of markers that serve joints only are not kept.
+        All markers. Rates and forces of those that serve joints only are not kept.
     jacobian
         Derivatives of the vectors by the velocities of their own body, shape (marker_count, 3, widest
         window).
-    sums
-        Acceleration of gravity [m/s2], energies [J], linear momentum [kg m/s] and angular momentum
-        about the world origin [kg m2/s], shape (15,).
-    control
-        Step control, carried: step that is tried next and last step [s], error estimate [m], steps done,
-        laws that changed in the last iteration, number of the next corner, error estimate of the orientations
-        as a speed [m/s], shorter step [s] that an impact asks for or 0; shape (8,).
+    sums, control, status
+        See there.
     corners
         Times at which an adaptive step must end [s].
-    status
-        Outcome of the step, the body and the block of rows that caused it, shape (3,).
     """
 
     velocity: Floats1
-    markers: Floats2
+    markers: Records[Marker]
     jacobian: Floats3
-    sums: Floats1
-    control: Floats1
+    sums: Sums
+    control: Control
     corners: Floats1
-    status: Ints1
+    status: Status
+
+    @classmethod
+    def empty(
+        cls, velocities: int, markers: int, window: int = 6, corners: Floats1 = NO_CORNERS
+    ) -> Workspace:
+        """All zeros, for some velocities and markers, with the widest window of velocities of a body."""
+        return cls(
+            velocity=np.zeros(velocities),
+            markers=records(Marker, markers),
+            jacobian=np.zeros((markers, 3, window)),
+            sums=Sums.one(),
+            control=Control.one(),
+            corners=corners,
+            status=Status.one(),
+        )
 
 
 @generic("record")
@@ -238,7 +283,7 @@ def complete(kinds: Bodies, systems: Systems, at_midpoint: bool, step: float, wo
 def iterate(
     kinds: Bodies, bodies: Bodies, systems: Systems, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
-    """Bodies with nonlinear stress: one round of an iteration of the midpoint; counts in `CHANGED` while it goes on."""
+    """Bodies with nonlinear stress: a round of an iteration of the midpoint, counted in `control.changed`."""
 
 
 @optional()
@@ -263,7 +308,7 @@ def write_velocity(kinds: Bodies, work: Workspace) -> None:
 
 @optional()
 def estimate_error(kinds: Bodies, step: float, work: Workspace) -> None:
-    """Bodies: raise `work.control[ERROR]` to how far [m] the midpoint velocity leads from its prediction."""
+    """Bodies: raise `work.control.error` to how far [m] the midpoint velocity leads from its prediction."""
 
 
 @generic()
@@ -305,7 +350,7 @@ def set_targets(
 
 @optional()
 def relinearise(kinds: Joints, time: float, step: float, work: Workspace, system: RowArrays) -> None:
-    """Laws (ropes, stops, friction): fit rows to the velocity found; count in `CHANGED` if they move."""
+    """Laws (ropes, stops, friction): fit rows to the velocity found; count in `control.changed` if they move."""
 
 
 @optional("accurate")
@@ -455,7 +500,7 @@ def complete_rates(kinds: Bodies, values: Floats1, at: int, rate: int, second: i
 
 @optional("accurate")
 def measure_error(kinds: Bodies, values: Floats1, fifth: int, third: int, work: Workspace) -> None:
-    """Bodies: raise `work.control[ERROR]` to the largest error [m/s] of a point, of two vectors of velocity errors."""
+    """Bodies: raise `work.control.error` to the largest error [m/s] of a point, of two vectors of velocity errors."""
 
 
 @optional("accurate")

@@ -13,11 +13,7 @@ from heavylift.solver.channels import XYZ, Channel, add_channels
 from heavylift.solver.coordinates import attachments, first_dofs, mode_count, velocity_count
 from heavylift.solver.corners import scene_corners
 from heavylift.solver.interface import (
-    CONTROL_COUNT,
     ENERGY_NAMES,
-    MARKER_WIDTH,
-    POINT,
-    SUM_COUNT,
     Bodies,
     Forces,
     Joints,
@@ -148,17 +144,14 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
     if made.sea is not None:
         forces += made.sea.forces
     widths = [end.width for end in map(attachments(ordered, dofs, made.bases), dofs)]
-    work = Workspace(
-        velocity=np.zeros(sum(velocity_count(body, made.bases) for body in ordered)),
-        markers=np.zeros((book.count, MARKER_WIDTH)),
-        jacobian=np.zeros((book.count, 3, max(6, *widths))),
-        sums=np.zeros(SUM_COUNT),
-        control=np.zeros(CONTROL_COUNT),
-        corners=scene_corners(scene),
-        status=np.zeros(3, dtype=np.int64),
+    work = Workspace.empty(
+        sum(velocity_count(body, made.bases) for body in ordered),
+        book.count,
+        max(6, *widths),
+        scene_corners(scene),
     )
     for marker, vector in book.fixed:
-        work.markers[marker, POINT : POINT + 3] = vector
+        work.markers[marker].point[:] = vector
     kinds: tuple[Any, ...] = (tuple(bodies), tuple(made.joints), tuple(made.systems))
     if scene.touches:  # steps are taken back where something hits
         from heavylift.solver.carried import share_state
@@ -194,19 +187,14 @@ def _moving(scene: Scene) -> dict[str, int]:
 def _groups(scene: Scene) -> list[tuple[list[Any], Callable[..., Any]]]:
     """Bodies by kind with the function that packs them; only kinds with members are imported."""
     flexible = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
-    floating = [body for body in flexible if not isinstance(body.motion, Fixed)]
-    fixed = [body for body in flexible if isinstance(body.motion, Fixed)]
+    flexible.sort(key=lambda body: isinstance(body.motion, Fixed))
     rigid = [body for body in scene.bodies if isinstance(body, RigidBody) and not _floats(body)]
     hulls = [body for body in scene.bodies if _floats(body)]
     groups: list[tuple[list[Any], Callable[..., Any]]] = []
-    if floating:
+    if flexible:
         from heavylift.solver.bodies.floating_frame import pack_floating_frames
 
-        groups.append((floating, pack_floating_frames))
-    if fixed:
-        from heavylift.solver.bodies.fixed_frame import pack_fixed_frames
-
-        groups.append((fixed, pack_fixed_frames))
+        groups.append((flexible, pack_floating_frames))
     if rigid:
         from heavylift.solver.bodies.rigid import pack_rigid_bodies
 

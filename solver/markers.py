@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.scene_bodies import GROUND
 
-__all__ = ["BodyMarkers", "MarkerBook", "pack_markers"]
+__all__ = ["BodyMarkers", "MarkerBook", "PackedMarker", "pack_markers"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,11 +108,35 @@ class MarkerBook:
         ]
 
 
+class PackedMarker(Record):
+    """A marker or sensor of a body, as its kernels need it.
+
+    Attributes
+    ----------
+    number
+        Row of the marker in the workspace, or first record column of the sensor.
+    body
+        Row of the body in its kind.
+    data
+        Place of its numbers in the constants of the kind.
+    direction
+        Whether it is a direction.
+    level
+        What it serves, as in `BodyMarkers`.
+    """
+
+    number: int
+    body: int
+    data: int
+    direction: bool
+    level: int
+
+
 def pack_markers(
     markers: Sequence[BodyMarkers],
     point_data: Sequence[Callable[[NDArray[np.float64]], NDArray[np.float64]]],
     constants: list[NDArray[np.float64]],
-) -> NDArray[np.int64]:
+) -> Records[PackedMarker]:
     """Index the markers of the bodies of one kind and append their data to the constants of the kind.
 
     Parameters
@@ -125,10 +150,10 @@ def pack_markers(
 
     Returns
     -------
-    ndarray
-        Number, row of the body, start of the data, 1 for directions, level; shape (m, 5); in the order of their levels.
+    Records
+        In the order of their levels.
     """
-    rows: list[tuple[int, int, int, int, int]] = []
+    rows: list[tuple[int, int, int, bool, int]] = []
     start = sum(map(len, constants))
     for row, (body, data_of) in enumerate(zip(markers, point_data, strict=True)):
         levels = body.levels or (FORCES,) * len(body.numbers)
@@ -136,8 +161,8 @@ def pack_markers(
             body.numbers, body.vectors, body.directions, levels, strict=True
         ):
             block = np.asarray(vector, dtype=np.float64) if direction else data_of(vector)
-            rows.append((number, row, start, int(direction), level))
+            rows.append((number, row, start, direction, level))
             constants.append(block)
             start += len(block)
     rows.sort(key=lambda row: row[4])
-    return np.array(rows, dtype=np.int64).reshape(-1, 5)
+    return records(PackedMarker, rows)

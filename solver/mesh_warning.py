@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from heavylift.solver.interface import STATUS_BODY
 from heavylift.solver.layout import Layout
 
 __all__ = ["explicit_limit", "mesh_warning"]
@@ -23,34 +22,26 @@ def mesh_warning(layout: Layout, loss: float) -> str:
         Largest loss of the energy balance relative to the largest kinetic and elastic energy.
     """
     parts = []
-    meshes = any("strains" in kind._fields for kind in layout.bodies)
+    meshes = any("strain" in kind._fields for kind in layout.bodies)
     if meshes and loss > LARGEST_LOSS:
         parts.append(
             f"the balance of energy lost {loss:.1%} of the largest energy in motion: take a smaller step"
         )
     for kind in layout.bodies:
-        if "strains" not in kind._fields:
+        if "strain" not in kind._fields:
             continue
-        from heavylift.solver.bodies.ancf.kind import (
-            CARRIED,
-            CHANGE_TIME,
-            CHANGED_OVER,
-            DRIFT_TOLERANCE,
-            LARGEST_DRIFT,
-            NUMBER,
-            SCHEME,
-        )
+        from heavylift.solver.bodies.ancf.kind import CARRIED
 
         for line, numbers in zip(kind.table, kind.body, strict=True):
-            name = layout.body_names[line[NUMBER]]
-            if numbers[CHANGED_OVER]:
+            name = layout.body_names[line.number]
+            if numbers.changed_over:
                 parts.append(
-                    f"{name!r} changed over to the energy-momentum scheme at t = {numbers[CHANGE_TIME]:.6g} s,"
-                    f" where its carried strains had drifted by more than {numbers[DRIFT_TOLERANCE]:g}"
+                    f"{name!r} changed over to the energy-momentum scheme at t = {numbers.change_time:.6g} s,"
+                    f" where its carried strains had drifted by more than {numbers.drift_tolerance:g}"
                 )
-            elif line[SCHEME] == CARRIED and numbers[LARGEST_DRIFT] > numbers[DRIFT_TOLERANCE]:
+            elif line.scheme == CARRIED and numbers.largest_drift > numbers.drift_tolerance:
                 parts.append(
-                    f"the carried strains of {name!r} drifted by up to {numbers[LARGEST_DRIFT]:.3g} from those of its"
+                    f"the carried strains of {name!r} drifted by up to {numbers.largest_drift:.3g} from those of its"
                     " shape: its stresses are wrong by as much times the modulus; take a smaller step, or elasticity"
                     " 'auto'"
                 )
@@ -66,11 +57,10 @@ def explicit_limit(layout: Layout) -> str:
         Packed scene whose status names the body.
     """
     for kind in layout.bodies:
-        if "strains" not in kind._fields:
+        if "strain" not in kind._fields:
             continue
-        from heavylift.solver.bodies.ancf.kind import NUMBER, STEP_LIMIT
 
         for line, numbers in zip(kind.table, kind.body, strict=True):
-            if line[NUMBER] == layout.work.status[STATUS_BODY]:
-                return f"a step below {numbers[STEP_LIMIT]:.3g} s, the limit of explicit elastic forces"
+            if line.number == layout.work.status.body:
+                return f"a step below {numbers.step_limit:.3g} s, the limit of explicit elastic forces"
     return ""

@@ -8,14 +8,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.solver.rows import (
     DIAGONAL,
-    DOF,
     FACTORED,
-    HOLDER,
-    IMPULSE,
-    OWNER,
-    PANEL,
-    ROW_COLUMNS,
-    WIDTH,
     RowArrays,
 )
 
@@ -28,16 +21,16 @@ def add_impulses(system: RowArrays, velocity: NDArray[np.float64], factor: float
     lanes = len(system.shape[1])
     half = system.panels.shape[0] // 2
     for i in range(system.attachments.shape[0]):
-        holder = system.attachments[i, HOLDER]
+        holder = system.attachments[i].holder
         if holder != DIAGONAL and holder != FACTORED:  # noqa: PLR1714  a set costs time here
             continue
-        dof, panel = system.attachments[i, DOF], system.attachments[i, PANEL]
-        impulse = (system.attachments[i, OWNER] * ROW_COLUMNS + IMPULSE) * lanes
-        for k in range(system.attachments[i, WIDTH]):
+        dof, panel = system.attachments[i].dof, system.attachments[i].panel
+        impulse = system.rows[system.attachments[i].owner].impulse
+        for k in range(system.attachments[i].width):
             at = panel + k * lanes + (half if holder == FACTORED else 0)
             total = 0.0
             for r in range(lanes):
-                total += system.panels[at + r] * system.rows[impulse + r]
+                total += system.panels[at + r] * impulse[r]
             if holder == DIAGONAL:
                 total *= system.inverse_mass[dof + k]
             velocity[dof + k] += factor * total
@@ -47,10 +40,10 @@ def add_impulses(system: RowArrays, velocity: NDArray[np.float64], factor: float
 def row_power(system: RowArrays, attachment: int, velocity: NDArray[np.float64]) -> float:
     """``P . G u`` of one attachment over the six velocities of its frame."""
     lanes = system.lanes
-    panel, dof = system.attachments[attachment, PANEL], system.attachments[attachment, DOF]
-    impulse = (system.attachments[attachment, OWNER] * ROW_COLUMNS + IMPULSE) * lanes
+    panel, dof = system.attachments[attachment].panel, system.attachments[attachment].dof
+    impulse = system.rows[system.attachments[attachment].owner].impulse
     power = 0.0
     for k in range(6):
         for r in range(lanes):
-            power += system.panels[panel + k * lanes + r] * system.rows[impulse + r] * velocity[dof + k]
+            power += system.panels[panel + k * lanes + r] * impulse[r] * velocity[dof + k]
     return power

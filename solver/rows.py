@@ -22,9 +22,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1, Ints1, Ints2
+from heavylift.numerics.arrays import Arrays, Floats1, Ints1
 from heavylift.numerics.elimination import eliminate
 from heavylift.numerics.lanes import block_shape
+from heavylift.numerics.records import LaneRecords, Lanes, Record, Records, known_lanes, lane_records, records
 
 __all__ = [
     "REGULARISATION",
@@ -45,21 +46,142 @@ ABSENT = 1e20
 HUB_ATTACHMENTS = 12
 """Joints on one rigid body from which on it stays in the system as a node."""
 
-# columns of `rows`, one vector of lanes each
-RESIDUAL, TARGET, SOFTNESS, SCALE, COMPLIANCE, RELAXATION = range(6)
-IMPULSE, HALF_IMPULSE, REACTION, LAST_REACTION, SOLUTION = range(6, 11)
-# what makes the violation of a rigid row 1 where a run has failed, 0 for others; softness in the projection
-RIGID, HOLD = 11, 12
-ROW_COLUMNS = 13
-
-# columns of `attachments`
-DOF, WIDTH, PANEL, HOLDER, OWNER = range(5)
 # how a body is held by its attachment: not at all (ground, prescribed motion), by its inverse masses, by its own
 # factor, or as a node of the system
 PRESCRIBED, DIAGONAL, FACTORED, HUB = range(4)
 
-# columns of `columns`: node, first and number of lower blocks, first update, place of the pivot
-NODE, LOWER, LOWER_COUNT, UPDATE, PIVOT = range(5)
+
+class Row(Record):
+    """Rows of one block, or the unknowns of a hub: vectors with a lane for each.
+
+    Attributes
+    ----------
+    residual, target, softness
+        Violation of the position, wanted rate, and Z of the system in the docstring of this module.
+    scale
+        Characteristic inverse mass; 0 where there is no row.
+    compliance, relaxation
+        Physical compliance and relaxation time [s].
+    impulse, half_impulse, reaction, last_reaction
+        Of the solution; of the midpoint; force at the end of the step and in its middle.
+    solution
+        Right-hand side, then change of the impulse; of a hub its velocities.
+    rigid
+        What makes the violation of a rigid row 1 where a run has failed, 0 for others.
+    hold
+        Softness in the projection.
+    """
+
+    residual: Lanes
+    target: Lanes
+    softness: Lanes
+    scale: Lanes
+    compliance: Lanes
+    relaxation: Lanes
+    impulse: Lanes
+    half_impulse: Lanes
+    reaction: Lanes
+    last_reaction: Lanes
+    solution: Lanes
+    rigid: Lanes
+    hold: Lanes
+
+
+ROW_VECTORS = len(Row.fields_of)
+"""Vectors of lanes of a block."""
+
+
+class Side(Record):
+    """One side of a block.
+
+    Attributes
+    ----------
+    dof, width
+        First velocity of the body, -1 on the ground, and how many it has.
+    panel
+        Place of G in the panels.
+    holder
+        `PRESCRIBED`, `DIAGONAL`, `FACTORED` or `HUB`.
+    owner
+        Block that has the rows.
+    """
+
+    dof: int
+    width: int
+    panel: int
+    holder: int
+    owner: int
+
+
+class Column(Record):
+    """A column of the factor, in the order of elimination.
+
+    Attributes
+    ----------
+    node, pivot
+        Which, and where its pivot is in the blocks.
+    lower, lower_count
+        First of its blocks below, and how many.
+    update
+        First of the places that their products change.
+    """
+
+    node: int
+    lower: int
+    lower_count: int
+    update: int
+    pivot: int
+
+
+class LowerBlock(Record):
+    """A block below a pivot: its node, and its place in the blocks."""
+
+    node: int
+    place: int
+
+
+class Product(Record):
+    """``G A^-1 G^T`` of two sides, an addend of the assembly.
+
+    Attributes
+    ----------
+    place
+        In the blocks.
+    left, right
+        Places of the panel of the earlier (of X, for bodies with a factor of their own) and of the later side.
+    width, dof
+        Number of velocities; first velocity of a rigid body, or -1.
+    first
+        Whether it is the first of its block.
+    """
+
+    place: int
+    left: int
+    right: int
+    width: int
+    dof: int
+    first: bool
+
+
+class Hub(Record):
+    """A body that stays in the system as a node, or an attachment on one.
+
+    Attributes
+    ----------
+    node
+        Of the hub, or of the block on it.
+    place
+        Of its pivot, or of the coupling.
+    first
+        First velocity, or place of the panel.
+    later
+        -1 of a hub itself; of an attachment 1 if the hub comes later in the order, else 0.
+    """
+
+    node: int
+    place: int
+    first: int
+    later: int
 
 
 class RowArrays(Arrays):
@@ -70,12 +192,11 @@ class RowArrays(Arrays):
     lanes
         Length of a vector of lanes.
     attachments
-        First velocity (-1 on the ground), number of velocities, place of the panel, holder, and block with the
-        rows, of each side of each block; shape (2 blocks, 5).
+        Two sides of each block.
     panels
         G of all attachments, then ``X = A^-1 G^T``, flat.
     rows
-        Vectors of lanes, by node and column; flat.
+        Of each block, then of each hub.
     inverse_mass
         Of each velocity of a free rigid body [1/kg, 1/(kg m2)]; 0 where motion is prescribed.
     shape
@@ -84,10 +205,12 @@ class RowArrays(Arrays):
 
     shape: ClassVar[Any]
 
+    carried_fields: ClassVar[tuple[str, ...]] = ("rows",)
+
     lanes: int
-    attachments: Ints2
+    attachments: Records[Side]
     panels: Floats1
-    rows: Floats1
+    rows: LaneRecords[Row]
     inverse_mass: Floats1
 
 
@@ -97,17 +220,13 @@ class RowSystem(RowArrays):
     Attributes
     ----------
     columns, lower, updates
-        The factor, column by column in the order of elimination: pivots; node and place of the blocks
-        below; places that each pair of them changes.
+        The factor, column by column, and the places that each pair of blocks below a pivot changes.
     pairs
-        The assembly: place in `blocks`, place of the earlier panel (of X for bodies with a factor of their own),
-        place of the later panel, number of velocities, first velocity of a rigid body or -1, 1 for the first
-        entry of its block; shape (n, 6).
+        The assembly.
     fill
         Places of blocks that no such entry starts.
     hubs
-        Node, pivot and first velocity of each hub, -1, then node, place, panel and 1 if the hub comes
-        later, of each attachment on a hub; shape (n, 4).
+        Each with the attachments on it behind it.
     blocks
         Blocks of the factor and one of scratch, flat.
     monitor
@@ -123,12 +242,12 @@ class RowSystem(RowArrays):
         "heavylift.solver.integrate.rows_at_rest",
     )
 
-    columns: Ints2
-    lower: Ints2
+    columns: Records[Column]
+    lower: Records[LowerBlock]
     updates: Ints1
-    pairs: Ints2
+    pairs: Records[Product]
     fill: Ints1
-    hubs: Ints2
+    hubs: Records[Hub]
     blocks: Floats1
     monitor: int
     laws: bool = False
@@ -136,7 +255,10 @@ class RowSystem(RowArrays):
 
 def _of_shape(rows: int) -> type[RowSystem]:
     """The kind of systems whose blocks have some rows: its kernels know them when they are compiled."""
-    return type(f"RowSystem{rows}", (RowSystem,), {"shape": block_shape(rows), "__module__": __name__})
+    shape = block_shape(rows)
+    known = {"rows": known_lanes(Row, len(shape[1]))}
+    own = {"shape": shape, "__annotations__": known, "__module__": __name__}
+    return type(f"RowSystem{rows}", (RowSystem,), own)
 
 
 SHAPES = {rows: _of_shape(rows) for rows in (1, 3, 4, 5, 6, 8)}
@@ -213,7 +335,7 @@ def pack_rows(
     size = rows * lanes
     window = max([6, *(end.width for end in ends)])
 
-    attachments = np.zeros((2 * count, 5), dtype=np.int64)
+    attachments = records(Side, 2 * count)
     for i, end in enumerate(ends):
         holder = HUB if end.body in hub_node else end.holder
         attachments[i] = end.dof, end.width, i * window * lanes, holder, block_of[i]
@@ -251,7 +373,7 @@ def pack_rows(
                 block = block_of[i]
                 later = place_in_order[node] > place_in_order[block]
                 where = place[(node, block) if later else (block, node)]
-                hubs.append((block, where, int(attachments[i, PANEL]), int(later)))
+                hubs.append((block, where, int(attachments[i].panel), int(later)))
             continue
         for p, q in combinations_with_replacement(held, 2):
             early, late = sorted((p, q), key=lambda i: place_in_order[block_of[i]])
@@ -262,49 +384,51 @@ def pack_rows(
                 pairs.append((place[block_of[late], block_of[early]], late, early))
 
     table = _assembly(pairs, attachments, half)
-    row_data = np.zeros((node_count, ROW_COLUMNS, lanes))
-    row_data[:, SOFTNESS] = 1.0  # of padding lanes, whose rows are empty
+    row_data = lane_records(Row, node_count, lanes)
+    row_data["softness"] = 1.0  # of padding lanes, whose rows are empty
     for block, (used, scale) in enumerate(zip(row_counts, scales, strict=True)):
-        row_data[block, SCALE, :used] = scale
+        row_data[block].scale[:used] = scale
     return SHAPES[rows](
         lanes=lanes,
         attachments=attachments,
-        columns=np.array(columns, dtype=np.int64).reshape(-1, 5),
-        lower=np.array(lower, dtype=np.int64).reshape(-1, 2),
+        columns=records(Column, columns),
+        lower=records(LowerBlock, lower),
         updates=np.array(updates, dtype=np.int64),
         pairs=table,
-        fill=np.array(sorted(set(place.values()) - set(table[table[:, 5] == 1, 0])), dtype=np.int64),
-        hubs=np.array(hubs, dtype=np.int64).reshape(-1, 4),
+        fill=np.array(
+            sorted(set(place.values()) - set(table["place"][table["first"]].tolist())), dtype=np.int64
+        ),
+        hubs=records(Hub, hubs),
         panels=np.zeros(2 * half),
         blocks=np.zeros((len(place) + 1) * size),
-        rows=row_data.ravel(),
+        rows=row_data,
         inverse_mass=np.ascontiguousarray(inverse_mass, dtype=np.float64),
         monitor=monitor,
     )
 
 
 def _assembly(
-    pairs: Sequence[tuple[int, int, int]], attachments: NDArray[np.int64], half: int
-) -> NDArray[np.int64]:
-    """Rows of `RowSystem.pairs`; those of one block stand together, rigid ones first, because they can start it."""
+    pairs: Sequence[tuple[int, int, int]], attachments: Records[Side], half: int
+) -> Records[Product]:
+    """Addends of `RowSystem.pairs`; those of one block stand together, rigid ones first, because they can start it."""
     rows = []
     started: set[int] = set()
-    diagonal = attachments[:, HOLDER] == DIAGONAL
+    diagonal = attachments["holder"] == DIAGONAL
     for place, early, late in sorted(pairs, key=lambda pair: (pair[0], not diagonal[pair[1]])):
         rigid = bool(diagonal[early])
         rows.append(
             (
                 place,
-                int(attachments[early, PANEL]) + (0 if rigid else half),
-                int(attachments[late, PANEL]),
-                int(attachments[early, WIDTH]),
-                int(attachments[early, DOF]) if rigid else -1,
-                int(rigid and place not in started),
+                int(attachments[early].panel) + (0 if rigid else half),
+                int(attachments[late].panel),
+                int(attachments[early].width),
+                int(attachments[early].dof) if rigid else -1,
+                rigid and place not in started,
             )
         )
         if rigid:
             started.add(place)
-    return np.array(rows, dtype=np.int64).reshape(-1, 6)
+    return records(Product, rows)
 
 
 def classify_rows(system: RowArrays) -> None:
@@ -314,10 +438,10 @@ def classify_rows(system: RowArrays) -> None:
     -----
     The step then needs no branches: lanes of rigid rows, of others and of none differ in two numbers.
     """
-    table = system.rows.reshape(-1, ROW_COLUMNS, system.lanes)
-    used = table[:, SCALE] > 0.0
-    rigid = used & (table[:, COMPLIANCE] == 0.0)
-    table[:, RIGID] = np.where(rigid, np.where(table[:, RIGID] > 0.0, table[:, RIGID], 1.0), 0.0)
-    table[:, HOLD] = np.where(rigid, REGULARISATION, ABSENT) * table[:, SCALE]
-    table[:, HOLD][~used] = 1.0
-    table[:, SOFTNESS] = table[:, HOLD]
+    rows = system.rows
+    used = rows["scale"] > 0.0
+    rigid = used & (rows["compliance"] == 0.0)
+    rows["rigid"] = np.where(rigid, np.where(rows["rigid"] > 0.0, rows["rigid"], 1.0), 0.0)
+    hold = np.where(rigid, REGULARISATION, ABSENT) * rows["scale"]
+    rows["hold"] = np.where(used, hold, 1.0)
+    rows["softness"] = rows["hold"]

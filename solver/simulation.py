@@ -15,15 +15,14 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import compile_clock
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.solver.carried import CARRIED
+from heavylift.solver.carried import carried_words
 from heavylift.solver.compiling import compile_units, missing_units
 from heavylift.solver.energy_watch import EnergyWatch
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
 from heavylift.solver.integrate.loop import start_scene, write_record
-from heavylift.solver.interface import NEXT_STEP, STATUS_OUTCOME, STEP_COUNT, Systems
+from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.mesh_warning import mesh_warning
-from heavylift.solver.rows import LAST_REACTION, REACTION, ROW_COLUMNS
 from heavylift.solver.scene import Scene
 from heavylift.solver.stop_message import stop_message
 
@@ -222,7 +221,7 @@ class Simulation:
         self._started = True
         layout = self._layout
         start_scene(layout.bodies, layout.work, 0.0)
-        layout.work.control[NEXT_STEP] = FIRST_STEP * self.step if self.tolerance else self.step
+        layout.work.control.next_step = FIRST_STEP * self.step if self.tolerance else self.step
         if layout.joints or self._start_mode in AT_REST:
             self._fit_joints()
         if self._touches:
@@ -265,11 +264,11 @@ class Simulation:
         Stiff springs make accelerations that say nothing of the next step: errors of the stiff governor are a
         quarter of those along arcs. Redundant loops need arcs, whose midpoints are nearer to the constraints.
         """
-        from heavylift.solver.bodies.rigid import ARC, RigidBodies
+        from heavylift.solver.bodies.rigid import RigidBodies
 
         for kind in self._layout.bodies:
             if isinstance(kind, RigidBodies):
-                kind.frame[:, ARC] = 0.0
+                kind.frame["arc"] = 0.0
 
     def _probe(self) -> None:
         """Reactions at the start, from one tiny step that is taken back.
@@ -284,20 +283,18 @@ class Simulation:
             length, 0.0, 0, 1, 2, np.empty((0, self.column_count)),
         )  # fmt: skip
         system = layout.systems[0]
-        lanes = system.lanes
-        found = system.rows.reshape(-1, ROW_COLUMNS, lanes)[:, LAST_REACTION].copy()
-        good = layout.work.status[STATUS_OUTCOME] == 0
-        layout.work.status[:] = 0
+        found = system.rows["last_reaction"].copy()
+        good = layout.work.status.outcome == 0
+        layout.work.status.words[:] = 0.0
         for name, array in self._arrays():
             array[...] = before[name]
         if good:
-            for column in (REACTION, LAST_REACTION):
-                system.rows.reshape(-1, ROW_COLUMNS, lanes)[:, column] = found
+            system.rows["reaction"] = system.rows["last_reaction"] = found
 
     @property
     def solver_steps(self) -> int:
         """Steps that were taken, whatever `step_index` counts."""
-        return int(self._layout.work.control[STEP_COUNT])
+        return int(self._layout.work.control.step_count)
 
     def record(self) -> NDArray[np.float64]:
         """Record of the present state, shape (column_count,)."""
@@ -363,7 +360,7 @@ class Simulation:
         write_record(layout.bodies, layout.forces, layout.joints, layout.systems, layout.work, self.time, row)
 
     def _stop(self) -> None:
-        self.outcome = Outcome(int(self._layout.work.status[STATUS_OUTCOME]))
+        self.outcome = Outcome(int(self._layout.work.status.outcome))
         self.message = stop_message(self._layout, f"t = {self.time:.9g} s (step {self.step_index})")
 
     def _back_to(self, before: dict[str, NDArray[Any]], done: int, records: NDArray[np.float64]) -> None:
@@ -371,7 +368,7 @@ class Simulation:
         outcome, message, cpu = self.outcome, self.message, self.cpu_seconds
         self.restore(before)
         self._call(self.step_index, done, self.record_every, records)
-        self._layout.work.status[:] = 0
+        self._layout.work.status.words[:] = 0.0
         self.step_index, self.outcome, self.message, self.cpu_seconds = done, outcome, message, cpu
 
     @property
@@ -384,7 +381,7 @@ class Simulation:
             from heavylift.solver.integrate.integration import stiffness_seen
 
             if stiffness_seen(self._layout.systems[-1]):
-                meshes = any("strains" in kind._fields for kind in self._layout.bodies)
+                meshes = any("strain" in kind._fields for kind in self._layout.bodies)
                 where = "faster where coarse results are enough" if meshes else "faster"
                 return f"stability, not accuracy, limited the steps: integrator 'dele2' will be {where}"
         return "; ".join(self._layout.notes)
@@ -423,7 +420,7 @@ class Simulation:
         self.step_index = int(state["step_index"])
         self.cpu_seconds = float(state["cpu_seconds"])
         self.outcome, self.message = Outcome.COMPLETED, ""
-        self._layout.work.status[:] = 0
+        self._layout.work.status.words[:] = 0.0
         self._started = True
         if self._touches:
             from heavylift.solver.contact.check_start import forget_trials
@@ -437,19 +434,18 @@ class Simulation:
         """
         digest = hashlib.blake2b(digest_size=16)
         for kind in (*self._layout.bodies, *self._layout.joints, *self._layout.systems):
-            for array in kind:
-                if isinstance(array, np.ndarray):
-                    digest.update(array.tobytes())
+            for value in kind:
+                if isinstance(value, np.ndarray | np.void):  # of numbers or records, or one record
+                    digest.update(value.tobytes())
         return np.frombuffer(digest.digest(), dtype=np.uint8)
 
     def _arrays(self) -> Iterator[tuple[str, NDArray[Any]]]:
         """Arrays that the step writes, by kind and field."""
         layout = self._layout
-        yield "control", layout.work.control
+        yield "control", layout.work.control.words
         for kind in (*layout.bodies, *layout.joints, *layout.systems, *layout.forces):
-            for field, array in zip(kind._fields, kind, strict=True):
-                if isinstance(array, np.ndarray) and field in CARRIED:
-                    yield f"{type(kind).__name__}.{field}", array
+            for field, words in carried_words(kind):
+                yield f"{type(kind).__name__}.{field}", words
 
 
 def _check_positive(key: str, value: float, expected: str) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.solver.interface import STATUS_BLOCK, STATUS_BODY, STATUS_OUTCOME
 from heavylift.solver.layout import Layout
 from heavylift.solver.mesh_warning import explicit_limit
 
@@ -23,7 +22,7 @@ def stop_message(layout: Layout, when: str) -> str:
         Time, as words.
     """
     status = layout.work.status
-    outcome = Outcome(int(status[STATUS_OUTCOME]))
+    outcome = Outcome(int(status.outcome))
     remedy, part = {
         Outcome.NOT_FINITE: ("a smaller step, or loads and initial values of a sensible size", "body"),
         Outcome.STEP_TOO_LARGE: (
@@ -45,27 +44,25 @@ def stop_message(layout: Layout, when: str) -> str:
     if outcome is Outcome.OUTSIDE_DATABASE:
         from heavylift.solver.marine.hull_stop import left_because
 
-        happened, remedy = left_because(layout.bodies, int(status[STATUS_BODY]))
+        happened, remedy = left_because(layout.bodies, int(status.body))
         reason = f": {happened}" if happened else ""
-    of_mesh = status[STATUS_BLOCK] < 0
+    of_mesh = status.block < 0
     if of_mesh and part == "joint":  # the iteration of a mesh
         remedy, part = "a smaller step", "body"
     if outcome is Outcome.NOT_CONVERGED and part == "joint":
-        contact = int(status[STATUS_BLOCK]) - _first_contact(layout)
+        contact = int(status.block) - _first_contact(layout)
         if contact >= 0:
             part, remedy = "contact", _contact_remedy(layout, contact)
     names = {"body": layout.body_names, "line": layout.line_names}.get(part, layout.block_names)
-    number = int(status[STATUS_BODY if part in {"body", "line"} else STATUS_BLOCK])
-    element = f", element {-1 - int(status[STATUS_BLOCK])}" if of_mesh else ""
+    number = int(status.body if part in {"body", "line"} else status.block)
+    element = f", element {-1 - int(status.block)}" if of_mesh else ""
     return f"{outcome.text} at {when}, {part} {names[number]!r}{element}{reason}; try {remedy}"
 
 
 def _first_contact(layout: Layout) -> int:
     """Number of the first block that is a contact; behind the last block if there is none."""
-    from heavylift.solver.contact.kind import FIRST_BLOCK, LARGEST_CONTROLS
-
     for system in _contacts(layout):
-        return int(system.places[LARGEST_CONTROLS + len(system.table) + FIRST_BLOCK])
+        return int(system.counts.first_block)
     return len(layout.block_names)
 
 
@@ -76,11 +73,11 @@ def _contacts(layout: Layout) -> list[Any]:
 
 def _contact_remedy(layout: Layout, contact: int) -> str:
     """What may help a contact, from how its last search ended."""
-    from heavylift.solver.contact.kind import LARGEST_CONTROLS, OF_CONTOURS, SEARCH, TOO_DEEP
+    from heavylift.solver.contact.kind import TOO_DEEP
 
     (contacts,) = _contacts(layout)
-    if contact >= contacts.places[LARGEST_CONTROLS + len(contacts.table) + OF_CONTOURS]:
+    if contact >= contacts.counts.of_contours:
         return "a smaller step, or less friction where surfaces wedge"
-    if contacts.state[contact, SEARCH] == TOO_DEEP:
+    if contacts.state[contact].search == TOO_DEEP:
         return "a smaller step, a stiffer law or a larger radius: it is deeper inside its contour than its rounding"
     return "a smaller step, or a contour whose control points are not crowded"

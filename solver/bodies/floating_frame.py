@@ -16,106 +16,192 @@ which are evaluated once a step, stacked as one matrix, and carried with the sta
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.modal.invariants import ShapeIntegrals
 from heavylift.modal.reduced import ReducedBody
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Quaternion, Record, Records, Vector, Vector6, records
 from heavylift.numerics.small import aligned
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
-from heavylift.solver.markers import BodyMarkers, pack_markers
+from heavylift.solver.markers import BodyMarkers, PackedMarker, pack_markers
 from heavylift.solver.scene_bodies import Driven, Fixed, FlexibleBody, Free
 
-__all__ = ["FixedFrameBodies", "FlexibleBodies", "FloatingFrameBodies", "pack_floating_frames", "pack_shape"]
-
-# columns of `table`; starts are places in `constants`
-MODES, MODAL, DOF, SHAPE, MOTION, DRIVE, COLUMN, NUMBER = range(8)
-
-# columns of `frame`: the carried state of the reference frame ...
-POSITION = 0  # frame origin, world [m]
-ORIENTATION = 3  # unit quaternion
-VELOCITY = 7  # world [m/s]
-SPIN = 10  # body axes [rad/s]
-ACCELERATION = 13  # difference quotient of the last step, world [m/s2]
-SPIN_RATE = 16  # likewise, body axes [rad/s2]
-MOMENTUM = 19  # world [kg m/s]
-ANGULAR_MOMENTUM = 22  # about the frame origin, world axes [kg m2/s]
-WORK = 25  # of external forces, of the drive, and dissipated [J]
-# ... and the scratch of a step
-MID_POSITION = 28
-MID_VELOCITY = 31  # predicted, body axes
-MID_SPIN = 34
-TRANSPORTED = 37  # angular momentum about the midpoint origin, world axes
-FORCE = 40  # resultant of the marker forces, world axes
-MOMENT = 43  # of the marker forces about the origin of the stage, body axes
-FIRST_MOMENT = 46  # S_t = I1 + S q
-INERTIA = 49  # I_tt: 11 22 33 12 13 23
-FRAME_RHS = 55  # right-hand side of the six frame rows, body axes
-START_VELOCITY = 61  # v, w at the start of the step
-MID_POSE = 67  # position and quaternion of a driven frame
-PRESCRIBED = 74  # velocity, spin, acceleration, spin rate of a driven frame
-DRIVEN_VELOCITY = 86  # mean of both ends of the step
-MID_ROTATION = 92  # rotation matrix of the stage, row by row
-END_ROTATION = 101  # and of the end of the step
-FACTOR = 110  # Cholesky factor of the frame block, 6 x 6, row by row
-LAG = 146  # carried: how far the midpoint velocity lies from the mean of both ends of a step
-FOUND = 152  # velocity of the stage: world, and spin in body axes, of driven frames in world axes
-JOINT_FORCE = 158  # of the joints on a held frame at the carried state, as FORCE and MOMENT
-REACH = 164  # largest distance of a node from the frame origin
-AT_END = 165  # 1 once inertia and velocities belong to the end of the step, 0 before
-NEGATIVE = 166  # the Cholesky factor, its numbers off the diagonal with the other sign
-FRAME_WIDTH = 208  # whole cache lines
-
-# rows of `modal`: coordinates, rates, difference quotient of the rates; constants; scratch
-Q, RATE, RATE2, STIFFNESS, DAMPING, MID_Q, MID_RATE, INVERSE, ROW, LOAD, QUADRATIC, S1, TF1 = (*range(12), 14)
-SCALED = (
-    TF1 + 3
-)  # the couplings S and I_tf have three rows each; [S; I_tf] times the inverse modal diagonal, six
-JOINT_LOAD = SCALED + 6  # of the joints on a held body at the carried state
-MODAL_ROWS = JOINT_LOAD + 1
-
-# rows of `products`: [A_1; A_2; A_3; H_11 H_22 H_12 H_13 H_23] times a vector
-AT_Q, AT_RATE, AT_RATE2, AT_MIDPOINT, AT_VELOCITY = range(5)  # the last: at the midpoint velocity
-
-# a packed shape: the stacked matrices (n x 8 n), then
-SHAPE_MASS = 0
-SHAPE_FIRST_MOMENT = 1
-SHAPE_INERTIA = 4  # I_11 I_22 I_33 I_12 I_13 I_23
-SHAPE_HEAD = 10  # then S (3 n), Ibar antisymmetric (3 n), Ibar symmetric (6 n)
-
+__all__ = [
+    "FlexibleRow",
+    "FloatingFrame",
+    "FloatingFrameBodies",
+    "pack_floating_frames",
+    "pack_shape",
+]
 
 SMALLEST_FRAME_SHARE = 0.1
 """Of the inertia of a free body that its modes must not carry with them."""
 
 
+class FlexibleRow(Record):
+    """What a body is and where its parts lie.
+
+    Attributes
+    ----------
+    mode_count, first_mode
+        Modes, and place of the first of them among those of all bodies.
+    dof
+        First velocity.
+    shape_start, drive
+        Places of shape and drive in the constants.
+    motion
+        How the frame moves: free, fixed or driven.
+    column, number
+        First record column, and number in the scene.
+    """
+
+    mode_count: int
+    first_mode: int
+    dof: int
+    shape_start: int
+    motion: int
+    drive: int
+    column: int
+    number: int
+
+
+class FloatingFrame(Record, whole_lines=True):
+    """Frame of a flexible body: its carried state, constants of the body, scratch of a step.
+
+    Attributes
+    ----------
+    position, orientation
+        Frame origin, world [m]; unit quaternion.
+    velocity, spin
+        World [m/s]; body axes [rad/s].
+    acceleration, spin_rate
+        Difference quotients of the last step, likewise [m/s2, rad/s2].
+    linear_momentum, angular_momentum
+        World axes [kg m/s]; about the frame origin, world axes [kg m2/s].
+    work
+        Of external forces, of the drive, and dissipated [J].
+    lag
+        How far the midpoint velocity lies from the mean of both ends of a step: velocity, spin.
+    joint_force
+        Of the joints on a held frame at the carried state, as force and moment.
+    mass, reach
+        Mass [kg]; largest distance of a node from the frame origin [m].
+    undeformed_first_moment, undeformed_second_moments
+        Integrals of ``x`` [kg m], and of ``x x^T``: 11 22 33 12 13 23 [kg m2], body axes.
+    mid_position, mid_velocity, mid_spin, mid_rotation
+        Of the stage: the midpoint, the predicted velocities, body axes, and the rotation matrix, row by row.
+    transported_momentum
+        Angular momentum about the midpoint origin, world axes.
+    force, moment
+        Resultant of the marker forces, world axes; their moment about the origin of the stage, body axes.
+    first_moment, inertia
+        ``S_t = I1 + S q`` and ``I_tt``: 11 22 33 12 13 23.
+    right_hand_side
+        Of the six frame rows, body axes.
+    start_velocity
+        Velocity and spin at the start of the step.
+    stage_velocity
+        Velocity found for the stage: world, and spin in body axes, of driven frames in world axes.
+    pose, mid_pose
+        Position and quaternion of a driven frame, and those at the midpoint.
+    prescribed
+        Velocity, spin, acceleration, spin rate of a driven frame.
+    mean_velocity
+        Velocity and spin of a driven frame, the mean of both ends of the step.
+    end_rotation
+        Rotation matrix at the end of the step, row by row.
+    at_end
+        Whether inertia and velocities belong to the end of the step.
+    factor, negative_factor
+        Cholesky factor of the frame block, 6 x 6, row by row; the same, its numbers off the diagonal with the other
+        sign.
+    """
+
+    position: Vector
+    orientation: Quaternion
+    velocity: Vector
+    spin: Vector
+    acceleration: Vector
+    spin_rate: Vector
+    linear_momentum: Vector
+    angular_momentum: Vector
+    work: Vector
+    lag: Vector6
+    joint_force: Vector6
+    mass: float
+    undeformed_first_moment: Vector
+    undeformed_second_moments: Vector6
+    mid_position: Vector
+    mid_velocity: Vector
+    mid_spin: Vector
+    force: Vector
+    moment: Vector
+    mid_rotation: Annotated[NDArray[np.float64], (9,)]
+    reach: float
+    transported_momentum: Vector
+    first_moment: Vector
+    inertia: Vector6
+    right_hand_side: Vector6
+    start_velocity: Vector6
+    stage_velocity: Vector6
+    pose: Annotated[NDArray[np.float64], (7,)]
+    mid_pose: Annotated[NDArray[np.float64], (7,)]
+    prescribed: Annotated[NDArray[np.float64], (12,)]
+    mean_velocity: Vector6
+    end_rotation: Annotated[NDArray[np.float64], (9,)]
+    at_end: bool
+    factor: Annotated[NDArray[np.float64], (36,)]
+    negative_factor: Annotated[NDArray[np.float64], (36,)]
+
+
 class FloatingFrameBodies(Arrays):
-    """All floating-frame bodies of a scene; columns and rows are named at the top of this file.
+    """All bodies of a scene with modes: their frames are free, driven or fixed.
 
     Attributes
     ----------
     table
-        Mode count, first modal coordinate, first velocity, start of the shape, motion, start of the
-        drive, first record column, number in the scene; shape (nb, 8).
+        One a body.
     constants
         Packed inertia shapes (bodies of one reduced model share one), drives, and marker data: of a
         point its body-frame position [m] and mode shapes, 3 + 3 nf, component by component; of a
         direction the body-frame vector.
     frame
-        State of the frames and scratch of the step, shape (nb, 208).
-    modal
-        State of the modes, modal stiffness [1/s2] and damping [1/s], and scratch; shape (24, modes of
-        all bodies).
-    products
-        Stacked matrix products, shape (5, 8 x modes of all bodies).
+        State of the frames and scratch of the step, one a body.
+    modal_position, modal_velocity, modal_acceleration
+        State of the modes of all bodies: coordinates, rates, difference quotients of the rates; shape (modes,), as
+        all of the following have for their last dimension.
+    joint_load
+        Modal forces of the joints on held bodies at the carried state.
+    stiffness, damping
+        Modal constants [1/s2, 1/s].
+    translation
+        Coupling S of the modes with the velocity of the frame, body axes, constant; shape (3, modes).
+    mid_modal_position, mid_modal_velocity
+        Of the stage.
+    modal_load, quadratic_force
+        Modal forces of the markers; centrifugal and Coriolis forces.
+    modal_right_hand_side, inverse_diagonal
+        Of the modal rows of the step matrix: right-hand side, and reciprocal of the diagonal.
+    coupling
+        Coupling I_tf of the modes with the spin of the frame, body axes; shape (3, modes).
+    scaled_coupling
+        ``[S; I_tf]`` times the inverse modal diagonal; shape (6, modes).
+    position_products, velocity_products, acceleration_products
+        Products ``[A_1; A_2; A_3; H_11 H_22 H_12 H_13 H_23]`` with the state of the modes, 8 n numbers a body; of the
+        difference quotients only the first 3 n.
+    midpoint_products, mid_velocity_products
+        The same at the midpoint, and with the rates there.
     markers
-        Points and directions that forces act on: number in the workspace, row of the body, start of the
-        data, 1 for a direction, what it serves; shape (m, 5).
+        Points and directions that forces act on.
     sensors
-        Points that are recorded: first record column, then the same; shape (m, 5).
+        Points that are recorded.
+    moves
+        Whether the frame of any is free or driven.
     """
 
     kernel_modules: ClassVar[tuple[str, ...]] = (
@@ -128,40 +214,49 @@ class FloatingFrameBodies(Arrays):
         "heavylift.solver.bodies.floating_frame_thesis",
     )
 
-    table: Ints2
-    constants: Floats1
-    frame: Floats2
-    modal: Floats2
-    products: Floats2
-    markers: Ints2
-    sensors: Ints2
-
-
-class FixedFrameBodies(Arrays):
-    """All flexible bodies with fixed frames; the fields are those of `FloatingFrameBodies`."""
-
-    kernel_modules: ClassVar[tuple[str, ...]] = (
-        "heavylift.solver.bodies.fixed_frame",
-        "heavylift.solver.bodies.fixed_frame_joints",
-        "heavylift.solver.bodies.floating_frame_configuration",
-        "heavylift.solver.bodies.floating_frame_contours",
+    carried_fields: ClassVar[tuple[str, ...]] = (
+        "frame",
+        "modal_position",
+        "modal_velocity",
+        "modal_acceleration",
+        "joint_load",
+        "position_products",
+        "velocity_products",
+        "acceleration_products",
     )
 
-    table: Ints2
+    table: Records[FlexibleRow]
     constants: Floats1
-    frame: Floats2
-    modal: Floats2
-    products: Floats2
-    markers: Ints2
-    sensors: Ints2
-
-
-FlexibleBodies = FloatingFrameBodies | FixedFrameBodies
-"""Kinds that share this layout, and with it the functions for markers and shapes."""
+    frame: Records[FloatingFrame]
+    modal_position: Floats1
+    modal_velocity: Floats1
+    modal_acceleration: Floats1
+    joint_load: Floats1
+    stiffness: Floats1
+    damping: Floats1
+    translation: Floats2
+    mid_modal_position: Floats1
+    mid_modal_velocity: Floats1
+    modal_load: Floats1
+    quadratic_force: Floats1
+    modal_right_hand_side: Floats1
+    inverse_diagonal: Floats1
+    coupling: Floats2
+    scaled_coupling: Floats2
+    position_products: Floats1
+    velocity_products: Floats1
+    acceleration_products: Floats1
+    midpoint_products: Floats1
+    mid_velocity_products: Floats1
+    markers: Records[PackedMarker]
+    sensors: Records[PackedMarker]
+    moves: bool = False
 
 
 def pack_shape(integrals: ShapeIntegrals) -> NDArray[np.float64]:
     """Flatten shape integrals into the block the kernels read.
+
+    The stacked matrices (8 n n), then S (3 n), Ibar antisymmetric (3 n), Ibar symmetric (6 n).
 
     Notes
     -----
@@ -171,8 +266,6 @@ def pack_shape(integrals: ShapeIntegrals) -> NDArray[np.float64]:
     """
     S = integrals.mode_mode
     Ibar = integrals.position_mode
-    I = integrals.inertia_kl
-    head = np.array([integrals.mass, *integrals.first_moment, *np.diag(I), I[0, 1], I[0, 2], I[1, 2]])
     antisymmetric = ((1, 2), (2, 0), (0, 1))
     symmetric = ((0, 1), (0, 2), (1, 2))
     stacked = [S[k, l] - S[l, k] for k, l in antisymmetric]
@@ -182,7 +275,6 @@ def pack_shape(integrals: ShapeIntegrals) -> NDArray[np.float64]:
     block = np.concatenate(
         [
             np.ascontiguousarray(np.concatenate(stacked).T).ravel(),
-            head,
             integrals.modal_translation.ravel(),
             np.concatenate(Ibar_rows),
         ]
@@ -217,9 +309,7 @@ def pack_floating_frames(
     counts = [body.reduced.mode_count for body in bodies]
     modal_starts = np.concatenate([[0], np.cumsum(counts)])
     total = int(modal_starts[-1])
-    index = np.zeros((len(bodies), 8), dtype=np.int64)
-    frame = np.zeros((len(bodies), FRAME_WIDTH))
-    modal = np.zeros((MODAL_ROWS, total))
+    kind = _empty(len(bodies), total)
     constants: list[NDArray[np.float64]] = []  # shapes first: their blocks keep the alignment
     shape_starts: dict[int, int] = {}
     for body in bodies:
@@ -233,7 +323,7 @@ def pack_floating_frames(
             _check_free_modes(body.name, reduced.integrals)
         modes = slice(modal_starts[row], modal_starts[row + 1])
         motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
-        index[row] = (
+        kind.table[row] = (
             counts[row],
             modal_starts[row],
             dof,
@@ -245,20 +335,26 @@ def pack_floating_frames(
         )
         if isinstance(body.motion, Driven):
             constants.append(pack_drive(body.motion, body.position, body.orientation))
-        frame[row, POSITION : POSITION + 3] = body.position
-        frame[row, ORIENTATION : ORIENTATION + 4] = body.orientation / np.linalg.norm(body.orientation)
-        frame[row, REACH] = np.linalg.norm(reduced.nodes, axis=1).max(initial=0.0)
+        frame, integrals = kind.frame[row], reduced.integrals
+        frame.position[:] = body.position
+        frame.orientation[:] = body.orientation / np.linalg.norm(body.orientation)
         if isinstance(body.motion, Free):
-            frame[row, VELOCITY : VELOCITY + 3] = body.velocity
-            frame[row, SPIN : SPIN + 3] = body.angular_velocity
+            frame.velocity[:] = body.velocity
+            frame.spin[:] = body.angular_velocity
+        frame.mass = integrals.mass
+        frame.reach = np.linalg.norm(reduced.nodes, axis=1).max(initial=0.0)
+        frame.undeformed_first_moment[:] = integrals.first_moment
+        I = integrals.inertia_kl
+        frame.undeformed_second_moments[:] = [*np.diag(I), I[0, 1], I[0, 2], I[1, 2]]
         if body.modal_position.size:
-            modal[Q, modes] = body.modal_position
+            kind.modal_position[modes] = body.modal_position
         if body.modal_velocity.size:
-            modal[RATE, modes] = body.modal_velocity
-        modal[STIFFNESS, modes] = reduced.eigenvalues
-        modal[S1:TF1, modes] = reduced.integrals.modal_translation
+            kind.modal_velocity[modes] = body.modal_velocity
+        kind.stiffness[modes] = reduced.eigenvalues
+        kind.translation[:, modes] = integrals.modal_translation
         if body.damping_ratio.size:
-            modal[DAMPING, modes] = 2.0 * body.damping_ratio * np.sqrt(np.maximum(reduced.eigenvalues, 0.0))
+            critical = np.sqrt(np.maximum(reduced.eigenvalues, 0.0))
+            kind.damping[modes] = 2.0 * body.damping_ratio * critical
         dof += 6 + counts[row]
         column += 13 + 2 * counts[row] + (0 if isinstance(body.motion, Free) else 6)
     shapes_of = [_marker_shapes(body.reduced) for body in bodies]
@@ -266,14 +362,38 @@ def pack_floating_frames(
     sensor_index = pack_markers(sensors, shapes_of, constants)
     flat = aligned(sum(map(len, constants)))
     flat[:] = np.concatenate(constants)
+    moves = any(not isinstance(body.motion, Fixed) for body in bodies)
+    return kind._replace(constants=flat, markers=marker_index, sensors=sensor_index, moves=moves)
+
+
+def _empty(bodies: int, modes: int) -> FloatingFrameBodies:
+    """All zeros, for some bodies that have some modes together; no constants and markers."""
     return FloatingFrameBodies(
-        table=index,
-        constants=flat,
-        frame=frame,
-        modal=modal,
-        products=aligned((5, 8 * total)),
-        markers=marker_index,
-        sensors=sensor_index,
+        table=records(FlexibleRow, bodies),
+        constants=np.zeros(0),
+        frame=records(FloatingFrame, bodies),
+        modal_position=aligned(modes),
+        modal_velocity=aligned(modes),
+        modal_acceleration=aligned(modes),
+        joint_load=aligned(modes),
+        stiffness=aligned(modes),
+        damping=aligned(modes),
+        translation=aligned((3, modes)),
+        mid_modal_position=aligned(modes),
+        mid_modal_velocity=aligned(modes),
+        modal_load=aligned(modes),
+        quadratic_force=aligned(modes),
+        modal_right_hand_side=aligned(modes),
+        inverse_diagonal=aligned(modes),
+        coupling=aligned((3, modes)),
+        scaled_coupling=aligned((6, modes)),
+        position_products=aligned(8 * modes),
+        velocity_products=aligned(8 * modes),
+        acceleration_products=aligned(8 * modes),
+        midpoint_products=aligned(8 * modes),
+        mid_velocity_products=aligned(8 * modes),
+        markers=records(PackedMarker, 0),
+        sensors=records(PackedMarker, 0),
     )
 
 

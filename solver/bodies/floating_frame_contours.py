@@ -9,27 +9,13 @@ from __future__ import annotations
 
 import math
 
-from heavylift.contours.layout import COUNT_U, COUNT_V, NET
+import numpy as np
+from numpy.typing import NDArray
+
 from heavylift.contours.modal_sums import modal_points, modal_shapes
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
-from heavylift.solver.bodies.floating_frame import (
-    ACCELERATION,
-    AT_RATE2,
-    LAG,
-    MID_POSITION,
-    MID_Q,
-    MID_ROTATION,
-    MODAL,
-    MODES,
-    MOTION,
-    RATE2,
-    FixedFrameBodies,
-    FlexibleBodies,
-    FloatingFrameBodies,
-    Q,
-)
-from heavylift.solver.bodies.floating_frame import DOF as BODY_DOF
+from heavylift.solver.bodies.floating_frame import FloatingFrameBodies
 from heavylift.solver.bodies.floating_frame_stage import stage_at_state
 from heavylift.solver.contact.contour_rows import put_frame_rows
 from heavylift.solver.contact.interface import (
@@ -39,28 +25,10 @@ from heavylift.solver.contact.interface import (
     pose_contours,
     put_contour_rows,
 )
-from heavylift.solver.contact.kind import (
-    CONTOUR,
-    CONTROLS,
-    DIRECTIONS,
-    DOF,
-    HAS_SLOPES,
-    LARGEST_CONTROLS,
-    OF_MODES,
-    ORIGIN,
-    OWNER,
-    REACH,
-    ROTATION,
-    SHAPES,
-    SLOPES,
-    STEP_SHIFT,
-    WEIGHTS_AT,
-    ContactRows,
-)
-from heavylift.solver.drive import FIXED as FRAME_FIXED
+from heavylift.solver.contact.kind import OF_MODES, ContactRows
+from heavylift.solver.drive import FIXED
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import PANEL
 
 __all__: list[str] = []
 
@@ -69,12 +37,12 @@ AT_ONCE = 512
 
 
 @kernel(inline=True, internal=True)
-def owner_of(kind: FlexibleBodies, contacts: ContactRows, contour: int) -> int:
+def owner_of(kind: FloatingFrameBodies, contacts: ContactRows, contour: int) -> int:
     """Row of the body that a contour is on, -1 if that is not of this kind."""
-    if contacts.contours[contour, OWNER] == OF_MODES:
-        dof = contacts.contours[contour, DOF]
+    if contacts.contours[contour].owner == OF_MODES:
+        dof = contacts.contours[contour].dof
         for body in range(kind.table.shape[0]):
-            if kind.table[body, BODY_DOF] == dof:
+            if kind.table[body].dof == dof:
                 return body
     return -1
 
@@ -89,33 +57,22 @@ def pose_floating_contours(kind: FloatingFrameBodies, at_midpoint: bool, contact
     _write_poses(kind, contacts)
 
 
-@implement(pose_contours, FixedFrameBodies)
 @kernel(internal=True)
-def pose_fixed_contours(kind: FixedFrameBodies, at_midpoint: bool, contacts: ContactRows) -> None:
-    """The frame stands still; likewise for the modes."""
-    if not at_midpoint:
-        for i in range(kind.modal.shape[1]):
-            kind.modal[MID_Q, i] = kind.modal[Q, i]
-    _write_poses(kind, contacts)
-
-
-@kernel(internal=True)
-def _write_poses(kind: FlexibleBodies, contacts: ContactRows) -> None:
+def _write_poses(kind: FloatingFrameBodies, contacts: ContactRows) -> None:
     """Of all contours on bodies of a kind at the stage."""
     for contour in range(contacts.contours.shape[0]):
         body = owner_of(kind, contacts, contour)
         if body >= 0:
             for k in range(9):
-                contacts.poses[contour, ROTATION + k] = kind.frame[body, MID_ROTATION + k]
+                contacts.poses[contour].rotation[k] = kind.frame[body].mid_rotation[k]
             for k in range(3):
-                contacts.poses[contour, ORIGIN + k] = kind.frame[body, MID_POSITION + k]
+                contacts.poses[contour].origin[k] = kind.frame[body].mid_position[k]
 
 
 @implement(form_controls, FloatingFrameBodies)
-@implement(form_controls, FixedFrameBodies)
 @kernel(internal=True)
 def form_flexible_controls(
-    kind: FlexibleBodies,
+    kind: FloatingFrameBodies,
     contacts: ContactRows,
     contour: int,
     first_u: int,
@@ -131,7 +88,7 @@ def form_flexible_controls(
     count = 0
     for i in range(first_u, last_u + 1):
         for j in range(first_v, last_v + 1):
-            contacts.places[count] = (i % row[COUNT_U]) * row[COUNT_V] + j % row[COUNT_V]
+            contacts.places[count] = (i % row.u.count) * row.v.count + j % row.v.count
             count += 1
             if count == AT_ONCE:
                 _form_listed(kind, body, contacts, contour, count)
@@ -140,86 +97,91 @@ def form_flexible_controls(
 
 
 @kernel(internal=True)
-def _form_listed(kind: FlexibleBodies, body: int, contacts: ContactRows, contour: int, count: int) -> None:
+def _form_listed(
+    kind: FloatingFrameBodies, body: int, contacts: ContactRows, contour: int, count: int
+) -> None:
     """The control points whose numbers stand in `places`."""
     row = contacts.contours[contour]
     modal_points(
         contacts.constants,
-        row[CONTROLS],
-        kind.table[body, MODES],
-        kind.modal[MID_Q],
-        kind.table[body, MODAL],
+        row.controls,
+        kind.table[body].mode_count,
+        kind.mid_modal_position,
+        kind.table[body].first_mode,
         contacts.places,
         count,
         contacts.net,
-        row[NET],
+        row.first_control,
     )
 
 
 @implement(put_contour_rows, FloatingFrameBodies)
-@implement(put_contour_rows, FixedFrameBodies)
 @kernel(internal=True)
-def put_flexible_contour_rows(kind: FlexibleBodies, contacts: ContactRows, contact: int, count: int) -> None:
+def put_flexible_contour_rows(
+    kind: FloatingFrameBodies, contacts: ContactRows, contact: int, count: int
+) -> None:
     """Frame, then modes: ``-( d . Phi(u, v) + e . Phi_u(u, v) )`` in the axes of the contour."""
-    contour = contacts.table[contact, CONTOUR]
+    contour = contacts.table[contact].contour
     body = owner_of(kind, contacts, contour)
     if body < 0:
         return
     put_frame_rows(contacts, contact)
     lanes = len(contacts.shape[1])
-    n, scratch = kind.table[body, MODES], contacts.scratch
-    panel = contacts.attachments[2 * contact, PANEL] + 6 * lanes
-    turning = scratch[HAS_SLOPES] > 0.0
-    _sum_shapes(contacts, contour, count, n, WEIGHTS_AT, SHAPES)
+    n, scratch, shapes = kind.table[body].mode_count, contacts.scratch, contacts.shapes
+    panel = contacts.attachments[2 * contact].panel + 6 * lanes
+    turning = scratch.has_slopes
+    _sum_shapes(contacts, contour, count, n, scratch.weights, 0)
     if turning:
-        _sum_shapes(contacts, contour, count, n, WEIGHTS_AT + LARGEST_CONTROLS, SHAPES + 3 * n)
+        _sum_shapes(contacts, contour, count, n, scratch.slope_weights, 3 * n)
     pose = contacts.poses[contour]
     for r in range(3):
-        at = DIRECTIONS + 3 * r
-        d1, d2, d3 = rotate_back(pose, scratch[at], scratch[at + 1], scratch[at + 2])
+        d = scratch.directions[r]
+        d1, d2, d3 = rotate_back(pose.rotation, d[0], d[1], d[2])
         for i in range(n):
             contacts.panels[panel + i * lanes + r] = -(
-                d1 * scratch[SHAPES + i] + d2 * scratch[SHAPES + n + i] + d3 * scratch[SHAPES + 2 * n + i]
+                d1 * shapes[i] + d2 * shapes[n + i] + d3 * shapes[2 * n + i]
             )
         if turning:
-            e1, e2, e3 = scratch[SLOPES + 3 * r], scratch[SLOPES + 3 * r + 1], scratch[SLOPES + 3 * r + 2]
-            begin = SHAPES + 3 * n
+            e1, e2, e3 = scratch.slopes[r, 0], scratch.slopes[r, 1], scratch.slopes[r, 2]
+            begin = 3 * n
             for i in range(n):
                 contacts.panels[panel + i * lanes + r] -= (
-                    e1 * scratch[begin + i] + e2 * scratch[begin + n + i] + e3 * scratch[begin + 2 * n + i]
+                    e1 * shapes[begin + i] + e2 * shapes[begin + n + i] + e3 * shapes[begin + 2 * n + i]
                 )
 
 
 @kernel(inline=True, internal=True)
-def _sum_shapes(contacts: ContactRows, contour: int, count: int, n: int, weights: int, out: int) -> None:
+def _sum_shapes(
+    contacts: ContactRows, contour: int, count: int, n: int, weights: NDArray[np.float64], out: int
+) -> None:
     """Weighted mode shapes of some control points, component by component."""
-    begin = contacts.contours[contour, CONTROLS]
-    scratch = contacts.scratch
-    modal_shapes(contacts.constants, begin, n, contacts.places, count, scratch, weights, scratch, out)
+    begin = contacts.contours[contour].controls
+    modal_shapes(contacts.constants, begin, n, contacts.places, count, weights, 0, contacts.shapes, out)
 
 
 @implement(bound_motion, FloatingFrameBodies)
-@implement(bound_motion, FixedFrameBodies)
 @kernel(internal=True)
-def bound_flexible_motion(kind: FlexibleBodies, contacts: ContactRows, step: float, work: Workspace) -> None:
+def bound_flexible_motion(
+    kind: FloatingFrameBodies, contacts: ContactRows, step: float, work: Workspace
+) -> None:
     """Frame as of rigid bodies, with some room for the deformation, and each mode where its shape is largest."""
     for contour in range(contacts.contours.shape[0]):
         body = owner_of(kind, contacts, contour)
         if body < 0:
             continue
-        n, dof = kind.table[body, MODES], kind.table[body, BODY_DOF]
+        n, dof = kind.table[body].mode_count, kind.table[body].dof
         row = contacts.contours[contour]
         speed = 0.0
-        largest = row[CONTROLS] + row[COUNT_U] * row[COUNT_V] * (3 + 3 * n)
+        largest = row.controls + row.u.count * row.v.count * (3 + 3 * n)
         for i in range(n):
             speed += abs(work.velocity[dof + 6 + i]) * contacts.constants[largest + i]
-        if kind.table[body, MOTION] != FRAME_FIXED:
+        if kind.table[body].motion != FIXED:
             v, w = 0.0, 0.0
             for k in range(3):
                 v += work.velocity[dof + k] ** 2
                 w += work.velocity[dof + 3 + k] ** 2
-            speed += math.sqrt(v) + 2.0 * math.sqrt(w) * contacts.poses[contour, REACH]
-        contacts.poses[contour, STEP_SHIFT] = step * speed
+            speed += math.sqrt(v) + 2.0 * math.sqrt(w) * contacts.poses[contour].reach
+        contacts.poses[contour].step_shift = step * speed
 
 
 @implement(forget_accelerations, FloatingFrameBodies)
@@ -227,18 +189,17 @@ def bound_flexible_motion(kind: FlexibleBodies, contacts: ContactRows, step: flo
 def forget_floating_accelerations(kind: FloatingFrameBodies) -> None:
     """Of frames, modes and products."""
     for body in range(kind.table.shape[0]):
+        frame = kind.frame[body]
+        for k in range(3):
+            frame.acceleration[k] = frame.spin_rate[k] = 0.0
         for k in range(6):
-            kind.frame[body, ACCELERATION + k] = 0.0
-            kind.frame[body, LAG + k] = 0.0
-    for i in range(kind.modal.shape[1]):
-        kind.modal[RATE2, i] = 0.0
-    for r in range(kind.products.shape[1]):
-        kind.products[AT_RATE2, r] = 0.0
-
-
-@implement(forget_accelerations, FixedFrameBodies)
-@kernel(internal=True)
-def forget_fixed_frame_accelerations(kind: FixedFrameBodies) -> None:
-    """Of the modes."""
-    for i in range(kind.modal.shape[1]):
-        kind.modal[RATE2, i] = 0.0
+            frame.lag[k] = 0.0
+        if kind.table[body].motion == FIXED:  # nothing else brings its stage to the carried state
+            first = kind.table[body].first_mode
+            for i in range(first, first + kind.table[body].mode_count):
+                kind.mid_modal_position[i] = kind.modal_position[i]
+                kind.mid_modal_velocity[i] = kind.modal_velocity[i]
+    for i in range(kind.modal_position.shape[0]):
+        kind.modal_acceleration[i] = 0.0
+    for r in range(kind.acceleration_products.shape[0]):
+        kind.acceleration_products[r] = 0.0

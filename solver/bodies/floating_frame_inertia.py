@@ -17,14 +17,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, solve_symmetric_3
-from heavylift.solver.bodies.floating_frame import (
-    FIRST_MOMENT,
-    INERTIA,
-    SHAPE_FIRST_MOMENT,
-    SHAPE_HEAD,
-    SHAPE_INERTIA,
-    SHAPE_MASS,
-)
+from heavylift.solver.bodies.floating_frame import FloatingFrame
 
 __all__ = [
     "antisymmetric_products",
@@ -115,7 +108,7 @@ def deformed_inertia(
     shape: NDArray[np.float64],
     q: NDArray[np.float64],
     products: NDArray[np.float64],
-    stage: NDArray[np.float64],
+    frame: FloatingFrame,
     I_tf: NDArray[np.float64],
 ) -> None:
     """First moment ``S_t``, inertia ``I_tt`` and coupling ``I_tf`` of the deformed body.
@@ -128,23 +121,22 @@ def deformed_inertia(
         Modal coordinates, shape (n,).
     products
         Stacked matrices times q, shape (8 n,).
-    stage
-        Row of scratch; receives ``S_t`` and ``I_tt``.
+    frame
+        Receives ``S_t`` and ``I_tt``.
     I_tf
         Receives the coupling, shape (3, n).
     """
     n = q.shape[0]
-    S = SHAPE_HEAD
-    antisymmetric = S + 3 * n
+    antisymmetric = 3 * n
     symmetric = antisymmetric + 3 * n
     for k in range(3):
-        total = shape[SHAPE_FIRST_MOMENT + k]
+        total = frame.undeformed_first_moment[k]
         for i in range(n):
-            total += shape[S + k * n + i] * q[i]
+            total += shape[k * n + i] * q[i]
             I_tf[k, i] = shape[antisymmetric + k * n + i] - products[k * n + i]
-        stage[FIRST_MOMENT + k] = total
-    u11, u22, u33 = shape[SHAPE_INERTIA], shape[SHAPE_INERTIA + 1], shape[SHAPE_INERTIA + 2]
-    u12, u13, u23 = shape[SHAPE_INERTIA + 3], shape[SHAPE_INERTIA + 4], shape[SHAPE_INERTIA + 5]
+        frame.first_moment[k] = total
+    second = frame.undeformed_second_moments
+    u11, u22, u33, u12, u13, u23 = second[0], second[1], second[2], second[3], second[4], second[5]
     for i in range(n):
         u11 += q[i] * (2.0 * shape[symmetric + i] + products[3 * n + i])
         u22 += q[i] * (2.0 * shape[symmetric + n + i] + products[4 * n + i])
@@ -153,12 +145,12 @@ def deformed_inertia(
         u12 += q[i] * (shape[symmetric + 3 * n + i] + 0.5 * products[5 * n + i])
         u13 += q[i] * (shape[symmetric + 4 * n + i] + 0.5 * products[6 * n + i])
         u23 += q[i] * (shape[symmetric + 5 * n + i] + 0.5 * products[7 * n + i])
-    stage[INERTIA] = u22 + u33
-    stage[INERTIA + 1] = u11 + u33
-    stage[INERTIA + 2] = u11 + u22
-    stage[INERTIA + 3] = -u12
-    stage[INERTIA + 4] = -u13
-    stage[INERTIA + 5] = -u23
+    frame.inertia[0] = u22 + u33
+    frame.inertia[1] = u11 + u33
+    frame.inertia[2] = u11 + u22
+    frame.inertia[3] = -u12
+    frame.inertia[4] = -u13
+    frame.inertia[5] = -u23
 
 
 @kernel
@@ -188,7 +180,7 @@ def quadratic_modal_force(
         Angular velocity, body axes [rad/s].
     """
     n = out.shape[0]
-    symmetric = SHAPE_HEAD + 6 * n
+    symmetric = 6 * n
     c11, c22, c33 = w2 * w2 + w3 * w3, w1 * w1 + w3 * w3, w1 * w1 + w2 * w2
     c12, c13, c23 = w1 * w2, w1 * w3, w2 * w3
     for i in range(n):
@@ -208,7 +200,7 @@ def frame_velocity_forces(
     shape: NDArray[np.float64],
     q: NDArray[np.float64],
     products: NDArray[np.float64],
-    stage: NDArray[np.float64],
+    frame: FloatingFrame,
     w1: float,
     w2: float,
     w3: float,
@@ -223,17 +215,16 @@ def frame_velocity_forces(
     ``U_kl = (sym_kl + anti_kl)/2``, the antisymmetric part being ``-I_tf qd`` up to order.
     """
     n = qd.shape[0]
-    S = SHAPE_HEAD
-    antisymmetric = S + 3 * n
+    antisymmetric = 3 * n
     symmetric = antisymmetric + 3 * n
     s1 = s2 = s3 = 0.0
     u11 = u22 = u33 = 0.0
     y12 = y13 = y23 = 0.0  # symmetric sums U_12 + U_21 ...
     a1 = a2 = a3 = 0.0  # differences U_23 - U_32, U_31 - U_13, U_12 - U_21
     for i in range(n):
-        s1 += shape[S + i] * qd[i]
-        s2 += shape[S + n + i] * qd[i]
-        s3 += shape[S + 2 * n + i] * qd[i]
+        s1 += shape[i] * qd[i]
+        s2 += shape[n + i] * qd[i]
+        s3 += shape[2 * n + i] * qd[i]
         u11 += (shape[symmetric + i] + products[3 * n + i]) * qd[i]
         u22 += (shape[symmetric + n + i] + products[4 * n + i]) * qd[i]
         H33 = q[i] - products[3 * n + i] - products[4 * n + i]
@@ -245,9 +236,9 @@ def frame_velocity_forces(
         a1 += (shape[antisymmetric + i] - products[i]) * qd[i]
         a2 += (shape[antisymmetric + n + i] - products[n + i]) * qd[i]
         a3 += (shape[antisymmetric + 2 * n + i] - products[2 * n + i]) * qd[i]
-    t1, t2, t3 = cross(w1, w2, w3, stage[FIRST_MOMENT], stage[FIRST_MOMENT + 1], stage[FIRST_MOMENT + 2])
+    t1, t2, t3 = cross(w1, w2, w3, frame.first_moment[0], frame.first_moment[1], frame.first_moment[2])
     f1, f2, f3 = cross(w1, w2, w3, t1 + 2.0 * s1, t2 + 2.0 * s2, t3 + 2.0 * s3)
-    l1, l2, l3 = inertia_product(stage, w1, w2, w3)
+    l1, l2, l3 = inertia_product(frame, w1, w2, w3)
     g1, g2, g3 = cross(w1, w2, w3, l1, l2, l3)
     trace = u11 + u22 + u33
     u12, u21 = 0.5 * (y12 + a3), 0.5 * (y12 - a3)
@@ -260,19 +251,19 @@ def frame_velocity_forces(
 
 
 @kernel(inline=True)
-def inertia_product(stage: NDArray[np.float64], w1: float, w2: float, w3: float) -> Vector:
+def inertia_product(frame: FloatingFrame, w1: float, w2: float, w3: float) -> Vector:
     """``I_tt w``, body axes."""
     return (
-        stage[INERTIA] * w1 + stage[INERTIA + 3] * w2 + stage[INERTIA + 4] * w3,
-        stage[INERTIA + 3] * w1 + stage[INERTIA + 1] * w2 + stage[INERTIA + 5] * w3,
-        stage[INERTIA + 4] * w1 + stage[INERTIA + 5] * w2 + stage[INERTIA + 2] * w3,
+        frame.inertia[0] * w1 + frame.inertia[3] * w2 + frame.inertia[4] * w3,
+        frame.inertia[3] * w1 + frame.inertia[1] * w2 + frame.inertia[5] * w3,
+        frame.inertia[4] * w1 + frame.inertia[5] * w2 + frame.inertia[2] * w3,
     )
 
 
 @kernel(reassociate=True)
 def body_momenta(
     shape: NDArray[np.float64],
-    stage: NDArray[np.float64],
+    frame: FloatingFrame,
     I_tf: NDArray[np.float64],
     v: Vector,
     w: Vector,
@@ -280,21 +271,20 @@ def body_momenta(
 ) -> tuple[Vector, Vector]:
     """Linear and angular momentum about the frame origin in body axes, from body-axis velocities."""
     n = qd.shape[0]
-    S = SHAPE_HEAD
     p1 = p2 = p3 = 0.0
     l1 = l2 = l3 = 0.0
     for i in range(n):
-        p1 += shape[S + i] * qd[i]
-        p2 += shape[S + n + i] * qd[i]
-        p3 += shape[S + 2 * n + i] * qd[i]
+        p1 += shape[i] * qd[i]
+        p2 += shape[n + i] * qd[i]
+        p3 += shape[2 * n + i] * qd[i]
         l1 += I_tf[0, i] * qd[i]
         l2 += I_tf[1, i] * qd[i]
         l3 += I_tf[2, i] * qd[i]
-    m = shape[SHAPE_MASS]
-    s1, s2, s3 = stage[FIRST_MOMENT], stage[FIRST_MOMENT + 1], stage[FIRST_MOMENT + 2]
+    m = frame.mass
+    s1, s2, s3 = frame.first_moment[0], frame.first_moment[1], frame.first_moment[2]
     a1, a2, a3 = cross(w[0], w[1], w[2], s1, s2, s3)
     b1, b2, b3 = cross(s1, s2, s3, v[0], v[1], v[2])
-    c1, c2, c3 = inertia_product(stage, w[0], w[1], w[2])
+    c1, c2, c3 = inertia_product(frame, w[0], w[1], w[2])
     return (
         (m * v[0] + a1 + p1, m * v[1] + a2 + p2, m * v[2] + a3 + p3),
         (b1 + c1 + l1, b2 + c2 + l2, b3 + c3 + l3),
@@ -304,7 +294,7 @@ def body_momenta(
 @kernel(reassociate=True)
 def frame_velocity_from_momenta(
     shape: NDArray[np.float64],
-    stage: NDArray[np.float64],
+    frame: FloatingFrame,
     I_tf: NDArray[np.float64],
     p: Vector,
     l: Vector,
@@ -318,26 +308,25 @@ def frame_velocity_from_momenta(
     of the deformed body.
     """
     n = qd.shape[0]
-    S = SHAPE_HEAD
     p1, p2, p3 = p
     l1, l2, l3 = l
     for i in range(n):
-        p1 -= shape[S + i] * qd[i]
-        p2 -= shape[S + n + i] * qd[i]
-        p3 -= shape[S + 2 * n + i] * qd[i]
+        p1 -= shape[i] * qd[i]
+        p2 -= shape[n + i] * qd[i]
+        p3 -= shape[2 * n + i] * qd[i]
         l1 -= I_tf[0, i] * qd[i]
         l2 -= I_tf[1, i] * qd[i]
         l3 -= I_tf[2, i] * qd[i]
-    inverse_mass = 1.0 / shape[SHAPE_MASS]
-    s1, s2, s3 = stage[FIRST_MOMENT], stage[FIRST_MOMENT + 1], stage[FIRST_MOMENT + 2]
+    inverse_mass = 1.0 / frame.mass
+    s1, s2, s3 = frame.first_moment[0], frame.first_moment[1], frame.first_moment[2]
     a1, a2, a3 = cross(s1, s2, s3, p1, p2, p3)
     w1, w2, w3 = solve_symmetric_3(
-        stage[INERTIA] - (s2 * s2 + s3 * s3) * inverse_mass,
-        stage[INERTIA + 1] - (s1 * s1 + s3 * s3) * inverse_mass,
-        stage[INERTIA + 2] - (s1 * s1 + s2 * s2) * inverse_mass,
-        stage[INERTIA + 3] + s1 * s2 * inverse_mass,
-        stage[INERTIA + 4] + s1 * s3 * inverse_mass,
-        stage[INERTIA + 5] + s2 * s3 * inverse_mass,
+        frame.inertia[0] - (s2 * s2 + s3 * s3) * inverse_mass,
+        frame.inertia[1] - (s1 * s1 + s3 * s3) * inverse_mass,
+        frame.inertia[2] - (s1 * s1 + s2 * s2) * inverse_mass,
+        frame.inertia[3] + s1 * s2 * inverse_mass,
+        frame.inertia[4] + s1 * s3 * inverse_mass,
+        frame.inertia[5] + s2 * s3 * inverse_mass,
         l1 - a1 * inverse_mass,
         l2 - a2 * inverse_mass,
         l3 - a3 * inverse_mass,

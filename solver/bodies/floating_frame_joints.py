@@ -22,34 +22,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import add_multiple
 from heavylift.numerics.small import rotate, rotate_back
 from heavylift.solver.bodies.floating_frame import (
-    ACCELERATION,
-    ANGULAR_MOMENTUM,
-    AT_END,
-    AT_Q,
-    DOF,
-    END_ROTATION,
-    FACTOR,
-    INVERSE,
-    MID_RATE,
-    MID_SPIN,
-    MODAL,
-    MODES,
-    MOMENTUM,
-    MOTION,
-    NEGATIVE,
-    RATE,
-    RATE2,
-    REACH,
-    S1,
-    SCALED,
-    SHAPE_MASS,
-    SPIN,
-    START_VELOCITY,
-    TF1,
-    VELOCITY,
-    WORK,
     FloatingFrameBodies,
-    Q,
 )
 from heavylift.solver.bodies.floating_frame_advance import evaluate_end
 from heavylift.solver.bodies.floating_frame_inertia import body_momenta, leading_products
@@ -62,12 +35,11 @@ from heavylift.solver.bodies.floating_frame_panels import (
     gather_row_forces,
     scale_modal_panel,
 )
-from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of, stage_rotation
+from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of
 from heavylift.solver.bodies.floating_frame_stage import factor_frame
 from heavylift.solver.contact.system_interface import meet_again
-from heavylift.solver.drive import DRIVEN, FREE
+from heavylift.solver.drive import DRIVEN, FIXED, FREE
 from heavylift.solver.interface import (
-    ERROR,
     Joints,
     Systems,
     Workspace,
@@ -83,7 +55,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.row_impulses import row_power
-from heavylift.solver.rows import PANEL, RowArrays
+from heavylift.solver.rows import RowArrays
 
 __all__: list[str] = []
 
@@ -98,31 +70,35 @@ def apply_inverse_of_floating_frames(kind: FloatingFrameBodies, at_midpoint: boo
         body = attached_body(kind, system, i)
         if body >= 0:
             scale_modal_panel(kind, body, system, i)
-            if kind.table[body, MOTION] == FREE:
-                _apply_to_frame(kind, body, at_midpoint, system, system.attachments[i, PANEL])
+            if kind.table[body].motion == FREE:
+                _apply_to_frame(kind, body, at_midpoint, system, system.attachments[i].panel)
 
 
 @kernel(internal=True)
 def _prepare(kind: FloatingFrameBodies, body: int, at_midpoint: bool) -> None:
     """Factor of the mass matrix at the end of the step; couplings and factor in the form that lanes need."""
-    n, first = kind.table[body, MODES], kind.table[body, MODAL]
-    stage = kind.frame[body]
-    modal = kind.modal[:, first : first + n]
-    free = kind.table[body, MOTION] == FREE
+    n, first = kind.table[body].mode_count, kind.table[body].first_mode
+    frame = kind.frame[body]
+    modes = slice(first, first + n)
+    inverse_diagonal = kind.inverse_diagonal[modes]
+    scaled_coupling = kind.scaled_coupling[:, modes]
+    translation = kind.translation[:, modes]
+    coupling = kind.coupling[:, modes]
+    free = kind.table[body].motion == FREE
     if not at_midpoint:
         for i in range(n):
-            modal[INVERSE, i] = 1.0
+            inverse_diagonal[i] = 1.0
         if free:
-            factor_frame(shape_of(kind, body), stage, modal, stage[FACTOR : FACTOR + 36])
+            factor_frame(frame, inverse_diagonal, translation, coupling)
     if free:
         for k in range(3):
             for i in range(n):
-                modal[SCALED + k, i] = modal[S1 + k, i] * modal[INVERSE, i]
-                modal[SCALED + 3 + k, i] = modal[TF1 + k, i] * modal[INVERSE, i]
+                scaled_coupling[k, i] = translation[k, i] * inverse_diagonal[i]
+                scaled_coupling[3 + k, i] = coupling[k, i] * inverse_diagonal[i]
         for i in range(6):
             for j in range(i):
-                stage[NEGATIVE + 6 * i + j] = -stage[FACTOR + 6 * i + j]
-            stage[NEGATIVE + 7 * i] = stage[FACTOR + 7 * i]
+                frame.negative_factor[6 * i + j] = -frame.factor[6 * i + j]
+            frame.negative_factor[7 * i] = frame.factor[7 * i]
 
 
 @kernel(internal=True)
@@ -146,12 +122,11 @@ def _apply_of_lanes(
 ) -> None:
     G = system.panels
     lanes = len(shape[1])
-    n, first = kind.table[body, MODES], kind.table[body, MODAL]
-    stage, modal = kind.frame[body], kind.modal
-    total = modal.shape[1]
+    n, first = kind.table[body].mode_count, kind.table[body].first_mode
+    frame, coupling = kind.frame[body], kind.scaled_coupling
+    total = coupling.shape[1]
     out = G.shape[0] // 2 + panel
-    begin = END_ROTATION
-    R = stage_rotation(kind, body) if at_midpoint else kind.frame[body, begin : begin + 9]
+    R = frame.mid_rotation if at_midpoint else frame.end_rotation
     for r in range(lanes):  # -y, so that all that follows are sums
         f = rotate_back(R, G[panel + r], G[panel + lanes + r], G[panel + 2 * lanes + r])
         for k in range(3):
@@ -160,22 +135,22 @@ def _apply_of_lanes(
     for i in range(n):
         at = panel + (6 + i) * lanes
         for k in range(6):
-            add_multiple(shape, G, out + k * lanes, G, at, modal, (SCALED + k) * total + first + i)
-    factor = body * kind.frame.shape[1] + NEGATIVE
+            add_multiple(shape, G, out + k * lanes, G, at, coupling, k * total + first + i)
+    factor = frame.negative_factor
     for i in range(6):
         for j in range(i):
-            add_multiple(shape, G, out + i * lanes, G, out + j * lanes, kind.frame, factor + 6 * i + j)
+            add_multiple(shape, G, out + i * lanes, G, out + j * lanes, factor, 6 * i + j)
         for r in range(lanes):
-            G[out + i * lanes + r] *= stage[NEGATIVE + 7 * i]
+            G[out + i * lanes + r] *= factor[7 * i]
     for i in range(5, -1, -1):
         for j in range(i + 1, 6):
-            add_multiple(shape, G, out + i * lanes, G, out + j * lanes, kind.frame, factor + 6 * j + i)
+            add_multiple(shape, G, out + i * lanes, G, out + j * lanes, factor, 6 * j + i)
         for r in range(lanes):
-            G[out + i * lanes + r] *= stage[NEGATIVE + 7 * i]
+            G[out + i * lanes + r] *= factor[7 * i]
     for i in range(n):
         at = out + (6 + i) * lanes
         for k in range(6):
-            add_multiple(shape, G, at, G, out + k * lanes, modal, (SCALED + k) * total + first + i)
+            add_multiple(shape, G, at, G, out + k * lanes, coupling, k * total + first + i)
     for r in range(lanes):
         v = rotate(R, G[out + r], G[out + lanes + r], G[out + 2 * lanes + r])
         for k in range(3):
@@ -188,9 +163,10 @@ def _apply_of_lanes(
 def correct_rows_of_floating_frames(
     kind: FloatingFrameBodies, systems: Systems, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
-    """`correct` has changed the velocities of these bodies."""
-    solve_again(systems, joints, work, time, step)
-    meet_again(systems, systems, joints, work, time, step)
+    """`correct` has changed the velocities of those that move."""
+    if kind.moves:
+        solve_again(systems, joints, work, time, step)
+        meet_again(systems, systems, joints, work, time, step)
 
 
 @implement(add_row_work, FloatingFrameBodies)
@@ -201,8 +177,8 @@ def add_row_work_of_floating_frames(
     """A drive does the work that joints take out of its frame."""
     for i in range(system.attachments.shape[0]):
         body = attached_body(kind, system, i)
-        if body >= 0 and kind.table[body, MOTION] == DRIVEN:
-            kind.frame[body, WORK + 1] -= weight * row_power(system, i, work.velocity)
+        if body >= 0 and kind.table[body].motion == DRIVEN:
+            kind.frame[body].work[1] -= weight * row_power(system, i, work.velocity)
 
 
 @implement(gather_reactions, FloatingFrameBodies)
@@ -217,11 +193,13 @@ def gather_reactions_on_floating_frames(kind: FloatingFrameBodies, fresh: bool, 
 def end_velocity_of_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
     """(F6) of the step, with the inertia there."""
     for body in range(kind.table.shape[0]):
-        n, first = kind.table[body, MODES], kind.table[body, MODAL]
-        columns, q = product_columns(kind, body), kind.modal[Q, first : first + n]
-        leading_products(columns, q, 8 * n, kind.products[AT_Q, 8 * first : 8 * (first + n)])
+        if kind.table[body].motion == FIXED:
+            continue
+        n, first = kind.table[body].mode_count, kind.table[body].first_mode
+        columns, q = product_columns(kind, body), kind.modal_position[first : first + n]
+        leading_products(columns, q, 8 * n, kind.position_products[8 * first : 8 * (first + n)])
         evaluate_end(kind, body)
-        kind.frame[body, AT_END] = 1.0
+        kind.frame[body].at_end = True
     write_velocity_of_floating_frames(kind, work)
 
 
@@ -230,11 +208,14 @@ def end_velocity_of_floating_frames(kind: FloatingFrameBodies, step: float, work
 def write_velocity_of_floating_frames(kind: FloatingFrameBodies, work: Workspace) -> None:
     """World velocity, body-axis spin, modal rates."""
     for body in range(kind.table.shape[0]):
-        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
-        for k in range(6):  # the spin follows the velocity
-            work.velocity[dof + k] = kind.frame[body, VELOCITY + k]
+        n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
+        modes = slice(first, first + n)
+        modal_velocity = kind.modal_velocity[modes]
+        for k in range(3):
+            work.velocity[dof + k] = kind.frame[body].velocity[k]
+            work.velocity[dof + 3 + k] = kind.frame[body].spin[k]
         for i in range(n):
-            work.velocity[dof + 6 + i] = kind.modal[RATE, first + i]
+            work.velocity[dof + 6 + i] = modal_velocity[i]
 
 
 @implement(set_velocity, FloatingFrameBodies)
@@ -242,26 +223,27 @@ def write_velocity_of_floating_frames(kind: FloatingFrameBodies, work: Workspace
 def set_velocity_of_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
     """Projected velocities, and the momenta that belong to them."""
     for body in range(kind.table.shape[0]):
-        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
+        n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
         velocity = work.velocity[dof : dof + 6 + n]
-        frame = stage = kind.frame[body]
+        frame = kind.frame[body]
+        modes = slice(first, first + n)
+        modal_velocity = kind.modal_velocity[modes]
+        modal_acceleration = kind.modal_acceleration[modes]
         for i in range(n):
-            kind.modal[RATE2, first + i] += (velocity[6 + i] - kind.modal[RATE, first + i]) / step
-            kind.modal[RATE, first + i] = velocity[6 + i]
-        if kind.table[body, MOTION] != FREE:
+            modal_acceleration[i] += (velocity[6 + i] - modal_velocity[i]) / step
+            modal_velocity[i] = velocity[6 + i]
+        if kind.table[body].motion != FREE:
             continue
-        R = kind.frame[body, END_ROTATION : END_ROTATION + 9]
+        R = frame.end_rotation
         v = rotate_back(R, velocity[0], velocity[1], velocity[2])
         w = (velocity[3], velocity[4], velocity[5])
-        p, l = body_momenta(
-            shape_of(kind, body), stage, kind.modal[TF1:, first : first + n], v, w, velocity[6:]
-        )
+        p, l = body_momenta(shape_of(kind, body), frame, kind.coupling[:, modes], v, w, velocity[6:])
         p, l = rotate(R, p[0], p[1], p[2]), rotate(R, l[0], l[1], l[2])
         for k in range(3):
-            frame[VELOCITY + k] = velocity[k]
-            frame[SPIN + k] = velocity[3 + k]
-            frame[MOMENTUM + k] = p[k]
-            frame[ANGULAR_MOMENTUM + k] = l[k]
+            frame.velocity[k] = velocity[k]
+            frame.spin[k] = velocity[3 + k]
+            frame.linear_momentum[k] = p[k]
+            frame.angular_momentum[k] = l[k]
 
 
 @implement(estimate_error, FloatingFrameBodies)
@@ -276,16 +258,21 @@ def estimate_floating_frame_error(kind: FloatingFrameBodies, step: float, work: 
     """
     h = step
     for body in range(kind.table.shape[0]):
-        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
-        frame = stage = kind.frame[body]
+        n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
+        frame = kind.frame[body]
+        modes = slice(first, first + n)
+        mid_modal_velocity = kind.mid_modal_velocity[modes]
         moved = turned = deformed = 0.0
-        if kind.table[body, MOTION] == FREE:
+        if kind.table[body].motion == FREE:
             for k in range(3):
-                predicted = stage[START_VELOCITY + k] + 0.5 * h * frame[ACCELERATION + k]
+                predicted = frame.start_velocity[k] + 0.5 * h * frame.acceleration[k]
                 moved += (work.velocity[dof + k] - predicted) ** 2
-                turned += (work.velocity[dof + 3 + k] - stage[MID_SPIN + k]) ** 2
+                turned += (work.velocity[dof + 3 + k] - frame.mid_spin[k]) ** 2
+        # the stage of a fixed frame is at the velocity of the start
+        ahead = 0.5 * h if kind.table[body].motion == FIXED else 0.0
         for i in range(n):
-            deformed += (work.velocity[dof + 6 + i] - kind.modal[MID_RATE, first + i]) ** 2
-        speed = max(math.sqrt(moved), frame[REACH] * math.sqrt(turned))
-        speed = max(speed, math.sqrt(deformed / shape_of(kind, body)[SHAPE_MASS]))
-        work.control[ERROR] = max(work.control[ERROR], h * speed)
+            predicted = mid_modal_velocity[i] + ahead * kind.modal_acceleration[first + i]
+            deformed += (work.velocity[dof + 6 + i] - predicted) ** 2
+        speed = max(math.sqrt(moved), frame.reach * math.sqrt(turned))
+        speed = max(speed, math.sqrt(deformed / frame.mass))
+        work.control.error = max(work.control.error, h * speed)

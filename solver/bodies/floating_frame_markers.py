@@ -13,29 +13,9 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate
 from heavylift.solver.bodies.floating_frame import (
-    FORCE,
-    JOINT_FORCE,
-    JOINT_LOAD,
-    LOAD,
-    MID_POSITION,
-    MID_Q,
-    MID_RATE,
-    MID_SPIN,
-    MID_VELOCITY,
-    MODAL,
-    MODES,
-    POSITION,
-    RATE,
-    SPIN,
-    VELOCITY,
-    FlexibleBodies,
-    Q,
+    FloatingFrameBodies,
 )
-from heavylift.solver.bodies.floating_frame_shape import stage_rotation
 from heavylift.solver.interface import (
-    POINT,
-    POINT_FORCE,
-    POINT_VELOCITY,
     ROWS,
     Workspace,
 )
@@ -44,22 +24,27 @@ __all__ = ["add_joint_forces", "gather_marker_forces", "write_markers", "write_s
 
 
 @kernel(internal=True)
-def write_markers(kind: FlexibleBodies, level: int, work: Workspace) -> None:
+def write_markers(kind: FloatingFrameBodies, level: int, work: Workspace) -> None:
     """Write vectors, rates and Jacobian windows ``[1, -R u~, R Phi]`` of all markers at the stage."""
     for marker in range(kind.markers.shape[0]):
-        number, body, start, direction, serves = kind.markers[marker]
+        packed = kind.markers[marker]
+        number, body, start, serves = packed.number, packed.body, packed.data, packed.level
+        direction = packed.direction
         if serves > level:
             continue
-        n, first = kind.table[body, MODES], kind.table[body, MODAL]
+        n, first = kind.table[body].mode_count, kind.table[body].first_mode
         data = kind.constants[start:]
-        R = stage_rotation(kind, body)
-        stage = kind.frame[body]
+        frame = kind.frame[body]
+        R = frame.mid_rotation
+        modes = slice(first, first + n)
+        mid_modal_position = kind.mid_modal_position[modes]
+        mid_modal_velocity = kind.mid_modal_velocity[modes]
         u1, u2, u3 = data[0], data[1], data[2]
         d1 = d2 = d3 = 0.0
         jacobian = work.jacobian[number]
-        if direction == 0:
+        if not direction:
             for i in range(n):
-                q, qd = kind.modal[MID_Q, first + i], kind.modal[MID_RATE, first + i]
+                q, qd = mid_modal_position[i], mid_modal_velocity[i]
                 phi1, phi2, phi3 = data[3 + i], data[3 + n + i], data[3 + 2 * n + i]
                 u1 += phi1 * q
                 u2 += phi2 * q
@@ -72,85 +57,93 @@ def write_markers(kind: FlexibleBodies, level: int, work: Workspace) -> None:
         else:
             for i in range(6, 6 + n):
                 jacobian[0, i] = jacobian[1, i] = jacobian[2, i] = 0.0
-        w1, w2, w3 = stage[MID_SPIN], stage[MID_SPIN + 1], stage[MID_SPIN + 2]
+        w1, w2, w3 = frame.mid_spin[0], frame.mid_spin[1], frame.mid_spin[2]
         c1, c2, c3 = cross(w1, w2, w3, u1, u2, u3)
         point = rotate(R, u1, u2, u3)
-        if direction == 0:
+        if not direction:
             rate = rotate(
                 R,
-                stage[MID_VELOCITY] + c1 + d1,
-                stage[MID_VELOCITY + 1] + c2 + d2,
-                stage[MID_VELOCITY + 2] + c3 + d3,
+                frame.mid_velocity[0] + c1 + d1,
+                frame.mid_velocity[1] + c2 + d2,
+                frame.mid_velocity[2] + c3 + d3,
             )
         else:
             rate = rotate(R, c1, c2, c3)
         for k in range(3):
-            work.markers[number, POINT + k] = point[k] + (stage[MID_POSITION + k] if direction == 0 else 0.0)
-            work.markers[number, POINT_VELOCITY + k] = rate[k]
+            work.markers[number].point[k] = point[k] + (frame.mid_position[k] if not direction else 0.0)
+            work.markers[number].velocity[k] = rate[k]
             for j in range(3):
-                jacobian[k, j] = 1.0 if (j == k and direction == 0) else 0.0
+                jacobian[k, j] = 1.0 if (j == k and not direction) else 0.0
             jacobian[k, 3] = R[3 * k + 2] * u2 - R[3 * k + 1] * u3
             jacobian[k, 4] = R[3 * k] * u3 - R[3 * k + 2] * u1
             jacobian[k, 5] = R[3 * k + 1] * u1 - R[3 * k] * u2
 
 
 @kernel(internal=True)
-def gather_marker_forces(kind: FlexibleBodies, work: Workspace) -> None:
+def gather_marker_forces(kind: FloatingFrameBodies, work: Workspace) -> None:
     """Generalised forces ``J^T f`` of all markers, into the stages of their bodies."""
     for body in range(kind.table.shape[0]):
-        for j in range(6):
-            kind.frame[body, FORCE + j] = 0.0
-    for i in range(kind.modal.shape[1]):
-        kind.modal[LOAD, i] = 0.0
+        for j in range(3):
+            kind.frame[body].force[j] = kind.frame[body].moment[j] = 0.0
+    for i in range(kind.modal_position.shape[0]):
+        kind.modal_load[i] = 0.0
     for marker in range(kind.markers.shape[0]):
-        if kind.markers[marker, 4] == ROWS:
+        if kind.markers[marker].level == ROWS:
             continue
-        number, body = kind.markers[marker, 0], kind.markers[marker, 1]
-        n, first = kind.table[body, MODES], kind.table[body, MODAL]
+        number, body = kind.markers[marker].number, kind.markers[marker].body
+        n, first = kind.table[body].mode_count, kind.table[body].first_mode
         f1, f2, f3 = (
-            work.markers[number, POINT_FORCE],
-            work.markers[number, POINT_FORCE + 1],
-            work.markers[number, POINT_FORCE + 2],
+            work.markers[number].force[0],
+            work.markers[number].force[1],
+            work.markers[number].force[2],
         )
-        jacobian = work.jacobian[number]
-        for j in range(6):
-            kind.frame[body, FORCE + j] += jacobian[0, j] * f1 + jacobian[1, j] * f2 + jacobian[2, j] * f3
+        frame, jacobian = kind.frame[body], work.jacobian[number]
+        modes = slice(first, first + n)
+        modal_load = kind.modal_load[modes]
+        for j in range(3):
+            frame.force[j] += jacobian[0, j] * f1 + jacobian[1, j] * f2 + jacobian[2, j] * f3
+        for j in range(3):
+            frame.moment[j] += jacobian[0, 3 + j] * f1 + jacobian[1, 3 + j] * f2 + jacobian[2, 3 + j] * f3
         for i in range(n):
-            kind.modal[LOAD, first + i] += (
-                jacobian[0, 6 + i] * f1 + jacobian[1, 6 + i] * f2 + jacobian[2, 6 + i] * f3
-            )
+            modal_load[i] += jacobian[0, 6 + i] * f1 + jacobian[1, 6 + i] * f2 + jacobian[2, 6 + i] * f3
 
 
 @kernel(internal=True)
-def add_joint_forces(kind: FlexibleBodies, body: int) -> None:
+def add_joint_forces(kind: FloatingFrameBodies, body: int) -> None:
     """Add to the gathered forces those of the joints at the carried state."""
-    n, first = kind.table[body, MODES], kind.table[body, MODAL]
-    for j in range(6):
-        kind.frame[body, FORCE + j] += kind.frame[body, JOINT_FORCE + j]
+    n, first = kind.table[body].mode_count, kind.table[body].first_mode
+    frame = kind.frame[body]
+    for j in range(3):
+        frame.force[j] += frame.joint_force[j]
+        frame.moment[j] += frame.joint_force[3 + j]
     for i in range(first, first + n):
-        kind.modal[LOAD, i] += kind.modal[JOINT_LOAD, i]
+        kind.modal_load[i] += kind.joint_load[i]
 
 
 @kernel(reassociate=True, internal=True)
-def write_sensor(kind: FlexibleBodies, sensor: int, row: NDArray[np.float64]) -> None:
+def write_sensor(kind: FloatingFrameBodies, sensor: int, row: NDArray[np.float64]) -> None:
     """World position and velocity of a sensor point; the stage holds the carried state."""
-    column, body, start, _, _ = kind.sensors[sensor]
-    n, first = kind.table[body, MODES], kind.table[body, MODAL]
+    column, body, start = kind.sensors[sensor].number, kind.sensors[sensor].body, kind.sensors[sensor].data
+    n, first = kind.table[body].mode_count, kind.table[body].first_mode
     data = kind.constants[start:]
-    frame, R = kind.frame[body], stage_rotation(kind, body)
+    frame = kind.frame[body]
+    R = frame.mid_rotation
+    modes = slice(first, first + n)
+    modal_position = kind.modal_position[modes]
+    modal_velocity = kind.modal_velocity[modes]
     u1, u2, u3 = data[0], data[1], data[2]
     d1 = d2 = d3 = 0.0
     for i in range(n):
-        q, qd = kind.modal[Q, first + i], kind.modal[RATE, first + i]
+        q, qd = modal_position[i], modal_velocity[i]
         u1 += data[3 + i] * q
         u2 += data[3 + n + i] * q
         u3 += data[3 + 2 * n + i] * q
         d1 += data[3 + i] * qd
         d2 += data[3 + n + i] * qd
         d3 += data[3 + 2 * n + i] * qd
-    c1, c2, c3 = cross(frame[SPIN], frame[SPIN + 1], frame[SPIN + 2], u1, u2, u3)
+    c1, c2, c3 = cross(frame.spin[0], frame.spin[1], frame.spin[2], u1, u2, u3)
     point = rotate(R, u1, u2, u3)
     rate = rotate(R, c1 + d1, c2 + d2, c3 + d3)
     for k in range(3):
-        row[column + k] = frame[POSITION + k] + point[k]
-        row[column + 3 + k] = frame[VELOCITY + k] + rate[k]
+        row[column + k] = frame.position[k] + point[k]
+        row[column + 3 + k] = frame.velocity[k] + rate[k]

@@ -6,42 +6,41 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel, view
-from heavylift.solver.bodies.floating_frame import (
-    MID_ROTATION,
-    MODES,
-    SHAPE,
-    SHAPE_HEAD,
-    FlexibleBodies,
-)
-from heavylift.solver.interface import LAST_STEP, Workspace
+from heavylift.solver.bodies.floating_frame import FloatingFrame, FloatingFrameBodies
+from heavylift.solver.interface import Workspace
 
-__all__ = ["lag_scale", "product_columns", "shape_of", "stage_rotation"]
+__all__ = ["lag_scale", "product_columns", "shape_of", "write_frame"]
 
 
 @kernel(inline=True, internal=True)
 def lag_scale(step: float, work: Workspace) -> float:
-    """Square of this step relative to the last one, which the distance `LAG` goes with; 1 in the first step."""
-    last = work.control[LAST_STEP]
+    """Square of this step relative to the last one, which the lag of a frame goes with; 1 in the first step."""
+    last = work.control.last_step
     return (step / last) ** 2 if last > 0.0 else 1.0
 
 
 @view
-def shape_of(kind: FlexibleBodies, body: int) -> NDArray[np.float64]:
-    """Packed shape of a body, without the stacked matrices."""
-    n = kind.table[body, MODES]
-    start = kind.table[body, SHAPE] + 8 * n * n
-    return kind.constants[start : start + SHAPE_HEAD + 12 * n]
+def shape_of(kind: FloatingFrameBodies, body: int) -> NDArray[np.float64]:
+    """Packed shape of a body, without the stacked matrices, shape (12 n,)."""
+    n = kind.table[body].mode_count
+    start = kind.table[body].shape_start + 8 * n * n
+    return kind.constants[start : start + 12 * n]
 
 
 @view
-def product_columns(kind: FlexibleBodies, body: int) -> NDArray[np.float64]:
+def product_columns(kind: FloatingFrameBodies, body: int) -> NDArray[np.float64]:
     """Stacked product matrices of a body, column after column, shape (n 8 n,)."""
-    n = kind.table[body, MODES]
-    start = kind.table[body, SHAPE]
+    n = kind.table[body].mode_count
+    start = kind.table[body].shape_start
     return kind.constants[start : start + 8 * n * n]
 
 
-@view
-def stage_rotation(kind: FlexibleBodies, body: int) -> NDArray[np.float64]:
-    """Rotation matrix of the stage, row by row, a view of shape (9,)."""
-    return kind.frame[body, MID_ROTATION : MID_ROTATION + 9]
+@kernel(inline=True, internal=True)
+def write_frame(frame: FloatingFrame, row: NDArray[np.float64], column: int) -> None:
+    """Position, quaternion, velocity and spin into 13 columns of a record."""
+    for k in range(3):
+        row[column + k] = frame.position[k]
+        row[column + 7 + k] = frame.velocity[k]
+        row[column + 10 + k] = frame.spin[k]
+    for k in range(4):
+        row[column + 3 + k] = frame.orientation[k]

@@ -32,55 +32,9 @@ from __future__ import annotations
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
 from heavylift.numerics.small import cross, rotate_back
+from heavylift.solver.bodies.fixed_frame import factor_fixed, predict_fixed
 from heavylift.solver.bodies.floating_frame import (
-    ACCELERATION,
-    ANGULAR_MOMENTUM,
-    AT_END,
-    AT_MIDPOINT,
-    AT_Q,
-    AT_RATE,
-    AT_RATE2,
-    AT_VELOCITY,
-    DAMPING,
-    DOF,
-    DRIVE,
-    DRIVEN_VELOCITY,
-    FACTOR,
-    FIRST_MOMENT,
-    FORCE,
-    FRAME_RHS,
-    INVERSE,
-    LAG,
-    LOAD,
-    MID_POSE,
-    MID_POSITION,
-    MID_Q,
-    MID_RATE,
-    MID_SPIN,
-    MID_VELOCITY,
-    MODAL,
-    MODES,
-    MOMENT,
-    MOMENTUM,
-    MOTION,
-    ORIENTATION,
-    POSITION,
-    PRESCRIBED,
-    QUADRATIC,
-    RATE,
-    RATE2,
-    ROW,
-    SHAPE_HEAD,
-    SHAPE_MASS,
-    SPIN,
-    SPIN_RATE,
-    START_VELOCITY,
-    STIFFNESS,
-    TF1,
-    TRANSPORTED,
-    VELOCITY,
     FloatingFrameBodies,
-    Q,
 )
 from heavylift.solver.bodies.floating_frame_inertia import (
     antisymmetric_products,
@@ -88,11 +42,10 @@ from heavylift.solver.bodies.floating_frame_inertia import (
     quadratic_modal_force,
 )
 from heavylift.solver.bodies.floating_frame_markers import gather_marker_forces
-from heavylift.solver.bodies.floating_frame_shape import lag_scale, product_columns, shape_of, stage_rotation
+from heavylift.solver.bodies.floating_frame_shape import lag_scale, product_columns, shape_of
 from heavylift.solver.bodies.floating_frame_stage import clear_velocity, factor_frame, solve_stage
-from heavylift.solver.drive import DRIVEN, FREE, drive_pose, drive_velocity
+from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_pose, drive_velocity
 from heavylift.solver.interface import (
-    FIELD,
     Workspace,
     correct,
     factor,
@@ -109,70 +62,80 @@ def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float)
     """(F1), (F2): midpoint configuration, its inertia, and the angular momentum about the new origin."""
     h = step
     for body in range(kind.table.shape[0]):
-        n, first = kind.table[body, MODES], kind.table[body, MODAL]
-        motion = kind.table[body, MOTION]
-        frame = stage = kind.frame[body]
-        stage[AT_END] = 0.0
-        for i in range(first, first + n):
-            kind.modal[MID_Q, i] = kind.modal[Q, i] + 0.5 * h * kind.modal[RATE, i]
-            kind.modal[MID_RATE, i] = kind.modal[RATE, i] + 0.5 * h * kind.modal[RATE2, i]
-        R = stage_rotation(kind, body)
+        n, first = kind.table[body].mode_count, kind.table[body].first_mode
+        motion = kind.table[body].motion
+        frame = kind.frame[body]
+        if motion == FIXED:
+            predict_fixed(kind, body, h)
+            continue
+        frame.at_end = False
+        modes = slice(first, first + n)
+        modal_position = kind.modal_position[modes]
+        modal_velocity = kind.modal_velocity[modes]
+        modal_acceleration = kind.modal_acceleration[modes]
+        mid_modal_position = kind.mid_modal_position[modes]
+        mid_modal_velocity = kind.mid_modal_velocity[modes]
+        for i in range(n):
+            mid_modal_position[i] = modal_position[i] + 0.5 * h * modal_velocity[i]
+            mid_modal_velocity[i] = modal_velocity[i] + 0.5 * h * modal_acceleration[i]
+        R = frame.mid_rotation
         if motion == DRIVEN:
-            pose = stage[MID_POSE : MID_POSE + 7]
-            drive_pose(kind.constants[kind.table[body, DRIVE] :], time + 0.5 * h, pose)
+            pose = frame.mid_pose
+            drive_pose(kind.constants[kind.table[body].drive :], time + 0.5 * h, pose)
             for k in range(3):
-                stage[MID_POSITION + k] = pose[k]
+                frame.mid_position[k] = pose[k]
             write_rotation_matrix((pose[3], pose[4], pose[5], pose[6]), R)
-            drive_velocity(
-                kind.constants[kind.table[body, DRIVE] :], time + h, stage[PRESCRIBED : PRESCRIBED + 12]
-            )
+            drive_velocity(kind.constants[kind.table[body].drive :], time + h, frame.prescribed)
             for k in range(3):  # the mean of both ends makes the momentum balance of the modes second order
-                stage[DRIVEN_VELOCITY + k] = 0.5 * (frame[VELOCITY + k] + stage[PRESCRIBED + k])
-                stage[DRIVEN_VELOCITY + 3 + k] = 0.5 * (frame[SPIN + k] + stage[PRESCRIBED + 3 + k])
+                frame.mean_velocity[k] = 0.5 * (frame.velocity[k] + frame.prescribed[k])
+                frame.mean_velocity[3 + k] = 0.5 * (frame.spin[k] + frame.prescribed[3 + k])
         else:
             a = 0.125 * h * h
             for k in range(3):
-                stage[MID_POSITION + k] = (
-                    frame[POSITION + k] + 0.5 * h * frame[VELOCITY + k] + a * frame[ACCELERATION + k]
+                frame.mid_position[k] = (
+                    frame.position[k] + 0.5 * h * frame.velocity[k] + a * frame.acceleration[k]
                 )
             quaternion = rotate_by_exponential(
-                (frame[ORIENTATION], frame[ORIENTATION + 1], frame[ORIENTATION + 2], frame[ORIENTATION + 3]),
-                0.5 * h * frame[SPIN] + a * frame[SPIN_RATE],
-                0.5 * h * frame[SPIN + 1] + a * frame[SPIN_RATE + 1],
-                0.5 * h * frame[SPIN + 2] + a * frame[SPIN_RATE + 2],
+                (frame.orientation[0], frame.orientation[1], frame.orientation[2], frame.orientation[3]),
+                0.5 * h * frame.spin[0] + a * frame.spin_rate[0],
+                0.5 * h * frame.spin[1] + a * frame.spin_rate[1],
+                0.5 * h * frame.spin[2] + a * frame.spin_rate[2],
             )
             write_rotation_matrix(quaternion, R)
         v = rotate_back(
             R,
-            frame[VELOCITY] + 0.5 * h * frame[ACCELERATION],
-            frame[VELOCITY + 1] + 0.5 * h * frame[ACCELERATION + 1],
-            frame[VELOCITY + 2] + 0.5 * h * frame[ACCELERATION + 2],
+            frame.velocity[0] + 0.5 * h * frame.acceleration[0],
+            frame.velocity[1] + 0.5 * h * frame.acceleration[1],
+            frame.velocity[2] + 0.5 * h * frame.acceleration[2],
         )
         for k in range(3):
-            stage[MID_VELOCITY + k] = v[k]
-            stage[MID_SPIN + k] = frame[SPIN + k] + 0.5 * h * frame[SPIN_RATE + k]
-            stage[START_VELOCITY + k] = frame[VELOCITY + k]
-            stage[START_VELOCITY + 3 + k] = frame[SPIN + k]
-        products = kind.products[:, 8 * first : 8 * (first + n)]
+            frame.mid_velocity[k] = v[k]
+            frame.mid_spin[k] = frame.spin[k] + 0.5 * h * frame.spin_rate[k]
+            frame.start_velocity[k] = frame.velocity[k]
+            frame.start_velocity[3 + k] = frame.spin[k]
+        rows = slice(8 * first, 8 * (first + n))
+        midpoint_products = kind.midpoint_products[rows]
+        position_products = kind.position_products[rows]
+        velocity_products = kind.velocity_products[rows]
         for r in range(8 * n):
-            products[AT_MIDPOINT, r] = products[AT_Q, r] + 0.5 * h * products[AT_RATE, r]
+            midpoint_products[r] = position_products[r] + 0.5 * h * velocity_products[r]
         deformed_inertia(
             shape_of(kind, body),
-            kind.modal[MID_Q, first : first + n],
-            products[AT_MIDPOINT],
-            stage,
-            kind.modal[TF1:, first : first + n],
+            mid_modal_position,
+            midpoint_products,
+            frame,
+            kind.coupling[:, modes],
         )
         moved = cross(
-            frame[POSITION] - stage[MID_POSITION],
-            frame[POSITION + 1] - stage[MID_POSITION + 1],
-            frame[POSITION + 2] - stage[MID_POSITION + 2],
-            frame[MOMENTUM],
-            frame[MOMENTUM + 1],
-            frame[MOMENTUM + 2],
+            frame.position[0] - frame.mid_position[0],
+            frame.position[1] - frame.mid_position[1],
+            frame.position[2] - frame.mid_position[2],
+            frame.linear_momentum[0],
+            frame.linear_momentum[1],
+            frame.linear_momentum[2],
         )
         for k in range(3):
-            stage[TRANSPORTED + k] = frame[ANGULAR_MOMENTUM + k] + moved[k]
+            frame.transported_momentum[k] = frame.angular_momentum[k] + moved[k]
 
 
 @implement(factor, FloatingFrameBodies)
@@ -183,79 +146,92 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
     gather_marker_forces(kind, work)
     lag = lag_scale(step, work)
     for body in range(kind.table.shape[0]):
-        n, first = kind.table[body, MODES], kind.table[body, MODAL]
-        motion = kind.table[body, MOTION]
-        stage = kind.frame[body]
-        modal = kind.modal[:, first : first + n]
+        n, first = kind.table[body].mode_count, kind.table[body].first_mode
+        motion = kind.table[body].motion
+        if motion == FIXED:
+            factor_fixed(kind, body, h, work)
+            continue
+        frame = kind.frame[body]
+        modes = slice(first, first + n)
+        modal_position = kind.modal_position[modes]
+        modal_velocity = kind.modal_velocity[modes]
+        stiffness = kind.stiffness[modes]
+        damping = kind.damping[modes]
+        inverse_diagonal = kind.inverse_diagonal[modes]
+        modal_right_hand_side = kind.modal_right_hand_side[modes]
+        mid_modal_position = kind.mid_modal_position[modes]
+        quadratic_force = kind.quadratic_force[modes]
+        coupling = kind.coupling[:, modes]
+        modal_load = kind.modal_load[modes]
         shape = shape_of(kind, body)
-        R = stage_rotation(kind, body)
-        g1, g2, g3 = rotate_back(R, work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2])
+        R = frame.mid_rotation
+        g1, g2, g3 = rotate_back(R, work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2])
         for i in range(n):
-            stiffness, damping = kind.modal[STIFFNESS, first + i], kind.modal[DAMPING, first + i]
-            modal[INVERSE, i] = 1.0 / (1.0 + 0.25 * h * h * stiffness + 0.5 * h * damping)
-            gravity = (
-                shape[SHAPE_HEAD + i] * g1
-                + shape[SHAPE_HEAD + n + i] * g2
-                + shape[SHAPE_HEAD + 2 * n + i] * g3
-            )
-            modal[ROW, i] = kind.modal[RATE, first + i] + 0.5 * h * (
-                modal[LOAD, i] + gravity - stiffness * kind.modal[Q, first + i]
+            inverse_diagonal[i] = 1.0 / (1.0 + 0.25 * h * h * stiffness[i] + 0.5 * h * damping[i])
+            gravity = shape[i] * g1 + shape[n + i] * g2 + shape[2 * n + i] * g3
+            modal_right_hand_side[i] = modal_velocity[i] + 0.5 * h * (
+                modal_load[i] + gravity - stiffness[i] * modal_position[i]
             )
         v1, v2, v3 = rotate_back(
             R,
-            stage[START_VELOCITY] + lag * stage[LAG],
-            stage[START_VELOCITY + 1] + lag * stage[LAG + 1],
-            stage[START_VELOCITY + 2] + lag * stage[LAG + 2],
+            frame.start_velocity[0] + lag * frame.lag[0],
+            frame.start_velocity[1] + lag * frame.lag[1],
+            frame.start_velocity[2] + lag * frame.lag[2],
         )
-        w1 = stage[START_VELOCITY + 3] + lag * stage[LAG + 3]
-        w2 = stage[START_VELOCITY + 4] + lag * stage[LAG + 4]
-        w3 = stage[START_VELOCITY + 5] + lag * stage[LAG + 5]
+        w1 = frame.start_velocity[3] + lag * frame.lag[3]
+        w2 = frame.start_velocity[4] + lag * frame.lag[4]
+        w3 = frame.start_velocity[5] + lag * frame.lag[5]
         for i in range(n):
-            modal[ROW, i] += (
-                shape[SHAPE_HEAD + i] * v1
-                + shape[SHAPE_HEAD + n + i] * v2
-                + shape[SHAPE_HEAD + 2 * n + i] * v3
-                + modal[TF1, i] * w1
-                + modal[TF1 + 1, i] * w2
-                + modal[TF1 + 2, i] * w3
+            modal_right_hand_side[i] += (
+                shape[i] * v1
+                + shape[n + i] * v2
+                + shape[2 * n + i] * v3
+                + coupling[0, i] * w1
+                + coupling[1, i] * w2
+                + coupling[2, i] * w3
             )
-        products = kind.products[:, 8 * first : 8 * (first + n)]
+        rows = slice(8 * first, 8 * (first + n))
+        mid_velocity_products = kind.mid_velocity_products[rows]
+        midpoint_products = kind.midpoint_products[rows]
+        velocity_products = kind.velocity_products[rows]
+        acceleration_products = kind.acceleration_products[rows]
         # the matrices times the predicted rates are a combination of carried products
-        rates = products[AT_VELOCITY]
+        rates = mid_velocity_products
         for r in range(3 * n):
-            rates[r] = products[AT_RATE, r] + 0.5 * h * products[AT_RATE2, r]
+            rates[r] = velocity_products[r] + 0.5 * h * acceleration_products[r]
         quadratic_modal_force(
             shape,
-            modal[MID_Q],
-            products[AT_MIDPOINT],
+            mid_modal_position,
+            midpoint_products,
             rates,
-            stage[MID_SPIN],
-            stage[MID_SPIN + 1],
-            stage[MID_SPIN + 2],
-            modal[QUADRATIC],
+            frame.mid_spin[0],
+            frame.mid_spin[1],
+            frame.mid_spin[2],
+            quadratic_force,
         )
         if motion == FREE:
-            m = shape[SHAPE_MASS]
-            frame = kind.frame[body]
+            m = frame.mass
             p = rotate_back(
                 R,
-                frame[MOMENTUM] + 0.5 * h * (stage[FORCE] + m * work.sums[FIELD]),
-                frame[MOMENTUM + 1] + 0.5 * h * (stage[FORCE + 1] + m * work.sums[FIELD + 1]),
-                frame[MOMENTUM + 2] + 0.5 * h * (stage[FORCE + 2] + m * work.sums[FIELD + 2]),
+                frame.linear_momentum[0] + 0.5 * h * (frame.force[0] + m * work.sums.gravity[0]),
+                frame.linear_momentum[1] + 0.5 * h * (frame.force[1] + m * work.sums.gravity[1]),
+                frame.linear_momentum[2] + 0.5 * h * (frame.force[2] + m * work.sums.gravity[2]),
             )
-            l = rotate_back(R, stage[TRANSPORTED], stage[TRANSPORTED + 1], stage[TRANSPORTED + 2])
-            t = cross(stage[FIRST_MOMENT], stage[FIRST_MOMENT + 1], stage[FIRST_MOMENT + 2], g1, g2, g3)
+            l = rotate_back(
+                R, frame.transported_momentum[0], frame.transported_momentum[1], frame.transported_momentum[2]
+            )
+            t = cross(frame.first_moment[0], frame.first_moment[1], frame.first_moment[2], g1, g2, g3)
             for k in range(3):
-                stage[FRAME_RHS + k] = p[k]
-                stage[FRAME_RHS + 3 + k] = l[k] + 0.5 * h * (stage[MOMENT + k] + t[k])
-            factor_frame(shape, stage, modal, stage[FACTOR : FACTOR + 36])
+                frame.right_hand_side[k] = p[k]
+                frame.right_hand_side[3 + k] = l[k] + 0.5 * h * (frame.moment[k] + t[k])
+            factor_frame(frame, inverse_diagonal, kind.translation[:, modes], coupling)
         elif motion == DRIVEN:
             v1, v2, v3 = rotate_back(
-                R, stage[DRIVEN_VELOCITY], stage[DRIVEN_VELOCITY + 1], stage[DRIVEN_VELOCITY + 2]
+                R, frame.mean_velocity[0], frame.mean_velocity[1], frame.mean_velocity[2]
             )
-            stage[FRAME_RHS], stage[FRAME_RHS + 1], stage[FRAME_RHS + 2] = v1, v2, v3
+            frame.right_hand_side[0], frame.right_hand_side[1], frame.right_hand_side[2] = v1, v2, v3
             for k in range(3):
-                stage[FRAME_RHS + 3 + k] = stage[DRIVEN_VELOCITY + 3 + k]
+                frame.right_hand_side[3 + k] = frame.mean_velocity[3 + k]
         clear_velocity(kind, body, work)
         solve_stage(kind, body, 0.5 * h, work)
 
@@ -268,22 +244,26 @@ def correct_floating_frames(kind: FloatingFrameBodies, step: float, work: Worksp
     Only what their change does to the free velocity is added, so impulses of joints that are in the velocity stay.
     """
     for body in range(kind.table.shape[0]):
-        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
-        products = kind.products[:, 8 * first : 8 * (first + n)]
+        if kind.table[body].motion == FIXED:
+            continue
+        n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
+        rows = slice(8 * first, 8 * (first + n))
+        mid_velocity_products = kind.mid_velocity_products[rows]
+        midpoint_products = kind.midpoint_products[rows]
         velocity = work.velocity[dof : dof + 6 + n]
         for i in range(first, first + n):
-            kind.modal[ROW, i] = -0.5 * step * kind.modal[QUADRATIC, i]
+            kind.modal_right_hand_side[i] = -0.5 * step * kind.quadratic_force[i]
         for k in range(6):
-            kind.frame[body, FRAME_RHS + k] = 0.0
-        antisymmetric_products(product_columns(kind, body), velocity[6:], products[AT_VELOCITY])
+            kind.frame[body].right_hand_side[k] = 0.0
+        antisymmetric_products(product_columns(kind, body), velocity[6:], mid_velocity_products)
         quadratic_modal_force(
             shape_of(kind, body),
-            kind.modal[MID_Q, first : first + n],
-            products[AT_MIDPOINT],
-            products[AT_VELOCITY],
+            kind.mid_modal_position[first : first + n],
+            midpoint_products,
+            mid_velocity_products,
             velocity[3],
             velocity[4],
             velocity[5],
-            kind.modal[QUADRATIC, first : first + n],
+            kind.quadratic_force[first : first + n],
         )
         solve_stage(kind, body, 0.5 * step, work)

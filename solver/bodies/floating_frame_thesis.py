@@ -14,38 +14,9 @@ from __future__ import annotations
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import rotate_by_exponential
 from heavylift.numerics.small import cross, rotate_back
+from heavylift.solver.bodies.fixed_frame import thesis_advance_fixed, thesis_velocity_fixed
 from heavylift.solver.bodies.floating_frame import (
-    ACCELERATION,
-    AT_Q,
-    AT_RATE,
-    DAMPING,
-    DOF,
-    DRIVE,
-    FACTOR,
-    FIRST_MOMENT,
-    FORCE,
-    FRAME_RHS,
-    INVERSE,
-    LOAD,
-    MODAL,
-    MODES,
-    MOMENT,
-    MOTION,
-    ORIENTATION,
-    POSITION,
-    PRESCRIBED,
-    QUADRATIC,
-    RATE,
-    ROW,
-    SHAPE_HEAD,
-    SHAPE_MASS,
-    SPIN,
-    STIFFNESS,
-    TF1,
-    VELOCITY,
-    WORK,
     FloatingFrameBodies,
-    Q,
 )
 from heavylift.solver.bodies.floating_frame_inertia import (
     body_momenta,
@@ -53,16 +24,16 @@ from heavylift.solver.bodies.floating_frame_inertia import (
     quadratic_modal_force,
 )
 from heavylift.solver.bodies.floating_frame_markers import gather_marker_forces
-from heavylift.solver.bodies.floating_frame_shape import shape_of, stage_rotation
+from heavylift.solver.bodies.floating_frame_shape import shape_of
 from heavylift.solver.bodies.floating_frame_stage import (
     clear_velocity,
+    drive_frame,
     factor_frame,
     solve_stage,
     stage_at_state,
 )
-from heavylift.solver.drive import DRIVEN, FREE, drive_pose, drive_velocity
+from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_velocity
 from heavylift.solver.interface import (
-    FIELD,
     Workspace,
     thesis_advance,
     thesis_velocity,
@@ -81,59 +52,75 @@ def thesis_velocity_floating_frames(
     h = step
     gather_marker_forces(kind, work)
     for body in range(kind.table.shape[0]):
-        n, first = kind.table[body, MODES], kind.table[body, MODAL]
-        motion = kind.table[body, MOTION]
+        n, first = kind.table[body].mode_count, kind.table[body].first_mode
+        motion = kind.table[body].motion
+        if motion == FIXED:
+            thesis_velocity_fixed(kind, body, h, work)
+            continue
         modes = slice(first, first + n)
-        frame = stage = kind.frame[body]
-        modal = kind.modal[:, modes]
-        rates = kind.modal[RATE, modes]
+        frame = kind.frame[body]
+        quadratic_force = kind.quadratic_force[modes]
+        inverse_diagonal = kind.inverse_diagonal[modes]
+        modal_right_hand_side = kind.modal_right_hand_side[modes]
+        coupling = kind.coupling[:, modes]
+        modal_load = kind.modal_load[modes]
+        rates = kind.modal_velocity[modes]
         shape = shape_of(kind, body)
         stage_at_state(kind, body, True)
-        R = stage_rotation(kind, body)
-        g = rotate_back(R, work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2])
-        v = rotate_back(R, frame[VELOCITY], frame[VELOCITY + 1], frame[VELOCITY + 2])
-        w = (frame[SPIN], frame[SPIN + 1], frame[SPIN + 2])
-        products = kind.products[:, 8 * first : 8 * (first + n)]
+        R = frame.mid_rotation
+        g = rotate_back(R, work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2])
+        v = rotate_back(R, frame.velocity[0], frame.velocity[1], frame.velocity[2])
+        w = (frame.spin[0], frame.spin[1], frame.spin[2])
+        rows = slice(8 * first, 8 * (first + n))
+        position_products = kind.position_products[rows]
+        velocity_products = kind.velocity_products[rows]
         quadratic_modal_force(
-            shape, kind.modal[Q, modes], products[AT_Q], products[AT_RATE], w[0], w[1], w[2], modal[QUADRATIC]
+            shape,
+            kind.modal_position[modes],
+            position_products,
+            velocity_products,
+            w[0],
+            w[1],
+            w[2],
+            quadratic_force,
         )
         for i in range(n):
-            stiffness, damping = kind.modal[STIFFNESS, first + i], kind.modal[DAMPING, first + i]
+            stiffness, damping = kind.stiffness[first + i], kind.damping[first + i]
             elastic = 1.0 + 0.25 * h * h * stiffness
-            modal[INVERSE, i] = 1.0 / (elastic + h * damping)
-            S1, S2, S3 = shape[SHAPE_HEAD + i], shape[SHAPE_HEAD + n + i], shape[SHAPE_HEAD + 2 * n + i]
-            modal[ROW, i] = elastic * rates[i] + h * (
-                modal[LOAD, i] + S1 * g[0] + S2 * g[1] + S3 * g[2] - stiffness * kind.modal[Q, first + i]
+            inverse_diagonal[i] = 1.0 / (elastic + h * damping)
+            S1, S2, S3 = shape[i], shape[n + i], shape[2 * n + i]
+            modal_right_hand_side[i] = elastic * rates[i] + h * (
+                modal_load[i] + S1 * g[0] + S2 * g[1] + S3 * g[2] - stiffness * kind.modal_position[first + i]
             )
-            modal[ROW, i] += (
+            modal_right_hand_side[i] += (
                 S1 * v[0]
                 + S2 * v[1]
                 + S3 * v[2]
-                + modal[TF1, i] * w[0]
-                + modal[TF1 + 1, i] * w[1]
-                + modal[TF1 + 2, i] * w[2]
+                + coupling[0, i] * w[0]
+                + coupling[1, i] * w[1]
+                + coupling[2, i] * w[2]
             )
         if motion == FREE:
-            m = shape[SHAPE_MASS]
-            p, l = body_momenta(shape, stage, kind.modal[TF1:, modes], v, w, rates)
+            m = frame.mass
+            p, l = body_momenta(shape, frame, coupling, v, w, rates)
             f, t = frame_velocity_forces(
-                shape, kind.modal[Q, modes], products[AT_Q], stage, w[0], w[1], w[2], rates
+                shape, kind.modal_position[modes], position_products, frame, w[0], w[1], w[2], rates
             )
-            force = rotate_back(R, stage[FORCE], stage[FORCE + 1], stage[FORCE + 2])
+            force = rotate_back(R, frame.force[0], frame.force[1], frame.force[2])
             moment = cross(
-                stage[FIRST_MOMENT], stage[FIRST_MOMENT + 1], stage[FIRST_MOMENT + 2], g[0], g[1], g[2]
+                frame.first_moment[0], frame.first_moment[1], frame.first_moment[2], g[0], g[1], g[2]
             )
             for k in range(3):
-                stage[FRAME_RHS + k] = p[k] + h * (force[k] + m * g[k] + f[k])
-                stage[FRAME_RHS + 3 + k] = l[k] + h * (stage[MOMENT + k] + moment[k] + t[k])
-            factor_frame(shape, stage, modal, stage[FACTOR : FACTOR + 36])
+                frame.right_hand_side[k] = p[k] + h * (force[k] + m * g[k] + f[k])
+                frame.right_hand_side[3 + k] = l[k] + h * (frame.moment[k] + moment[k] + t[k])
+            factor_frame(frame, inverse_diagonal, kind.translation[:, modes], coupling)
         elif motion == DRIVEN:
-            prescribed = stage[PRESCRIBED : PRESCRIBED + 12]
-            drive_velocity(kind.constants[kind.table[body, DRIVE] :], time + h, prescribed)
+            prescribed = frame.prescribed
+            drive_velocity(kind.constants[kind.table[body].drive :], time + h, prescribed)
             a = rotate_back(R, prescribed[0], prescribed[1], prescribed[2])
             for k in range(3):
-                stage[FRAME_RHS + k] = a[k]
-                stage[FRAME_RHS + 3 + k] = prescribed[3 + k]
+                frame.right_hand_side[k] = a[k]
+                frame.right_hand_side[3 + k] = prescribed[3 + k]
         clear_velocity(kind, body, work)
         solve_stage(kind, body, h, work)
 
@@ -146,64 +133,72 @@ def thesis_advance_floating_frames(
     """Configuration by the end velocity; works to first order, like everything else."""
     h = step
     for body in range(kind.table.shape[0]):
-        n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
-        frame = stage = kind.frame[body]
+        n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
+        frame = kind.frame[body]
         velocity = work.velocity[dof : dof + 6 + n]
-        if kind.table[body, MOTION] == DRIVEN:
+        if kind.table[body].motion == FIXED:
+            thesis_advance_fixed(kind, body, h, work)
+            continue
+        if kind.table[body].motion == DRIVEN:
             _add_drive_work(kind, body, h, work)
         external = dissipated = 0.0
-        for j in range(6):
-            external += stage[FORCE + j] * velocity[j]
+        for j in range(3):
+            external += frame.force[j] * velocity[j]
+        for j in range(3):
+            external += frame.moment[j] * velocity[3 + j]
         for i in range(n):
             rate = velocity[6 + i]
-            external += kind.modal[LOAD, first + i] * rate
-            dissipated += kind.modal[DAMPING, first + i] * rate * rate
-            kind.modal[Q, first + i] += h * rate
-            kind.modal[RATE, first + i] = rate
-        frame[WORK] += h * external
-        frame[WORK + 2] += h * dissipated
-        for k in range(6):
-            frame[ACCELERATION + k] = 0.0
-            frame[VELOCITY + k] = velocity[k]
-        if kind.table[body, MOTION] == FREE:
+            external += kind.modal_load[first + i] * rate
+            dissipated += kind.damping[first + i] * rate * rate
+            kind.modal_position[first + i] += h * rate
+            kind.modal_velocity[first + i] = rate
+        frame.work[0] += h * external
+        frame.work[2] += h * dissipated
+        for k in range(3):
+            frame.acceleration[k] = frame.spin_rate[k] = 0.0
+            frame.velocity[k] = velocity[k]
+            frame.spin[k] = velocity[3 + k]
+        if kind.table[body].motion == FREE:
             quaternion = rotate_by_exponential(
-                (frame[ORIENTATION], frame[ORIENTATION + 1], frame[ORIENTATION + 2], frame[ORIENTATION + 3]),
+                (frame.orientation[0], frame.orientation[1], frame.orientation[2], frame.orientation[3]),
                 h * velocity[3],
                 h * velocity[4],
                 h * velocity[5],
             )
             for k in range(3):
-                frame[POSITION + k] += h * velocity[k]
+                frame.position[k] += h * velocity[k]
             for k in range(4):
-                frame[ORIENTATION + k] = quaternion[k]
-        elif kind.table[body, MOTION] == DRIVEN:
-            drive_pose(kind.constants[kind.table[body, DRIVE] :], time + h, frame[POSITION : POSITION + 7])
+                frame.orientation[k] = quaternion[k]
+        elif kind.table[body].motion == DRIVEN:
+            drive_frame(kind, body, time + h)
 
 
 @kernel(internal=True)
 def _add_drive_work(kind: FloatingFrameBodies, body: int, step: float, work: Workspace) -> None:
     """Work of a drive: its impulse is the change of momentum, matrices of the start, less the other impulses."""
     h = step
-    n, first, dof = kind.table[body, MODES], kind.table[body, MODAL], kind.table[body, DOF]
+    n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
     modes = slice(first, first + n)
-    frame = stage = kind.frame[body]
-    shape, R = shape_of(kind, body), stage_rotation(kind, body)
-    m = shape[SHAPE_MASS]
-    products = kind.products[:, 8 * first : 8 * (first + n)]
-    I_tf = kind.modal[TF1:, modes]
+    frame = kind.frame[body]
+    shape, R, m = shape_of(kind, body), frame.mid_rotation, frame.mass
+    rows = slice(8 * first, 8 * (first + n))
+    position_products = kind.position_products[rows]
+    I_tf = kind.coupling[:, modes]
     velocity = work.velocity[dof : dof + 6 + n]
-    rates = kind.modal[RATE, modes]
-    w = (frame[SPIN], frame[SPIN + 1], frame[SPIN + 2])
-    v = rotate_back(R, frame[VELOCITY], frame[VELOCITY + 1], frame[VELOCITY + 2])
+    rates = kind.modal_velocity[modes]
+    w = (frame.spin[0], frame.spin[1], frame.spin[2])
+    v = rotate_back(R, frame.velocity[0], frame.velocity[1], frame.velocity[2])
     v1 = rotate_back(R, velocity[0], velocity[1], velocity[2])
     w1 = (velocity[3], velocity[4], velocity[5])
-    p, l = body_momenta(shape, stage, I_tf, v, w, rates)
-    p1, l1 = body_momenta(shape, stage, I_tf, v1, w1, velocity[6:])
-    f, t = frame_velocity_forces(shape, kind.modal[Q, modes], products[AT_Q], stage, w[0], w[1], w[2], rates)
-    g = rotate_back(R, work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2])
-    force = rotate_back(R, stage[FORCE], stage[FORCE + 1], stage[FORCE + 2])
-    weight = cross(stage[FIRST_MOMENT], stage[FIRST_MOMENT + 1], stage[FIRST_MOMENT + 2], g[0], g[1], g[2])
+    p, l = body_momenta(shape, frame, I_tf, v, w, rates)
+    p1, l1 = body_momenta(shape, frame, I_tf, v1, w1, velocity[6:])
+    f, t = frame_velocity_forces(
+        shape, kind.modal_position[modes], position_products, frame, w[0], w[1], w[2], rates
+    )
+    g = rotate_back(R, work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2])
+    force = rotate_back(R, frame.force[0], frame.force[1], frame.force[2])
+    weight = cross(frame.first_moment[0], frame.first_moment[1], frame.first_moment[2], g[0], g[1], g[2])
     for k in range(3):
         impulse = p1[k] - p[k] - h * (force[k] + m * g[k] + f[k])
-        twist = l1[k] - l[k] - h * (stage[MOMENT + k] + weight[k] + t[k])
-        frame[WORK + 1] += impulse * v1[k] + twist * w1[k]
+        twist = l1[k] - l[k] - h * (frame.moment[k] + weight[k] + t[k])
+        frame.work[1] += impulse * v1[k] + twist * w1[k]

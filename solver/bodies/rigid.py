@@ -12,69 +12,160 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import ClassVar, Protocol
+from typing import Annotated, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Quaternion, Record, Records, Vector, Vector6, records
 from heavylift.numerics.rotation import quaternion_from_matrix, rotation_matrix
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
-from heavylift.solver.markers import BodyMarkers, pack_markers
+from heavylift.solver.markers import BodyMarkers, PackedMarker, pack_markers
 from heavylift.solver.scene_bodies import Driven, Fixed, Free, RigidBody
 
-__all__ = ["RigidBodies", "RigidFrames", "pack_rigid_bodies", "principal_frame"]
+__all__ = [
+    "RigidBodies",
+    "RigidFrame",
+    "RigidFrames",
+    "RigidIndex",
+    "RigidMotion",
+    "pack_rigid_bodies",
+    "principal_frame",
+]
 
-# columns of `table`
-DOF, MOTION, DRIVE, COLUMN, NUMBER = range(5)
 
-# columns of `frame`: the carried state of the principal frame ...
-POSITION, ORIENTATION, VELOCITY, SPIN, ACCELERATION, SPIN_RATE = 0, 3, 7, 10, 13, 16
-ANGULAR_MOMENTUM = 19  # spatial, about the centre of mass [kg m2/s]
-WORK = 22  # of external forces and of the drive [J]
-# ... constants: mass [kg], principal inertias [kg m2], centre of mass [m] and principal axes (quaternion)
-# in the body frame ...
-MASS, PRINCIPAL, CENTRE, AXES = 24, 25, 28, 31
-# ... and the scratch of a step
-MID_POSITION, MID_VELOCITY, MID_SPIN, FORCE, MOMENT, PRESCRIBED, POSE = 35, 38, 41, 44, 47, 50, 62
-MID_ROTATION = 69  # rotation matrix of the stage, row by row
-REACH = (
-    78  # constant: distance of what is attached from the centre of mass, at least the radius of gyration [m]
-)
-INVERSE_MASS, INVERSE_PRINCIPAL = 79, 80  # reciprocals of mass and principal inertias
-MEAN = 83  # mean velocity and spin of a driven body over a step
-END = 89  # its pose, velocities and accelerations at the end of the step
-JOINT_FORCE = 108  # force and moment of the rows on a held body, as of a marker
-ARC = 114  # constant: share of h^2 a in the midpoint, 1/8 along an arc, 0 along a straight line
-FRAME_WIDTH = 120  # whole cache lines
+class RigidIndex(Record):
+    """Where a rigid body is among the others.
+
+    Attributes
+    ----------
+    dof
+        First velocity.
+    motion
+        `FREE`, `FIXED` or `DRIVEN`.
+    drive
+        Start of its drive in the constants.
+    column
+        First record column.
+    number
+        Of the body.
+    """
+
+    dof: int
+    motion: int
+    drive: int
+    column: int
+    number: int
+
+
+class RigidMotion(Record):
+    """Motion of a principal frame, whose origin is the centre of mass.
+
+    Attributes
+    ----------
+    position, velocity, acceleration
+        Of the centre of mass, world axes [m, m/s, m/s2].
+    orientation
+        Quaternion of the principal axes.
+    spin, spin_rate
+        Angular velocity and acceleration in principal axes [rad/s, rad/s2].
+    pose, twist
+        Position and orientation; velocity and spin.
+    """
+
+    position: Vector
+    orientation: Quaternion
+    velocity: Vector
+    spin: Vector
+    acceleration: Vector
+    spin_rate: Vector
+    pose: Annotated[NDArray[np.float64], (7,), "position"]
+    twist: Annotated[NDArray[np.float64], (6,), "velocity"]
+
+
+class RigidFrame(RigidMotion, whole_lines=True):
+    """What is known of a rigid body: its carried state, constants and the scratch of a step.
+
+    Attributes
+    ----------
+    angular_momentum
+        About the centre of mass, world axes [kg m2/s].
+    external_work, drive_work
+        Of forces and of the drive [J].
+    mass, principal_inertia, inverse_mass, inverse_inertia
+        Constants, and their reciprocals [kg, kg m2].
+    centre, axes
+        Centre of mass [m] and principal axes (quaternion) in the frame of the body.
+    reach
+        Distance of what is attached from the centre of mass, at least the radius of gyration [m].
+    arc
+        Share of ``h^2 a`` in the midpoint: 1/8 along an arc, 0 along a straight line.
+    mid_position, mid_velocity, mid_spin, mid_rotation
+        The stage in the middle of a step; rotation matrix, row by row.
+    force, moment
+        Resultant (world axes) and moment about the centre of mass (principal axes) of all marker forces.
+    wrench
+        Force and moment.
+    drive_pose, drive_rates
+        Pose, velocities and accelerations that a drive prescribes to the frame of the body.
+    mean_twist
+        Mean velocity and spin of a driven body over a step.
+    end
+        Motion of a driven body at the end of the step.
+    joint_force
+        Force and moment of the rows on a held body, as of a marker.
+    """
+
+    angular_momentum: Vector
+    external_work: float
+    drive_work: float
+    mass: float
+    principal_inertia: Vector
+    inverse_mass: float
+    inverse_inertia: Vector
+    centre: Vector
+    axes: Quaternion
+    reach: float
+    arc: float
+    mid_position: Vector
+    mid_velocity: Vector
+    mid_spin: Vector
+    force: Vector
+    moment: Vector
+    mid_rotation: Annotated[NDArray[np.float64], (9,)]
+    wrench: Annotated[NDArray[np.float64], (6,), "force"]
+    drive_pose: Annotated[NDArray[np.float64], (7,)]
+    drive_rates: Annotated[NDArray[np.float64], (12,)]
+    mean_twist: Vector6
+    end: RigidMotion
+    joint_force: Vector6
 
 
 class RigidFrames(Protocol):
-    """What kinds of rigid bodies share: the columns named above."""
+    """What kinds of rigid bodies share."""
 
     @property
-    def table(self) -> NDArray[np.int64]:
+    def table(self) -> Records[RigidIndex]:
         """As in `RigidBodies`."""
 
     @property
-    def frame(self) -> NDArray[np.float64]:
+    def frame(self) -> Records[RigidFrame]:
         """As in `RigidBodies`."""
 
 
 class RigidBodies(Arrays):
-    """All rigid bodies of a scene; columns are named at the top of this file.
+    """All rigid bodies of a scene.
 
     Attributes
     ----------
-    table
-        First velocity, motion, start of the drive, first record column, number; shape (nb, 5).
+    table, frame
+        What is known of each.
     constants
         Drives and marker data: points from the centre of mass and directions, in principal axes.
-    frame
-        State, constants and scratch of the step, shape (nb, 120).
     markers, sensors
-        As in the kind of floating frames, shapes (m, 5).
+        As in the kind of floating frames.
     """
 
     kernel_modules: ClassVar[tuple[str, ...]] = (
@@ -87,11 +178,13 @@ class RigidBodies(Arrays):
         "heavylift.solver.bodies.rigid_step",
     )
 
-    table: Ints2
+    carried_fields: ClassVar[tuple[str, ...]] = ("frame",)
+
+    table: Records[RigidIndex]
     constants: Floats1
-    frame: Floats2
-    markers: Ints2
-    sensors: Ints2
+    frame: Records[RigidFrame]
+    markers: Records[PackedMarker]
+    sensors: Records[PackedMarker]
 
 
 def pack_rigid_bodies(
@@ -109,41 +202,37 @@ def pack_rigid_bodies(
     InputError
         If a mass is not positive, or an inertia is not that of a body (triangle rule).
     """
-    index = np.zeros((len(bodies), 5), dtype=np.int64)
-    frame = np.zeros((len(bodies), FRAME_WIDTH))
+    table = records(RigidIndex, len(bodies))
+    frame = records(RigidFrame, len(bodies))
     constants: list[NDArray[np.float64]] = []
     column = first_column
     for row, body in enumerate(bodies):
         moments, axes = _principal_axes(body)
-        frame[row, MASS : AXES + 4] = (
-            body.mass,
-            *moments,
-            *body.centre_of_mass,
-            *quaternion_from_matrix(axes),
-        )
-        frame[row, ARC] = 0.125
-        frame[row, INVERSE_MASS : INVERSE_PRINCIPAL + 3] = 1.0 / frame[row, MASS : PRINCIPAL + 3]
+        one = frame[row]
+        one.mass, one.inverse_mass = body.mass, 1.0 / body.mass
+        one.principal_inertia[:], one.inverse_inertia[:] = moments, 1.0 / moments
+        one.centre[:], one.axes[:] = body.centre_of_mass, quaternion_from_matrix(axes)
+        one.arc = 0.125
         motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
-        index[row] = first_dof + 6 * row, motion, sum(map(len, constants)), column, first_number + row
+        table[row] = first_dof + 6 * row, motion, sum(map(len, constants)), column, first_number + row
         if isinstance(body.motion, Driven):
             constants.append(pack_drive(body.motion, body.position, body.orientation))
         R = rotation_matrix(body.orientation)
         arm = R @ body.centre_of_mass
-        frame[row, POSITION : POSITION + 3] = body.position + arm
-        frame[row, ORIENTATION : ORIENTATION + 4] = quaternion_from_matrix(R @ axes)
+        one.position[:] = body.position + arm
+        one.orientation[:] = quaternion_from_matrix(R @ axes)
         if isinstance(body.motion, Free):
-            frame[row, VELOCITY : VELOCITY + 3] = body.velocity + np.cross(R @ body.angular_velocity, arm)
-            frame[row, SPIN : SPIN + 3] = axes.T @ body.angular_velocity
+            one.velocity[:] = body.velocity + np.cross(R @ body.angular_velocity, arm)
+            one.spin[:] = axes.T @ body.angular_velocity
         column += 13 if isinstance(body.motion, Free) else 19
     to_principal = [
-        _marker_data(rotation_matrix(frame[row, AXES : AXES + 4]), body.centre_of_mass)
-        for row, body in enumerate(bodies)
+        _marker_data(rotation_matrix(frame[row].axes), body.centre_of_mass) for row, body in enumerate(bodies)
     ]
     turned = [
         BodyMarkers(
             entry.numbers,
             tuple(
-                rotation_matrix(frame[row, AXES : AXES + 4]).T @ vector if direction else vector
+                rotation_matrix(frame[row].axes).T @ vector if direction else vector
                 for vector, direction in zip(entry.vectors, entry.directions, strict=True)
             ),
             entry.directions,
@@ -157,11 +246,11 @@ def pack_rigid_bodies(
             for vector, direction in zip(markers[row].vectors, markers[row].directions, strict=True)
             if not direction
         ]
-        gyration = math.sqrt(frame[row, PRINCIPAL : PRINCIPAL + 3].max() / body.mass)
-        frame[row, REACH] = max([gyration, *arms])
+        gyration = math.sqrt(frame[row].principal_inertia.max() / body.mass)
+        frame[row].reach = max([gyration, *arms])
     marker_index = pack_markers(turned, to_principal, constants)
     sensor_index = pack_markers(sensors, to_principal, constants)
-    return RigidBodies(index, np.concatenate([np.zeros(0), *constants]), frame, marker_index, sensor_index)
+    return RigidBodies(table, np.concatenate([np.zeros(0), *constants]), frame, marker_index, sensor_index)
 
 
 def principal_frame(body: RigidBody) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -20,40 +20,12 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import quaternion_product, rotate_by_exponential, rotate_by_quaternion
 from heavylift.numerics.small import cross
 from heavylift.solver.bodies.rigid import (
-    ACCELERATION,
-    ANGULAR_MOMENTUM,
-    DOF,
-    FORCE,
-    MASS,
-    MID_POSITION,
-    MID_ROTATION,
-    MID_SPIN,
-    MID_VELOCITY,
-    MOMENT,
-    MOTION,
-    NUMBER,
-    ORIENTATION,
-    POSITION,
-    PRINCIPAL,
-    REACH,
-    SPIN,
-    SPIN_RATE,
-    VELOCITY,
     RigidBodies,
 )
 from heavylift.solver.bodies.rigid_stage import gather_marker_forces, prescribe
 from heavylift.solver.drive import DRIVEN, FREE
 from heavylift.solver.interface import (
-    DRIVE_WORK,
-    ERROR,
-    EXTERNAL_WORK,
-    FIELD,
-    POINT,
-    POINT_BIAS,
-    POINT_VELOCITY,
-    POSE_ERROR,
     RECORD,
-    STATUS_BODY,
     Workspace,
     begin_stage,
     complete_rates,
@@ -67,8 +39,6 @@ from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
 
-WORLD_SPIN = MID_SPIN  # of a stage of this integrator: world axes
-
 
 @kernel(inline=True, internal=True)
 def _place(dof: int, work: Workspace) -> int:
@@ -81,13 +51,13 @@ def _place(dof: int, work: Workspace) -> int:
 def load_rigid_state(kind: RigidBodies, values: NDArray[np.float64], at: int, work: Workspace) -> None:
     """Columns of the carried state, in the order of the vector."""
     for body in range(kind.table.shape[0]):
-        dof = kind.table[body, DOF]
+        dof = kind.table[body].dof
         frame, place = kind.frame[body], at + _place(dof, work)
         for k in range(3):
-            values[at + dof + k] = frame[VELOCITY + k]
-            values[at + dof + 3 + k] = frame[SPIN + k]
+            values[at + dof + k] = frame.velocity[k]
+            values[at + dof + 3 + k] = frame.spin[k]
         for k in range(7):
-            values[place + k] = frame[POSITION + k]
+            values[place + k] = frame.pose[k]
 
 
 @kernel(internal=True)
@@ -95,14 +65,14 @@ def _write_prescribed(
     kind: RigidBodies, body: int, time: float, values: NDArray[np.float64], at: int, work: Workspace
 ) -> None:
     """Prescribed motion at a time into the carried columns and the state vector."""
-    dof = kind.table[body, DOF]
+    dof = kind.table[body].dof
     frame, place = kind.frame[body], at + _place(dof, work)
-    prescribe(kind, body, time, frame[: SPIN_RATE + 3])
+    prescribe(kind, body, time, frame)
     for k in range(3):
-        values[at + dof + k] = frame[VELOCITY + k]
-        values[at + dof + 3 + k] = frame[SPIN + k]
+        values[at + dof + k] = frame.velocity[k]
+        values[at + dof + 3 + k] = frame.spin[k]
     for k in range(7):
-        values[place + k] = frame[POSITION + k]
+        values[place + k] = frame.pose[k]
 
 
 @implement(begin_stage, RigidBodies)
@@ -112,8 +82,8 @@ def begin_rigid_stage(
 ) -> None:
     """Rotation matrices and gyroscopic accelerations, then markers by the spin W in world axes: ``W x (W x r)``."""
     for body in range(kind.table.shape[0]):
-        dof = kind.table[body, DOF]
-        if kind.table[body, MOTION] == DRIVEN:
+        dof = kind.table[body].dof
+        if kind.table[body].motion == DRIVEN:
             _write_prescribed(kind, body, time, values, at, work)
         frame, place = kind.frame[body], _place(dof, work)
         speed, configuration, out = at + dof, at + place, rate + place
@@ -126,7 +96,7 @@ def begin_rigid_stage(
             values[configuration + 5],
             values[configuration + 6],
         )
-        i1, i2, i3 = frame[PRINCIPAL], frame[PRINCIPAL + 1], frame[PRINCIPAL + 2]
+        i1, i2, i3 = frame.principal_inertia[0], frame.principal_inertia[1], frame.principal_inertia[2]
         s = 2.0 / (q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
         r11, r12, r13 = 1.0 - s * (q2 * q2 + q3 * q3), s * (q1 * q2 - q0 * q3), s * (q1 * q3 + q0 * q2)
         r21, r22, r23 = s * (q1 * q2 + q0 * q3), 1.0 - s * (q1 * q1 + q3 * q3), s * (q2 * q3 - q0 * q1)
@@ -140,39 +110,40 @@ def begin_rigid_stage(
         work.velocity[dof + 3] = (i2 - i3) / i1 * w2 * w3
         work.velocity[dof + 4] = (i3 - i1) / i2 * w3 * w1
         work.velocity[dof + 5] = (i1 - i2) / i3 * w1 * w2
-        R = frame[MID_ROTATION : MID_ROTATION + 9]
+        R = frame.mid_rotation
         R[0], R[1], R[2], R[3], R[4], R[5], R[6], R[7], R[8] = r11, r12, r13, r21, r22, r23, r31, r32, r33
-        frame[MID_POSITION], frame[MID_POSITION + 1], frame[MID_POSITION + 2] = x1, x2, x3
-        frame[MID_VELOCITY], frame[MID_VELOCITY + 1], frame[MID_VELOCITY + 2] = v1, v2, v3
-        frame[WORLD_SPIN] = r11 * w1 + r12 * w2 + r13 * w3
-        frame[WORLD_SPIN + 1] = r21 * w1 + r22 * w2 + r23 * w3
-        frame[WORLD_SPIN + 2] = r31 * w1 + r32 * w2 + r33 * w3
-    for marker in range(kind.markers.shape[0]):
-        if kind.markers[marker, 4] == RECORD:
+        frame.mid_position[0], frame.mid_position[1], frame.mid_position[2] = x1, x2, x3
+        frame.mid_velocity[0], frame.mid_velocity[1], frame.mid_velocity[2] = v1, v2, v3
+        frame.mid_spin[0] = r11 * w1 + r12 * w2 + r13 * w3
+        frame.mid_spin[1] = r21 * w1 + r22 * w2 + r23 * w3
+        frame.mid_spin[2] = r31 * w1 + r32 * w2 + r33 * w3
+    for i in range(kind.markers.shape[0]):
+        marker = kind.markers[i]
+        if marker.level == RECORD:
             continue
-        number, body, begin = kind.markers[marker, 0], kind.markers[marker, 1], kind.markers[marker, 2]
-        frame, translation = kind.frame[body], 1.0 - kind.markers[marker, 3]
+        number, begin = marker.number, marker.data
+        frame, translation = kind.frame[marker.body], 0.0 if marker.direction else 1.0
         # everything is read before anything is written: the compiler must assume that the arrays overlap
         u1, u2, u3 = kind.constants[begin], kind.constants[begin + 1], kind.constants[begin + 2]
-        R = frame[MID_ROTATION : MID_ROTATION + 9]
+        R = frame.mid_rotation
         r11, r12, r13, r21, r22, r23, r31, r32, r33 = R[0], R[1], R[2], R[3], R[4], R[5], R[6], R[7], R[8]
-        x1 = translation * frame[MID_POSITION]
-        x2 = translation * frame[MID_POSITION + 1]
-        x3 = translation * frame[MID_POSITION + 2]
-        v1 = translation * frame[MID_VELOCITY]
-        v2 = translation * frame[MID_VELOCITY + 1]
-        v3 = translation * frame[MID_VELOCITY + 2]
-        w1, w2, w3 = frame[WORLD_SPIN], frame[WORLD_SPIN + 1], frame[WORLD_SPIN + 2]
+        x1 = translation * frame.mid_position[0]
+        x2 = translation * frame.mid_position[1]
+        x3 = translation * frame.mid_position[2]
+        v1 = translation * frame.mid_velocity[0]
+        v2 = translation * frame.mid_velocity[1]
+        v3 = translation * frame.mid_velocity[2]
+        w1, w2, w3 = frame.mid_spin[0], frame.mid_spin[1], frame.mid_spin[2]
         p1 = r11 * u1 + r12 * u2 + r13 * u3
         p2 = r21 * u1 + r22 * u2 + r23 * u3
         p3 = r31 * u1 + r32 * u2 + r33 * u3
         c1, c2, c3 = cross(w1, w2, w3, p1, p2, p3)
         b1, b2, b3 = cross(w1, w2, w3, c1, c2, c3)
-        out, jacobian = work.markers[number], work.jacobian[number]
-        out[POINT], out[POINT + 1], out[POINT + 2] = x1 + p1, x2 + p2, x3 + p3
-        out[POINT_VELOCITY], out[POINT_VELOCITY + 1] = v1 + c1, v2 + c2
-        out[POINT_VELOCITY + 2] = v3 + c3
-        out[POINT_BIAS], out[POINT_BIAS + 1], out[POINT_BIAS + 2] = b1, b2, b3
+        seen, jacobian = work.markers[number], work.jacobian[number]
+        seen.point[0], seen.point[1], seen.point[2] = x1 + p1, x2 + p2, x3 + p3
+        seen.velocity[0], seen.velocity[1] = v1 + c1, v2 + c2
+        seen.velocity[2] = v3 + c3
+        seen.bias[0], seen.bias[1], seen.bias[2] = b1, b2, b3
         jacobian[0, 3] = r13 * u2 - r12 * u3
         jacobian[0, 4] = r11 * u3 - r13 * u1
         jacobian[0, 5] = r12 * u1 - r11 * u2
@@ -188,17 +159,17 @@ def begin_rigid_stage(
 @kernel(inline=True, internal=True)
 def rigid_free_acceleration(kind: RigidBodies, values: NDArray[np.float64], at: int, work: Workspace) -> None:
     """Gravity and marker forces on top of the gyroscopic part; of prescribed bodies their own accelerations."""
-    g1, g2, g3 = work.sums[FIELD], work.sums[FIELD + 1], work.sums[FIELD + 2]
+    g1, g2, g3 = work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2]
     held = False
     for body in range(kind.table.shape[0]):
-        dof = kind.table[body, DOF]
-        if kind.table[body, MOTION] == FREE:
+        dof = kind.table[body].dof
+        if kind.table[body].motion == FREE:
             work.velocity[dof] += g1
             work.velocity[dof + 1] += g2
             work.velocity[dof + 2] += g3
         else:
             held = True
-    loaded = kind.markers.shape[0] > 0 and kind.markers[-1, 4] > 0
+    loaded = kind.markers.shape[0] > 0 and kind.markers[kind.markers.shape[0] - 1].level > 0
     if held or loaded:
         _add_loads(kind, values, at, work)
 
@@ -208,28 +179,28 @@ def _add_loads(kind: RigidBodies, values: NDArray[np.float64], at: int, work: Wo
     """Marker forces and their power; accelerations of prescribed bodies and the power of their drives."""
     gather_marker_forces(kind, work)
     for body in range(kind.table.shape[0]):
-        dof, motion = kind.table[body, DOF], kind.table[body, MOTION]
-        frame = stage = inertia = kind.frame[body]
+        dof, motion = kind.table[body].dof, kind.table[body].motion
+        frame = kind.frame[body]
         speed = at + dof
         power = weight = 0.0
         for k in range(3):
-            power += stage[FORCE + k] * values[speed + k] + stage[MOMENT + k] * values[speed + 3 + k]
-            weight += inertia[MASS] * work.sums[FIELD + k] * values[speed + k]
-        work.sums[EXTERNAL_WORK] += power
+            power += frame.force[k] * values[speed + k] + frame.moment[k] * values[speed + 3 + k]
+            weight += frame.mass * work.sums.gravity[k] * values[speed + k]
+        work.sums.external_work += power
         if motion == FREE:
             for k in range(3):
-                work.velocity[dof + k] += stage[FORCE + k] / inertia[MASS]
-                work.velocity[dof + 3 + k] += stage[MOMENT + k] / inertia[PRINCIPAL + k]
+                work.velocity[dof + k] += frame.force[k] / frame.mass
+                work.velocity[dof + 3 + k] += frame.moment[k] / frame.principal_inertia[k]
             continue
         for k in range(3):
             driven = motion == DRIVEN
-            work.velocity[dof + k] = frame[ACCELERATION + k] if driven else 0.0
-            work.velocity[dof + 3 + k] = frame[SPIN_RATE + k] if driven else 0.0
-            work.sums[DRIVE_WORK] += inertia[MASS] * work.velocity[dof + k] * values[speed + k]
-            work.sums[DRIVE_WORK] += (
-                inertia[PRINCIPAL + k] * work.velocity[dof + 3 + k] * values[speed + 3 + k]
+            work.velocity[dof + k] = frame.acceleration[k] if driven else 0.0
+            work.velocity[dof + 3 + k] = frame.spin_rate[k] if driven else 0.0
+            work.sums.drive_work += frame.mass * work.velocity[dof + k] * values[speed + k]
+            work.sums.drive_work += (
+                frame.principal_inertia[k] * work.velocity[dof + 3 + k] * values[speed + 3 + k]
             )
-        work.sums[DRIVE_WORK] -= power + weight
+        work.sums.drive_work -= power + weight
 
 
 @implement(displace, RigidBodies)
@@ -237,9 +208,9 @@ def _add_loads(kind: RigidBodies, values: NDArray[np.float64], at: int, work: Wo
 def displace_rigid_bodies(kind: RigidBodies, values: NDArray[np.float64], at: int, work: Workspace) -> None:
     """Along the exponential map; the quaternion comes back to unit length."""
     for body in range(kind.table.shape[0]):
-        if kind.table[body, MOTION] != FREE:
+        if kind.table[body].motion != FREE:
             continue
-        dof = kind.table[body, DOF]
+        dof = kind.table[body].dof
         move, place = work.velocity[dof : dof + 6], at + _place(dof, work)
         p = values[place + 3 : place + 7]
         length = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3])
@@ -259,7 +230,7 @@ def complete_rigid_rates(
 ) -> None:
     """``x' = v``, ``x'' = v'``, ``q' = q o w/2``, ``q'' = (q' o w + q o w')/2``."""
     for body in range(kind.table.shape[0]):
-        dof = kind.table[body, DOF]
+        dof = kind.table[body].dof
         place = _place(dof, work)
         q = values[at + place + 3 : at + place + 7]
         w = values[at + dof + 3 : at + dof + 6]
@@ -291,9 +262,9 @@ def measure_rigid_error(
     The orientation has an estimate of its own: of a steady spin the velocities have no error at all.
     """
     for body in range(kind.table.shape[0]):
-        if kind.table[body, MOTION] != FREE:
+        if kind.table[body].motion != FREE:
             continue
-        dof, reach = kind.table[body, DOF], kind.frame[body, REACH]
+        dof, reach = kind.table[body].dof, kind.frame[body].reach
         a, b = fifth + dof, third + dof
         e5 = e3 = t5 = t3 = 0.0
         for k in range(3):
@@ -304,9 +275,9 @@ def measure_rigid_error(
         e5 += reach * reach * t5
         e3 += reach * reach * t3
         error = e5 / math.sqrt(e5 + 0.01 * e3) if e5 > 0.0 else e5
-        if error > work.control[ERROR] or math.isnan(error):  # which stays
-            work.control[ERROR] = error
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+        if error > work.control.error or math.isnan(error):  # which stays
+            work.control.error = error
+            work.status.body = kind.table[body].number
         place = _place(dof, work) + 3
         q5 = q3 = 0.0
         for k in range(4):
@@ -314,7 +285,7 @@ def measure_rigid_error(
             q3 += values[third + place + k] ** 2
         if q5 > 0.0:  # half the angle
             turn = 2.0 * reach * q5 / math.sqrt(q5 + 0.01 * q3)
-            work.control[POSE_ERROR] = max(work.control[POSE_ERROR], turn)
+            work.control.pose_error = max(work.control.pose_error, turn)
 
 
 @implement(store_state, RigidBodies)
@@ -324,10 +295,10 @@ def store_rigid_state(
 ) -> None:
     """``w = 2 q* o q'`` of the normalised quaternion; prescribed bodies as prescribed."""
     for body in range(kind.table.shape[0]):
-        dof = kind.table[body, DOF]
-        frame = inertia = kind.frame[body]
+        dof = kind.table[body].dof
+        frame = kind.frame[body]
         place = _place(dof, work)
-        if kind.table[body, MOTION] == DRIVEN:
+        if kind.table[body].motion == DRIVEN:
             _write_prescribed(kind, body, time, values, at, work)
         else:
             p, r = values[at + place : at + place + 7], values[rate + place : rate + place + 7]
@@ -336,22 +307,22 @@ def store_rigid_state(
             back = (2.0 * size * q[0], -2.0 * size * q[1], -2.0 * size * q[2], -2.0 * size * q[3])
             w = quaternion_product(back, (r[3], r[4], r[5], r[6]))
             for k in range(3):
-                frame[POSITION + k] = p[k]
-                frame[VELOCITY + k] = values[at + dof + k] = r[k]
-                frame[SPIN + k] = values[at + dof + 3 + k] = w[1 + k]
+                frame.position[k] = p[k]
+                frame.velocity[k] = values[at + dof + k] = r[k]
+                frame.spin[k] = values[at + dof + 3 + k] = w[1 + k]
             for k in range(4):
-                frame[ORIENTATION + k] = values[at + place + 3 + k] = q[k]
+                frame.orientation[k] = values[at + place + 3 + k] = q[k]
         orientation = (
-            frame[ORIENTATION],
-            frame[ORIENTATION + 1],
-            frame[ORIENTATION + 2],
-            frame[ORIENTATION + 3],
+            frame.orientation[0],
+            frame.orientation[1],
+            frame.orientation[2],
+            frame.orientation[3],
         )
         L = rotate_by_quaternion(
             orientation,
-            inertia[PRINCIPAL] * frame[SPIN],
-            inertia[PRINCIPAL + 1] * frame[SPIN + 1],
-            inertia[PRINCIPAL + 2] * frame[SPIN + 2],
+            frame.principal_inertia[0] * frame.spin[0],
+            frame.principal_inertia[1] * frame.spin[1],
+            frame.principal_inertia[2] * frame.spin[2],
         )
         for k in range(3):
-            frame[ANGULAR_MOMENTUM + k] = L[k]
+            frame.angular_momentum[k] = L[k]

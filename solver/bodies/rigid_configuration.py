@@ -9,24 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.solver.bodies.rigid import (
-    ACCELERATION,
-    DOF,
-    MASS,
-    MOTION,
-    NUMBER,
-    ORIENTATION,
-    POSITION,
-    PRINCIPAL,
-    SPIN,
-    SPIN_RATE,
-    VELOCITY,
     RigidBodies,
 )
 from heavylift.solver.drive import FREE
 from heavylift.solver.interface import (
-    FIELD,
     FORCES,
-    POINT_FORCE,
     Workspace,
     collect_load,
     move,
@@ -40,7 +27,7 @@ __all__: list[str] = []
 
 def _dofs(kind: RigidBodies) -> NDArray[np.int64]:
     """Places of the velocities, shape (bodies, 6)."""
-    return kind.table[:, DOF, None] + np.arange(6)
+    return kind.table["dof"][:, None] + np.arange(6)
 
 
 @implement(survey, RigidBodies)
@@ -51,14 +38,14 @@ def survey_rigid_bodies(
     velocity: NDArray[np.float64],
 ) -> None:
     """Centre of mass and principal axes; masses and principal inertias."""
-    frame, dofs, number = kind.frame, _dofs(kind), kind.table[:, NUMBER]
-    free = kind.table[:, MOTION, None] == FREE
-    places[number, 0] = kind.table[:, DOF]
-    places[number, 1:] = frame[:, POSITION : ORIENTATION + 4]
-    inertia[dofs[:, :3]] = np.where(free, frame[:, MASS, None], 0.0)
-    inertia[dofs[:, 3:]] = np.where(free, frame[:, PRINCIPAL : PRINCIPAL + 3], 0.0)
-    velocity[dofs[:, :3]] = frame[:, VELOCITY : VELOCITY + 3]
-    velocity[dofs[:, 3:]] = frame[:, SPIN : SPIN + 3]
+    frame, dofs, number = kind.frame, _dofs(kind), kind.table["number"]
+    free = kind.table["motion"][:, None] == FREE
+    places[number, 0] = kind.table["dof"]
+    places[number, 1:] = frame["pose"]
+    inertia[dofs[:, :3]] = np.where(free, frame["mass"][:, None], 0.0)
+    inertia[dofs[:, 3:]] = np.where(free, frame["principal_inertia"], 0.0)
+    velocity[dofs[:, :3]] = frame["velocity"]
+    velocity[dofs[:, 3:]] = frame["spin"]
 
 
 @implement(move, RigidBodies)
@@ -66,32 +53,33 @@ def move_rigid_bodies(kind: RigidBodies, increment: NDArray[np.float64]) -> None
     """``x += d``, ``R := R exp(t)`` of free bodies."""
     from scipy.spatial.transform import Rotation
 
-    free = np.flatnonzero(kind.table[:, MOTION] == FREE)
+    free = np.flatnonzero(kind.table["motion"] == FREE)
     if not free.size:
         return
     shift = increment[_dofs(kind)[free]]
-    kind.frame[free, POSITION : POSITION + 3] += shift[:, :3]
-    scalar_last = np.array([ORIENTATION + 1, ORIENTATION + 2, ORIENTATION + 3, ORIENTATION])
-    before = Rotation.from_quat(kind.frame[free[:, None], scalar_last])
-    kind.frame[free[:, None], scalar_last] = (before * Rotation.from_rotvec(shift[:, 3:])).as_quat()
+    kind.frame["position"][free] += shift[:, :3]
+    before = Rotation.from_quat(kind.frame["orientation"][free], scalar_first=True)
+    after = before * Rotation.from_rotvec(shift[:, 3:])
+    kind.frame["orientation"][free] = after.as_quat(scalar_first=True)
 
 
 @implement(put_velocity, RigidBodies)
 def put_rigid_velocity(kind: RigidBodies, velocity: NDArray[np.float64]) -> None:
     """Of free bodies."""
-    free = np.flatnonzero(kind.table[:, MOTION] == FREE)
+    free = np.flatnonzero(kind.table["motion"] == FREE)
     given = velocity[_dofs(kind)[free]]
-    kind.frame[free, VELOCITY : VELOCITY + 3] = given[:, :3]
-    kind.frame[free, SPIN : SPIN + 3] = given[:, 3:]
-    kind.frame[free, ACCELERATION : ACCELERATION + 3] = 0.0
-    kind.frame[free, SPIN_RATE : SPIN_RATE + 3] = 0.0
+    kind.frame["twist"][free] = given
+    kind.frame["acceleration"][free] = 0.0
+    kind.frame["spin_rate"][free] = 0.0
 
 
 @implement(collect_load, RigidBodies)
 def collect_rigid_load(kind: RigidBodies, work: Workspace, load: NDArray[np.float64]) -> None:
     """``J^T f`` of the markers that forces act on, and ``m g``."""
-    loaded = kind.markers[kind.markers[:, 4] == FORCES]
+    loaded = kind.markers[kind.markers["level"] == FORCES]
     dofs = _dofs(kind)
-    force = work.markers[loaded[:, 0], POINT_FORCE : POINT_FORCE + 3]
-    np.add.at(load, dofs[loaded[:, 1]], np.einsum("mkj,mk->mj", work.jacobian[loaded[:, 0], :, :6], force))
-    load[dofs[:, :3]] += kind.frame[:, MASS, None] * work.sums[FIELD : FIELD + 3]
+    force = work.markers["force"][loaded["number"]]
+    np.add.at(
+        load, dofs[loaded["body"]], np.einsum("mkj,mk->mj", work.jacobian[loaded["number"], :, :6], force)
+    )
+    load[dofs[:, :3]] += kind.frame["mass"][:, None] * work.sums.gravity

@@ -9,21 +9,6 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import quaternion_product, rotate_by_quaternion
 from heavylift.numerics.small import cross, rotate
 from heavylift.solver.bodies.rigid import (
-    ACCELERATION,
-    AXES,
-    CENTRE,
-    COLUMN,
-    FORCE,
-    JOINT_FORCE,
-    MASS,
-    MOMENT,
-    MOTION,
-    POSITION,
-    PRINCIPAL,
-    SPIN,
-    SPIN_RATE,
-    VELOCITY,
-    WORK,
     RigidBodies,
 )
 from heavylift.solver.bodies.rigid_stage import (
@@ -34,15 +19,6 @@ from heavylift.solver.bodies.rigid_stage import (
 )
 from heavylift.solver.drive import DRIVEN, FREE
 from heavylift.solver.interface import (
-    ANGULAR_MOMENTUM as TOTAL_ANGULAR_MOMENTUM,
-)
-from heavylift.solver.interface import (
-    DRIVE_WORK,
-    EXTERNAL_WORK,
-    FIELD,
-    KINETIC,
-    LINEAR_MOMENTUM,
-    POTENTIAL,
     Workspace,
     add_totals,
     record,
@@ -59,31 +35,35 @@ def record_rigid_bodies(kind: RigidBodies, time: float, work: Workspace, row: ND
     gather_marker_forces(kind, work)
     stage_at_state(kind)
     for body in range(kind.table.shape[0]):
-        column = kind.table[body, COLUMN]
-        frame = inertia = kind.frame[body]
-        axes = (inertia[AXES], inertia[AXES + 1], inertia[AXES + 2], inertia[AXES + 3])
+        column = kind.table[body].column
+        frame = kind.frame[body]
+        axes = (frame.axes[0], frame.axes[1], frame.axes[2], frame.axes[3])
         q = quaternion_product(orientation_of(kind, body), (axes[0], -axes[1], -axes[2], -axes[3]))
-        arm = rotate_by_quaternion(q, inertia[CENTRE], inertia[CENTRE + 1], inertia[CENTRE + 2])
-        w = rotate_by_quaternion(axes, frame[SPIN], frame[SPIN + 1], frame[SPIN + 2])
+        arm = rotate_by_quaternion(q, frame.centre[0], frame.centre[1], frame.centre[2])
+        w = rotate_by_quaternion(axes, frame.spin[0], frame.spin[1], frame.spin[2])
         spin = rotate_by_quaternion(q, w[0], w[1], w[2])
         side = cross(spin[0], spin[1], spin[2], arm[0], arm[1], arm[2])
         for k in range(4):
             row[column + 3 + k] = q[k]
         for k in range(3):
-            row[column + k] = frame[POSITION + k] - arm[k]
-            row[column + 7 + k] = frame[VELOCITY + k] - side[k]
+            row[column + k] = frame.position[k] - arm[k]
+            row[column + 7 + k] = frame.velocity[k] - side[k]
             row[column + 10 + k] = w[k]
-        if kind.table[body, MOTION] != FREE:
+        if kind.table[body].motion != FREE:
             _write_reaction(kind, body, work, arm, row[column + 13 : column + 19])
     for sensor in range(kind.sensors.shape[0]):
-        column, body, begin, _, _ = kind.sensors[sensor]
+        column, body, begin = (
+            kind.sensors[sensor].number,
+            kind.sensors[sensor].body,
+            kind.sensors[sensor].data,
+        )
         frame, data = kind.frame[body], kind.constants[begin:]
         R = stage_rotation(kind, body)
-        c = cross(frame[SPIN], frame[SPIN + 1], frame[SPIN + 2], data[0], data[1], data[2])
+        c = cross(frame.spin[0], frame.spin[1], frame.spin[2], data[0], data[1], data[2])
         point, rate = rotate(R, data[0], data[1], data[2]), rotate(R, c[0], c[1], c[2])
         for k in range(3):
-            row[column + k] = frame[POSITION + k] + point[k]
-            row[column + 3 + k] = frame[VELOCITY + k] + rate[k]
+            row[column + k] = frame.position[k] + point[k]
+            row[column + 3 + k] = frame.velocity[k] + rate[k]
 
 
 @kernel(internal=True)
@@ -95,28 +75,32 @@ def _write_reaction(
     reaction: NDArray[np.float64],
 ) -> None:
     """Force, and moment about the origin of the body frame, world axes, that keep a body on its course."""
-    frame = stage = inertia = kind.frame[body]
-    driven = 1.0 if kind.table[body, MOTION] == DRIVEN else 0.0
-    w1, w2, w3 = frame[SPIN], frame[SPIN + 1], frame[SPIN + 2]
-    l1, l2, l3 = inertia[PRINCIPAL] * w1, inertia[PRINCIPAL + 1] * w2, inertia[PRINCIPAL + 2] * w3
+    frame = kind.frame[body]
+    driven = 1.0 if kind.table[body].motion == DRIVEN else 0.0
+    w1, w2, w3 = frame.spin[0], frame.spin[1], frame.spin[2]
+    l1, l2, l3 = (
+        frame.principal_inertia[0] * w1,
+        frame.principal_inertia[1] * w2,
+        frame.principal_inertia[2] * w3,
+    )
     gyroscopic = cross(w1, w2, w3, l1, l2, l3)
     moment = rotate(
         stage_rotation(kind, body),
-        driven * (inertia[PRINCIPAL] * frame[SPIN_RATE] + gyroscopic[0])
-        - stage[MOMENT]
-        - frame[JOINT_FORCE + 3],
-        driven * (inertia[PRINCIPAL + 1] * frame[SPIN_RATE + 1] + gyroscopic[1])
-        - stage[MOMENT + 1]
-        - frame[JOINT_FORCE + 4],
-        driven * (inertia[PRINCIPAL + 2] * frame[SPIN_RATE + 2] + gyroscopic[2])
-        - stage[MOMENT + 2]
-        - frame[JOINT_FORCE + 5],
+        driven * (frame.principal_inertia[0] * frame.spin_rate[0] + gyroscopic[0])
+        - frame.moment[0]
+        - frame.joint_force[3],
+        driven * (frame.principal_inertia[1] * frame.spin_rate[1] + gyroscopic[1])
+        - frame.moment[1]
+        - frame.joint_force[4],
+        driven * (frame.principal_inertia[2] * frame.spin_rate[2] + gyroscopic[2])
+        - frame.moment[2]
+        - frame.joint_force[5],
     )
     for k in range(3):
         reaction[k] = (
-            inertia[MASS] * (driven * frame[ACCELERATION + k] - work.sums[FIELD + k])
-            - stage[FORCE + k]
-            - frame[JOINT_FORCE + k]
+            frame.mass * (driven * frame.acceleration[k] - work.sums.gravity[k])
+            - frame.force[k]
+            - frame.joint_force[k]
         )
     about_origin = cross(arm[0], arm[1], arm[2], reaction[0], reaction[1], reaction[2])
     for k in range(3):
@@ -129,28 +113,28 @@ def add_rigid_totals(kind: RigidBodies, work: Workspace) -> None:
     """Energies and momenta from the carried velocities."""
     totals = work.sums
     for body in range(kind.table.shape[0]):
-        frame = inertia = kind.frame[body]
-        m = inertia[MASS]
+        frame = kind.frame[body]
+        m = frame.mass
         L = rotate_by_quaternion(
             orientation_of(kind, body),
-            inertia[PRINCIPAL] * frame[SPIN],
-            inertia[PRINCIPAL + 1] * frame[SPIN + 1],
-            inertia[PRINCIPAL + 2] * frame[SPIN + 2],
+            frame.principal_inertia[0] * frame.spin[0],
+            frame.principal_inertia[1] * frame.spin[1],
+            frame.principal_inertia[2] * frame.spin[2],
         )
         x = cross(
-            frame[POSITION],
-            frame[POSITION + 1],
-            frame[POSITION + 2],
-            m * frame[VELOCITY],
-            m * frame[VELOCITY + 1],
-            m * frame[VELOCITY + 2],
+            frame.position[0],
+            frame.position[1],
+            frame.position[2],
+            m * frame.velocity[0],
+            m * frame.velocity[1],
+            m * frame.velocity[2],
         )
         for k in range(3):
-            totals[KINETIC] += 0.5 * (
-                m * frame[VELOCITY + k] ** 2 + inertia[PRINCIPAL + k] * frame[SPIN + k] ** 2
+            totals.kinetic += 0.5 * (
+                m * frame.velocity[k] ** 2 + frame.principal_inertia[k] * frame.spin[k] ** 2
             )
-            totals[POTENTIAL] -= m * work.sums[FIELD + k] * frame[POSITION + k]
-            totals[LINEAR_MOMENTUM + k] += m * frame[VELOCITY + k]
-            totals[TOTAL_ANGULAR_MOMENTUM + k] += L[k] + x[k]
-        totals[EXTERNAL_WORK] += frame[WORK]
-        totals[DRIVE_WORK] += frame[WORK + 1]
+            totals.potential -= m * work.sums.gravity[k] * frame.position[k]
+            totals.linear_momentum[k] += m * frame.velocity[k]
+            totals.angular_momentum[k] += L[k] + x[k]
+        totals.external_work += frame.external_work
+        totals.drive_work += frame.drive_work

@@ -11,41 +11,13 @@ from heavylift.numerics.jit import kernel, view
 from heavylift.numerics.rotation import quaternion_product, rotate_by_quaternion, write_rotation_matrix
 from heavylift.numerics.small import cross, rotate
 from heavylift.solver.bodies.rigid import (
-    ACCELERATION,
-    ANGULAR_MOMENTUM,
-    AXES,
-    CENTRE,
-    DRIVE,
-    END,
-    FORCE,
-    MASS,
-    MEAN,
-    MID_POSITION,
-    MID_ROTATION,
-    MID_SPIN,
-    MID_VELOCITY,
-    MOMENT,
-    MOTION,
-    ORIENTATION,
-    POSE,
-    POSITION,
-    PRESCRIBED,
-    PRINCIPAL,
-    SPIN,
-    SPIN_RATE,
-    VELOCITY,
-    WORK,
     RigidBodies,
     RigidFrames,
+    RigidMotion,
 )
 from heavylift.solver.drive import DRIVEN, drive_pose, drive_velocity
 from heavylift.solver.interface import (
     ACCELERATIONS,
-    FIELD,
-    POINT,
-    POINT_BIAS,
-    POINT_FORCE,
-    POINT_VELOCITY,
     RECORD,
     ROWS,
     Workspace,
@@ -68,28 +40,28 @@ __all__ = [
 @view
 def stage_rotation(kind: RigidFrames, body: int) -> NDArray[np.float64]:
     """Rotation matrix of the stage, row by row, a view of shape (9,)."""
-    return kind.frame[body, MID_ROTATION : MID_ROTATION + 9]
+    return kind.frame[body].mid_rotation
 
 
 @kernel(inline=True, internal=True)
 def orientation_of(kind: RigidFrames, body: int) -> tuple[float, float, float, float]:
     """Carried quaternion of the principal frame."""
-    q = kind.frame[body, ORIENTATION : ORIENTATION + 4]
+    q = kind.frame[body].orientation
     return q[0], q[1], q[2], q[3]
 
 
 @kernel(internal=True)
-def prescribe(kind: RigidBodies, body: int, time: float, out: NDArray[np.float64]) -> None:
-    """Write pose (7), velocities (6) and accelerations (6) of the principal frame of a driven body, shape (19,)."""
-    drive = kind.constants[kind.table[body, DRIVE] :]
-    pose, motion = kind.frame[body, POSE : POSE + 7], kind.frame[body, PRESCRIBED : PRESCRIBED + 12]
+def prescribe(kind: RigidBodies, body: int, time: float, out: RigidMotion) -> None:
+    """Write the motion of the principal frame of a driven body."""
+    drive = kind.constants[kind.table[body].drive :]
+    pose, motion = kind.frame[body].drive_pose, kind.frame[body].drive_rates
     drive_pose(drive, time, pose)
     drive_velocity(drive, time, motion)
-    inertia = kind.frame[body]
+    frame = kind.frame[body]
     q = (pose[3], pose[4], pose[5], pose[6])
-    axes = (inertia[AXES], inertia[AXES + 1], inertia[AXES + 2], inertia[AXES + 3])
+    axes = (frame.axes[0], frame.axes[1], frame.axes[2], frame.axes[3])
     back = (axes[0], -axes[1], -axes[2], -axes[3])
-    c1, c2, c3 = inertia[CENTRE], inertia[CENTRE + 1], inertia[CENTRE + 2]
+    c1, c2, c3 = frame.centre[0], frame.centre[1], frame.centre[2]
     w1, w2, w3 = motion[3], motion[4], motion[5]
     b1, b2, b3 = motion[9], motion[10], motion[11]
     s1, s2, s3 = cross(w1, w2, w3, c1, c2, c3)
@@ -102,13 +74,13 @@ def prescribe(kind: RigidBodies, body: int, time: float, out: NDArray[np.float64
     spin_rate = rotate_by_quaternion(back, b1, b2, b3)
     turned = quaternion_product(q, axes)
     for k in range(4):
-        out[ORIENTATION + k] = turned[k]
+        out.orientation[k] = turned[k]
     for k in range(3):
-        out[POSITION + k] = pose[k] + arm[k]
-        out[VELOCITY + k] = motion[k] + side[k]
-        out[SPIN + k] = spin[k]
-        out[ACCELERATION + k] = motion[6 + k] + rate[k]
-        out[SPIN_RATE + k] = spin_rate[k]
+        out.position[k] = pose[k] + arm[k]
+        out.velocity[k] = motion[k] + side[k]
+        out.spin[k] = spin[k]
+        out.acceleration[k] = motion[6 + k] + rate[k]
+        out.spin_rate[k] = spin_rate[k]
 
 
 @implement(start, RigidBodies)
@@ -116,34 +88,34 @@ def prescribe(kind: RigidBodies, body: int, time: float, out: NDArray[np.float64
 def start_rigid_bodies(kind: RigidBodies, time: float, work: Workspace) -> None:
     """Place driven bodies; angular momenta of the start state; the constant part of the marker windows."""
     for marker in range(kind.markers.shape[0]):
-        number, direction = kind.markers[marker, 0], kind.markers[marker, 3]
+        number, direction = kind.markers[marker].number, kind.markers[marker].direction
         for k in range(3):
-            work.jacobian[number, k, k] = 1.0 - direction
+            work.jacobian[number, k, k] = 0.0 if direction else 1.0
     for body in range(kind.table.shape[0]):
-        if kind.table[body, MOTION] == DRIVEN:
-            prescribe(kind, body, time, kind.frame[body, : SPIN_RATE + 3])
-        frame = inertia = kind.frame[body]
+        if kind.table[body].motion == DRIVEN:
+            prescribe(kind, body, time, kind.frame[body])
+        frame = kind.frame[body]
         q = orientation_of(kind, body)
         L = rotate_by_quaternion(
             q,
-            inertia[PRINCIPAL] * frame[SPIN],
-            inertia[PRINCIPAL + 1] * frame[SPIN + 1],
-            inertia[PRINCIPAL + 2] * frame[SPIN + 2],
+            frame.principal_inertia[0] * frame.spin[0],
+            frame.principal_inertia[1] * frame.spin[1],
+            frame.principal_inertia[2] * frame.spin[2],
         )
         for k in range(3):
-            frame[ANGULAR_MOMENTUM + k] = L[k]
+            frame.angular_momentum[k] = L[k]
 
 
 @kernel(internal=True)
 def stage_at_state(kind: RigidFrames) -> None:
     """Set the stages to the carried state."""
     for body in range(kind.table.shape[0]):
-        frame = stage = kind.frame[body]
+        frame = kind.frame[body]
         write_rotation_matrix(orientation_of(kind, body), stage_rotation(kind, body))
         for k in range(3):
-            stage[MID_POSITION + k] = frame[POSITION + k]
-            stage[MID_VELOCITY + k] = frame[VELOCITY + k]
-            stage[MID_SPIN + k] = frame[SPIN + k]
+            frame.mid_position[k] = frame.position[k]
+            frame.mid_velocity[k] = frame.velocity[k]
+            frame.mid_spin[k] = frame.spin[k]
 
 
 @implement(fill_markers, RigidBodies)
@@ -153,23 +125,27 @@ def fill_rigid_markers(kind: RigidBodies, at_midpoint: bool, level: int, work: W
     if not at_midpoint:
         stage_at_state(kind)
     for marker in range(kind.markers.shape[0]):
-        serves = kind.markers[marker, 4]
+        serves = kind.markers[marker].level
         if serves > level:
             break  # they are in this order
-        number, body, begin = kind.markers[marker, 0], kind.markers[marker, 1], kind.markers[marker, 2]
-        direction = kind.markers[marker, 3]
+        number, body, begin = (
+            kind.markers[marker].number,
+            kind.markers[marker].body,
+            kind.markers[marker].data,
+        )
+        direction = kind.markers[marker].direction
         u1, u2, u3 = kind.constants[begin], kind.constants[begin + 1], kind.constants[begin + 2]
-        stage, R = kind.frame[body], stage_rotation(kind, body)
+        frame, R = kind.frame[body], stage_rotation(kind, body)
         # everything is read before anything is written: the compiler must assume that the arrays overlap
         r11, r12, r13, r21, r22, r23, r31, r32, r33 = R[0], R[1], R[2], R[3], R[4], R[5], R[6], R[7], R[8]
-        translation = 1.0 - direction
-        x1 = translation * stage[MID_POSITION]
-        x2 = translation * stage[MID_POSITION + 1]
-        x3 = translation * stage[MID_POSITION + 2]
+        translation = 0.0 if direction else 1.0
+        x1 = translation * frame.mid_position[0]
+        x2 = translation * frame.mid_position[1]
+        x3 = translation * frame.mid_position[2]
         out, jacobian = work.markers[number], work.jacobian[number]
-        out[POINT] = x1 + r11 * u1 + r12 * u2 + r13 * u3
-        out[POINT + 1] = x2 + r21 * u1 + r22 * u2 + r23 * u3
-        out[POINT + 2] = x3 + r31 * u1 + r32 * u2 + r33 * u3
+        out.point[0] = x1 + r11 * u1 + r12 * u2 + r13 * u3
+        out.point[1] = x2 + r21 * u1 + r22 * u2 + r23 * u3
+        out.point[2] = x3 + r31 * u1 + r32 * u2 + r33 * u3
         jacobian[0, 3] = r13 * u2 - r12 * u3
         jacobian[0, 4] = r11 * u3 - r13 * u1
         jacobian[0, 5] = r12 * u1 - r11 * u2
@@ -181,16 +157,16 @@ def fill_rigid_markers(kind: RigidBodies, at_midpoint: bool, level: int, work: W
         jacobian[2, 5] = r32 * u1 - r31 * u2
         if serves == ROWS and level < ACCELERATIONS:
             continue
-        w1, w2, w3 = stage[MID_SPIN], stage[MID_SPIN + 1], stage[MID_SPIN + 2]
+        w1, w2, w3 = frame.mid_spin[0], frame.mid_spin[1], frame.mid_spin[2]
         c = cross(w1, w2, w3, u1, u2, u3)
         rate = rotate(R, c[0], c[1], c[2])
         for k in range(3):
-            work.markers[number, POINT_VELOCITY + k] = rate[k] + translation * stage[MID_VELOCITY + k]
+            work.markers[number].velocity[k] = rate[k] + translation * frame.mid_velocity[k]
         if level == ACCELERATIONS:
             b = cross(w1, w2, w3, c[0], c[1], c[2])
             bias = rotate(R, b[0], b[1], b[2])
             for k in range(3):
-                work.markers[number, POINT_BIAS + k] = bias[k]
+                work.markers[number].bias[k] = bias[k]
 
 
 @kernel(internal=True)
@@ -198,19 +174,19 @@ def gather_marker_forces(kind: RigidBodies, work: Workspace) -> None:
     """Resultants (world axes) and moments about the centres of mass (body axes) of all marker forces."""
     for body in range(kind.table.shape[0]):
         for j in range(6):
-            kind.frame[body, FORCE + j] = 0.0
+            kind.frame[body].wrench[j] = 0.0
     for marker in range(kind.markers.shape[0] - 1, -1, -1):
-        if kind.markers[marker, 4] == RECORD:
+        if kind.markers[marker].level == RECORD:
             continue
-        if kind.markers[marker, 4] == ROWS:
+        if kind.markers[marker].level == ROWS:
             break  # they come first
-        number, body = kind.markers[marker, 0], kind.markers[marker, 1]
+        number, body = kind.markers[marker].number, kind.markers[marker].body
         jacobian = work.jacobian[number]
         for j in range(6):
-            kind.frame[body, FORCE + j] += (
-                jacobian[0, j] * work.markers[number, POINT_FORCE]
-                + jacobian[1, j] * work.markers[number, POINT_FORCE + 1]
-                + jacobian[2, j] * work.markers[number, POINT_FORCE + 2]
+            kind.frame[body].wrench[j] += (
+                jacobian[0, j] * work.markers[number].force[0]
+                + jacobian[1, j] * work.markers[number].force[1]
+                + jacobian[2, j] * work.markers[number].force[2]
             )
 
 
@@ -218,54 +194,59 @@ def gather_marker_forces(kind: RigidBodies, work: Workspace) -> None:
 def mean_velocity(kind: RigidBodies, body: int, end: float, step: float) -> None:
     """Constant velocity and spin that lead a driven body from its pose to that at the end of the step."""
     frame = kind.frame[body]
-    prescribe(kind, body, end, kind.frame[body, END : END + 19])
+    prescribe(kind, body, end, kind.frame[body].end)
     q = orientation_of(kind, body)
-    after = (frame[END + 3], frame[END + 4], frame[END + 5], frame[END + 6])
+    after = (
+        frame.end.orientation[0],
+        frame.end.orientation[1],
+        frame.end.orientation[2],
+        frame.end.orientation[3],
+    )
     c, s1, s2, s3 = quaternion_product((q[0], -q[1], -q[2], -q[3]), after)
     sine = math.sqrt(s1 * s1 + s2 * s2 + s3 * s3)
     # a turn of less than half a circle, of either sign of the quaternion; 2 atan(s/c)/s tends to 2/c
     scale = 2.0 * math.atan(sine / c) / sine if sine > 1e-8 else 2.0 / c
-    frame[MEAN + 3], frame[MEAN + 4], frame[MEAN + 5] = (
+    frame.mean_twist[3], frame.mean_twist[4], frame.mean_twist[5] = (
         scale * s1 / step,
         scale * s2 / step,
         scale * s3 / step,
     )
     for k in range(3):
-        frame[MEAN + k] = (frame[END + k] - frame[POSITION + k]) / step
+        frame.mean_twist[k] = (frame.end.position[k] - frame.position[k]) / step
 
 
 @kernel(internal=True)
 def move_driven(kind: RigidBodies, body: int, time: float, step: float, work: Workspace) -> None:
     """Move a driven body to its place at a time; the work of its drive is the change of momentum along the way."""
-    frame = stage = inertia = kind.frame[body]
+    frame = kind.frame[body]
     R = stage_rotation(kind, body)
-    v1, v2, v3 = frame[VELOCITY], frame[VELOCITY + 1], frame[VELOCITY + 2]
-    l1, l2, l3 = frame[ANGULAR_MOMENTUM], frame[ANGULAR_MOMENTUM + 1], frame[ANGULAR_MOMENTUM + 2]
-    x1, x2, x3 = frame[POSITION], frame[POSITION + 1], frame[POSITION + 2]
+    v1, v2, v3 = frame.velocity[0], frame.velocity[1], frame.velocity[2]
+    l1, l2, l3 = frame.angular_momentum[0], frame.angular_momentum[1], frame.angular_momentum[2]
+    x1, x2, x3 = frame.position[0], frame.position[1], frame.position[2]
     spin_before = rotate_by_quaternion(
-        orientation_of(kind, body), frame[SPIN], frame[SPIN + 1], frame[SPIN + 2]
+        orientation_of(kind, body), frame.spin[0], frame.spin[1], frame.spin[2]
     )
-    prescribe(kind, body, time, kind.frame[body, : SPIN_RATE + 3])
+    prescribe(kind, body, time, kind.frame[body])
     q = orientation_of(kind, body)
     L = rotate_by_quaternion(
         q,
-        inertia[PRINCIPAL] * frame[SPIN],
-        inertia[PRINCIPAL + 1] * frame[SPIN + 1],
-        inertia[PRINCIPAL + 2] * frame[SPIN + 2],
+        frame.principal_inertia[0] * frame.spin[0],
+        frame.principal_inertia[1] * frame.spin[1],
+        frame.principal_inertia[2] * frame.spin[2],
     )
-    spin_after = rotate_by_quaternion(q, frame[SPIN], frame[SPIN + 1], frame[SPIN + 2])
-    moment = rotate(R, stage[MOMENT], stage[MOMENT + 1], stage[MOMENT + 2])
-    before, moved = (v1, v2, v3), (frame[POSITION] - x1, frame[POSITION + 1] - x2, frame[POSITION + 2] - x3)
+    spin_after = rotate_by_quaternion(q, frame.spin[0], frame.spin[1], frame.spin[2])
+    moment = rotate(R, frame.moment[0], frame.moment[1], frame.moment[2])
+    before, moved = (v1, v2, v3), (frame.position[0] - x1, frame.position[1] - x2, frame.position[2] - x3)
     twist_before = (l1, l2, l3)
     done = external = 0.0
     for k in range(3):
-        m = inertia[MASS]
+        m = frame.mass
         turn = 0.5 * step * (spin_before[k] + spin_after[k])
-        force_work = stage[FORCE + k] * moved[k] + moment[k] * turn
-        change = 0.5 * m * (frame[VELOCITY + k] ** 2 - before[k] ** 2)
+        force_work = frame.force[k] * moved[k] + moment[k] * turn
+        change = 0.5 * m * (frame.velocity[k] ** 2 - before[k] ** 2)
         change += 0.5 * (L[k] - twist_before[k]) * (spin_before[k] + spin_after[k])
         external += force_work
-        done += change - force_work - m * work.sums[FIELD + k] * moved[k]
-        frame[ANGULAR_MOMENTUM + k] = L[k]
-    frame[WORK] += external
-    frame[WORK + 1] += done
+        done += change - force_work - m * work.sums.gravity[k] * moved[k]
+        frame.angular_momentum[k] = L[k]
+    frame.external_work += external
+    frame.drive_work += done

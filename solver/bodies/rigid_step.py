@@ -9,28 +9,6 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.rotation import rotate_by_exponential, rotate_by_quaternion, write_rotation_matrix
 from heavylift.numerics.small import cross, rotate, rotate_back
 from heavylift.solver.bodies.rigid import (
-    ACCELERATION,
-    ANGULAR_MOMENTUM,
-    ARC,
-    DOF,
-    FORCE,
-    INVERSE_MASS,
-    INVERSE_PRINCIPAL,
-    MEAN,
-    MID_POSITION,
-    MID_SPIN,
-    MID_VELOCITY,
-    MOMENT,
-    MOTION,
-    NUMBER,
-    ORIENTATION,
-    POSITION,
-    PRINCIPAL,
-    REACH,
-    SPIN,
-    SPIN_RATE,
-    VELOCITY,
-    WORK,
     RigidBodies,
 )
 from heavylift.solver.bodies.rigid_stage import (
@@ -43,10 +21,6 @@ from heavylift.solver.bodies.rigid_stage import (
 )
 from heavylift.solver.drive import DRIVEN, FIXED, FREE
 from heavylift.solver.interface import (
-    ERROR,
-    FIELD,
-    STATUS_BODY,
-    STATUS_OUTCOME,
     Workspace,
     advance,
     check,
@@ -76,22 +50,22 @@ def predict_rigid_bodies(kind: RigidBodies, time: float, step: float) -> None:
     """Arc midpoint and predicted midpoint velocities."""
     h = step
     for body in range(kind.table.shape[0]):
-        frame = stage = kind.frame[body]
-        a = frame[ARC] * h * h
+        frame = kind.frame[body]
+        a = frame.arc * h * h
         for k in range(3):
-            stage[MID_POSITION + k] = (
-                frame[POSITION + k] + 0.5 * h * frame[VELOCITY + k] + a * frame[ACCELERATION + k]
+            frame.mid_position[k] = (
+                frame.position[k] + 0.5 * h * frame.velocity[k] + a * frame.acceleration[k]
             )
-            stage[MID_VELOCITY + k] = frame[VELOCITY + k] + 0.5 * h * frame[ACCELERATION + k]
-            stage[MID_SPIN + k] = frame[SPIN + k] + 0.5 * h * frame[SPIN_RATE + k]
+            frame.mid_velocity[k] = frame.velocity[k] + 0.5 * h * frame.acceleration[k]
+            frame.mid_spin[k] = frame.spin[k] + 0.5 * h * frame.spin_rate[k]
         quaternion = rotate_by_exponential(
             orientation_of(kind, body),
-            0.5 * h * frame[SPIN] + a * frame[SPIN_RATE],
-            0.5 * h * frame[SPIN + 1] + a * frame[SPIN_RATE + 1],
-            0.5 * h * frame[SPIN + 2] + a * frame[SPIN_RATE + 2],
+            0.5 * h * frame.spin[0] + a * frame.spin_rate[0],
+            0.5 * h * frame.spin[1] + a * frame.spin_rate[1],
+            0.5 * h * frame.spin[2] + a * frame.spin_rate[2],
         )
         write_rotation_matrix(quaternion, stage_rotation(kind, body))
-        if kind.table[body, MOTION] == DRIVEN:
+        if kind.table[body].motion == DRIVEN:
             mean_velocity(kind, body, time + h, h)
 
 
@@ -102,25 +76,23 @@ def factor_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None
     h = step
     gather_marker_forces(kind, work)
     for body in range(kind.table.shape[0]):
-        dof = kind.table[body, DOF]
-        frame = stage = inertia = kind.frame[body]
-        if kind.table[body, MOTION] == FREE:
+        dof = kind.table[body].dof
+        frame = kind.frame[body]
+        if kind.table[body].motion == FREE:
             L = rotate_back(
                 stage_rotation(kind, body),
-                frame[ANGULAR_MOMENTUM],
-                frame[ANGULAR_MOMENTUM + 1],
-                frame[ANGULAR_MOMENTUM + 2],
+                frame.angular_momentum[0],
+                frame.angular_momentum[1],
+                frame.angular_momentum[2],
             )
             for k in range(3):
-                work.velocity[dof + k] = frame[VELOCITY + k] + 0.5 * h * (
-                    stage[FORCE + k] * inertia[INVERSE_MASS] + work.sums[FIELD + k]
+                work.velocity[dof + k] = frame.velocity[k] + 0.5 * h * (
+                    frame.force[k] * frame.inverse_mass + work.sums.gravity[k]
                 )
-                work.velocity[dof + 3 + k] = (L[k] + 0.5 * h * stage[MOMENT + k]) * inertia[
-                    INVERSE_PRINCIPAL + k
-                ]
+                work.velocity[dof + 3 + k] = (L[k] + 0.5 * h * frame.moment[k]) * frame.inverse_inertia[k]
         else:
             for k in range(6):  # rows see how a driven body moves over the step
-                work.velocity[dof + k] = frame[MEAN + k]
+                work.velocity[dof + k] = frame.mean_twist[k]
 
 
 @implement(check, RigidBodies)
@@ -128,19 +100,17 @@ def factor_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None
 def check_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
     """Refuse what is not finite, and turns of more than `LARGEST_TURN` in a step."""
     for body in range(kind.table.shape[0]):
-        dof = kind.table[body, DOF]
+        dof = kind.table[body].dof
         total = 0.0
         for i in range(dof, dof + 6):
             total += abs(work.velocity[i])
         w1, w2, w3 = work.velocity[dof + 3], work.velocity[dof + 4], work.velocity[dof + 5]
         if not math.isfinite(total):
-            work.status[STATUS_OUTCOME] = NOT_FINITE
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
-        elif (
-            kind.table[body, MOTION] == FREE and step * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3) > LARGEST_TURN
-        ):
-            work.status[STATUS_OUTCOME] = STEP_TOO_LARGE
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+            work.status.outcome = NOT_FINITE
+            work.status.body = kind.table[body].number
+        elif kind.table[body].motion == FREE and step * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3) > LARGEST_TURN:
+            work.status.outcome = STEP_TOO_LARGE
+            work.status.body = kind.table[body].number
 
 
 @implement(advance, RigidBodies)
@@ -149,33 +119,33 @@ def advance_rigid_bodies(kind: RigidBodies, time: float, step: float, work: Work
     """Configuration and momenta to the end of the step, and the work of the marker forces."""
     h = step
     for body in range(kind.table.shape[0]):
-        dof = kind.table[body, DOF]
-        frame = stage = inertia = kind.frame[body]
-        if kind.table[body, MOTION] == DRIVEN:
+        dof = kind.table[body].dof
+        frame = kind.frame[body]
+        if kind.table[body].motion == DRIVEN:
             move_driven(kind, body, time + h, h, work)
             continue
-        if kind.table[body, MOTION] == FIXED:
+        if kind.table[body].motion == FIXED:
             continue
         velocity = work.velocity[dof : dof + 6]
         w1, w2, w3 = velocity[3], velocity[4], velocity[5]
         L = rotate(
             stage_rotation(kind, body),
-            inertia[PRINCIPAL] * w1,
-            inertia[PRINCIPAL + 1] * w2,
-            inertia[PRINCIPAL + 2] * w3,
+            frame.principal_inertia[0] * w1,
+            frame.principal_inertia[1] * w2,
+            frame.principal_inertia[2] * w3,
         )
         external = 0.0
         for k in range(3):
-            external += stage[FORCE + k] * velocity[k] + stage[MOMENT + k] * velocity[3 + k]
-            frame[POSITION + k] += h * velocity[k]
-            end = 2.0 * velocity[k] - frame[VELOCITY + k]
-            frame[ACCELERATION + k] = (end - frame[VELOCITY + k]) / h
-            frame[VELOCITY + k] = end
-            frame[ANGULAR_MOMENTUM + k] = 2.0 * L[k] - frame[ANGULAR_MOMENTUM + k]
-        frame[WORK] += h * external
+            external += frame.force[k] * velocity[k] + frame.moment[k] * velocity[3 + k]
+            frame.position[k] += h * velocity[k]
+            end = 2.0 * velocity[k] - frame.velocity[k]
+            frame.acceleration[k] = (end - frame.velocity[k]) / h
+            frame.velocity[k] = end
+            frame.angular_momentum[k] = 2.0 * L[k] - frame.angular_momentum[k]
+        frame.external_work += h * external
         quaternion = rotate_by_exponential(orientation_of(kind, body), h * w1, h * w2, h * w3)
         for k in range(4):
-            frame[ORIENTATION + k] = quaternion[k]
+            frame.orientation[k] = quaternion[k]
 
 
 @implement(end_velocity, RigidBodies)
@@ -183,19 +153,19 @@ def advance_rigid_bodies(kind: RigidBodies, time: float, step: float, work: Work
 def end_velocity_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
     """End velocities from the momenta; prescribed ones as they are."""
     for body in range(kind.table.shape[0]):
-        frame = inertia = kind.frame[body]
-        dof = kind.table[body, DOF]
-        free = kind.table[body, MOTION] == FREE
+        frame = kind.frame[body]
+        dof = kind.table[body].dof
+        free = kind.table[body].motion == FREE
         q = orientation_of(kind, body)
         w = rotate_by_quaternion(
             (q[0], -q[1], -q[2], -q[3]),
-            frame[ANGULAR_MOMENTUM],
-            frame[ANGULAR_MOMENTUM + 1],
-            frame[ANGULAR_MOMENTUM + 2],
+            frame.angular_momentum[0],
+            frame.angular_momentum[1],
+            frame.angular_momentum[2],
         )
         for k in range(3):
-            work.velocity[dof + k] = frame[VELOCITY + k]
-            work.velocity[dof + 3 + k] = w[k] * inertia[INVERSE_PRINCIPAL + k] if free else frame[SPIN + k]
+            work.velocity[dof + k] = frame.velocity[k]
+            work.velocity[dof + 3 + k] = w[k] * frame.inverse_inertia[k] if free else frame.spin[k]
 
 
 @implement(write_velocity, RigidBodies)
@@ -203,9 +173,9 @@ def end_velocity_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -
 def write_rigid_velocities(kind: RigidBodies, work: Workspace) -> None:
     """Velocities of the centres of mass, spins in principal axes."""
     for body in range(kind.table.shape[0]):
-        dof = kind.table[body, DOF]
-        for k in range(6):  # the spin follows the velocity
-            work.velocity[dof + k] = kind.frame[body, VELOCITY + k]
+        dof = kind.table[body].dof
+        for k in range(6):
+            work.velocity[dof + k] = kind.frame[body].twist[k]
 
 
 @implement(set_velocity, RigidBodies)
@@ -213,20 +183,20 @@ def write_rigid_velocities(kind: RigidBodies, work: Workspace) -> None:
 def set_velocity_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
     """Projected velocities, ``L = R I w``."""
     for body in range(kind.table.shape[0]):
-        if kind.table[body, MOTION] != FREE:
+        if kind.table[body].motion != FREE:
             continue
-        frame = inertia = kind.frame[body]
-        dof = kind.table[body, DOF]
+        frame = kind.frame[body]
+        dof = kind.table[body].dof
         L = rotate_by_quaternion(
             orientation_of(kind, body),
-            inertia[PRINCIPAL] * work.velocity[dof + 3],
-            inertia[PRINCIPAL + 1] * work.velocity[dof + 4],
-            inertia[PRINCIPAL + 2] * work.velocity[dof + 5],
+            frame.principal_inertia[0] * work.velocity[dof + 3],
+            frame.principal_inertia[1] * work.velocity[dof + 4],
+            frame.principal_inertia[2] * work.velocity[dof + 5],
         )
         for k in range(3):
-            frame[ACCELERATION + k] += (work.velocity[dof + k] - frame[VELOCITY + k]) / step
-            frame[VELOCITY + k] = work.velocity[dof + k]
-            frame[ANGULAR_MOMENTUM + k] = L[k]
+            frame.acceleration[k] += (work.velocity[dof + k] - frame.velocity[k]) / step
+            frame.velocity[k] = work.velocity[dof + k]
+            frame.angular_momentum[k] = L[k]
 
 
 @implement(estimate_error, RigidBodies)
@@ -234,18 +204,18 @@ def set_velocity_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -
 def estimate_rigid_error(kind: RigidBodies, step: float, work: Workspace) -> None:
     """Distance of the midpoint velocity from its prediction, as a displacement [m] over the step."""
     for body in range(kind.table.shape[0]):
-        if kind.table[body, MOTION] != FREE:
+        if kind.table[body].motion != FREE:
             continue
-        frame = stage = kind.frame[body]
-        dof = kind.table[body, DOF]
+        frame = kind.frame[body]
+        dof = kind.table[body].dof
         moved = turned = 0.0
         for k in range(3):
-            moved += (work.velocity[dof + k] - stage[MID_VELOCITY + k]) ** 2
-            turned += (work.velocity[dof + 3 + k] - stage[MID_SPIN + k]) ** 2
-        error = step * max(math.sqrt(moved), frame[REACH] * math.sqrt(turned))
-        if not error <= work.control[ERROR]:
-            work.control[ERROR] = error
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+            moved += (work.velocity[dof + k] - frame.mid_velocity[k]) ** 2
+            turned += (work.velocity[dof + 3 + k] - frame.mid_spin[k]) ** 2
+        error = step * max(math.sqrt(moved), frame.reach * math.sqrt(turned))
+        if not error <= work.control.error:
+            work.control.error = error
+            work.status.body = kind.table[body].number
 
 
 @implement(finish, RigidBodies)
@@ -253,18 +223,18 @@ def estimate_rigid_error(kind: RigidBodies, step: float, work: Workspace) -> Non
 def finish_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
     """Spin from the angular momentum at the new orientation."""
     for body in range(kind.table.shape[0]):
-        if kind.table[body, MOTION] != FREE:
+        if kind.table[body].motion != FREE:
             continue
-        frame = inertia = kind.frame[body]
+        frame = kind.frame[body]
         q = orientation_of(kind, body)
         back = (q[0], -q[1], -q[2], -q[3])
         L = rotate_by_quaternion(
-            back, frame[ANGULAR_MOMENTUM], frame[ANGULAR_MOMENTUM + 1], frame[ANGULAR_MOMENTUM + 2]
+            back, frame.angular_momentum[0], frame.angular_momentum[1], frame.angular_momentum[2]
         )
         for k in range(3):
-            w = L[k] * inertia[INVERSE_PRINCIPAL + k]
-            frame[SPIN_RATE + k] = (w - frame[SPIN + k]) / step
-            frame[SPIN + k] = w
+            w = L[k] * frame.inverse_inertia[k]
+            frame.spin_rate[k] = (w - frame.spin[k]) / step
+            frame.spin[k] = w
 
 
 @implement(thesis_velocity, RigidBodies)
@@ -275,22 +245,27 @@ def thesis_velocity_rigid_bodies(kind: RigidBodies, time: float, step: float, wo
     stage_at_state(kind)
     gather_marker_forces(kind, work)
     for body in range(kind.table.shape[0]):
-        dof = kind.table[body, DOF]
-        frame = stage = inertia = kind.frame[body]
-        if kind.table[body, MOTION] != FREE:
+        dof = kind.table[body].dof
+        frame = kind.frame[body]
+        if kind.table[body].motion != FREE:
             for k in range(6):
                 work.velocity[dof + k] = 0.0
             continue
-        w1, w2, w3 = frame[SPIN], frame[SPIN + 1], frame[SPIN + 2]
+        w1, w2, w3 = frame.spin[0], frame.spin[1], frame.spin[2]
         gyroscopic = cross(
-            w1, w2, w3, inertia[PRINCIPAL] * w1, inertia[PRINCIPAL + 1] * w2, inertia[PRINCIPAL + 2] * w3
+            w1,
+            w2,
+            w3,
+            frame.principal_inertia[0] * w1,
+            frame.principal_inertia[1] * w2,
+            frame.principal_inertia[2] * w3,
         )
         for k in range(3):
-            work.velocity[dof + k] = frame[VELOCITY + k] + h * (
-                stage[FORCE + k] * inertia[INVERSE_MASS] + work.sums[FIELD + k]
+            work.velocity[dof + k] = frame.velocity[k] + h * (
+                frame.force[k] * frame.inverse_mass + work.sums.gravity[k]
             )
             work.velocity[dof + 3 + k] = (
-                frame[SPIN + k] + h * (stage[MOMENT + k] - gyroscopic[k]) / inertia[PRINCIPAL + k]
+                frame.spin[k] + h * (frame.moment[k] - gyroscopic[k]) / frame.principal_inertia[k]
             )
 
 
@@ -300,22 +275,22 @@ def thesis_advance_rigid_bodies(kind: RigidBodies, time: float, step: float, wor
     """Configuration by the end velocity."""
     h = step
     for body in range(kind.table.shape[0]):
-        dof = kind.table[body, DOF]
-        frame = stage = kind.frame[body]
-        if kind.table[body, MOTION] == DRIVEN:
+        dof = kind.table[body].dof
+        frame = kind.frame[body]
+        if kind.table[body].motion == DRIVEN:
             move_driven(kind, body, time + h, h, work)
-        if kind.table[body, MOTION] != FREE:
+        if kind.table[body].motion != FREE:
             continue
         velocity = work.velocity[dof : dof + 6]
         external = 0.0
         for k in range(3):
-            external += stage[FORCE + k] * velocity[k] + stage[MOMENT + k] * velocity[3 + k]
-            frame[POSITION + k] += h * velocity[k]
-            frame[VELOCITY + k] = velocity[k]
-            frame[SPIN + k] = velocity[3 + k]
-        frame[WORK] += h * external
+            external += frame.force[k] * velocity[k] + frame.moment[k] * velocity[3 + k]
+            frame.position[k] += h * velocity[k]
+            frame.velocity[k] = velocity[k]
+            frame.spin[k] = velocity[3 + k]
+        frame.external_work += h * external
         quaternion = rotate_by_exponential(
             orientation_of(kind, body), h * velocity[3], h * velocity[4], h * velocity[5]
         )
         for k in range(4):
-            frame[ORIENTATION + k] = quaternion[k]
+            frame.orientation[k] = quaternion[k]

@@ -12,31 +12,13 @@ from heavylift.solver.contact.kind import (
     BILATERAL,
     COMPLIANT,
     CURVE,
-    EXTENT,
-    FIRST_BLOCK,
-    GAP,
-    GAP_2,
-    HIGH,
-    HIGH_GAP,
-    HIGH_RATE,
-    IMPACT,
-    JOINS,
-    LARGEST_CONTROLS,
-    LAW,
     LOST,
-    LOW,
-    LOW_GAP,
     NOT_A_NUMBER,
-    OF_CONTOURS,
-    SEARCH,
-    SIZE,
-    SPLITS,
     TOO_DEEP,
-    WATCHED,
     ContactRows,
+    Events,
 )
 from heavylift.solver.contact.start import run_start
-from heavylift.solver.interface import SPLIT, STATUS_BLOCK, STATUS_OUTCOME
 
 __all__ = ["check_places", "forget_trials", "start_contacts"]
 
@@ -64,17 +46,16 @@ def start_contacts(layout: Any, step: float) -> None:
         If something starts too deep inside a contour, or a slider off its own.
     """
     contacts: ContactRows = layout.systems[1]
-    behind = contacts.places[LARGEST_CONTROLS + len(contacts.table) :]
-    first, count = int(behind[FIRST_BLOCK]), int(behind[OF_CONTOURS])
+    first, count = contacts.counts.first_block, contacts.counts.of_contours
     run_start(layout.bodies, layout.joints, layout.systems, layout.work, step)
     if contacts.meshes:
         from heavylift.solver.contact.mesh_start import check_overlaps
 
         check_overlaps(contacts, layout.block_names[first + count :])
-        if layout.work.status[STATUS_OUTCOME] == int(Outcome.TOO_MANY_CONTACTS):
+        if layout.work.status.outcome == int(Outcome.TOO_MANY_CONTACTS):
             raise InputError(
                 "more contacts at the start than there is room for",
-                source=layout.block_names[int(layout.work.status[STATUS_BLOCK])],
+                source=layout.block_names[int(layout.work.status.block)],
                 key="most_contacts",
                 expected="more of them, or a larger 'patch_size'",
             )
@@ -89,11 +70,11 @@ def forget_trials(layout: Any) -> None:
     layout
         Packed scene.
     """
-    control = layout.systems[1].control
-    for place in (LOW, LOW_GAP, HIGH, HIGH_GAP, HIGH_RATE, IMPACT, SPLITS):
-        control[place] = 0.0
-    control[WATCHED] = control[JOINS] = -1.0
-    layout.work.control[SPLIT] = 0.0
+    control: Events = layout.systems[1].control
+    control.low = control.low_gap = control.high = control.high_gap = control.high_rate = 0.0
+    control.impact, control.splits = False, 0
+    control.watched = control.joins = -1
+    layout.work.control.split = 0.0
 
 
 def check_places(contacts: ContactRows, names: Sequence[str]) -> None:
@@ -113,16 +94,16 @@ def check_places(contacts: ContactRows, names: Sequence[str]) -> None:
     """
     for i, name in enumerate(names):
         table, values, state = contacts.table[i], contacts.values[i], contacts.state[i]
-        gap, size = float(state[GAP]), float(values[SIZE])
-        if LOST <= state[SEARCH] <= NOT_A_NUMBER:
+        gap, size = float(state.gap), float(values.length_scale)
+        if LOST <= state.search <= NOT_A_NUMBER:
             raise InputError(
                 "no nearest point was found on its contour",
                 source=name,
                 key="between",
                 expected="a contour with tangents everywhere, of finite points",
             )
-        if table[LAW] in {BILATERAL, CURVE}:
-            distance = float(np.hypot(gap, state[GAP_2])) if table[LAW] == CURVE else abs(gap)
+        if table.law in {BILATERAL, CURVE}:
+            distance = float(np.hypot(gap, state.second_gap)) if table.law == CURVE else abs(gap)
             if not distance <= ON_CONTOUR * size:
                 raise InputError(
                     f"starts {distance:.4g} m off its contour",
@@ -131,15 +112,15 @@ def check_places(contacts: ContactRows, names: Sequence[str]) -> None:
                     expected=f"{ON_CONTOUR * size:.4g} m at most",
                 )
             continue
-        if state[SEARCH] == TOO_DEEP:
+        if state.search == TOO_DEEP:
             raise InputError(
                 f"starts {-gap:.4g} m inside its contour, deeper than its rounding",
                 source=name,
                 key="shape",
                 expected="a start outside, or a larger radius about its core",
             )
-        deepest = float(values[EXTENT]) if values[EXTENT] > 0.0 else DEEPEST * size
-        if table[LAW] != COMPLIANT:
+        deepest = float(values.extent) if values.extent > 0.0 else DEEPEST * size
+        if table.law != COMPLIANT:
             deepest *= 0.1
         if not gap >= -deepest:
             raise InputError(

@@ -18,101 +18,108 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record, Records, Vector, record_at
 from heavylift.solver.contact.laws import mean_normal_force
 from heavylift.solver.contact.layout import (
     BILATERAL,
     COMPLIANT,
     CURVE,
-    DAMPING,
-    DEPTH,
-    EXPONENT,
-    FRICTION,
     INACTIVE,
-    OFFSET,
-    STEP,
-    STIFFNESS,
     UNILATERAL,
+    RowKind,
+    RowParameters,
 )
 
 __all__ = [
-    "D00",
-    "D10",
-    "D11",
-    "D12",
-    "D20",
-    "D21",
-    "D22",
-    "R0",
-    "R1",
-    "R2",
     "RECORD",
     "ROWS",
+    "LinearisedContact",
+    "SolvedRows",
     "clip",
     "linearise",
     "linearise_unilateral",
+    "linearised_contact",
     "rub",
+    "solved_rows",
 ]
 
-RECORD = 10
-"""Numbers of a linearised contact: r (3), entries 00, 10, 11, 12, 20, 21, 22 of D (the other two are zero)."""
 
-R0, R1, R2, D00, D10, D11, D12, D20, D21, D22 = range(RECORD)
+class LinearisedContact(Record):
+    """``dp = r - D dw`` of a contact; the entries 01 and 02 of D are zero."""
 
-ROWS = 6
-"""Numbers of the rows of a contact: softness S (3) and target b (3)."""
+    r: Vector
+    d00: float
+    d10: float
+    d11: float
+    d12: float
+    d20: float
+    d21: float
+    d22: float
+
+
+class SolvedRows(Record):
+    """Softness S [m/(s Ns)] and target b [m/s] of the rows of a contact, as the solver has them."""
+
+    softness: Vector
+    target: Vector
+
+
+RECORD, ROWS = (of.layout.itemsize // 8 for of in (LinearisedContact, SolvedRows))
+"""Numbers of these in the workspace of the solver."""
+
+linearised_contact, solved_rows = record_at(LinearisedContact), record_at(SolvedRows)
 
 
 @kernel(inline=True, internal=True)
 def _linearise_normal(
-    kinds: NDArray[np.int64],
-    parameters: NDArray[np.float64],
-    rows: NDArray[np.float64],
+    kinds: Records[RowKind],
+    parameters: Records[RowParameters],
+    row: SolvedRows,
     c: int,
     p: float,
     w: float,
     r: float,
-    record: NDArray[np.float64],
-    at: int,
+    record: LinearisedContact,
 ) -> tuple[float, float, float, float]:
     """Write the normal row; returns residual, impulse that bounds friction now and from p, derivative of it by p."""
-    kind = kinds[c, 0]
-    P = p + parameters[c, OFFSET]
+    kind = kinds[c].kind
+    P = p + parameters[c].offset[0]
     if kind == COMPLIANT:
-        h, depth = parameters[c, STEP], parameters[c, DEPTH]
-        S = rows[ROWS * c]
+        h, depth = parameters[c].step, parameters[c].depth
+        S = row.softness[0]
         _, force, slope = mean_normal_force(
-            kinds[c, 1],
-            parameters[c, STIFFNESS],
-            parameters[c, EXPONENT],
-            parameters[c, DAMPING],
+            kinds[c].law,
+            parameters[c].stiffness,
+            parameters[c].exponent,
+            parameters[c].damping,
             depth,
-            depth - h * (w + S * p - rows[ROWS * c + 3]),
+            depth - h * (w + S * p - row.target[0]),
             h,
         )
         D = 0.5 * h * h * slope
         lack = (0.5 * h * force - p) / (1.0 + D * S)
         D /= 1.0 + D * S
-        record[at + R0] = lack
-        record[at + D00] = D
+        record.r[0] = lack
+        record.d00 = D
         error = lack / (r + D)
         predicted = P + r * error  # all of lack would bring the rounding of w into friction, D times
         return error, max(0.0, predicted), max(0.0, P), 1.0 if predicted > 0.0 else 0.0
     if kind in (UNILATERAL, BILATERAL):  # a set would be allocated
-        S = rows[ROWS * c]
-        g = w + S * p - rows[ROWS * c + 3]
+        S = row.softness[0]
+        g = w + S * p - row.target[0]
         predicted = P - r * g
         if kind == BILATERAL or predicted > 0.0:
-            record[at + R0] = -g / S
-            record[at + D00] = 1.0 / S
+            record.r[0] = -g / S
+            record.d00 = 1.0 / S
             if kind == BILATERAL:
                 return g, abs(P), abs(P), 1.0 if P >= 0.0 else -1.0
             return g, predicted, P, 1.0
-        record[at + R0] = -P
-        record[at + D00] = 0.0
+        record.r[0] = -P
+        record.d00 = 0.0
         return P / r, 0.0, 0.0, 0.0
-    record[at + R0] = -p  # given
-    record[at + D00] = 0.0
-    normal = max(0.0, parameters[c, OFFSET])
+    record.r[0] = -p  # given
+    record.d00 = 0.0
+    normal = max(0.0, parameters[c].offset[0])
     return p / r, normal, normal, 0.0
 
 
@@ -178,8 +185,8 @@ def rub(
 
 @kernel(inline=True, internal=True)
 def linearise_unilateral(
-    parameters: NDArray[np.float64],
-    rows: NDArray[np.float64],
+    parameters: Records[RowParameters],
+    row: SolvedRows,
     c: int,
     p0: float,
     p1: float,
@@ -189,14 +196,13 @@ def linearise_unilateral(
     w2: float,
     r_n: float,
     r_t: float,
-    record: NDArray[np.float64],
-    at: int,
+    record: LinearisedContact,
 ) -> float:
     """As `linearise`, for a contact that can only push: short enough to stand in the loop over contacts."""
-    P0, P1, P2 = p0 + parameters[c, OFFSET], p1 + parameters[c, OFFSET + 1], p2 + parameters[c, OFFSET + 2]
-    S0, S1, S2 = rows[ROWS * c], rows[ROWS * c + 1], rows[ROWS * c + 2]
-    g0 = w0 + S0 * p0 - rows[ROWS * c + 3]
-    predicted, mu = P0 - r_n * g0, parameters[c, FRICTION]
+    P0, P1, P2 = p0 + parameters[c].offset[0], p1 + parameters[c].offset[1], p2 + parameters[c].offset[2]
+    S0, S1, S2 = row.softness[0], row.softness[1], row.softness[2]
+    g0 = w0 + S0 * p0 - row.target[0]
+    predicted, mu = P0 - r_n * g0, parameters[c].friction
     if predicted > 0.0:
         D = 1.0 / S0
         r0, square = -g0 * D, g0 * g0
@@ -204,33 +210,31 @@ def linearise_unilateral(
     else:
         D, r0, square = 0.0, -P0, (P0 / r_n) ** 2
         bound = target = 0.0
-    record[at + R0], record[at + D00] = r0, D
+    record.r[0], record.d00 = r0, D
     if bound <= 0.0 and target <= 0.0:  # no friction
-        record[at + R1], record[at + R2] = -P1, -P2
-        for i in range(D10, RECORD):
-            record[at + i] = 0.0
+        record.r[1], record.r[2] = -P1, -P2
+        record.d10 = record.d11 = record.d12 = record.d20 = record.d21 = record.d22 = 0.0
         return square + (P1 * P1 + P2 * P2) / (r_t * r_t)
-    g1 = w1 + S1 * p1 - rows[ROWS * c + 4]
-    g2 = w2 + S2 * p2 - rows[ROWS * c + 5]
+    g1 = w1 + S1 * p1 - row.target[1]
+    g2 = w2 + S2 * p2 - row.target[2]
     r1, r2, a10, a20, a11, a12, a22, more = rub(bound, target, mu, r0, D, P1, P2, g1, g2, S1, S2, r_t)
-    record[at + R1], record[at + R2] = r1, r2
-    record[at + D10], record[at + D11], record[at + D12] = a10, a11, a12
-    record[at + D20], record[at + D21], record[at + D22] = a20, a12, a22
+    record.r[1], record.r[2] = r1, r2
+    record.d10, record.d11, record.d12 = a10, a11, a12
+    record.d20, record.d21, record.d22 = a20, a12, a22
     return square + more
 
 
 @kernel(inline=True, internal=True)
 def linearise(
-    kinds: NDArray[np.int64],
-    parameters: NDArray[np.float64],
-    rows: NDArray[np.float64],
+    kinds: Records[RowKind],
+    parameters: Records[RowParameters],
+    row: SolvedRows,
     c: int,
     p: NDArray[np.float64],
     w: NDArray[np.float64],
     r_n: float,
     r_t: float,
-    record: NDArray[np.float64],
-    at: int,
+    record: LinearisedContact,
 ) -> float:
     """Write the linearised laws of a contact; returns its squared residual in units of rate.
 
@@ -238,52 +242,50 @@ def linearise(
     ----------
     kinds, parameters
         Of all contacts, see the layout; softness and target are not read from there.
-    rows
-        Softness and target of the rows of all contacts.
+    row
+        Softness and target of its rows.
     c
         Contact.
     p, w
         Impulses and rates of all rows.
     r_n, r_t
         Positive numbers of the size of 1/W of the contact.
-    record, at
-        The record begins at ``record[at]``.
+    record
+        Written.
     """
-    kind = kinds[c, 0]
+    kind = kinds[c].kind
     p0, p1, p2 = p[3 * c], p[3 * c + 1], p[3 * c + 2]
     if kind == INACTIVE:
-        for i in range(RECORD):
-            record[at + i] = 0.0
-        record[at + R0], record[at + R1], record[at + R2] = -p0, -p1, -p2
+        record.r[0], record.r[1], record.r[2] = -p0, -p1, -p2
+        record.d00 = record.d10 = record.d11 = record.d12 = record.d20 = record.d21 = record.d22 = 0.0
         return (p0 / r_n) ** 2 + (p1 * p1 + p2 * p2) / (r_t * r_t)
     w0, w1, w2 = w[3 * c], w[3 * c + 1], w[3 * c + 2]
     if kind == CURVE:
-        return _linearise_curve(parameters, rows, c, p0, p1, p2, w0, w1, w2, r_t, record, at)
-    error_n, present, after, slope = _linearise_normal(kinds, parameters, rows, c, p0, w0, r_n, record, at)
-    mu = parameters[c, FRICTION]
-    P1, P2 = p1 + parameters[c, OFFSET + 1], p2 + parameters[c, OFFSET + 2]
+        return _linearise_curve(parameters, row, c, p0, p1, p2, w0, w1, w2, r_t, record)
+    error_n, present, after, slope = _linearise_normal(kinds, parameters, row, c, p0, w0, r_n, record)
+    mu = parameters[c].friction
+    P1, P2 = p1 + parameters[c].offset[1], p2 + parameters[c].offset[2]
     bound, target, slope = mu * present, mu * after, mu * slope
     if bound <= 0.0 and target <= 0.0:  # no friction
-        for i in range(D10, RECORD):
-            record[at + i] = 0.0
-        record[at + R1], record[at + R2] = -P1, -P2
+        record.d10 = record.d11 = record.d12 = record.d20 = record.d21 = record.d22 = 0.0
+        record.r[1], record.r[2] = -P1, -P2
         return error_n * error_n + (P1 * P1 + P2 * P2) / (r_t * r_t)
-    S1, S2 = rows[ROWS * c + 1], rows[ROWS * c + 2]
-    g1 = w1 + S1 * p1 - rows[ROWS * c + 4]
-    g2 = w2 + S2 * p2 - rows[ROWS * c + 5]
+    S1, S2 = row.softness[1], row.softness[2]
+    g1 = w1 + S1 * p1 - row.target[1]
+    g2 = w2 + S2 * p2 - row.target[2]
     r1, r2, a10, a20, a11, a12, a22, square = rub(
-        bound, target, slope, record[at + R0], record[at + D00], P1, P2, g1, g2, S1, S2, r_t
+        bound, target, slope, record.r[0], record.d00, P1, P2, g1, g2, S1, S2, r_t
     )
-    record[at + R1], record[at + R2] = r1, r2
-    record[at + D10], record[at + D11], record[at + D12] = a10, a11, a12
-    record[at + D20], record[at + D21], record[at + D22] = a20, a12, a22
+    record.r[1], record.r[2] = r1, r2
+    record.d10, record.d11, record.d12 = a10, a11, a12
+    record.d20, record.d21, record.d22 = a20, a12, a22
     return error_n * error_n + square
 
 
 @kernel(internal=True)
 def _linearise_curve(
-    parameters: NDArray[np.float64],
-    rows: NDArray[np.float64],
+    parameters: Records[RowParameters],
+    row: SolvedRows,
     c: int,
     p0: float,
     p1: float,
@@ -292,62 +294,61 @@ def _linearise_curve(
     w1: float,
     w2: float,
     r_t: float,
-    record: NDArray[np.float64],
-    at: int,
+    record: LinearisedContact,
 ) -> float:
     """Two equations and friction along the third row."""
-    S0, S1, S2 = rows[ROWS * c], rows[ROWS * c + 1], rows[ROWS * c + 2]
-    g0 = w0 + S0 * p0 - rows[ROWS * c + 3]
-    g1 = w1 + S1 * p1 - rows[ROWS * c + 4]
+    S0, S1, S2 = row.softness[0], row.softness[1], row.softness[2]
+    g0 = w0 + S0 * p0 - row.target[0]
+    g1 = w1 + S1 * p1 - row.target[1]
     r0, r1 = -g0 / S0, -g1 / S1
-    record[at + R0], record[at + R1] = r0, r1
-    record[at + D00], record[at + D11] = 1.0 / S0, 1.0 / S1
-    record[at + D10] = record[at + D12] = 0.0
-    P0, P1, P2 = p0 + parameters[c, OFFSET], p1 + parameters[c, OFFSET + 1], p2 + parameters[c, OFFSET + 2]
-    mu = parameters[c, FRICTION]
+    record.r[0], record.r[1] = r0, r1
+    record.d00, record.d11 = 1.0 / S0, 1.0 / S1
+    record.d10 = record.d12 = 0.0
+    P0, P1, P2 = p0 + parameters[c].offset[0], p1 + parameters[c].offset[1], p2 + parameters[c].offset[2]
+    mu = parameters[c].friction
     normal = math.sqrt(P0 * P0 + P1 * P1)
     bound, f0, f1 = mu * normal, 0.0, 0.0
     if normal > 0.0:
         f0, f1 = mu * P0 / normal, mu * P1 / normal
     g2, x = 0.0, P2
     if mu > 0.0:
-        g2 = w2 + S2 * p2 - rows[ROWS * c + 5]
+        g2 = w2 + S2 * p2 - row.target[2]
         x = P2 - r_t * g2
     if mu > 0.0 and abs(x) <= bound:
-        record[at + R2] = -g2 / S2
-        record[at + D20] = record[at + D21] = 0.0
-        record[at + D22] = 1.0 / S2
+        record.r[2] = -g2 / S2
+        record.d20 = record.d21 = 0.0
+        record.d22 = 1.0 / S2
         error = g2
     else:
         sign = 1.0 if x > 0.0 else -1.0
-        record[at + R2] = sign * (bound + f0 * r0 + f1 * r1) - P2
-        record[at + D20], record[at + D21] = sign * f0 / S0, sign * f1 / S1
-        record[at + D22] = 0.0
+        record.r[2] = sign * (bound + f0 * r0 + f1 * r1) - P2
+        record.d20, record.d21 = sign * f0 / S0, sign * f1 / S1
+        record.d22 = 0.0
         error = (P2 - sign * bound) / r_t
     return g0 * g0 + g1 * g1 + error * error
 
 
 @kernel(internal=True)
-def clip(kinds: NDArray[np.int64], parameters: NDArray[np.float64], c: int, p: NDArray[np.float64]) -> None:
+def clip(kinds: Records[RowKind], parameters: Records[RowParameters], c: int, p: NDArray[np.float64]) -> None:
     """Remove what rounding left outside of the cone of friction."""
-    kind = kinds[c, 0]
+    kind = kinds[c].kind
     first = 3 * c
     if kind == INACTIVE:
         p[first] = p[first + 1] = p[first + 2] = 0.0
         return
-    mu = parameters[c, FRICTION]
-    normal = p[first] + parameters[c, OFFSET]
+    mu = parameters[c].friction
+    normal = p[first] + parameters[c].offset[0]
     if kind == CURVE:
-        bound = mu * math.hypot(normal, p[first + 1] + parameters[c, OFFSET + 1])
-        o2 = parameters[c, OFFSET + 2]
+        bound = mu * math.hypot(normal, p[first + 1] + parameters[c].offset[1])
+        o2 = parameters[c].offset[2]
         p[first + 2] = min(max(p[first + 2], -bound - o2), bound - o2)
         return
     if kind == UNILATERAL and normal < 0.0:
-        p[first], normal = -parameters[c, OFFSET], 0.0
+        p[first], normal = -parameters[c].offset[0], 0.0
     bound = mu * (abs(normal) if kind == BILATERAL else max(0.0, normal))
-    P1, P2 = p[first + 1] + parameters[c, OFFSET + 1], p[first + 2] + parameters[c, OFFSET + 2]
+    P1, P2 = p[first + 1] + parameters[c].offset[1], p[first + 2] + parameters[c].offset[2]
     size = math.hypot(P1, P2)
     if size > bound:
         factor = bound / size
-        p[first + 1] = factor * P1 - parameters[c, OFFSET + 1]
-        p[first + 2] = factor * P2 - parameters[c, OFFSET + 2]
+        p[first + 1] = factor * P1 - parameters[c].offset[1]
+        p[first + 2] = factor * P2 - parameters[c].offset[2]

@@ -9,33 +9,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.contours.layout import CONTOUR_WIDTH, WEIGHTS
 from heavylift.contours.modal_sums import modal_data
 from heavylift.contours.neutral import NeutralContour, packed
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Records, records
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.rigid import principal_frame
 from heavylift.solver.connections import GROUND
 from heavylift.solver.contact.checks import check_about_curve
 from heavylift.solver.contact.kind import (
-    BODY,
-    CONTOUR_COLUMNS,
-    CONTROLS,
-    DIMENSION,
-    DIRECTOR,
-    DOF,
-    FLIP,
     OF_GROUND,
     OF_MESH,
     OF_MODES,
     OF_RIGID,
-    ORIGIN,
-    OWNER,
-    POSE_WIDTH,
-    RADIUS_OF,
-    REACH,
-    ROTATION,
-    WIDTH_OF,
+    ContactContour,
+    ContourPose,
     Samples,
 )
 from heavylift.solver.contact.sample_packing import pack_samples
@@ -67,8 +56,8 @@ class PackedContours:
         Two directions across each curve, in the world at the start, shape (2, 3): first guess of the normals of a bead.
     """
 
-    rows: NDArray[np.int64]
-    poses: NDArray[np.float64]
+    rows: Records[ContactContour]
+    poses: Records[ContourPose]
     constants: NDArray[np.float64]
     net: NDArray[np.float64]
     samples: Samples
@@ -105,30 +94,31 @@ def pack_contours(scene: Scene, ordered: Sequence[AnyBody], dofs: Mapping[str, i
     ]
     table, knots, weights, net = packed(moved)
     constants = [knots, weights]
-    rows = np.zeros((len(moved), CONTOUR_COLUMNS), dtype=np.int64)
-    poses = np.zeros((len(moved), POSE_WIDTH))
-    rows[:, :CONTOUR_WIDTH] = table
-    rows[:, WEIGHTS] += np.where(table[:, WEIGHTS] >= 0, len(knots), 0)
+    rows = records(ContactContour, len(moved))
+    poses = records(ContourPose, len(moved))
+    for name in PackedContour.fields_of:
+        rows[name] = table[name]
+    rows["first_weight"] += np.where(table["first_weight"] >= 0, len(knots), 0)
     start = len(knots) + len(weights)
     modes, normals = [], []
     for i, (contour, one, (_, axes)) in enumerate(zip(scene.contours, moved, frames, strict=True)):
         body = by_name.get(contour.body)
         data = _control_data(contour, one, body)
-        rows[i, OWNER] = _owner(body)
-        rows[i, DOF] = -1 if body is None else dofs[contour.body]
-        rows[i, CONTROLS] = start
-        rows[i, DIMENSION] = len(one.spaces)
-        rows[i, FLIP] = -1 if contour.flip else 1
-        rows[i, BODY] = -1 if body is None else list(by_name).index(contour.body)
+        rows[i].owner = _owner(body)
+        rows[i].dof = -1 if body is None else dofs[contour.body]
+        rows[i].controls = start
+        rows[i].dimension = len(one.spaces)
+        rows[i].flip = -1 if contour.flip else 1
+        rows[i].body = -1 if body is None else list(by_name).index(contour.body)
         constants.append(data)
         start += len(data)
-        poses[i, ROTATION : ROTATION + 9] = np.eye(3).ravel()
+        poses[i].rotation[:] = np.eye(3).ravel()
         if isinstance(body, MeshBody):
-            poses[i, ROTATION : ROTATION + 9] = rotation_matrix(body.orientation).ravel()
-            poses[i, ORIGIN : ORIGIN + 3] = body.position
-        poses[i, REACH] = np.linalg.norm(one.control, axis=1).max()
-        poses[i, DIRECTOR : DIRECTOR + 3] = np.asarray(contour.director, dtype=np.float64) @ axes
-        poses[i, RADIUS_OF], poses[i, WIDTH_OF] = contour.radius, contour.width
+            poses[i].rotation[:] = rotation_matrix(body.orientation).ravel()
+            poses[i].origin[:] = body.position
+        poses[i].reach = np.linalg.norm(one.control, axis=1).max()
+        poses[i].director[:] = np.asarray(contour.director, dtype=np.float64) @ axes
+        poses[i].radius, poses[i].width = contour.radius, contour.width
         modes.append(len(one.modal))
         normals.append(_across(contour, neutrals[i], body))
     constants_of_all = np.concatenate([np.zeros(0), *constants])

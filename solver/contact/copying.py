@@ -7,10 +7,12 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.carried import LINE
-from heavylift.solver.contact.kind import KNOWN, ContactRows
-from heavylift.solver.rows import ROW_COLUMNS
+from heavylift.solver.contact.kind import ContactRows, ContactState
+from heavylift.solver.rows import ROW_VECTORS
 
 __all__ = ["copy_carried"]
+
+STATE_WORDS = ContactState.layout.itemsize // 8
 
 
 @kernel(internal=True)
@@ -19,13 +21,14 @@ def copy_carried(contacts: ContactRows, source: NDArray[np.float64], target: NDA
 
     Rows, states and `placed` of the contacts are the last parts of the carried numbers, each in whole cache lines.
     """
-    known, whole = int(contacts.control[KNOWN]), source.shape[0]
+    known, whole = contacts.control.known, source.shape[0]
     placed = whole - _lines(contacts.placed.size)
-    states = placed - _lines(contacts.state.size)
-    rows = states - _lines(contacts.rows.size)
-    for i in range(rows + known * ROW_COLUMNS * len(contacts.shape[1])):
+    states = placed - _lines(contacts.state.size * STATE_WORDS)
+    width = ROW_VECTORS * len(contacts.shape[1])
+    rows = states - _lines(len(contacts.rows) * width)
+    for i in range(rows + known * width):
         target[i] = source[i]
-    for i in range(states, states + known * contacts.state.shape[1]):
+    for i in range(states, states + known * STATE_WORDS):
         target[i] = source[i]
     for i in range(placed, whole):
         target[i] = source[i]

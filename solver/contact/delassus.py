@@ -11,11 +11,7 @@ from heavylift.solver.contact.system_interface import respond
 from heavylift.solver.interface import Systems
 from heavylift.solver.rows import (
     DIAGONAL,
-    DOF,
     FACTORED,
-    HOLDER,
-    PANEL,
-    WIDTH,
 )
 
 __all__ = ["assemble_delassus", "contact_rates", "push"]
@@ -29,16 +25,16 @@ def push(
     lanes = len(contacts.shape[1])
     half = contacts.panels.shape[0] // 2
     for i in (2 * contact, 2 * contact + 1):
-        holder = contacts.attachments[i, HOLDER]
+        holder = contacts.attachments[i].holder
         if holder != DIAGONAL and holder != FACTORED:  # noqa: PLR1714  a set costs time here
             continue
-        dof, at = contacts.attachments[i, DOF], contacts.attachments[i, PANEL] + row
+        dof, at = contacts.attachments[i].dof, contacts.attachments[i].panel + row
         if holder == FACTORED:
             at += half
-            for k in range(contacts.attachments[i, WIDTH]):
+            for k in range(contacts.attachments[i].width):
                 velocity[dof + k] += contacts.panels[at + k * lanes] * impulse
         else:
-            for k in range(contacts.attachments[i, WIDTH]):
+            for k in range(contacts.attachments[i].width):
                 velocity[dof + k] += (
                     contacts.panels[at + k * lanes] * contacts.inverse_mass[dof + k] * impulse
                 )
@@ -52,8 +48,8 @@ def contact_rates(
     lanes = len(contacts.shape[1])
     a = b = c = 0.0
     for i in (2 * contact, 2 * contact + 1):
-        dof, panel = contacts.attachments[i, DOF], contacts.attachments[i, PANEL]
-        for k in range(contacts.attachments[i, WIDTH]):
+        dof, panel = contacts.attachments[i].dof, contacts.attachments[i].panel
+        for k in range(contacts.attachments[i].width):
             v = velocity[dof + k]
             at = panel + k * lanes
             a += contacts.panels[at] * v

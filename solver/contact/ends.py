@@ -15,55 +15,10 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact import layout as told
-from heavylift.solver.contact.counts import contact_count, set_number
+from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.events import CLOSE, MOST_EVENTS, SHORTEST, gap_tolerance
-from heavylift.solver.contact.kind import (
-    BILATERAL,
-    CLOSED,
-    COMPLIANT,
-    CURVE,
-    DAMPING,
-    END_GAP,
-    END_GAP_2,
-    EXPONENT,
-    FORCE,
-    FORCE_LAW,
-    FRICTION,
-    FRICTION_FORCE,
-    GAP,
-    GAP_2,
-    IMPACT,
-    IMPACTS,
-    IMPULSES,
-    LARGEST_CONTROLS,
-    LAW,
-    LOSS,
-    MIDDLE_FORCE,
-    NEW,
-    NOMINAL,
-    NORMAL,
-    NORMAL_FORCE,
-    PRESENT,
-    PRESENT_COUNT,
-    RATE,
-    RECENT,
-    REST_SPEED,
-    RESTITUTION,
-    RIGID,
-    SHAPE,
-    SIZE,
-    SLEEP,
-    SLIP,
-    SLIP_SPEED,
-    STEP_IMPULSE,
-    STIFFNESS,
-    TANGENT,
-    TOUCH_DAMPING,
-    TRIANGLES,
-    WARM,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.laws import normal_force
 from heavylift.solver.contact.mesh_interface import place_surfaces
 from heavylift.solver.contact.restitution import bound_restitution
@@ -71,7 +26,6 @@ from heavylift.solver.contact.search_end import judge_searches
 from heavylift.solver.contact.stage import (
     assemble_response,
     friction_rows,
-    impulse_row,
     present_at,
     slip_stiffness,
     softness_of,
@@ -79,10 +33,6 @@ from heavylift.solver.contact.stage import (
 )
 from heavylift.solver.contact.system_interface import follow_end, project_contacts
 from heavylift.solver.interface import (
-    LAST_STEP,
-    SPLIT,
-    STATUS_BLOCK,
-    STATUS_OUTCOME,
     Bodies,
     Joints,
     Systems,
@@ -92,7 +42,6 @@ from heavylift.solver.interface import (
     close_step,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import HALF_IMPULSE, IMPULSE, REACTION
 
 __all__ = ["REST", "pressed_force"]
 
@@ -113,13 +62,14 @@ STICKING = 1e-9
 def _is_new(contacts: ContactRows, c: int, step: float, velocity: NDArray[np.float64]) -> bool:
     """Whether an open contact without compliance closes at the end of this step."""
     state = contacts.state[c]
-    if state[CLOSED] > 0.0 or contacts.table[c, LAW] == COMPLIANT:
+    if state.closed or contacts.table[c].law == COMPLIANT:
         return False
-    if state[PRESENT] > 0.0 and contacts.rows[impulse_row(contacts, c, HALF_IMPULSE)] > 0.0:
+    if state.present and contacts.rows[c].half_impulse[0] > 0.0:
         return True  # stopped by its row in the middle of the step
     rate = contact_rates(contacts, c, velocity)[0]
-    soon = -SHORTEST * rate * contacts.control[NOMINAL]  # what would touch at once belongs to the same impact
-    return rate < 0.0 and state[END_GAP] <= gap_tolerance(contacts, c, rate) + soon
+    # what would touch at once belongs to the same impact
+    soon = -SHORTEST * rate * contacts.control.nominal_step
+    return rate < 0.0 and state.end_gap <= gap_tolerance(contacts, c, rate) + soon
 
 
 @implement(project_contacts, ContactRows)
@@ -141,13 +91,13 @@ def project_contact_rows(
     closed, hits = 0, 0
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
-        at = impulse_row(contacts, c, IMPULSE)
+        impulse = contacts.rows[c].impulse
         for r in range(3):
-            contacts.rows[at + r] = state[WARM + r] = 0.0
-        state[NEW] = 1.0 if _is_new(contacts, c, step, work.velocity) else 0.0
-        if state[NEW] > 0.0 and state[PRESENT] == 0.0:
+            impulse[r] = state.warm_start[r] = 0.0
+        state.new = _is_new(contacts, c, step, work.velocity)
+        if state.new and not state.present:
             hits += 1
-        elif state[CLOSED] > 0.0:
+        elif state.closed:
             closed += 1
     apart = closed > 0 and hits > 0
     if apart:
@@ -155,10 +105,10 @@ def project_contact_rows(
             return
         add_row_work(bodies, 1.0, work, contacts)
         for c in range(contact_count(contacts)):
-            at, half = impulse_row(contacts, c, IMPULSE), impulse_row(contacts, c, HALF_IMPULSE)
+            impulse, half_impulse = contacts.rows[c].impulse, contacts.rows[c].half_impulse
             for r in range(3):
-                contacts.rows[half + r] += 0.5 * contacts.rows[at + r]
-                contacts.rows[at + r] = 0.0
+                half_impulse[r] += 0.5 * impulse[r]
+                impulse[r] = 0.0
     _project(contacts, bodies, rows, work, step, not apart, True)
 
 
@@ -188,15 +138,15 @@ def _project(
         state = contacts.state[c]
         rubs = (
             smooth
-            and contacts.table[c, LAW] == COMPLIANT
-            and state[PRESENT] > 0.0
-            and contacts.values[c, FRICTION] > 0.0
-            and contacts.table[c, SHAPE] != TRIANGLES  # there friction yields
+            and contacts.table[c].law == COMPLIANT
+            and state.present
+            and contacts.values[c].friction > 0.0
+            and contacts.table[c].shape_kind != TRIANGLES  # there friction yields
         )
-        if state[CLOSED] > 0.0 or (hits and state[NEW] > 0.0) or rubs:
-            contacts.places[LARGEST_CONTROLS + count] = c
+        if state.closed or (hits and state.new) or rubs:
+            contacts.present[count] = c
             count += 1
-    set_number(contacts, PRESENT_COUNT, count)
+    contacts.counts.present = count
     if count == 0:
         return True
     apply_inverse(bodies, False, contacts)
@@ -205,11 +155,12 @@ def _project(
     assemble_response(contacts, rows, count)
     for j in range(count):  # whether it rests afterwards is told by the rate before
         c = present_at(contacts, j)
-        contacts.state[c, RATE] = contact_rates(contacts, c, work.velocity)[0]
+        contacts.state[c].rate = contact_rates(contacts, c, work.velocity)[0]
     if not solve_present(contacts, count, work):
-        if step > SHORTEST_PART * contacts.control[NOMINAL]:  # not found: two steps may do what one does not
-            work.status[STATUS_OUTCOME] = work.status[STATUS_BLOCK] = 0
-            work.control[SPLIT] = 0.5 * step
+        # not found: two steps may do what one does not
+        if step > SHORTEST_PART * contacts.control.nominal_step:
+            work.status.outcome = work.status.block = 0
+            work.control.split = 0.5 * step
         return False
     if hits and not bound_restitution(contacts, count, work):
         return False
@@ -225,25 +176,25 @@ def _tell_end(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -> N
     c = present_at(contacts, j)
     state, values, law = contacts.state[c], contacts.values[c], contacts.laws[j]
     friction_rows(contacts, j, softness_of(contacts, c), 0.0)
-    half = impulse_row(contacts, c, HALF_IMPULSE)
+    half_impulse = contacts.rows[c].half_impulse
     for r in range(3):
-        law[told.OFFSET + r] = 2.0 * contacts.rows[half + r] if smooth or state[NEW] > 0.0 else 0.0
-    kind = contacts.table[c, LAW]
+        law.offset[r] = 2.0 * half_impulse[r] if smooth or state.new else 0.0
+    kind = contacts.table[c].law
     if kind == COMPLIANT:
-        contacts.kinds[j, 0] = told.NORMAL_GIVEN
+        contacts.kinds[j].kind = told.NORMAL_GIVEN
     elif kind == BILATERAL:
-        contacts.kinds[j, 0] = told.BILATERAL
+        contacts.kinds[j].kind = told.BILATERAL
     elif kind == CURVE:
-        contacts.kinds[j, 0] = told.CURVE
+        contacts.kinds[j].kind = told.CURVE
     else:
-        contacts.kinds[j, 0] = told.UNILATERAL
-        if state[NEW] > 0.0:
-            rate = state[RATE] if state[PRESENT] > 0.0 else contact_rates(contacts, c, work.velocity)[0]
+        contacts.kinds[j].kind = told.UNILATERAL
+        if state.new:
+            rate = state.rate if state.present else contact_rates(contacts, c, work.velocity)[0]
             # what is still inside from an impact before comes to rest, or it would hit again in every step
-            outside = state[GAP] >= -CLOSE * values[SIZE]
-            if outside and -rate > values[REST_SPEED] and state[RECENT] < MOST_EVENTS:
-                law[told.TARGET] = -values[RESTITUTION] * rate
-        law[told.WANTED] = law[told.TARGET]
+            outside = state.gap >= -CLOSE * values.length_scale
+            if outside and -rate > values.rest_speed and state.recent_impacts < MOST_EVENTS:
+                law.target[0] = -values.restitution * rate
+        law.wanted = law.target[0]
 
 
 @kernel(internal=True)
@@ -251,21 +202,21 @@ def _book_impact(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -
     """Energy lost by an impact: its impulse on the mean of the rates before and after; by friction likewise."""
     c = present_at(contacts, j)
     state = contacts.state[c]
-    at = impulse_row(contacts, c, IMPULSE)
+    impulse = contacts.rows[c].impulse
     w, free = contacts.rates[2], contacts.rates[0]
     loss = 0.0
-    first = 2 if contacts.table[c, LAW] == CURVE else 1
+    first = 2 if contacts.table[c].law == CURVE else 1
     # what slides over a ridge of triangles takes a small blow in its new direction
-    if not smooth or state[NEW] > 0.0 or contacts.table[c, SHAPE] == TRIANGLES:
+    if not smooth or state.new or contacts.table[c].shape_kind == TRIANGLES:
         first = 0
     for r in range(first, 3):
         before = free[3 * j + r]
-        loss -= 0.5 * contacts.rows[at + r] * (before + w[3 * j + r])
-    state[LOSS] += loss
-    if state[NEW] > 0.0:
-        contacts.control[IMPACT] = 1.0
-        state[RECENT] += 1.0
-        state[IMPACTS] += 1.0
+        loss -= 0.5 * impulse[r] * (before + w[3 * j + r])
+    state.loss += loss
+    if state.new:
+        contacts.control.impact = True
+        state.recent_impacts += 1
+        state.impacts += 1
 
 
 @implement(close_step, ContactRows)
@@ -284,57 +235,57 @@ def close_contact_step(
 @kernel(internal=True)
 def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> None:
     state, values = contacts.state[c], contacts.values[c]
-    at, half = impulse_row(contacts, c, IMPULSE), impulse_row(contacts, c, HALF_IMPULSE)
-    reaction = impulse_row(contacts, c, REACTION)
-    kind = contacts.table[c, LAW]
-    touched = state[PRESENT] > 0.0 or state[NEW] > 0.0 or state[CLOSED] > 0.0
-    if not touched and state[SLEEP] > 0.0:
-        state[STEP_IMPULSE] = 0.0
-        state[NORMAL_FORCE] = state[FRICTION_FORCE] = state[SLIP_SPEED] = 0.0
+    impulse, half_impulse = contacts.rows[c].impulse, contacts.rows[c].half_impulse
+    reaction = contacts.rows[c].reaction
+    kind = contacts.table[c].law
+    touched = state.present or state.new or state.closed
+    if not touched and state.sleep > 0.0:
+        state.step_impulse = 0.0
+        state.normal_force = state.friction_force = state.slip_speed = 0.0
         for r in range(3):
-            contacts.rows[reaction + r] = state[FORCE + r] = state[WARM + r] = state[MIDDLE_FORCE + r] = 0.0
-        state[GAP], state[GAP_2] = state[END_GAP], state[END_GAP_2]
+            reaction[r] = state.force[r] = state.warm_start[r] = state.middle_force[r] = 0.0
+        state.gap, state.second_gap = state.end_gap, state.second_end_gap
         # so near it has been searched, and has rows
-        if state[END_GAP] <= CLOSE * values[SIZE] or contacts.table[c, SHAPE] == TRIANGLES:
-            state[RATE] = contact_rates(contacts, c, work.velocity)[0]
+        if state.end_gap <= CLOSE * values.length_scale or contacts.table[c].shape_kind == TRIANGLES:
+            state.rate = contact_rates(contacts, c, work.velocity)[0]
         return
     a, b, d = contact_rates(contacts, c, work.velocity)
-    total = 2.0 * contacts.rows[half] + contacts.rows[at]
+    total = 2.0 * half_impulse[0] + impulse[0]
     if kind == CURVE:
-        total = math.hypot(total, 2.0 * contacts.rows[half + 1] + contacts.rows[at + 1])
-    state[IMPULSES] += abs(total) if kind == CURVE else total
-    state[STEP_IMPULSE] = total
-    resting = state[PRESENT] > 0.0 and state[NEW] == 0.0
-    ahead = step / (step + work.control[LAST_STEP])
+        total = math.hypot(total, 2.0 * half_impulse[1] + impulse[1])
+    state.impulse += abs(total) if kind == CURVE else total
+    state.step_impulse = total
+    resting = state.present and not state.new
+    ahead = step / (step + work.control.last_step)
     for r in range(3):
-        middle = (2.0 * contacts.rows[half + r] + contacts.rows[at + r]) / step if resting else 0.0
-        before = state[MIDDLE_FORCE + r]
+        middle = (2.0 * half_impulse[r] + impulse[r]) / step if resting else 0.0
+        before = state.middle_force[r]
         continued = before != 0.0 and middle != 0.0 and kind != COMPLIANT
-        contacts.rows[reaction + r] = middle + (ahead * (middle - before) if continued else 0.0)
-        state[MIDDLE_FORCE + r] = middle
-        state[WARM + r] = contacts.rows[half + r]
+        reaction[r] = middle + (ahead * (middle - before) if continued else 0.0)
+        state.middle_force[r] = middle
+        state.warm_start[r] = half_impulse[r]
     if kind == COMPLIANT:
-        contacts.rows[reaction] = pressed_force(contacts, c, a)
-        if state[END_GAP] >= 0.0:
-            state[TOUCH_DAMPING] = -1.0
+        reaction[0] = pressed_force(contacts, c, a)
+        if state.end_gap >= 0.0:
+            state.touch_damping = -1.0
     elif kind != BILATERAL and kind != CURVE:  # noqa: PLR1714  a set costs time here
-        stays = state[CLOSED] > 0.0 and total > 0.0 and state[END_GAP] <= OFF * values[SIZE]
+        stays = state.closed and total > 0.0 and state.end_gap <= OFF * values.length_scale
         # of more contacts than needed some bear nothing, and rest all the same
-        if contacts.table[c, SHAPE] == TRIANGLES:
-            stays = stays or (state[CLOSED] > 0.0 and state[END_GAP] <= gap_tolerance(contacts, c, a))
-        stays = stays or (state[NEW] > 0.0 and a <= REST * abs(state[RATE]))
-        state[CLOSED] = 1.0 if stays else 0.0
+        if contacts.table[c].shape_kind == TRIANGLES:
+            stays = stays or (state.closed and state.end_gap <= gap_tolerance(contacts, c, a))
+        stays = stays or (state.new and a <= REST * abs(state.rate))
+        state.closed = stays
     first = 2 if kind == CURVE else 1
-    bound = values[FRICTION] * abs(total)
+    bound = values.friction * abs(total)
     held = 0.0
     for r in range(first, 3):
-        held = math.hypot(held, 2.0 * contacts.rows[half + r] + contacts.rows[at + r])
-    if (state[CLOSED] == 0.0 and kind != COMPLIANT) or held >= bound * (1.0 - STICKING):
+        held = math.hypot(held, 2.0 * half_impulse[r] + impulse[r])
+    if (not state.closed and kind != COMPLIANT) or held >= bound * (1.0 - STICKING):
         _let_slip(contacts, c, bound / step)
     speed = abs(d) if kind == CURVE else math.hypot(b, d)
-    state[SLIP_SPEED] = speed if total != 0.0 else 0.0
-    state[RATE] = a
-    state[GAP], state[GAP_2] = state[END_GAP], state[END_GAP_2]
+    state.slip_speed = speed if total != 0.0 else 0.0
+    state.rate = a
+    state.gap, state.second_gap = state.end_gap, state.second_end_gap
     _keep_in_cone(contacts, c, reaction, kind)
     _write_force(contacts, c, reaction, kind)
 
@@ -343,9 +294,9 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
 def _let_slip(contacts: ContactRows, c: int, most: float) -> None:
     """What slides keeps no memory of where it stuck, but for what the largest force of friction [N] stretches."""
     state = contacts.state[c]
-    stretched = slip_stiffness(contacts, c) * math.hypot(state[SLIP], state[SLIP + 1])
+    stretched = slip_stiffness(contacts, c) * math.hypot(state.slip[0], state.slip[1])
     share = min(1.0, most / stretched) if stretched > 0.0 else 0.0
-    state[SLIP], state[SLIP + 1] = share * state[SLIP], share * state[SLIP + 1]
+    state.slip[0], state.slip[1] = share * state.slip[0], share * state.slip[1]
 
 
 @kernel(internal=True)
@@ -353,50 +304,49 @@ def pressed_force(contacts: ContactRows, c: int, rate: float) -> float:
     """Normal force [N] of a compliant contact at its gap, which opens at a rate [m/s]."""
     values = contacts.values[c]
     return normal_force(
-        contacts.table[c, FORCE_LAW],
-        values[STIFFNESS],
-        values[EXPONENT],
+        contacts.table[c].force_law,
+        values.stiffness,
+        values.exponent,
         _damping(contacts, c),
-        -contacts.state[c, END_GAP],
+        -contacts.state[c].end_gap,
         -rate,
     )
 
 
 @kernel(internal=True)
-def _keep_in_cone(contacts: ContactRows, c: int, reaction: int, kind: int) -> None:
+def _keep_in_cone(contacts: ContactRows, c: int, reaction: NDArray[np.float64], kind: int) -> None:
     """Forces that were carried on to the end of the step obey the law too: none pulls, friction has its bound."""
-    rows = contacts.rows
     first = 2 if kind == CURVE else 1
-    normal = math.hypot(rows[reaction], rows[reaction + 1]) if kind == CURVE else rows[reaction]
+    normal = math.hypot(reaction[0], reaction[1]) if kind == CURVE else reaction[0]
     if kind == RIGID or kind == COMPLIANT:  # noqa: PLR1714, SIM109  a set costs time here
-        normal = rows[reaction] = max(rows[reaction], 0.0)
-    bound, found = contacts.values[c, FRICTION] * abs(normal), 0.0
+        normal = reaction[0] = max(reaction[0], 0.0)
+    bound, found = contacts.values[c].friction * abs(normal), 0.0
     for r in range(first, 3):
-        found = math.hypot(found, rows[reaction + r])
+        found = math.hypot(found, reaction[r])
     if found > bound:
         for r in range(first, 3):
-            rows[reaction + r] *= bound / found
+            reaction[r] *= bound / found
 
 
 @kernel(inline=True, internal=True)
 def _damping(contacts: ContactRows, c: int) -> float:
     """Of the force law at this touch."""
-    if contacts.table[c, FORCE_LAW] == told.HUNT_CROSSLEY:
-        return max(contacts.state[c, TOUCH_DAMPING], 0.0)
-    return contacts.values[c, DAMPING]
+    if contacts.table[c].force_law == told.HUNT_CROSSLEY:
+        return max(contacts.state[c].touch_damping, 0.0)
+    return contacts.values[c].damping
 
 
 @kernel(internal=True)
-def _write_force(contacts: ContactRows, c: int, reaction: int, kind: int) -> None:
+def _write_force(contacts: ContactRows, c: int, reaction: NDArray[np.float64], kind: int) -> None:
     """Force on what touches, in the world."""
     state = contacts.state[c]
-    f1, f2, f3 = contacts.rows[reaction], contacts.rows[reaction + 1], contacts.rows[reaction + 2]
-    n1, n2, n3 = state[NORMAL], state[NORMAL + 1], state[NORMAL + 2]
-    t1, t2, t3 = state[TANGENT], state[TANGENT + 1], state[TANGENT + 2]
+    f1, f2, f3 = reaction[0], reaction[1], reaction[2]
+    n1, n2, n3 = state.normal[0], state.normal[1], state.normal[2]
+    t1, t2, t3 = state.tangent[0], state.tangent[1], state.tangent[2]
     # the third direction of a surface is n x t, and so is that of a curve: normals and tangent are its axes
     s1, s2, s3 = n2 * t3 - n3 * t2, n3 * t1 - n1 * t3, n1 * t2 - n2 * t1
-    state[FORCE] = f1 * n1 + f2 * t1 + f3 * s1
-    state[FORCE + 1] = f1 * n2 + f2 * t2 + f3 * s2
-    state[FORCE + 2] = f1 * n3 + f2 * t3 + f3 * s3
-    state[NORMAL_FORCE] = math.hypot(f1, f2) if kind == CURVE else f1
-    state[FRICTION_FORCE] = abs(f3) if kind == CURVE else math.hypot(f2, f3)
+    state.force[0] = f1 * n1 + f2 * t1 + f3 * s1
+    state.force[1] = f1 * n2 + f2 * t2 + f3 * s2
+    state.force[2] = f1 * n3 + f2 * t3 + f3 * s3
+    state.normal_force = math.hypot(f1, f2) if kind == CURVE else f1
+    state.friction_force = abs(f3) if kind == CURVE else math.hypot(f2, f3)

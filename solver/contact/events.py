@@ -12,7 +12,7 @@ import math
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.copying import copy_carried
-from heavylift.solver.contact.counts import contact_count, number_of, set_number
+from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.interface import (
     bound_motion,
@@ -20,65 +20,14 @@ from heavylift.solver.contact.interface import (
     pose_contours,
     settle_points,
 )
-from heavylift.solver.contact.kind import (
-    AXES,
-    CENTRE,
-    CLOSED,
-    COMPLIANT,
-    CONTOUR,
-    CURVE,
-    END_GAP,
-    EVENTS,
-    EXPONENT,
-    EXTENT,
-    FORCE_LAW,
-    GAP,
-    HIGH,
-    HIGH_GAP,
-    HIGH_RATE,
-    HIT,
-    IMPACT,
-    JOINS,
-    KNOWN,
-    LAW,
-    LONGEST,
-    LOSS,
-    LOW,
-    LOW_GAP,
-    NOMINAL,
-    OF_CONTOURS,
-    PLACES_BEHIND,
-    PRESENT,
-    RATE,
-    RECENT,
-    RIGID,
-    SHAPE,
-    SHIFT,
-    SIZE,
-    SLEEP,
-    SLIP,
-    SLIP_PATH,
-    SPLITS,
-    STEP_SHIFT,
-    STIFFNESS,
-    STOPPING,
-    TRIANGLES,
-    WATCHED,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import COMPLIANT, CURVE, RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.locate import locate
-from heavylift.solver.contact.mesh_interface import (
-    bound_surfaces,
-    drop_contacts,
-    keep_found,
-    search_surfaces,
-)
-from heavylift.solver.contact.stage import NEAR, impulse_row, looks_ahead
+from heavylift.solver.contact.mesh_interface import bound_surfaces, drop_contacts, keep_found, search_surfaces
+from heavylift.solver.contact.stage import NEAR, looks_ahead
 from heavylift.solver.contact.system_interface import after_step, before_advance, go_back, locate_ends
-from heavylift.solver.interface import SPLIT, Bodies, Workspace, add_row_work
+from heavylift.solver.interface import Bodies, Workspace, add_row_work
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import DOF, HALF_IMPULSE, IMPULSE, WIDTH
 
 __all__ = ["CLOSE", "MOST_EVENTS", "SHORTEST", "gap_tolerance"]
 
@@ -107,62 +56,62 @@ CLOSE = 1e-6
 @kernel(inline=True, internal=True)
 def gap_tolerance(contacts: ContactRows, c: int, rate: float) -> float:
     """Gap that counts as none [m]: of the size of the contact, and of the way in a whole step."""
-    return RESOLUTION * contacts.values[c, SIZE] + 1e-9 * abs(rate) * contacts.control[NOMINAL]
+    return RESOLUTION * contacts.values[c].length_scale + 1e-9 * abs(rate) * contacts.control.nominal_step
 
 
 @implement(before_advance, ContactRows)
 @kernel(internal=True)
 def before_contact_advance(contacts: ContactRows, bodies: Bodies, work: Workspace, step: float) -> None:
     """Copy of the state; then what the contacts do at the velocities of the middle."""
-    contacts.control[KNOWN] = contact_count(contacts)
+    contacts.control.known = contact_count(contacts)
     copy_carried(contacts, contacts.carried, contacts.saved)
     add_row_work(bodies, 2.0, work, contacts)
     bound_motion(bodies, contacts, step, work)
     bound_surfaces(contacts.meshes, contacts, bodies, step)
-    contacts.control[STOPPING] = 0.0
+    contacts.control.stopping_work = 0.0
     for c in range(contact_count(contacts)):
         _book_middle(contacts, c, work, step)
-        contacts.state[c, SHIFT] = _shift(contacts, c, work, step)
+        contacts.state[c].shift = _shift(contacts, c, work, step)
 
 
 @kernel(internal=True)
 def _book_middle(contacts: ContactRows, c: int, work: Workspace, step: float) -> None:
     """Losses of friction and dampers, elastic slip; the half impulses are kept for the end."""
     state, values = contacts.state[c], contacts.values[c]
-    at, half = impulse_row(contacts, c, IMPULSE), impulse_row(contacts, c, HALF_IMPULSE)
+    impulse, half_impulse = contacts.rows[c].impulse, contacts.rows[c].half_impulse
     for r in range(3):
-        contacts.rows[half + r] = contacts.rows[at + r]
-    if state[PRESENT] == 0.0:
+        half_impulse[r] = impulse[r]
+    if not state.present:
         return
     a, b, d = contact_rates(contacts, c, work.velocity)
-    kind = contacts.table[c, LAW]
-    if contacts.table[c, SHAPE] == TRIANGLES and kind == RIGID:
-        state[LOSS] -= 2.0 * contacts.rows[at] * a  # rows that look ahead stop what still moves
-        if state[CLOSED] == 0.0:
-            across = contacts.rows[at + 1] * b + contacts.rows[at + 2] * d
-            contacts.control[STOPPING] += 2.0 * (contacts.rows[at] * a + across)
+    kind = contacts.table[c].law
+    if contacts.table[c].shape_kind == TRIANGLES and kind == RIGID:
+        state.loss -= 2.0 * impulse[0] * a  # rows that look ahead stop what still moves
+        if not state.closed:
+            across = impulse[1] * b + impulse[2] * d
+            contacts.control.stopping_work += 2.0 * (impulse[0] * a + across)
     if kind == COMPLIANT:
-        d0, d1 = -state[GAP], -state[GAP] - step * a
-        law, k, n = contacts.table[c, FORCE_LAW], values[STIFFNESS], values[EXPONENT]
+        d0, d1 = -state.gap, -state.gap - step * a
+        law, k, n = contacts.table[c].force_law, values.stiffness, values.exponent
         stored = stored_energy(law, k, n, d1) - stored_energy(law, k, n, d0)
-        state[LOSS] -= 2.0 * contacts.rows[at] * a + stored
+        state.loss -= 2.0 * impulse[0] * a + stored
     if kind != CURVE:
-        state[LOSS] -= 2.0 * contacts.rows[at + 1] * b
-    state[LOSS] -= 2.0 * contacts.rows[at + 2] * d
-    state[SLIP] += step * b
-    state[SLIP + 1] += step * d
-    if contacts.rows[at] != 0.0 or kind == CURVE:
-        state[SLIP_PATH] += step * (abs(d) if kind == CURVE else math.hypot(b, d))
+        state.loss -= 2.0 * impulse[1] * b
+    state.loss -= 2.0 * impulse[2] * d
+    state.slip[0] += step * b
+    state.slip[1] += step * d
+    if impulse[0] != 0.0 or kind == CURVE:
+        state.slip_path += step * (abs(d) if kind == CURVE else math.hypot(b, d))
 
 
 @kernel(internal=True)
 def _shift(contacts: ContactRows, c: int, work: Workspace, step: float) -> float:
     """How far contour and shape can have moved towards each other in the step [m]."""
-    if contacts.table[c, SHAPE] == TRIANGLES:
-        other = contacts.table[c, AXES]
-        return contacts.poses[contacts.table[c, CONTOUR], STEP_SHIFT] + contacts.poses[other, STEP_SHIFT]
-    marker, axes = contacts.table[c, CENTRE], contacts.table[c, AXES]
-    dof, width = contacts.attachments[2 * c + 1, DOF], contacts.attachments[2 * c + 1, WIDTH]
+    if contacts.table[c].shape_kind == TRIANGLES:
+        other = contacts.table[c].axes
+        return contacts.poses[contacts.table[c].contour].step_shift + contacts.poses[other].step_shift
+    marker, axes = contacts.table[c].centre, contacts.table[c].axes
+    dof, width = contacts.attachments[2 * c + 1].dof, contacts.attachments[2 * c + 1].width
     speed = turning = 0.0
     for m in range(-1, 3):
         if m >= 0 and axes < 0:
@@ -178,8 +127,8 @@ def _shift(contacts: ContactRows, c: int, work: Workspace, step: float) -> float
             speed = math.sqrt(square)
         else:
             turning += square
-    moved = step * (speed + math.sqrt(turning) * contacts.values[c, EXTENT])
-    return moved + contacts.poses[contacts.table[c, CONTOUR], STEP_SHIFT]
+    moved = step * (speed + math.sqrt(turning) * contacts.values[c].extent)
+    return moved + contacts.poses[contacts.table[c].contour].step_shift
 
 
 @implement(locate_ends, ContactRows)
@@ -189,26 +138,28 @@ def locate_contact_ends(
 ) -> None:
     """Search where a gap may have closed; ask for a shorter step if one without compliance has."""
     posed = False
-    for c in range(number_of(contacts, OF_CONTOURS)):
+    for c in range(contacts.counts.of_contours):
         state = contacts.state[c]
-        asleep = state[SLEEP] > 0.0
-        state[SLEEP] -= state[SHIFT]
-        nearest = min(state[GAP], state[SLEEP] + state[SHIFT]) - state[SHIFT]
+        asleep = state.sleep > 0.0
+        state.sleep -= state.shift
+        nearest = min(state.gap, state.sleep + state.shift) - state.shift
         margin = (
-            NEAR * state[SHIFT] if contacts.table[c, LAW] == COMPLIANT else CLOSE * contacts.values[c, SIZE]
+            NEAR * state.shift
+            if contacts.table[c].law == COMPLIANT
+            else CLOSE * contacts.values[c].length_scale
         )
-        if state[SLEEP] > margin and state[CLOSED] == 0.0 and state[PRESENT] == 0.0:
-            state[END_GAP] = state[SLEEP]  # at least
+        if state.sleep > margin and not state.closed and not state.present:
+            state.end_gap = state.sleep  # at least
             continue
         if not posed:
             pose_contours(bodies, False, contacts)
             posed = True
         # far from where it was searched last another place may be nearer
-        locate(contacts, bodies, c, asleep and state[CLOSED] == 0.0, work)
-        if contacts.table[c, LAW] == RIGID or contacts.table[c, LAW] == COMPLIANT:
+        locate(contacts, bodies, c, asleep and not state.closed, work)
+        if contacts.table[c].law == RIGID or contacts.table[c].law == COMPLIANT:
             _look_behind(contacts, c, nearest)
-        state[SLEEP] = state[END_GAP]
-    if number_of(contacts, OF_CONTOURS) < contacts.table.shape[0]:
+        state.sleep = state.end_gap
+    if contacts.counts.of_contours < contacts.table.shape[0]:
         if not posed:
             pose_contours(bodies, False, contacts)
             posed = True
@@ -222,12 +173,12 @@ def locate_contact_ends(
 @kernel(internal=True)
 def _repeat_with_found(contacts: ContactRows, work: Workspace, step: float) -> None:
     """What came in and had no row, because nothing had been near before, has one when the step is tried again."""
-    for c in range(int(contacts.control[KNOWN]), contact_count(contacts)):
-        early = looks_ahead(contacts, c) or contacts.table[c, LAW] == COMPLIANT
-        if early and contacts.state[c, HIT] > 0.0:
+    for c in range(contacts.control.known, contact_count(contacts)):
+        early = looks_ahead(contacts, c) or contacts.table[c].law == COMPLIANT
+        if early and contacts.state[c].hit > 0:
             rate = contact_rates(contacts, c, work.velocity)[0]
-            if contacts.state[c, END_GAP] < -gap_tolerance(contacts, c, rate):
-                work.control[SPLIT] = step
+            if contacts.state[c].end_gap < -gap_tolerance(contacts, c, rate):
+                work.control.split = step
 
 
 @kernel(internal=True)
@@ -240,45 +191,45 @@ def _look_behind(contacts: ContactRows, c: int, nearest: float) -> None:
     them touches nothing until it has come round again, over a way of its distance and its radius at least.
     """
     state, values = contacts.state[c], contacts.values[c]
-    if state[CLOSED] == 0.0 and state[END_GAP] < nearest - BEHIND * (values[SIZE] + abs(nearest)):
-        state[END_GAP] = abs(state[END_GAP])
+    if not state.closed and state.end_gap < nearest - BEHIND * (values.length_scale + abs(nearest)):
+        state.end_gap = abs(state.end_gap)
 
 
 @kernel(internal=True)
 def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
-    """Set `work.control[SPLIT]` if an impact lies within the step, and keep its bracket."""
+    """Set `work.control.split` if an impact lies within the step, and keep its bracket."""
     control = contacts.control
-    if control[SPLITS] >= MOST_TRIALS * contact_count(contacts):
+    if control.splits >= MOST_TRIALS * contact_count(contacts):
         return
-    watched = int(control[WATCHED])
+    watched = control.watched
     if watched >= 0:
         state = contacts.state[watched]
         rate = contact_rates(contacts, watched, work.velocity)[0]
-        if state[END_GAP] > gap_tolerance(contacts, watched, rate):
-            control[LOW], control[LOW_GAP] = step, state[END_GAP]
+        if state.end_gap > gap_tolerance(contacts, watched, rate):
+            control.low, control.low_gap = step, state.end_gap
     worst, worst_time = -1, math.inf
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
-        if contacts.table[c, LAW] != RIGID or contacts.table[c, EVENTS] == 0 or state[CLOSED] > 0.0:
+        if contacts.table[c].law != RIGID or not contacts.table[c].events or state.closed:
             continue
-        if state[END_GAP] > 0.0 or state[RECENT] >= MOST_EVENTS:
+        if state.end_gap > 0.0 or state.recent_impacts >= MOST_EVENTS:
             continue
         rate = contact_rates(contacts, c, work.velocity)[0]
-        if state[END_GAP] < -gap_tolerance(contacts, c, rate):
-            guess = step - state[END_GAP] / rate if rate < 0.0 else 0.5 * step
+        if state.end_gap < -gap_tolerance(contacts, c, rate):
+            guess = step - state.end_gap / rate if rate < 0.0 else 0.5 * step
             if guess < worst_time:
                 worst, worst_time = c, guess
     if worst >= 0:
         if worst != watched:
-            control[WATCHED], control[LOW], control[LOW_GAP] = worst, 0.0, -1.0
+            control.watched, control.low, control.low_gap = worst, 0.0, -1.0
             if watched < 0:
-                control[LONGEST] = step
-        control[HIGH], control[HIGH_GAP] = step, contacts.state[worst, END_GAP]
-        control[HIGH_RATE] = contact_rates(contacts, worst, work.velocity)[0]
-    elif watched < 0 or control[LOW] != step:
-        control[WATCHED] = -1.0  # nothing is inside: the step stands
+                control.longest_step = step
+        control.high, control.high_gap = step, contacts.state[worst].end_gap
+        control.high_rate = contact_rates(contacts, worst, work.velocity)[0]
+    elif watched < 0 or control.low != step:
+        control.watched = -1  # nothing is inside: the step stands
         return
-    control[SPLITS] += 1.0
+    control.splits += 1
     _next_time(contacts, work, step)
 
 
@@ -287,60 +238,60 @@ def _never_leaves(contacts: ContactRows, c: int, step: float, end_rate: float) -
     """Whether a contact that touches at the start of the step is not outside between that and its end."""
     state = contacts.state[c]
     tolerance = gap_tolerance(contacts, c, end_rate)
-    if state[GAP] > tolerance:
+    if state.gap > tolerance:
         return False
-    slowing = state[RATE] - end_rate
-    if state[RATE] <= 0.0 or slowing <= 0.0:
+    slowing = state.rate - end_rate
+    if state.rate <= 0.0 or slowing <= 0.0:
         return True
     # highest point of a parabola with these rates
-    return bool(state[GAP] + 0.5 * step * state[RATE] * state[RATE] / slowing <= tolerance)
+    return bool(state.gap + 0.5 * step * state.rate * state.rate / slowing <= tolerance)
 
 
 @kernel(inline=True, internal=True)
 def _hits_at_once(contacts: ContactRows, c: int) -> bool:
     """Whether a contact that touches at the start approaches too fast to be at rest there."""
-    return -contacts.state[c, RATE] * contacts.control[NOMINAL] > CLOSE * contacts.values[c, SIZE]
+    return -contacts.state[c].rate * contacts.control.nominal_step > CLOSE * contacts.values[c].length_scale
 
 
 @kernel(internal=True)
 def _mark_joining(contacts: ContactRows, step: float, work: Workspace) -> None:
     """Between surfaces many contacts begin to rest together: all of them join, not one in each repeated step."""
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
         joins = False
-        if contacts.table[c, LAW] == RIGID and contacts.table[c, EVENTS] > 0 and state[CLOSED] == 0.0:
+        if contacts.table[c].law == RIGID and contacts.table[c].events and not state.closed:
             rate = contact_rates(contacts, c, work.velocity)[0]
-            inside = state[END_GAP] < -gap_tolerance(contacts, c, rate)
+            inside = state.end_gap < -gap_tolerance(contacts, c, rate)
             joins = inside and not _hits_at_once(contacts, c) and _never_leaves(contacts, c, step, rate)
-        set_number(contacts, PLACES_BEHIND + c, 1 if joins else 0)
+        contacts.joining[c] = joins
 
 
 @kernel(internal=True)
 def _next_time(contacts: ContactRows, work: Workspace, step: float) -> None:
     """Time of the impact by Newton from the side that is inside, by the secant where that leaves the bracket."""
     control = contacts.control
-    c = int(control[WATCHED])
-    low, high = control[LOW], control[HIGH]
-    t = high - control[HIGH_GAP] / control[HIGH_RATE] if control[HIGH_RATE] < 0.0 else 0.5 * (low + high)
+    c = control.watched
+    low, high = control.low, control.high
+    t = high - control.high_gap / control.high_rate if control.high_rate < 0.0 else 0.5 * (low + high)
     if low > 0.0 and step == low:  # the last trial was short of it
-        t = low + (high - low) * control[LOW_GAP] / (control[LOW_GAP] - control[HIGH_GAP])
+        t = low + (high - low) * control.low_gap / (control.low_gap - control.high_gap)
     if not low < t < high:
         t = 0.5 * (low + high)
-    if high - low <= 1e-12 * control[NOMINAL] and low > 0.0:
+    if high - low <= 1e-12 * control.nominal_step and low > 0.0:
         if step != high:
-            control[WATCHED] = -1.0
+            control.watched = -1
             return
         t = low
     elif low == 0.0 and (
-        t < SHORTEST * control[NOMINAL] or _never_leaves(contacts, c, step, control[HIGH_RATE])
+        t < SHORTEST * control.nominal_step or _never_leaves(contacts, c, step, control.high_rate)
     ):
         if _hits_at_once(contacts, c):
-            t = AT_ONCE * control[NOMINAL]  # hit by what another impact has done to its body
+            t = AT_ONCE * control.nominal_step  # hit by what another impact has done to its body
         else:
-            control[JOINS] = c
+            control.joins = c
             _mark_joining(contacts, step, work)
-            t = control[LONGEST]
-    work.control[SPLIT] = t
+            t = control.longest_step
+    work.control.split = t
 
 
 @implement(go_back, ContactRows)
@@ -350,13 +301,13 @@ def go_back_to_copy(contacts: ContactRows) -> None:
     keep_found(contacts.meshes, contacts, True)
     copy_carried(contacts, contacts.saved, contacts.carried)
     keep_found(contacts.meshes, contacts, False)
-    joins = int(contacts.control[JOINS])
+    joins = contacts.control.joins
     if joins >= 0:
-        contacts.state[joins, CLOSED] = 1.0
-        for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
-            if number_of(contacts, PLACES_BEHIND + c) > 0:
-                contacts.state[c, CLOSED] = 1.0
-        contacts.control[JOINS] = contacts.control[WATCHED] = -1.0
+        contacts.state[joins].closed = True
+        for c in range(contacts.counts.of_contours, contact_count(contacts)):
+            if contacts.joining[c] > 0:
+                contacts.state[c].closed = True
+        contacts.control.joins = contacts.control.watched = -1
 
 
 @implement(after_step, ContactRows)
@@ -366,13 +317,13 @@ def after_contact_step(
 ) -> None:
     """Brackets and counts belong to one step."""
     control = contacts.control
-    if control[IMPACT] > 0.0:
+    if control.impact:
         forget_accelerations(bodies)
-    control[IMPACT] = 0.0
-    control[WATCHED] = -1.0
-    control[LOW] = control[HIGH] = 0.0
+    control.impact = False
+    control.watched = -1
+    control.low = control.high = 0.0
     drop_contacts(contacts.meshes, contacts)
     if whole:
-        control[SPLITS] = 0.0
+        control.splits = 0
         for c in range(contact_count(contacts)):
-            contacts.state[c, RECENT] = 0.0
+            contacts.state[c].recent_impacts = 0

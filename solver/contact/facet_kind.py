@@ -4,14 +4,36 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from heavylift.numerics.arrays import Arrays, Floats1, Ints1, Ints2
+from heavylift.numerics.arrays import Arrays, Floats1, Ints1
+from heavylift.numerics.records import Record, Records
 
-__all__ = ["FacetSurfaces"]
+__all__ = ["FacetSurface", "FacetSurfaces"]
 
-# columns of `rows`: a row is a surface
-OF_SURFACE, OF_DOF, OF_POSE, OWN_POINT, POINTS, FIRST_SLOT, LAST_SLOT, ROW_COLUMNS = range(8)
-"""Its number; first velocity of its body; row of its pose; its first point in `first`, and how many it has; the moving
-points of its body that contacts between triangles may take."""
+
+class FacetSurface(Record):
+    """A surface.
+
+    Attributes
+    ----------
+    surface
+        Its number.
+    dof
+        First velocity of its body.
+    pose
+        Row of its pose.
+    own_point, points
+        Its first point in `first`, and how many it has.
+    first_slot, last_slot
+        The moving points of its body that contacts between triangles may take.
+    """
+
+    surface: int
+    dof: int
+    pose: int
+    own_point: int
+    points: int
+    first_slot: int
+    last_slot: int
 
 
 class FacetSurfaces(Arrays):
@@ -20,7 +42,7 @@ class FacetSurfaces(Arrays):
     Attributes
     ----------
     rows
-        See the columns; shape (n, 7).
+        The surfaces.
     row_of
         Row of each surface of the scene, -1 of those that are rigid.
     first
@@ -34,7 +56,7 @@ class FacetSurfaces(Arrays):
 
     kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.mesh_facets",)
 
-    rows: Ints2
+    rows: Records[FacetSurface]
     row_of: Ints1
     first: Ints1
     entries: Ints1

@@ -10,9 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.contact_rows import D00, D11, R0, RECORD, ROWS, clip, linearise
+from heavylift.solver.contact.contact_rows import (
+    RECORD,
+    ROWS,
+    clip,
+    linearise,
+    linearised_contact,
+    solved_rows,
+)
 from heavylift.solver.contact.iteration import ACCEPTED, measure
-from heavylift.solver.contact.layout import CURVE, FRICTION, INACTIVE
+from heavylift.solver.contact.layout import CURVE, INACTIVE
 from heavylift.solver.contact.problem import Problem, Work
 from heavylift.solver.contact.system import END
 
@@ -69,32 +76,32 @@ def _solve_contact(
     problem: Problem, work: Work, c: int, p: NDArray[np.float64], y: NDArray[np.float64]
 ) -> None:
     """Correct the impulses of one contact: normal rows first, then slip towards the rates that are left."""
-    kinds, parameters, rows, response = problem.kinds, problem.parameters, work.rows, work.kept
+    kinds, parameters, response = problem.kinds, problem.parameters, work.kept
+    record, solved = linearised_contact(work.records, RECORD * c), solved_rows(work.rows, ROWS * c)
     first = 3 * c
-    normals = 2 if kinds[c, 0] == CURVE else 1
+    normals = 2 if kinds[c].kind == CURVE else 1
     for i in range(normals):
         row, before = first + i, p[first + i]
         work.w[row] = _rate(problem, row, y)
         linearise(
             kinds,
             parameters,
-            rows,
+            solved,
             c,
             p,
             work.w,
-            1.0 / (response[first] + rows[ROWS * c]),
+            1.0 / (response[first] + solved.softness[0]),
             1.0,
-            work.records,
-            RECORD * c,
+            record,
         )
-        reaction = work.records[RECORD * c + D00] if i == 0 else work.records[RECORD * c + D11]
-        p[row] += work.records[RECORD * c + R0 + i] / (1.0 + reaction * response[row])
+        reaction = record.d00 if i == 0 else record.d11
+        p[row] += record.r[i] / (1.0 + reaction * response[row])
         _push(problem, row, p[row] - before, y)
-    if kinds[c, 0] == INACTIVE or parameters[c, FRICTION] <= 0.0:
+    if kinds[c].kind == INACTIVE or parameters[c].friction <= 0.0:
         size = 0.0
     else:
         size = 1.0 / (
-            max(response[first + 1], response[first + 2]) + max(rows[ROWS * c + 1], rows[ROWS * c + 2])
+            max(response[first + 1], response[first + 2]) + max(solved.softness[1], solved.softness[2])
         )
         if normals == 1:
             size *= 0.5  # both tangents at once
@@ -102,7 +109,7 @@ def _solve_contact(
     before = p[first]
     for i in range(normals, 3):
         if size > 0.0:
-            g = _rate(problem, first + i, y) + rows[ROWS * c + i] * p[first + i] - rows[ROWS * c + 3 + i]
+            g = _rate(problem, first + i, y) + solved.softness[i] * p[first + i] - solved.target[i]
             p[first + i] -= size * g
     clip(kinds, parameters, c, p)
     _push(problem, first, p[first] - before, y)

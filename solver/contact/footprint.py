@@ -10,37 +10,12 @@ import math
 
 from heavylift.contours.basis import find_span, wrap
 from heavylift.contours.evaluate import surface_weights
-from heavylift.contours.layout import (
-    CLOSED_U,
-    CLOSED_V,
-    COUNT_U,
-    COUNT_V,
-    DEGREE_U,
-    DEGREE_V,
-    KNOTS_U,
-    KNOTS_V,
-    NET,
-)
-from heavylift.contours.search_step import BORDER, FLAGS, U, V
+from heavylift.contours.search_step import BORDER
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.contact.features import Footprints, weigh
 from heavylift.solver.contact.interface import form_controls
-from heavylift.solver.contact.kind import (
-    CONTOUR,
-    CONTROL_COUNT,
-    DIRECTIONS,
-    END_GAP,
-    EVALUATE,
-    FOOTPRINT,
-    LARGEST_CONTROLS,
-    LEVER,
-    RADIUS,
-    RESULT,
-    RESULT_END,
-    WEIGHTS_AT,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.interface import Bodies
 from heavylift.solver.kinds import implement
 
@@ -59,20 +34,20 @@ def weigh_footprint(
     feature: Footprints, contacts: ContactRows, bodies: Bodies, c: int, y1: float, y2: float, y3: float
 ) -> None:
     """Control points under the disc about the touched point, and their weights; lever and gap become means."""
-    if contacts.values[c, FOOTPRINT] == 0.0:
+    if contacts.values[c].footprint == 0.0:
         return
-    contour = contacts.table[c, CONTOUR]
+    contour = contacts.table[c].contour
     row, scratch, places = contacts.contours[contour], contacts.scratch, contacts.places
-    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
-    dense = scratch[WEIGHTS_AT + LARGEST_CONTROLS : WEIGHTS_AT + 2 * LARGEST_CONTROLS]
-    single = scratch[WEIGHTS_AT + 2 * LARGEST_CONTROLS : WEIGHTS_AT + 3 * LARGEST_CONTROLS]
-    total = row[COUNT_U] * row[COUNT_V]
+    result, evaluate = scratch.result, scratch.evaluation
+    dense, single = scratch.dense, scratch.single
+    along, beside = result.tangent_u, result.tangent_v
+    total = row.u.count * row.v.count
     for i in range(total):
         dense[i] = 0.0
-    a = result[3] ** 2 + result[4] ** 2 + result[5] ** 2
-    d = result[6] ** 2 + result[7] ** 2 + result[8] ** 2
-    b = result[3] * result[6] + result[4] * result[7] + result[5] * result[8]
-    radius, size = contacts.values[c, FOOTPRINT], math.sqrt(a)
+    a = along[0] ** 2 + along[1] ** 2 + along[2] ** 2
+    d = beside[0] ** 2 + beside[1] ** 2 + beside[2] ** 2
+    b = along[0] * beside[0] + along[1] * beside[1] + along[2] * beside[2]
+    radius, size = contacts.values[c].footprint, math.sqrt(a)
     across = math.sqrt(max(d - b * b / a, 1e-300))
     low_u, high_u, low_v, high_v = 2.0, -2.0, 2.0, -2.0
     whole = 0.0
@@ -87,7 +62,7 @@ def weigh_footprint(
             x, y = r * math.cos(angle), r * math.sin(angle)
             dv = y / across
             du = x / size - b / a * dv
-            u, v = wrap(result[U] + du, row[CLOSED_U]), wrap(result[V] + dv, row[CLOSED_V])
+            u, v = wrap(result.u + du, row.u.closed), wrap(result.v + dv, row.v.closed)
             low_u, high_u, low_v, high_v = min(low_u, u), max(high_u, u), min(low_v, v), max(high_v, v)
             count = surface_weights(
                 row, contacts.constants, contacts.constants, u, v, evaluate, places, single
@@ -100,19 +75,22 @@ def weigh_footprint(
     for i in range(total):
         w = dense[i]
         if w != 0.0:
-            scratch[WEIGHTS_AT + count], places[count] = w, i
-            p1 += w * contacts.net[row[NET] + i, 0]
-            p2 += w * contacts.net[row[NET] + i, 1]
-            p3 += w * contacts.net[row[NET] + i, 2]
+            scratch.weights[count], places[count] = w, i
+            p1 += w * contacts.net[row.first_control + i, 0]
+            p2 += w * contacts.net[row.first_control + i, 1]
+            p3 += w * contacts.net[row.first_control + i, 2]
             count += 1
-    scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2] = p1, p2, p3
+    scratch.lever[0], scratch.lever[1], scratch.lever[2] = p1, p2, p3
     n1, n2, n3 = rotate_back(
-        contacts.poses[contour], scratch[DIRECTIONS], scratch[DIRECTIONS + 1], scratch[DIRECTIONS + 2]
+        contacts.poses[contour].rotation,
+        scratch.directions[0, 0],
+        scratch.directions[0, 1],
+        scratch.directions[0, 2],
     )
-    if int(result[FLAGS]) & BORDER == 0:  # beyond it the distance from the edge stands
+    if result.flags & BORDER == 0:  # beyond it the distance from the edge stands
         gap = n1 * (y1 - p1) + n2 * (y2 - p2) + n3 * (y3 - p3)
-        contacts.state[c, END_GAP] = gap - contacts.values[c, RADIUS]
-    contacts.places[CONTROL_COUNT] = count
+        contacts.state[c].end_gap = gap - contacts.values[c].radius
+    contacts.counts.controls = count
 
 
 @kernel(internal=True)
@@ -127,14 +105,14 @@ def _form_window(
 ) -> None:
     """Control points of a range of parameters; all of them where it goes over a seam."""
     row, knots = contacts.contours[contour], contacts.constants
-    p, q = row[DEGREE_U], row[DEGREE_V]
-    functions_u = row[COUNT_U] + row[CLOSED_U] * p
-    functions_v = row[COUNT_V] + row[CLOSED_V] * q
-    first_u, last_u, first_v, last_v = 0, row[COUNT_U] - 1, 0, row[COUNT_V] - 1
-    if row[CLOSED_U] == 0 or high_u - low_u < 0.5:
-        first_u = find_span(knots, row[KNOTS_U], p, functions_u, low_u) - p
-        last_u = find_span(knots, row[KNOTS_U], p, functions_u, high_u)
-    if row[CLOSED_V] == 0 or high_v - low_v < 0.5:
-        first_v = find_span(knots, row[KNOTS_V], q, functions_v, low_v) - q
-        last_v = find_span(knots, row[KNOTS_V], q, functions_v, high_v)
+    p, q = row.u.degree, row.v.degree
+    functions_u = row.u.count + row.u.closed * p
+    functions_v = row.v.count + row.v.closed * q
+    first_u, last_u, first_v, last_v = 0, row.u.count - 1, 0, row.v.count - 1
+    if not row.u.closed or high_u - low_u < 0.5:
+        first_u = find_span(knots, row.u.first_knot, p, functions_u, low_u) - p
+        last_u = find_span(knots, row.u.first_knot, p, functions_u, high_u)
+    if not row.v.closed or high_v - low_v < 0.5:
+        first_v = find_span(knots, row.v.first_knot, q, functions_v, low_v) - q
+        last_v = find_span(knots, row.v.first_knot, q, functions_v, high_v)
     form_controls(bodies, contacts, contour, first_u, last_u, first_v, last_v)

@@ -11,6 +11,7 @@ An aim lasts for the stage: `factor` and `advance` forget it. So at each stage a
 
 from __future__ import annotations
 
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.numerics.arrays import Floats1, Floats2, Ints1
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.interface import Bodies, Systems, Workspace
@@ -67,7 +68,7 @@ def form_mesh_controls(
     kinds: Bodies,
     dof: int,
     at_midpoint: bool,
-    contour: Ints1,
+    contour: PackedContour,
     first_u: int,
     last_u: int,
     first_v: int,
@@ -76,7 +77,7 @@ def form_mesh_controls(
 ) -> None:
     """Bodies: control points [m] of a window of the shape of the mesh whose first velocity is `dof`, into `net`.
 
-    Both ends of the window belong to it, and one of a ring goes round. The contour is its packed row, made from
+    Both ends of the window belong to it, and one of a ring goes round. The contour is packed, made from
     `heavylift.solver.bodies.ancf.mesh_contour`. Points are those of the midpoint or of the carried state, in the axes
     of the nodal coordinates.
     """
@@ -94,7 +95,7 @@ def aim_points(
     """Bodies: what a moving point of the mesh whose first velocity is `dof` is from now on.
 
     It is the sum of `count` control points of the shape times their weights; control (i, j) has the number
-    ``i COUNT_V + j``. Control points of several elements may take part, as under a footprint. Weights that are
+    ``i count_v + j``. Control points of several elements may take part, as under a footprint. Weights that are
     derivatives of basis functions make it a tangent instead of a point.
     """
 

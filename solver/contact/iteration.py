@@ -15,24 +15,17 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.contact_rows import (
-    D00,
-    D10,
-    D11,
-    D12,
-    D20,
-    D21,
-    D22,
-    R0,
-    R1,
-    R2,
     RECORD,
+    ROWS,
     linearise,
     linearise_unilateral,
+    linearised_contact,
+    solved_rows,
 )
 from heavylift.solver.contact.end_blocks import CONTACT, add_pair, load_pair, same_ends
 from heavylift.solver.contact.envelope import factor_near_diagonal, solve_near_diagonal
 from heavylift.solver.contact.layout import UNILATERAL
-from heavylift.solver.contact.problem import NEAR_DIAGONAL, SCALE, UNIT_MASS, Problem, Work
+from heavylift.solver.contact.problem import Problem, Work
 from heavylift.solver.contact.system import (
     add_unit,
     add_unit_to_product,
@@ -80,7 +73,7 @@ def _sum_impulses(problem: Problem, work: Work, p: NDArray[np.float64]) -> None:
 @kernel(internal=True)
 def _by_mass(problem: Problem, work: Work, z: NDArray[np.float64]) -> None:
     """Write ``y = B z``; the same where the masses are in the rows."""
-    if work.marks[UNIT_MASS] > 0.0:
+    if work.marks.unit_mass:
         for i in range(problem.size):
             work.y[i] = z[i]
     else:
@@ -105,7 +98,7 @@ def _evaluate(problem: Problem, work: Work, p: NDArray[np.float64]) -> tuple[flo
         multiply(size, problem.B, p, w)
         for i in range(size):
             w[i] += w0[i]
-    worst, largest, scale = 0.0, 0.0, work.marks[SCALE]
+    worst, largest, scale = 0.0, 0.0, work.marks.scale
     finite = True
     for c in range(count):
         i, o = 3 * c, CONTACT * c
@@ -120,14 +113,14 @@ def _evaluate(problem: Problem, work: Work, p: NDArray[np.float64]) -> tuple[flo
             v0, v1, v2 = w[i], w[i + 1], w[i + 2]
         p0, p1, p2 = p[i], p[i + 1], p[i + 2]
         r_n, r_t = work.inverse[2 * c], work.inverse[2 * c + 1]
-        at = RECORD * c
-        if kinds[c, 0] == UNILATERAL:
+        record, row = linearised_contact(records, RECORD * c), solved_rows(work.rows, ROWS * c)
+        if kinds[c].kind == UNILATERAL:
             square = linearise_unilateral(
-                problem.parameters, work.rows, c, p0, p1, p2, v0, v1, v2, r_n, r_t, records, at
+                problem.parameters, row, c, p0, p1, p2, v0, v1, v2, r_n, r_t, record
             )
         else:
-            square = linearise(kinds, problem.parameters, work.rows, c, p, w, r_n, r_t, records, at)
-        r0, r1, r2 = records[at + R0], records[at + R1], records[at + R2]
+            square = linearise(kinds, problem.parameters, row, c, p, w, r_n, r_t, record)
+        r0, r1, r2 = record.r[0], record.r[1], record.r[2]
         if on_blocks and (r0 != 0.0 or r1 != 0.0 or r2 != 0.0):
             add_rows(N, o, r0, r1, r2, work.sums)
         worst = max(worst, square)
@@ -157,11 +150,11 @@ def _solve_step(problem: Problem, work: Work, fresh: bool) -> bool:
     size, marks = problem.size, work.marks
     changed = update(problem.number, problem.ends, work.place, work.N, size, work.records, work.held, work.K)
     if changed or fresh:
-        marks[NEAR_DIAGONAL] = 0.0
-        if marks[UNIT_MASS] > 0.0:
+        marks.near_diagonal = False
+        if marks.unit_mass:
             add_unit(size, work.K, work.reach, work.A)
             if factor_near_diagonal(size, work.A, work.reach):
-                marks[NEAR_DIAGONAL] = 1.0
+                marks.near_diagonal = True
             else:
                 for i in range(size):
                     for j in range(size):
@@ -169,9 +162,9 @@ def _solve_step(problem: Problem, work: Work, fresh: bool) -> bool:
                     work.A[size * i + i] += 1.0
         else:
             add_unit_to_product(size, work.K, problem.B, work.A)
-        if marks[NEAR_DIAGONAL] == 0.0 and not factor(size, work.A, work.pivots):
+        if not marks.near_diagonal and not factor(size, work.A, work.pivots):
             return False
-    if marks[NEAR_DIAGONAL] > 0.0:
+    if marks.near_diagonal:
         solve_near_diagonal(size, work.A, work.reach, work.x)
     else:
         solve_factored(size, work.A, work.pivots, work.x)
@@ -196,8 +189,9 @@ def _correct(problem: Problem, work: Work, p: NDArray[np.float64], fresh: bool) 
             return -1.0
         solve_factored(n, work.A, work.pivots, x)
         for c in range(count):
+            record = linearised_contact(records, RECORD * c)
             for i in range(3):
-                dw[3 * c + i] = records[RECORD * c + R0 + i]
+                dw[3 * c + i] = record.r[i]
         for i in range(n):
             dw[int(work.active[i])] = x[i]
     step, largest = 0.0, 0.0
@@ -209,10 +203,10 @@ def _correct(problem: Problem, work: Work, p: NDArray[np.float64], fresh: bool) 
                     add_pair(ends, place, c - 1, work.sums, z)
                 load_pair(ends, place, c, work.y, work.pair)
             u0, u1, u2 = multiply_rows(N, CONTACT * c, work.pair)
-            a = RECORD * c
-            d0 = records[a + R0] - records[a + D00] * u0
-            d1 = records[a + R1] - records[a + D10] * u0 - records[a + D11] * u1 - records[a + D12] * u2
-            d2 = records[a + R2] - records[a + D20] * u0 - records[a + D21] * u1 - records[a + D22] * u2
+            a = linearised_contact(records, RECORD * c)
+            d0 = a.r[0] - a.d00 * u0
+            d1 = a.r[1] - a.d10 * u0 - a.d11 * u1 - a.d12 * u2
+            d2 = a.r[2] - a.d20 * u0 - a.d21 * u1 - a.d22 * u2
         else:
             d0, d1, d2 = dw[i], dw[i + 1], dw[i + 2]
         p0, p1, p2 = p[i] + d0, p[i + 1] + d1, p[i + 2] + d2

@@ -8,24 +8,42 @@ system of the joints, so they serve both with the same functions.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from heavylift.contours.layout import CONTOUR_WIDTH
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.contours.convex import Primitive
+from heavylift.contours.packed_contour import PackedContour
+from heavylift.contours.search_step import ContourSearch
+from heavylift.contours.surface_layout import RelativePose
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.lanes import block_shape
+from heavylift.numerics.records import Matrix3, Record, Records, Vector
+from heavylift.solver.contact.layout import RowKind, RowParameters, Solution
 from heavylift.solver.kinds import Table
 from heavylift.solver.rows import RowArrays
 
 if TYPE_CHECKING:
     from heavylift.solver.contact.newton import ContactSolvers
 
-__all__ = ["Colliding", "ContactRows", "Features", "Reduced", "Samples"]
-
-# columns of `table`: a row is a contact
-CONTOUR, SHAPE, LAW, CENTRE, AXES, COLUMN, FORCE_LAW, EVENTS, SLOT, PRIMITIVE_KIND, TABLE_WIDTH = range(11)
-"""Row of the contour; what touches; law; markers of its point and of three directions (-1 without); first record
-column; force law of a compliant contact; 1 to split steps at impacts; number of its moving point on a mesh; kind
-of a convex primitive."""
+__all__ = [
+    "Colliding",
+    "ContactContour",
+    "ContactEntry",
+    "ContactRows",
+    "ContactState",
+    "ContactValues",
+    "ContourPose",
+    "Counts",
+    "Events",
+    "Features",
+    "Reduced",
+    "ReducedCounts",
+    "SampleGrid",
+    "Samples",
+    "Scratch",
+]
 
 POINT, CIRCLE, CONVEX, TRIANGLES = range(4)
 """What touches: a point or ball, a ring, another convex primitive, another surface of triangles."""
@@ -33,137 +51,358 @@ POINT, CIRCLE, CONVEX, TRIANGLES = range(4)
 RIGID, BILATERAL, CURVE, COMPLIANT = range(4)
 """Laws: unilateral, a slider in a surface, a bead on a curve, a force law."""
 
-# columns of `values`: constants of a contact
-(
-    FRICTION,
-    RESTITUTION,
-    REST_SPEED,
-    STIFFNESS,
-    EXPONENT,
-    DAMPING,
-    RADIUS,
-    FOOTPRINT,
-    EXTENT,
-    SIZE,
-    INVERSE_MASS,
-) = range(11)
-PRIMITIVE = 11
-"""Coefficient; restitution; speed below which there is none [m/s]; of the force law; radius of a ball [m]; of the
-footprint [m]; largest distance of the shape from its point [m]; length that makes gaps small or large [m];
-characteristic inverse mass [1/kg]; then the numbers of a primitive."""
-
-VALUE_WIDTH = 32
-
-# columns of `state`: what a contact carries
-AT_U, AT_V, GAP, GAP_2, CLOSED, RATE, SLEEP, SHIFT, SLIP = range(9)
-"""Coordinates of the touched point; gap at the end of the last step [m], along both normals of a curve; 1 while closed;
-rate of the gap there [m/s]; distance that the gap can close before a search is due, negative before the first one;
-that by which it can have closed in the last step; elastic slip along both tangents [m]."""
-
-NORMAL, TANGENT, FORCE, TOUCHED = 10, 13, 16, 19
-"""Normal and first tangent in the world; force on what touches [N]; touched point [m]."""
-
-IMPULSES, LOSS, IMPACTS, SLIP_PATH, SLIP_SPEED, NORMAL_FORCE, FRICTION_FORCE = range(22, 29)
-"""Sum of normal impulses [N s]; energy lost [J]; impacts; path [m] and speed [m/s] of the slip; forces [N]."""
-
-TOUCH_DAMPING, WARM, MIDDLE_FORCE, NEW, PRESENT = 29, 30, 33, 36, 37
-END_GAP, END_GAP_2, SEARCH, FAILED, RECENT = 38, 39, 40, 41, 42
-"""Damping of Hunt and Crossley that belongs to the present touch; impulses of the last step, which start the next
-iteration; forces of the three rows in the middle of the last step [N]; 1 if it closes at the end of this step; 1
-if it takes part in the present stage; gaps at the end of this step; how the last search ended; searches so far that
-found nothing; impacts since the last whole step."""
-
-(
-    PAIR,
-    FEATURES,
-    FEATURE,
-    OTHER_FEATURE,
-    SIDE,
-    HIT,
-    BESIDE,
-    START_GAP,
-    PATCH,
-    SHARE,
-    STEP_IMPULSE,
-    LEFT,
-    START_BESIDE,
-    START_RATE,
-    POINT_SLOT,
-) = range(43, 58)
-STATE_WIDTH = POINT_SLOT + 2
-"""Of contacts between triangles: pair of surfaces, kind of the two features and their numbers, side they were on when
-they were last apart, 1 if their paths meet in this step; distance beside them [m]; gap at the start of the step they
-were found in [m]; patch; part of its stiffness; normal impulse of the last step [N s]; 1 if it had slid off
-its features at the end of the last step; distance beside them [m] and rate of the gap [m/s] when this one began;
-numbers of its moving points on both bodies, if they deform."""
-
 FOUND, LOST, NOT_A_NUMBER, TOO_DEEP = 0, 2, 3, 4
 """How a search ended: well; without converging or at something that is not finite, which are statuses of the
 searches; the contour has reached the core of a primitive."""
 
-# columns of `contours`: those of the spline, then
-OWNER, DOF, CONTROLS, DIMENSION, FLIP, BODY = range(CONTOUR_WIDTH, CONTOUR_WIDTH + 6)
-CONTOUR_COLUMNS = CONTOUR_WIDTH + 6
-"""Kind of its body; first velocity; place of the data of its control points in `constants`; 1 of curves, 2 of
-surfaces; -1 if the normal is turned round, else 1; number of the body. Of flexible bodies the largest
-displacements of a control point by each mode follow the data of the control points."""
+
+class ContactContour(PackedContour):
+    """A contour on a body.
+
+    Attributes
+    ----------
+    owner
+        Kind of its body.
+    dof
+        First velocity; -1 on the ground.
+    controls
+        Place of the data of its control points in `constants`. Of flexible bodies the largest displacements of a
+        control point by each mode follow them.
+    dimension
+        1 of curves, 2 of surfaces.
+    flip
+        -1 if the normal is turned round, else 1.
+    body
+        Number of the body; -1 of the ground.
+    """
+
+    owner: int
+    dof: int
+    controls: int
+    dimension: int
+    flip: int
+    body: int
+
 
 OF_GROUND, OF_RIGID, OF_MODES, OF_MESH, OF_FACETS = range(5)
-
-# columns of `poses`: of the axes of each contour
-ROTATION, ORIGIN, REACH, STEP_SHIFT, DIRECTOR, RADIUS_OF, WIDTH_OF, POSE_WIDTH = 0, 9, 12, 13, 14, 17, 18, 20
-"""Rotation matrix and origin at the stage; largest distance of a control point from the origin [m], and how far
-one moves in the step at most; constants of derived contours: direction across a band, radius and width [m]."""
-
-# places in `scratch`
-RESULT, RESULT_END, DIRECTIONS, LEVER, SLOPES, HAS_SLOPES, ARM, SHAPE_ROW, EVALUATE = (
-    0,
-    72,
-    72,
-    81,
-    84,
-    93,
-    94,
-    97,
-    120,
-)
-"""Result of a search; directions of the three rows in the world; touched point in the axes of the contour; factors
-of the rates of its tangent in the rows, and whether there are any; from the point of the shape to where it
-touches, in the world; row of a primitive; scratch of evaluation and search."""
 
 LARGEST_CONTROLS = 1024
 """Control points under a footprint, and under a point."""
 
-# places behind the list of the contacts that take part: how many they are, first block of the contacts, contacts that
-# there are at present, those of contours, whether all of them are between rigid bodies; then 1 for each that joins
-# those that are closed
-PRESENT_COUNT, FIRST_BLOCK, COUNT, OF_CONTOURS, ALL_RIGID, PLACES_BEHIND = range(6)
-
-CONTROL_COUNT = LARGEST_CONTROLS - 1
-"""Place of their number in `places`, which begins with their numbers."""
-
-WEIGHTS_AT = 1024
-"""Weights of control points in the touched point, then in its tangent."""
-
-SHAPES = WEIGHTS_AT + 3 * LARGEST_CONTROLS
-"""Mode shapes at the touched point, and their derivatives; from here on as long as the scene needs."""
-
-# columns of `grids` of the samples
-U_AT, U_COUNT, V_AT, V_COUNT, POINTS_AT, GRID_COLUMNS = range(6)
-"""First sample in u and in v, and how many; first row of the positions of the samples."""
-
-# columns of `control`
-LOW, LOW_GAP, HIGH, HIGH_GAP, HIGH_RATE, WATCHED, JOINS = range(7)
-IMPACT, RESIDUAL, ROUNDS, NOMINAL, LONGEST, SPLITS, KNOWN, STOPPING, CONTROL_WIDTH = range(7, 16)
-"""Bracket of the time of an impact with gaps, and the rate at its end; contact
-it is for, -1 without; contact that joins the closed ones when the step is repeated, -1 without; 1 after an impact;
-largest residual and number of iterations of the solver in the last step; length of whole steps [s]; length of the
-step that an impact was first seen in [s]; trials since the last whole step; contacts before its search;
-work of rows that look ahead in the middle of the step [J]."""
-
+EVALUATION_ROOM = 904
+"""Numbers of the scratch of evaluation and search."""
 
 DENSE = 4
 """Contacts up to which their own matrix is formed where all bodies are rigid."""
+
+
+class ContactEntry(Record):
+    """What a contact is made of.
+
+    Attributes
+    ----------
+    contour
+        Row of the contour.
+    shape_kind
+        What touches: `POINT`, `CIRCLE`, `CONVEX` or `TRIANGLES`.
+    law, force_law
+        `RIGID`, `BILATERAL`, `CURVE` or `COMPLIANT`; force law of a compliant contact.
+    centre, axes
+        Markers of its point and of three directions, -1 without. Of triangles `axes` is the row of the pose of the
+        second surface.
+    column
+        First record column.
+    events
+        Whether steps are split at impacts.
+    slot
+        Number of its moving point on a mesh.
+    primitive_kind
+        Kind of a convex primitive.
+    """
+
+    contour: int
+    shape_kind: int
+    law: int
+    centre: int
+    axes: int
+    column: int
+    force_law: int
+    events: bool
+    slot: int
+    primitive_kind: int
+
+
+class ContactValues(Record):
+    """Constants of a contact.
+
+    Attributes
+    ----------
+    friction, restitution, rest_speed
+        Coulomb's coefficient; coefficient of restitution, and speed below which there is none [m/s].
+    stiffness, exponent, damping
+        Of the force law.
+    radius, footprint
+        Of a ball [m]; of the disc over which gap and force are means [m].
+    extent
+        Largest distance of the shape from its point [m].
+    length_scale
+        Length that makes gaps small or large [m].
+    inverse_mass
+        Characteristic inverse mass [1/kg].
+    primitive
+        A convex primitive in the frame of its body.
+    """
+
+    friction: float
+    restitution: float
+    rest_speed: float
+    stiffness: float
+    exponent: float
+    damping: float
+    radius: float
+    footprint: float
+    extent: float
+    length_scale: float
+    inverse_mass: float
+    primitive: Primitive
+
+
+class ContactState(Record):
+    """What a contact carries.
+
+    Attributes
+    ----------
+    u, v
+        Coordinates of the touched point.
+    gap, second_gap, rate
+        Gap at the end of the last step [m], along both normals of a curve, and its rate [m/s].
+    closed
+        Whether it is closed.
+    sleep, shift
+        Distance that the gap can close before a search is due, negative before the first one; that by which it can have
+        closed in the last step [m].
+    slip
+        Elastic slip along both tangents [m].
+    normal, tangent
+        Normal and first tangent in the world.
+    force, touched
+        Force on what touches [N]; touched point [m].
+    impulse, loss, impacts
+        Sum of normal impulses [N s]; energy lost [J]; number of impacts.
+    slip_path, slip_speed
+        Of the slip [m], [m/s].
+    normal_force, friction_force
+        At the end of the last step [N].
+    touch_damping
+        Damping of Hunt and Crossley that belongs to the present touch, negative before it is known.
+    warm_start
+        Impulses of the last step, which start the next iteration [N s].
+    middle_force
+        Forces of the three rows in the middle of the last step [N].
+    new, present
+        Whether it closes at the end of this step; whether it takes part in the present stage.
+    end_gap, second_end_gap
+        Gaps at the end of this step [m]; the second one of a ring is an angle [rad].
+    search, failures
+        How the last search ended: `FOUND`, `TOO_DEEP` or a status of the searches; searches so far that found nothing.
+    recent_impacts
+        Impacts since the last whole step.
+    pair, patch, share
+        Of contacts between triangles: pair of surfaces, patch or -1, and part of the stiffness of the patch.
+    feature_kind, feature, other_feature
+        Kind of the two features and their numbers.
+    side, hit
+        Side that they were on when they were last apart, 1 or -1; 1 if their paths meet in this step, else 0
+        or, where nobody knows from which side it came, -1.
+    beside, start_beside
+        Distance beside them [m], now and when this step began.
+    start_gap, start_rate
+        Gap at the start of the step they were found in [m]; rate of the gap when this step began [m/s].
+    step_impulse
+        Normal impulse of the last step [N s].
+    has_left
+        Whether it had slid off its features at the end of the last step.
+    slots
+        Numbers of its moving points on both bodies, if they deform; the first one -1 where there was none left.
+    """
+
+    u: float
+    v: float
+    gap: float
+    second_gap: float
+    closed: bool
+    rate: float
+    sleep: float
+    shift: float
+    slip: Annotated[NDArray[np.float64], (2,)]
+    normal: Vector
+    tangent: Vector
+    force: Vector
+    touched: Vector
+    impulse: float
+    loss: float
+    impacts: int
+    slip_path: float
+    slip_speed: float
+    normal_force: float
+    friction_force: float
+    touch_damping: float
+    warm_start: Vector
+    middle_force: Vector
+    new: bool
+    present: bool
+    end_gap: float
+    second_end_gap: float
+    search: int
+    failures: int
+    recent_impacts: int
+    pair: int
+    feature_kind: int
+    feature: int
+    other_feature: int
+    side: float
+    hit: int
+    beside: float
+    start_gap: float
+    patch: int
+    share: float
+    step_impulse: float
+    has_left: bool
+    start_beside: float
+    start_rate: float
+    slots: Annotated[NDArray[np.int64], (2,)]
+
+
+class ContourPose(RelativePose):
+    """Axes of a contour at the stage, and what is constant in them.
+
+    Attributes
+    ----------
+    reach, step_shift
+        Largest distance of a control point from the origin, and how far one moves in the step at most [m].
+    director, radius, width
+        Of derived contours: direction across a band, radius and width [m].
+    """
+
+    reach: float
+    step_shift: float
+    director: Vector
+    radius: float
+    width: float
+
+
+class Scratch(Record):
+    """What is known of the one contact that is being located.
+
+    Attributes
+    ----------
+    result, evaluation
+        The search; scratch of evaluation and search.
+    directions
+        Of the three rows, in the world.
+    lever
+        Touched point in the axes of the contour [m].
+    slopes, has_slopes
+        Factors of the rates of its tangent in the three rows, and whether there are any.
+    arm
+        From the point of the shape to where it touches, in the world [m].
+    primitive
+        A convex primitive in the axes of the contour.
+    weights, slope_weights
+        Weights of control points in the touched point, and in its tangent.
+    dense, single
+        Of a footprint: weights of all control points, and those of one of its points.
+    """
+
+    result: ContourSearch
+    directions: Matrix3
+    lever: Vector
+    slopes: Matrix3
+    has_slopes: bool
+    arm: Vector
+    primitive: Primitive
+    evaluation: Annotated[NDArray[np.float64], (EVALUATION_ROOM,)]
+    weights: Annotated[NDArray[np.float64], (LARGEST_CONTROLS,)]
+    slope_weights: Annotated[NDArray[np.float64], (LARGEST_CONTROLS,)]
+    dense: Annotated[NDArray[np.float64], (LARGEST_CONTROLS,)]
+    single: Annotated[NDArray[np.float64], (LARGEST_CONTROLS,)]
+
+
+class Counts(Record):
+    """How many there are, and where.
+
+    Attributes
+    ----------
+    present
+        Contacts that take part.
+    first_block
+        First block of the contacts.
+    total, of_contours
+        Contacts that there are at present, and those of contours.
+    controls
+        Control points under the contact that is being located, whose numbers stand in `places`.
+    all_rigid
+        Whether all contacts are between rigid bodies.
+    """
+
+    present: int
+    first_block: int
+    total: int
+    of_contours: int
+    controls: int
+    all_rigid: bool
+
+
+class SampleGrid(Record):
+    """First sample in u and in v, and how many; first row of the positions of the samples."""
+
+    first_u: int
+    count_u: int
+    first_v: int
+    count_v: int
+    points: int
+
+
+class Events(Record):
+    """Impacts within a step.
+
+    Attributes
+    ----------
+    low, low_gap, high, high_gap, high_rate
+        Bracket of the time of an impact [s] with gaps [m], and the rate at its end [m/s].
+    watched
+        Contact that it is for, -1 without.
+    joins
+        Contact that joins the closed ones when the step is repeated, -1 without.
+    impact
+        Whether there was an impact in the step.
+    residual, rounds
+        Largest residual and number of iterations of the solver in the last step.
+    nominal_step, longest_step
+        Length of whole steps, and of the step that an impact was first seen in [s].
+    splits
+        Trials since the last whole step.
+    known
+        Contacts before the search of the step.
+    stopping_work
+        Work of rows that look ahead in the middle of the step [J].
+    """
+
+    low: float
+    low_gap: float
+    high: float
+    high_gap: float
+    high_rate: float
+    watched: int
+    joins: int
+    impact: bool
+    residual: float
+    rounds: int
+    nominal_step: float
+    longest_step: float
+    splits: int
+    known: int
+    stopping_work: float
 
 
 class Features(Table):
@@ -180,7 +419,7 @@ class Samples(Arrays):
     Attributes
     ----------
     grids
-        Of each contour, shape (n, 5).
+        Of each contour.
     parameters, first, basis
         Of all grids one after another, u before v: parameter, first function that is not zero, values of the functions,
         shapes (a,), (a,) and (a, LARGEST_DEGREE + 1).
@@ -192,7 +431,7 @@ class Samples(Arrays):
         Scratch of the searches.
     """
 
-    grids: Ints2
+    grids: Records[SampleGrid]
     parameters: Floats1
     first: Ints1
     basis: Floats2
@@ -201,6 +440,12 @@ class Samples(Arrays):
     across: Floats2
     distances: Floats1
     angles: Floats1
+
+
+class ReducedCounts(Record):
+    """Of what the solver is told of contacts between rigid bodies: how many columns there are."""
+
+    columns: int
 
 
 class Reduced(Arrays):
@@ -216,7 +461,7 @@ class Reduced(Arrays):
         Velocities without and with impulses, shape (n,).
     columns, velocities
         Column of each velocity of the scene, -1 if it is not touched; velocity of each column.
-    numbers
+    counts
         How many columns there are.
     """
 
@@ -227,11 +472,11 @@ class Reduced(Arrays):
     found: Floats1
     columns: Ints1
     velocities: Ints1
-    numbers: Ints1
+    counts: ReducedCounts
 
 
 class ContactRows(RowArrays):
-    """All contacts of a scene; columns are named at the top of this file.
+    """All contacts of a scene.
 
     Attributes
     ----------
@@ -241,11 +486,11 @@ class ContactRows(RowArrays):
         As in the system of joints; block c and its attachments 2 c (contour) and 2 c + 1 (what touches) belong to
         contact c. Impulses push what touches along the normal.
     table, values, state
-        Of each contact, shapes (nc, 10), (nc, 32), (nc, 59).
+        Of each contact.
     contours
-        Packed rows of the contours, shape (n, 16).
+        All contours.
     poses
-        Shape (n, 20).
+        Of the contours.
     constants
         Knots, rational weights, and what control points are made of: of a flexible body position [m] and mode shapes,
         3 + 3 nf numbers a point, component by component; flat.
@@ -256,17 +501,20 @@ class ContactRows(RowArrays):
     delassus
         Rates by impulses of the contacts that are present, shape (3 nc, 3 nc).
     laws, kinds
-        What the solver is told of each of them, shapes (nc, 16) and (nc, 2).
+        What the solver is told of each of them.
     rates
         Rates without contact, impulses and rates for the solver, shape (3, 3 nc).
     column
         Scratch, as long as the velocities of the scene.
-    scratch, places, workspace
-        Numbers and places that live within one call.
+    scratch, shapes, places, workspace
+        Numbers and places that live within one call: of the contact that is being located, its mode shapes and their
+        derivatives, and the numbers of control points.
+    counts, present, joining
+        How many there are; numbers of those that take part; 1 for each that joins those that are closed.
     control
-        Of events, shape (16,).
+        Of events.
     solvers, solution
-        What solves them, and how that ended: status, iterations, residual, shape (3,).
+        What solves them, and how that ended.
     reduced
         What the solver needs on the velocities of the touched bodies, if all of them are rigid.
     meshes
@@ -288,26 +536,36 @@ class ContactRows(RowArrays):
         "heavylift.solver.contact.start",
     )
 
+    carried_fields: ClassVar[tuple[str, ...]] = (
+        "rows",
+        "state",
+        "placed",
+    )
+
     features: Features
-    table: Ints2
-    values: Floats2
-    state: Floats2
-    contours: Ints2
-    poses: Floats2
+    table: Records[ContactEntry]
+    values: Records[ContactValues]
+    state: Records[ContactState]
+    contours: Records[ContactContour]
+    poses: Records[ContourPose]
     constants: Floats1
     net: Floats2
     samples: Samples
     delassus: Floats2
-    laws: Floats2
-    kinds: Ints2
+    laws: Records[RowParameters]
+    kinds: Records[RowKind]
     rates: Floats2
     column: Floats1
-    scratch: Floats1
+    scratch: Scratch
+    shapes: Floats1
     places: Ints1
+    counts: Counts
+    present: Ints1
+    joining: Ints1
     workspace: Floats1
-    control: Floats1
+    control: Events
     solvers: ContactSolvers
-    solution: Floats1
+    solution: Solution
     reduced: Reduced
     meshes: Colliding
     placed: Floats2

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from heavylift.solver.contact import layout as told
-from heavylift.solver.contact.kind import DAMPING, EXPONENT, REST_SPEED, RESTITUTION, STIFFNESS
+from heavylift.solver.contact.kind import ContactValues
 from heavylift.solver.contacts import ContactLaw, HertzLaw, HuntCrossleyLaw, LinearLaw, RigidLaw
 
 __all__ = ["force_law", "put_law"]
@@ -22,16 +19,16 @@ def force_law(law: ContactLaw) -> int:
     return kinds[type(law)]
 
 
-def put_law(law: ContactLaw, values: NDArray[np.float64]) -> None:
+def put_law(law: ContactLaw, values: ContactValues) -> None:
     """Numbers of a law into the values of a contact."""
     if isinstance(law, RigidLaw):
-        values[RESTITUTION], values[REST_SPEED] = law.restitution, law.rest_speed
+        values.restitution, values.rest_speed = law.restitution, law.rest_speed
     elif isinstance(law, LinearLaw):
-        values[STIFFNESS], values[DAMPING], values[EXPONENT] = law.stiffness, law.damping, 1.0
+        values.stiffness, values.damping, values.exponent = law.stiffness, law.damping, 1.0
     elif isinstance(law, HertzLaw):
-        values[STIFFNESS], values[EXPONENT] = law.stiffness, 1.5
+        values.stiffness, values.exponent = law.stiffness, 1.5
     elif isinstance(law, HuntCrossleyLaw):
-        values[STIFFNESS], values[EXPONENT], values[RESTITUTION] = (
+        values.stiffness, values.exponent, values.restitution = (
             law.stiffness,
             law.exponent,
             law.restitution,

@@ -1,7 +1,7 @@
 """Contacts as the solver sees them: kinds, parameters and rows.
 
 Contact c has the rows 3c, 3c + 1, 3c + 2: w is the rate of the gap along the normal (opening is positive) and the two
-rates of slip, p the impulses on these rows. A parameter row holds S, b and o in the order of the rows::
+rates of slip, p the impulses on these rows. S, b and o are parameters of the rows::
 
     0 <= p_n + o_n  _|_  w_n + S_n p_n - b_n >= 0
     p_t + o_t = Proj_{|.| <= mu (p_n + o_n)} ( o_t + (b_t - w_t) / S_t )
@@ -17,31 +17,25 @@ damping. After the step s has grown by ``h w_t``, cut to ``2 mu p_n / (h k_t)`` 
 
 from __future__ import annotations
 
+from heavylift.numerics.records import Record, Vector
+
 __all__ = [
     "BILATERAL",
     "COMPLIANT",
     "CURVE",
-    "DAMPING",
-    "DEPTH",
-    "EXPONENT",
-    "FRICTION",
     "HERTZ",
     "HUNT_CROSSLEY",
     "INACTIVE",
     "LINEAR",
     "NORMAL_GIVEN",
-    "OFFSET",
-    "PARAMETERS",
-    "SOFTNESS",
-    "STEP",
-    "STIFFNESS",
-    "TARGET",
     "UNILATERAL",
-    "WANTED",
+    "RowKind",
+    "RowParameters",
+    "Solution",
 ]
 
 INACTIVE, UNILATERAL, BILATERAL, CURVE, COMPLIANT, NORMAL_GIVEN = range(6)
-"""Kinds of contact, in column 0 of the kinds. Normal rows:
+"""Kinds of contact. Normal rows:
 
 - INACTIVE: no impulse on any row,
 - UNILATERAL: complementarity as above,
@@ -53,14 +47,48 @@ INACTIVE, UNILATERAL, BILATERAL, CURVE, COMPLIANT, NORMAL_GIVEN = range(6)
 """
 
 LINEAR, HERTZ, HUNT_CROSSLEY = range(3)
-"""Laws of ``COMPLIANT``, in column 1 of the kinds."""
+"""Laws of ``COMPLIANT``."""
 
-FRICTION = 0  # Coulomb's coefficient
-SOFTNESS = 1  # of the three rows [m/(s Ns)], above zero
-TARGET = 4  # of the three rows [m/s]
-OFFSET = 7  # of the three rows [N s]
-STIFFNESS, EXPONENT, DAMPING, DEPTH, STEP = range(
-    10, 15
-)  # of a compliant normal; depth at the start of the step
-WANTED = 15  # target of the normal row that the law asks for; not read by the solver
-PARAMETERS = 16  # width of a row
+
+class RowKind(Record):
+    """What laws a contact has: one of the kinds above, and the law of a compliant one."""
+
+    kind: int
+    law: int
+
+
+class RowParameters(Record):
+    """Parameters of the rows of a contact.
+
+    Attributes
+    ----------
+    friction
+        Coulomb's coefficient.
+    softness, target, offset
+        Of the three rows: S [m/(s Ns)], above zero, b [m/s] and o [N s].
+    stiffness, exponent, damping
+        Of the law of a compliant normal.
+    depth, step
+        Its depth at the start of the step [m], and the step [s].
+    wanted
+        Target of the normal row that the law asks for [m/s]; not read by the solver.
+    """
+
+    friction: float
+    softness: Vector
+    target: Vector
+    offset: Vector
+    stiffness: float
+    exponent: float
+    damping: float
+    depth: float
+    step: float
+    wanted: float
+
+
+class Solution(Record):
+    """How a solution ended: as `solve_contacts` returns it, with its residual relative to the rates."""
+
+    status: int
+    iterations: int
+    residual: float

@@ -6,41 +6,14 @@ flexible body are formed where they are needed.
 
 from __future__ import annotations
 
-from heavylift.contours.search_step import U, V
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate, rotate_back
 from heavylift.solver.contact.features import sample, touch, weigh
 from heavylift.solver.contact.interface import put_contour_rows
-from heavylift.solver.contact.kind import (
-    AT_U,
-    AT_V,
-    CENTRE,
-    CLOSED,
-    CONTOUR,
-    CONTROL_COUNT,
-    DIRECTIONS,
-    END_GAP,
-    GAP,
-    HAS_SLOPES,
-    LEVER,
-    LOST,
-    NORMAL,
-    NOT_A_NUMBER,
-    OF_GROUND,
-    OF_RIGID,
-    ORIGIN,
-    OWNER,
-    RESULT,
-    SEARCH,
-    SHAPE,
-    TANGENT,
-    TOUCHED,
-    TRIANGLES,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import LOST, NOT_A_NUMBER, OF_GROUND, OF_RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.mesh_interface import touch_triangles
 from heavylift.solver.contact.slider_rows import put_slider_rows
-from heavylift.solver.interface import POINT, Bodies, Workspace
+from heavylift.solver.interface import Bodies, Workspace
 
 __all__ = ["locate"]
 
@@ -58,32 +31,33 @@ def locate(contacts: ContactRows, bodies: Bodies, c: int, cold: bool, work: Work
     cold
         Search from everywhere, not from the last place.
     """
-    if contacts.table[c, SHAPE] == TRIANGLES:
+    if contacts.table[c].shape_kind == TRIANGLES:
         touch_triangles(contacts.meshes, contacts, bodies, c, work)
         return
-    contour = contacts.table[c, CONTOUR]
+    contour = contacts.table[c].contour
     pose, scratch, state = contacts.poses[contour], contacts.scratch, contacts.state[c]
-    marker = contacts.table[c, CENTRE]
+    marker = contacts.table[c].centre
     y1, y2, y3 = rotate_back(
-        pose,
-        work.markers[marker, POINT] - pose[ORIGIN],
-        work.markers[marker, POINT + 1] - pose[ORIGIN + 1],
-        work.markers[marker, POINT + 2] - pose[ORIGIN + 2],
+        pose.rotation,
+        work.markers[marker].point[0] - pose.origin[0],
+        work.markers[marker].point[1] - pose.origin[1],
+        work.markers[marker].point[2] - pose.origin[2],
     )
     if cold:
         sample(contacts.features, contacts, bodies, contour)
-    scratch[HAS_SLOPES] = 0.0
+    scratch.has_slopes = False
     touch(contacts.features, contacts, bodies, c, cold, y1, y2, y3, work)
-    state[AT_U], state[AT_V] = scratch[RESULT + U], scratch[RESULT + V]
-    if state[CLOSED] == 0.0 and LOST <= state[SEARCH] <= NOT_A_NUMBER:
-        state[END_GAP] = state[GAP]  # nothing is known of it
-    contacts.places[CONTROL_COUNT] = 0
-    if contacts.contours[contour, OWNER] != OF_RIGID and contacts.contours[contour, OWNER] != OF_GROUND:
+    result = scratch.result
+    state.u, state.v = result.u, result.v
+    if not state.closed and LOST <= state.search <= NOT_A_NUMBER:
+        state.end_gap = state.gap  # nothing is known of it
+    contacts.counts.controls = 0
+    if contacts.contours[contour].owner != OF_RIGID and contacts.contours[contour].owner != OF_GROUND:
         weigh(contacts.features, contacts, bodies, c, y1, y2, y3)
-    s = rotate(pose, scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2])
+    s = rotate(pose.rotation, scratch.lever[0], scratch.lever[1], scratch.lever[2])
     for k in range(3):
-        state[TOUCHED + k] = pose[ORIGIN + k] + s[k]
-        state[NORMAL + k] = scratch[DIRECTIONS + k]
-        state[TANGENT + k] = scratch[DIRECTIONS + 3 + k]
-    put_contour_rows(bodies, contacts, c, contacts.places[CONTROL_COUNT])
+        state.touched[k] = pose.origin[k] + s[k]
+        state.normal[k] = scratch.directions[0, k]
+        state.tangent[k] = scratch.directions[1, k]
+    put_contour_rows(bodies, contacts, c, contacts.counts.controls)
     put_slider_rows(contacts, c, work)

@@ -7,20 +7,15 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.contours.clearance import clearance, clearance_stack_size
+from heavylift.contours.clearance import WaitingNodes, clearance, clearance_stack_size
+from heavylift.contours.surface_layout import RelativePose
 from heavylift.contours.surface_pack import CollisionSurfaces
 from heavylift.numerics.arrays import Arrays, Floats1, Ints1
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Records, records
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.mesh_interface import record_clearance
-from heavylift.solver.contact.mesh_kind import (
-    FIRST,
-    FIRST_POSE,
-    PAIR_REACH,
-    SECOND,
-    SECOND_POSE,
-    SurfacePairs,
-)
+from heavylift.solver.contact.mesh_kind import SurfacePairs, placed_pose
 from heavylift.solver.contact.mesh_slots import surface_count
 from heavylift.solver.contact.mesh_touch import relative_pose
 from heavylift.solver.kinds import implement
@@ -46,9 +41,9 @@ class Clearances(Arrays):
 
     wanted: Ints1
     last: Floats1
-    stack: Floats1
+    stack: Records[WaitingNodes]
     found: Floats1
-    pose: Floats1
+    pose: RelativePose
 
 
 def make_clearances(surfaces: CollisionSurfaces, wanted: list[bool]) -> list[Clearances]:
@@ -59,9 +54,9 @@ def make_clearances(surfaces: CollisionSurfaces, wanted: list[bool]) -> list[Cle
         Clearances(
             wanted=np.array(wanted, dtype=np.int64),
             last=np.full(len(wanted), math.inf),
-            stack=np.zeros(int(clearance_stack_size(surfaces))),
+            stack=records(WaitingNodes, clearance_stack_size(surfaces)),
             found=np.zeros(6),
-            pose=np.zeros(12),
+            pose=RelativePose.one(),
         )
     ]
 
@@ -77,17 +72,17 @@ def record_mesh_clearance(
     at: int,
 ) -> None:
     """At the end of the last step; a pair that has contacts in reach has its gap already."""
-    if clearances.wanted[pair] == 0 or row[at] < meshes.pair_values[pair, PAIR_REACH]:
+    if clearances.wanted[pair] == 0 or row[at] < meshes.pairs[pair].reach:
         return
     first_row = contacts.poses.shape[0] - surface_count(contacts, meshes)
-    a, b = meshes.pairs[pair, FIRST_POSE] - first_row, meshes.pairs[pair, SECOND_POSE] - first_row
-    relative_pose(contacts.placed[a], contacts.placed[b], clearances.pose, 0)
+    a, b = meshes.pairs[pair].poses[0] - first_row, meshes.pairs[pair].poses[1] - first_row
+    first, second = placed_pose(contacts.placed[a], 0), placed_pose(contacts.placed[b], 0)
+    relative_pose(first, second, clearances.pose)
     row[at] = clearances.last[pair] = clearance(
         meshes.surfaces,
-        meshes.pairs[pair, FIRST],
-        meshes.pairs[pair, SECOND],
+        meshes.pairs[pair].surfaces[0],
+        meshes.pairs[pair].surfaces[1],
         clearances.pose,
-        0,
         ABOVE * clearances.last[pair],
         clearances.stack,
         clearances.found,

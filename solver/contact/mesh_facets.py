@@ -8,20 +8,13 @@ friction leaves no moment between them; of two bodies that deform each in its ow
 
 from __future__ import annotations
 
-from heavylift.contours.feature_gap import (
-    EDGE_EDGE,
-    EDGE_VERTEX,
-    FACE_VERTEX,
-    VERTEX_EDGE,
-    VERTEX_FACE,
-)
-from heavylift.contours.surface_layout import CORNER_A, FIRST_POINT
+from heavylift.contours.feature_gap import EDGE_EDGE, EDGE_VERTEX, FACE_VERTEX, VERTEX_EDGE, VERTEX_FACE
 from heavylift.contours.surface_pack import CollisionSurfaces
 from heavylift.contours.surface_refit import refit_surface
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate_back
 from heavylift.solver.contact.contour_rows import put_pose_rows
-from heavylift.solver.contact.counts import contact_count, number_of
+from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.facet_interface import (
     bound_facets,
     bound_surface_points,
@@ -31,33 +24,9 @@ from heavylift.solver.contact.facet_interface import (
     take_slots,
     touch_facets,
 )
-from heavylift.solver.contact.facet_kind import (
-    FIRST_SLOT,
-    LAST_SLOT,
-    OF_DOF,
-    OF_SURFACE,
-    FacetSurfaces,
-)
-from heavylift.solver.contact.kind import (
-    FEATURE,
-    FEATURES,
-    LEVER,
-    OF_CONTOURS,
-    ORIGIN,
-    OTHER_FEATURE,
-    PAIR,
-    POINT_SLOT,
-    ContactRows,
-)
-from heavylift.solver.contact.mesh_kind import (
-    FIRST,
-    FIRST_POSE,
-    OTHER_AT,
-    POINT_AT,
-    SECOND,
-    SIDE_DOF,
-    SurfacePairs,
-)
+from heavylift.solver.contact.facet_kind import FacetSurfaces
+from heavylift.solver.contact.kind import ContactRows
+from heavylift.solver.contact.mesh_kind import SurfacePairs
 from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
 
@@ -71,8 +40,8 @@ Vector = tuple[float, float, float]
 def form_facet_points(facets: FacetSurfaces, surfaces: CollisionSurfaces, bodies: Bodies) -> None:
     """Surface by surface."""
     for row in range(facets.rows.shape[0]):
-        surface = facets.rows[row, OF_SURFACE]
-        form_surface_points(bodies, facets, row, surfaces.surfaces[surface, FIRST_POINT], surfaces.points)
+        surface = facets.rows[row].surface
+        form_surface_points(bodies, facets, row, surfaces.surfaces[surface].first_point, surfaces.points)
         refit_surface(surfaces, surface)
 
 
@@ -90,31 +59,31 @@ def take_contact_slots(
     facets: FacetSurfaces, meshes: SurfacePairs, contacts: ContactRows, contact: int
 ) -> None:
     """The first one of the body that no other contact has."""
-    pair = int(contacts.state[contact, PAIR])
+    pair = contacts.state[contact].pair
     for side in range(2):
-        row = facets.row_of[meshes.pairs[pair, FIRST + side]]
-        contacts.state[contact, POINT_SLOT + side] = 0.0
+        row = facets.row_of[meshes.pairs[pair].surfaces[side]]
+        contacts.state[contact].slots[side] = 0
         if row < 0:
             continue
         found = -1
-        for slot in range(facets.rows[row, FIRST_SLOT], facets.rows[row, LAST_SLOT]):
-            if not _is_taken(meshes, contacts, contact, facets.rows[row, OF_DOF], slot):
+        for slot in range(facets.rows[row].first_slot, facets.rows[row].last_slot):
+            if not _is_taken(meshes, contacts, contact, facets.rows[row].dof, slot):
                 found = slot
                 break
-        contacts.state[contact, POINT_SLOT + side] = float(found)
+        contacts.state[contact].slots[side] = found
         if found < 0:
-            contacts.state[contact, POINT_SLOT] = -1.0
+            contacts.state[contact].slots[0] = -1
             return
 
 
 @kernel(internal=True)
 def _is_taken(meshes: SurfacePairs, contacts: ContactRows, contact: int, dof: int, slot: int) -> bool:
     """Whether another contact between triangles has a moving point of a body."""
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
         for side in range(2):
-            of = meshes.sides[int(state[PAIR]), 3 * side + SIDE_DOF]
-            if c != contact and of == dof and state[POINT_SLOT + side] == slot:
+            of = meshes.sides[2 * state.pair + side].dof
+            if c != contact and of == dof and state.slots[side] == slot:
                 return True
     return False
 
@@ -123,7 +92,7 @@ def _is_taken(meshes: SurfacePairs, contacts: ContactRows, contact: int, dof: in
 def _share_on_edge(facets: FacetSurfaces, meshes: SurfacePairs, edge: int, x: Vector) -> None:
     """Of a point of the line along an edge."""
     points = meshes.surfaces.points
-    a, b = meshes.surfaces.edges[edge, 0], meshes.surfaces.edges[edge, 1]
+    a, b = meshes.surfaces.edges[edge].ends[0], meshes.surfaces.edges[edge].ends[1]
     along = square = 0.0
     for k in range(3):
         d = points[b, k] - points[a, k]
@@ -138,9 +107,9 @@ def _share_in_face(facets: FacetSurfaces, meshes: SurfacePairs, face: int, x: Ve
     """Of a point of the plane of a triangle (Ericson, *Real-Time Collision Detection*, 2005, section 3.4)."""
     points = meshes.surfaces.points
     a, b, c = (
-        meshes.surfaces.triangles[face, CORNER_A],
-        meshes.surfaces.triangles[face, CORNER_A + 1],
-        meshes.surfaces.triangles[face, CORNER_A + 2],
+        meshes.surfaces.triangles[face].corners[0],
+        meshes.surfaces.triangles[face].corners[1],
+        meshes.surfaces.triangles[face].corners[2],
     )
     n = meshes.surfaces.normals[face]
     u1, u2, u3 = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
@@ -177,7 +146,7 @@ def _share(
         facets.corners[0] = facets.corners[1] = facets.corners[2] = feature
         facets.shares[0], facets.shares[1], facets.shares[2] = 1.0, 0.0, 0.0
     for k in range(3):
-        facets.corners[k] -= meshes.surfaces.surfaces[surface, FIRST_POINT]
+        facets.corners[k] -= meshes.surfaces.surfaces[surface].first_point
 
 
 @implement(touch_facets, FacetSurfaces)
@@ -192,25 +161,24 @@ def touch_facet_contact(
 ) -> None:
     """Side by side, in place of what rigid bodies have there."""
     state, touch, scratch = contacts.state[contact], meshes.touch, contacts.scratch
-    pair = int(state[PAIR])
-    first, second = meshes.pairs[pair, FIRST], meshes.pairs[pair, SECOND]
+    pair = state.pair
+    first, second = meshes.pairs[pair].surfaces[0], meshes.pairs[pair].surfaces[1]
     if facets.row_of[first] < 0 and facets.row_of[second] < 0:
         return
     relative = meshes.relative[pair]
     for side in range(2):
-        row, own = facets.row_of[meshes.pairs[pair, FIRST + side]], OTHER_AT if side == 1 else POINT_AT
-        at = own if row >= 0 else POINT_AT + OTHER_AT - own
-        x = touch[at], touch[at + 1], touch[at + 2]
+        row = facets.row_of[meshes.pairs[pair].surfaces[side]]
+        point = touch.point_b if (side == 1) == (row >= 0) else touch.point_a
+        x = point[0], point[1], point[2]
         if side == 1:
-            x = rotate_back(
-                relative, x[0] - relative[ORIGIN], x[1] - relative[ORIGIN + 1], x[2] - relative[ORIGIN + 2]
-            )
+            origin = relative.origin
+            x = rotate_back(relative.rotation, x[0] - origin[0], x[1] - origin[1], x[2] - origin[2])
         if row >= 0:
-            feature = int(state[OTHER_FEATURE if side == 1 else FEATURE])
-            _share(facets, meshes, int(state[FEATURES]), feature, side == 1, facets.rows[row, OF_SURFACE], x)
-            slot = int(state[POINT_SLOT + side])
+            feature = state.other_feature if side == 1 else state.feature
+            _share(facets, meshes, state.feature_kind, feature, side == 1, facets.rows[row].surface, x)
+            slot = state.slots[side]
             put_surface_rows(bodies, facets, row, slot, contacts, 2 * contact + side, 2.0 * side - 1.0, work)
         else:
-            scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2] = x
-            pose = meshes.pairs[pair, FIRST_POSE + side]
+            scratch.lever[0], scratch.lever[1], scratch.lever[2] = x
+            pose = meshes.pairs[pair].poses[side]
             put_pose_rows(contacts, 2 * contact + side, pose, 2.0 * side - 1.0)

@@ -6,49 +6,12 @@ import math
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate
-from heavylift.solver.contact.counts import contact_count, number_of
-from heavylift.solver.contact.kind import (
-    BESIDE,
-    COMPLIANT,
-    END_GAP,
-    EXPONENT,
-    FEATURE,
-    FEATURES,
-    FORCE_LAW,
-    LAW,
-    LOSS,
-    MIDDLE_FORCE,
-    NORMAL,
-    OF_CONTOURS,
-    ORIGIN,
-    OTHER_FEATURE,
-    PAIR,
-    PRESENT,
-    SIZE,
-    SLIP,
-    STIFFNESS,
-    TANGENT,
-    TOUCHED,
-    ContactRows,
-)
+from heavylift.solver.contact.counts import contact_count
+from heavylift.solver.contact.kind import COMPLIANT, ContactRows
 from heavylift.solver.contact.laws import stored_energy
-from heavylift.solver.contact.mesh_kind import (
-    FIRST,
-    FIRST_POSE,
-    FOUND_FIRST,
-    FOUND_KIND,
-    FOUND_SECOND,
-    FOUND_SIDE,
-    NORMAL_AT,
-    OTHER_AT,
-    POINT_AT,
-    SECOND,
-    SurfacePairs,
-)
+from heavylift.solver.contact.mesh_kind import SurfacePairs
 from heavylift.solver.contact.mesh_patches import BORDER
 from heavylift.solver.contact.mesh_sides import ALIGNED, aligned, evaluate, holds
-from heavylift.solver.contact.stage import impulse_row
-from heavylift.solver.rows import HALF_IMPULSE
 
 __all__ = ["book_jump", "goes_on", "turn_memory"]
 
@@ -69,9 +32,9 @@ def book_jump(contacts: ContactRows, c: int, gap: float) -> None:
     only a contact that took part there has stored what belongs to their gap.
     """
     state, values = contacts.state[c], contacts.values[c]
-    if contacts.table[c, LAW] == COMPLIANT and state[PRESENT] > 0.0:
-        law, k, n = contacts.table[c, FORCE_LAW], values[STIFFNESS], values[EXPONENT]
-        state[LOSS] += stored_energy(law, k, n, -gap) - stored_energy(law, k, n, -state[END_GAP])
+    if contacts.table[c].law == COMPLIANT and state.present:
+        law, k, n = contacts.table[c].force_law, values.stiffness, values.exponent
+        state.loss += stored_energy(law, k, n, -gap) - stored_energy(law, k, n, -state.end_gap)
 
 
 @kernel(internal=True)
@@ -93,22 +56,22 @@ def goes_on(
     would touch as the contact is beside them. Others that have a feature in common, as all edges that lie across the
     same one, touch somewhere else.
     """
-    found, size = meshes.found[i], meshes.pair_values[pair, SIZE]
-    kind, feature, other = found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]
-    side = meshes.found_values[i, FOUND_SIDE]
+    found, size = meshes.found.contacts[i], meshes.pair_values[pair].length_scale
+    kind, feature, other = found.kind, found.first, found.second
+    side = meshes.found.contacts[i].side
     taken, nearest, turned = -1, math.inf, 1.0
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
-        if state[PAIR] != pair or not holds(contacts, c) or not state[BESIDE] > BORDER * size:
+        if state.pair != pair or not holds(contacts, c) or not state.beside > BORDER * size:
             continue
-        if state[FEATURES] != kind or not (state[FEATURE] == feature or state[OTHER_FEATURE] == other):
+        if state.feature_kind != kind or not (state.feature == feature or state.other_feature == other):
             continue
         evaluate(meshes, pair, i, meshes.relative[pair], side)
         cosine = aligned(meshes, contacts, pair, c)
         if abs(cosine) < ALIGNED:
             continue
         distance = _distance(meshes, contacts, pair, c, 1.0 if cosine > 0.0 else -1.0)
-        if distance <= WAYS * (moved + state[BESIDE]) + SAME_PLACE * size and distance < nearest:
+        if distance <= WAYS * (moved + state.beside) + SAME_PLACE * size and distance < nearest:
             taken, nearest, turned = c, distance, 1.0 if cosine > 0.0 else -1.0
     return taken, turned * side
 
@@ -117,17 +80,17 @@ def goes_on(
 def _distance(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int, turned: float) -> float:
     """From where a contact touches to the place left in `touch` [m], whose normal may be turned round."""
     touch, state = meshes.touch, contacts.state[c]
-    pose, radii = contacts.poses[meshes.pairs[pair, FIRST_POSE]], meshes.surfaces.radii
-    shift = 0.5 * turned * (radii[meshes.pairs[pair, FIRST]] - radii[meshes.pairs[pair, SECOND]])
+    pose, radii = contacts.poses[meshes.pairs[pair].poses[0]], meshes.surfaces.radii
+    shift = 0.5 * turned * (radii[meshes.pairs[pair].surfaces[0]] - radii[meshes.pairs[pair].surfaces[1]])
     x1, x2, x3 = rotate(
-        pose,
-        0.5 * (touch[POINT_AT] + touch[OTHER_AT]) + shift * touch[NORMAL_AT],
-        0.5 * (touch[POINT_AT + 1] + touch[OTHER_AT + 1]) + shift * touch[NORMAL_AT + 1],
-        0.5 * (touch[POINT_AT + 2] + touch[OTHER_AT + 2]) + shift * touch[NORMAL_AT + 2],
+        pose.rotation,
+        0.5 * (touch.point_a[0] + touch.point_b[0]) + shift * touch.normal[0],
+        0.5 * (touch.point_a[1] + touch.point_b[1]) + shift * touch.normal[1],
+        0.5 * (touch.point_a[2] + touch.point_b[2]) + shift * touch.normal[2],
     )
-    d1 = x1 + pose[ORIGIN] - state[TOUCHED]
-    d2 = x2 + pose[ORIGIN + 1] - state[TOUCHED + 1]
-    d3 = x3 + pose[ORIGIN + 2] - state[TOUCHED + 2]
+    d1 = x1 + pose.origin[0] - state.touched[0]
+    d2 = x2 + pose.origin[1] - state.touched[1]
+    d3 = x3 + pose.origin[2] - state.touched[2]
     return math.sqrt(d1 * d1 + d2 * d2 + d3 * d3)
 
 
@@ -135,19 +98,19 @@ def _distance(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int, tu
 def turn_memory(contacts: ContactRows, c: int, t1: float, t2: float, t3: float) -> None:
     """What a contact remembers along its tangents, in those of its new features; `t` is the first one before."""
     state = contacts.state[c]
-    n1, n2, n3 = state[NORMAL], state[NORMAL + 1], state[NORMAL + 2]
+    n1, n2, n3 = state.normal[0], state.normal[1], state.normal[2]
     # components of the tangent before: the second ones are turned by the same angle
-    cosine = t1 * state[TANGENT] + t2 * state[TANGENT + 1] + t3 * state[TANGENT + 2]
-    s1, s2, s3 = cross(n1, n2, n3, state[TANGENT], state[TANGENT + 1], state[TANGENT + 2])
+    cosine = t1 * state.tangent[0] + t2 * state.tangent[1] + t3 * state.tangent[2]
+    s1, s2, s3 = cross(n1, n2, n3, state.tangent[0], state.tangent[1], state.tangent[2])
     sine = t1 * s1 + t2 * s2 + t3 * s3
     size = math.hypot(cosine, sine)
     if not size > 0.0:
         return
     cosine, sine = cosine / size, sine / size
-    a, b = state[SLIP], state[SLIP + 1]
-    state[SLIP], state[SLIP + 1] = cosine * a - sine * b, sine * a + cosine * b
-    a, b = state[MIDDLE_FORCE + 1], state[MIDDLE_FORCE + 2]
-    state[MIDDLE_FORCE + 1], state[MIDDLE_FORCE + 2] = cosine * a - sine * b, sine * a + cosine * b
-    half = impulse_row(contacts, c, HALF_IMPULSE)
-    a, b = contacts.rows[half + 1], contacts.rows[half + 2]
-    contacts.rows[half + 1], contacts.rows[half + 2] = cosine * a - sine * b, sine * a + cosine * b
+    a, b = state.slip[0], state.slip[1]
+    state.slip[0], state.slip[1] = cosine * a - sine * b, sine * a + cosine * b
+    a, b = state.middle_force[1], state.middle_force[2]
+    state.middle_force[1], state.middle_force[2] = cosine * a - sine * b, sine * a + cosine * b
+    half_impulse = contacts.rows[c].half_impulse
+    a, b = half_impulse[1], half_impulse[2]
+    half_impulse[1], half_impulse[2] = cosine * a - sine * b, sine * a + cosine * b

@@ -2,46 +2,110 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.contours.feature_gap import FeatureTouch
+from heavylift.contours.feature_report import ContactList
 from heavylift.contours.pair_list import PairLists
+from heavylift.contours.surface_layout import RelativeMotion, RelativePose
 from heavylift.contours.surface_pack import CollisionSurfaces
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
+from heavylift.numerics.records import Record, Records, record_at
+from heavylift.solver.contact.kind import ContactState, ContactValues
 from heavylift.solver.kinds import Table
 
-__all__ = ["Clearing", "DeformingSurfaces", "SurfacePairs"]
+__all__ = [
+    "Clearing",
+    "ContactHeader",
+    "DeformingSurfaces",
+    "GoneContacts",
+    "PairSide",
+    "SurfacePair",
+    "SurfacePairs",
+    "contact_header",
+    "gone_contacts",
+    "placed_pose",
+]
 
-# columns of `pairs`
-FIRST, SECOND, FIRST_POSE, SECOND_POSE, PAIR_LAW, PAIR_FORCE_LAW, PAIR_EVENTS, METHOD, PAIR_COLUMN = range(9)
-MOST, RECORDED, DEFORMS, PAIR_COLUMNS = 9, 10, 11, 12
-"""Numbers of both surfaces, rows of their poses; law; force law; 1 to split steps; method of the search; first record
-column; most contacts at once; contacts that are recorded; 1 if a surface deforms."""
+BothInts = Annotated[NDArray[np.int64], (2,)]
 
-# columns of `sides`: of both surfaces
-SIDE_DOF, SIDE_WIDTH, SIDE_HOLDER = range(3)
-SIDE_COLUMNS = 6
 
-# columns of `pair_values` behind those of a contact
-PATCH_COSINE, PATCH_SIZE, RADII, PAIR_REACH, PAIR_PATCHES = range(32, 37)
-PAIR_VALUES = 37
-"""Cosine of the angle between normals of one patch; its size [m]; sum of both roundings [m]; reach of the search in
-the last step [m], and how many patches it made."""
+class SurfacePair(Record):
+    """Two surfaces that may touch.
 
-# rows of `placed` behind the poses of the surfaces and the sums of pairs: a single one
-COUNT_AT = 0
+    Attributes
+    ----------
+    surfaces, poses
+        Numbers of both, and rows of their poses.
+    law, force_law
+        Of their contacts.
+    events
+        Whether steps are split at impacts.
+    method
+        Of the search.
+    column
+        First record column.
+    most, recorded
+        Most contacts at once, and how many are recorded.
+    deforms
+        Whether a surface deforms.
+    patch_cosine, patch_size
+        Cosine of the angle between normals of one patch, and its size [m].
+    radii
+        Sum of both roundings [m].
+    reach, patches
+        Reach of the search in the last step [m], and how many patches it made.
+    """
 
-# columns of the sums of a pair in `placed`: of contacts that are gone
-GONE_IMPULSE, GONE_LOSS, GONE_IMPACTS, GONE_PATH = range(4)
-"""Normal impulses [N s], energy lost [J], impacts, slip path [m]."""
+    surfaces: BothInts
+    poses: BothInts
+    law: int
+    force_law: int
+    events: bool
+    method: int
+    column: int
+    most: int
+    recorded: int
+    deforms: bool
+    patch_cosine: float
+    patch_size: float
+    radii: float
+    reach: float
+    patches: int
 
-# columns of `found`: as in `heavylift.contours.feature_pairs`
-FOUND_KIND, FOUND_FIRST, FOUND_SECOND, FOUND_HIT, FOUND_COLUMNS = range(5)
 
-# columns of `found_values`
-FOUND_TIME, FOUND_SIDE, FOUND_GAP, FOUND_NUMBERS = range(4)
+class PairSide(Record):
+    """First velocity, number of velocities and holder of the body of a surface, as in an attachment."""
 
-# what `gap_of_features` leaves in `touch`
-NORMAL_AT, POINT_AT, OTHER_AT, BESIDE_AT, TOUCH_NUMBERS = 0, 3, 6, 9, 10
+    dof: int
+    width: int
+    holder: int
+
+
+class GoneContacts(Record):
+    """Sums over contacts of a pair that are gone: normal impulses [N s], energy lost [J], impacts, slip path [m]."""
+
+    impulse: float
+    loss: float
+    impacts: int
+    slip_path: float
+
+
+class ContactHeader(Record):
+    """How many contacts between triangles there are."""
+
+    count: int
+
+
+placed_pose, gone_contacts, contact_header = (
+    record_at(RelativePose),
+    record_at(GoneContacts),
+    record_at(ContactHeader),
+)
+"""What rows of `placed` begin with: poses of the surfaces, then one row for each pair, then a single one."""
 
 
 class Clearing(Table):
@@ -53,22 +117,26 @@ class DeformingSurfaces(Table):
 
 
 class SurfacePairs(Arrays):
-    """Surfaces, pairs of them, and what their search needs; columns are named at the top of this file.
+    """Surfaces, pairs of them, and what their search needs.
 
     Attributes
     ----------
     surfaces, lists
         Packed triangles with their trees, and lists of triangles that are near each other.
-    pairs, sides, pair_values
-        Of each pair, shapes (np, 12), (np, 6), (np, 37).
+    pairs
+        The pairs.
+    sides
+        Of each pair two.
+    pair_values
+        Constants of the contacts of each pair, as in `ContactRows.values`.
     relative
-        Pose of the second surface in the axes of the first at the stage: rotation matrix and origin, shape (np, 12).
+        Pose of the second surface in the axes of the first at the stage.
     motions
-        The same at both ends of the step, shape (np, 24).
-    found, found_values
-        What the search of a pair has found: shapes (n, 4), (n, 3).
+        The same at both ends of the step.
+    found
+        What the search of a pair has found.
     touch
-        Of one contact: normal, points on both features and how far they lie beside them, shape (10,).
+        Normal, points on both features and how far they lie beside them, of one contact.
     points, normals, depths, active, owners, patch_of
         Of the contacts of a pair, then of what was found beside them: place and normal in the axes of the first
         surface, gap [m], 1 if it is a contact already, its number in its own list, patch.
@@ -79,7 +147,7 @@ class SurfacePairs(Arrays):
     slots, chains
         Table in which contacts are looked up by their features.
     kept
-        Contacts found in a step that is taken back, shape (nc, STATE_WIDTH).
+        Contacts found in a step that is taken back.
     clearances
         Pairs whose distance is recorded: one kind or none.
     facets
@@ -96,14 +164,13 @@ class SurfacePairs(Arrays):
 
     surfaces: CollisionSurfaces
     lists: PairLists
-    pairs: Ints2
-    sides: Ints2
-    pair_values: Floats2
-    relative: Floats2
-    motions: Floats2
-    found: Ints2
-    found_values: Floats2
-    touch: Floats1
+    pairs: Records[SurfacePair]
+    sides: Records[PairSide]
+    pair_values: Records[ContactValues]
+    relative: Records[RelativePose]
+    motions: Records[RelativeMotion]
+    found: ContactList
+    touch: FeatureTouch
     points: Floats2
     normals: Floats2
     depths: Floats1
@@ -116,6 +183,6 @@ class SurfacePairs(Arrays):
     grid: Ints1
     slots: Ints1
     chains: Ints1
-    kept: Floats2
+    kept: Records[ContactState]
     clearances: Clearing
     facets: DeformingSurfaces

@@ -7,73 +7,35 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from heavylift.contours.surface_layout import RelativeMotion, RelativePose
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.rigid import principal_frame
 from heavylift.solver.connections import GROUND
 from heavylift.solver.contact.checks import check_law, check_motion
 from heavylift.solver.contact.facet_counts import count_moving, count_slots, most_of
-from heavylift.solver.contact.facet_kind import (
-    FIRST_SLOT,
-    LAST_SLOT,
-    OF_DOF,
-    OF_POSE,
-    OF_SURFACE,
-    OWN_POINT,
-    POINTS,
-    ROW_COLUMNS,
-    FacetSurfaces,
-)
+from heavylift.solver.contact.facet_kind import FacetSurface, FacetSurfaces
 from heavylift.solver.contact.kind import (
-    BODY,
     COMPLIANT,
-    CONTOUR_COLUMNS,
-    DOF,
-    EXTENT,
-    FRICTION,
-    INVERSE_MASS,
     OF_FACETS,
     OF_GROUND,
     OF_RIGID,
-    ORIGIN,
-    OWNER,
-    POSE_WIDTH,
-    REACH,
     RIGID,
-    ROTATION,
-    SIZE,
-    STATE_WIDTH,
     Colliding,
+    ContactContour,
+    ContactState,
+    ContactValues,
+    ContourPose,
 )
 from heavylift.solver.contact.laws_packing import force_law, put_law
 from heavylift.solver.contact.mesh_clearance import make_clearances
 from heavylift.solver.contact.mesh_kind import (
-    DEFORMS,
-    FIRST,
-    FIRST_POSE,
-    FOUND_COLUMNS,
-    FOUND_NUMBERS,
-    METHOD,
-    MOST,
-    PAIR_COLUMN,
-    PAIR_COLUMNS,
-    PAIR_EVENTS,
-    PAIR_FORCE_LAW,
-    PAIR_LAW,
-    PAIR_VALUES,
-    PATCH_COSINE,
-    PATCH_SIZE,
-    RADII,
-    RECORDED,
-    SECOND,
-    SECOND_POSE,
-    SIDE_COLUMNS,
-    SIDE_WIDTH,
-    TOUCH_NUMBERS,
     Clearing,
     DeformingSurfaces,
+    PairSide,
+    SurfacePair,
     SurfacePairs,
 )
 from heavylift.solver.contact.packed_collisions import PackedCollisions
@@ -132,57 +94,58 @@ def pack_collisions(
     InputError
         What the checks of collisions refuse.
     """
+    from heavylift.contours.feature_gap import FeatureTouch
+    from heavylift.contours.feature_report import make_contact_list
     from heavylift.contours.pair_list import make_pair_lists
     from heavylift.contours.patches import EXTREMES, patch_scratch_size
     from heavylift.contours.surface_pack import pack_surfaces
 
     by_name = {body.name: body for body in ordered}
-    contours, poses, moved = [], [], []
+    contours = records(ContactContour, len(scene.surfaces))
+    poses, moved = [], []
     deforming: dict[int, FacetBook] = {}
     for i, one in enumerate(scene.surfaces):
-        row, pose, surface, book = _pack_surface(one, by_name, dofs)
-        contours.append(row)
+        contours[i], pose, surface, book = _pack_surface(one, by_name, dofs)
         poses.append(pose)
         moved.append(surface)
         if book is not None:
             deforming[i] = book
     numbers = {one.name: i for i, one in enumerate(scene.surfaces)}
     count = len(scene.collisions)
-    pairs = np.zeros((count, PAIR_COLUMNS), dtype=np.int64)
-    sides = np.zeros((count, SIDE_COLUMNS), dtype=np.int64)
-    values = np.zeros((count, PAIR_VALUES))
+    pairs, sides = records(SurfacePair, count), records(PairSide, 2 * count)
+    values = records(ContactValues, count)
     for i, (collision, column) in enumerate(zip(scene.collisions, columns, strict=True)):
         _check(collision, scene, scales)
         first, second = (numbers[name] for name in collision.surfaces)
-        pairs[i, FIRST], pairs[i, SECOND] = first, second
-        pairs[i, FIRST_POSE], pairs[i, SECOND_POSE] = first_pose + first, first_pose + second
-        law = collision.law
-        pairs[i, PAIR_LAW] = RIGID if isinstance(law, RigidLaw) else COMPLIANT
-        pairs[i, PAIR_FORCE_LAW] = 0 if isinstance(law, RigidLaw) else force_law(law)
-        pairs[i, PAIR_EVENTS] = int(collision.events)
-        pairs[i, METHOD] = METHODS[collision.method]
-        pairs[i, PAIR_COLUMN], pairs[i, RECORDED] = column, collision.recorded
-        pairs[i, MOST] = most_of(collision, scene)
-        pairs[i, DEFORMS] = int(first in deforming or second in deforming)
-        if pairs[i, DEFORMS] and isinstance(law, RigidLaw) and law.restitution == 0.0:
-            pairs[i, PAIR_EVENTS] = 0  # each impact sends waves, and each wave opens and closes others
+        pair, law = pairs[i], collision.law
+        pair.surfaces[:] = first, second
+        pair.poses[:] = first_pose + first, first_pose + second
+        pair.law = RIGID if isinstance(law, RigidLaw) else COMPLIANT
+        pair.force_law = 0 if isinstance(law, RigidLaw) else force_law(law)
+        pair.events = collision.events
+        pair.method = METHODS[collision.method]
+        pair.column, pair.recorded = column, collision.recorded
+        pair.most = most_of(collision, scene)
+        pair.deforms = first in deforming or second in deforming
+        if pair.deforms and isinstance(law, RigidLaw) and law.restitution == 0.0:
+            pair.events = False  # each impact sends waves, and each wave opens and closes others
         held = [attachment(scene.surfaces[k].body) for k in (first, second)]
-        sides[i] = [n for side in held for n in (side.dof, side.width, side.holder)]
+        for side, given in zip(sides[2 * i : 2 * i + 2], held, strict=True):
+            side.dof, side.width, side.holder = given.dof, given.width, given.holder
         size = min(_extent(moved[first]), _extent(moved[second]))
         if not size > 0.0:
             _refuse(collision, "between", "a surface that is a single point", "a radius, or more points")
-        put_law(law, values[i])
-        values[i, FRICTION], values[i, SIZE], values[i, EXTENT] = collision.friction, size, 0.0
+        of_contact = values[i]
+        put_law(law, of_contact)
+        of_contact.friction, of_contact.length_scale, of_contact.extent = collision.friction, size, 0.0
         inverse = [0.0 if name == GROUND else scales(name)[0] for name in _bodies(collision, scene)]
-        values[i, INVERSE_MASS] = sum(inverse)
-        values[i, PATCH_COSINE] = math.cos(collision.patch_angle)
-        values[i, PATCH_SIZE] = collision.patch_size or _patch_size(
-            min(moved[first], moved[second], key=_extent)
-        )
-        values[i, RADII] = moved[first].radius + moved[second].radius
+        of_contact.inverse_mass = sum(inverse)
+        pair.patch_cosine = math.cos(collision.patch_angle)
+        pair.patch_size = collision.patch_size or _patch_size(min(moved[first], moved[second], key=_extent))
+        pair.radii = moved[first].radius + moved[second].radius
     packed = pack_surfaces(moved)
-    most = int(pairs[:, MOST].sum())
-    room = FOUND_AT_ONCE * max(2, int(pairs[:, MOST].max()))
+    most = int(pairs["most"].sum())
+    room = FOUND_AT_ONCE * max(2, int(pairs["most"].max()))
     room = max([room, *(FOUND_AT_A_POINT * len(book.counts) for book in deforming.values())])
     if most > MOST_AT_ALL:
         _refuse(
@@ -192,18 +155,20 @@ def pack_collisions(
             f"{MOST_AT_ALL} at most: fewer of each",
         )
     items = room + most
+    placed = records(ContourPose, len(poses))
+    for i, pose in enumerate(poses):
+        placed[i] = pose
     places = len(scene.contacts) + most
     meshes = SurfacePairs(
         surfaces=packed,
-        lists=make_pair_lists(packed, [(int(row[FIRST]), int(row[SECOND])) for row in pairs]),
+        lists=make_pair_lists(packed, [(int(pair.surfaces[0]), int(pair.surfaces[1])) for pair in pairs]),
         pairs=pairs,
         sides=sides,
         pair_values=values,
-        relative=np.zeros((count, 12)),
-        motions=np.zeros((count, 24)),
-        found=np.zeros((room, FOUND_COLUMNS), dtype=np.int64),
-        found_values=np.zeros((room, FOUND_NUMBERS)),
-        touch=np.zeros(TOUCH_NUMBERS),
+        relative=records(RelativePose, count),
+        motions=records(RelativeMotion, count),
+        found=make_contact_list(room),
+        touch=FeatureTouch.one(),
         points=np.zeros((items, 3)),
         normals=np.zeros((items, 3)),
         depths=np.zeros(items),
@@ -216,18 +181,18 @@ def pack_collisions(
         grid=np.zeros(patch_scratch_size(items), dtype=np.int64),
         slots=np.zeros(1 << (2 * most - 1).bit_length(), dtype=np.int64),
         chains=np.zeros(places, dtype=np.int64),
-        kept=np.zeros((places, STATE_WIDTH)),
+        kept=records(ContactState, places),
         clearances=Clearing(make_clearances(packed, [one.clearance for one in scene.collisions])),
         facets=DeformingSurfaces(_pack_facets(scene, deforming, dofs, first_pose)),
     )
     return PackedCollisions(
         meshes=Colliding((meshes,)),
-        contours=np.array(contours, dtype=np.int64).reshape(-1, CONTOUR_COLUMNS),
-        poses=np.array(poses).reshape(-1, POSE_WIDTH),
+        contours=contours,
+        poses=placed,
         placed=np.zeros((len(moved) + count + 1, 12)),
         most=most,
         all_rigid=not deforming,
-        widest=max(6, int(sides[:, [SIDE_WIDTH, 3 + SIDE_WIDTH]].max())),
+        widest=max(6, int(sides["width"].max())),
     )
 
 
@@ -238,15 +203,16 @@ def _pack_facets(
     if not deforming:
         return []
     slots, moving = count_slots(scene), count_moving(scene)
-    rows = np.zeros((len(deforming), ROW_COLUMNS), dtype=np.int64)
+    rows = records(FacetSurface, len(deforming))
     row_of = np.full(len(scene.surfaces), -1, dtype=np.int64)
     point = 0
     for k, (i, book) in enumerate(deforming.items()):
         body, row_of[i] = scene.surfaces[i].body, k
-        rows[k, [OF_SURFACE, OF_DOF, OF_POSE]] = i, dofs[body], first_pose + i
-        rows[k, [OWN_POINT, POINTS]] = point, len(book.counts)
-        rows[k, LAST_SLOT] = moving.get(body, 0)
-        rows[k, FIRST_SLOT] = rows[k, LAST_SLOT] - slots.get(body, 0)
+        row = rows[k]
+        row.surface, row.dof, row.pose = i, dofs[body], first_pose + i
+        row.own_point, row.points = point, len(book.counts)
+        row.last_slot = moving.get(body, 0)
+        row.first_slot = row.last_slot - slots.get(body, 0)
         point += len(book.counts)
     counts = np.concatenate([book.counts for book in deforming.values()])
     return [
@@ -281,7 +247,7 @@ def _patch_size(surface: TriangleSurface) -> float:
 
 def _pack_surface(
     one: CollisionSurface, by_name: Mapping[str, AnyBody], dofs: Mapping[str, int]
-) -> tuple[NDArray[np.int64], NDArray[np.float64], TriangleSurface, FacetBook | None]:
+) -> tuple[ContactContour, ContourPose, TriangleSurface, FacetBook | None]:
     """Row and pose of a surface, its triangles in the axes in which its body is measured, and how they deform."""
     from heavylift.preprocess.surfaces import TriangleSurface
 
@@ -300,30 +266,32 @@ def _pack_surface(
             f"no triangles on {one.body!r}" if one.surface is None else f"triangles on {one.body!r}",
             source=one.name,
             key="body",
-            expected="a rigid body or the ground with triangles, a frame or shell without; flexible bodies with "
-            "modes touch by contours",
+            expected=(
+                "a rigid body or the ground with triangles, a frame or shell without; flexible "
+                "bodies with modes touch by contours"
+            ),
         )
     origin, axes = principal_frame(body) if body is not None else (np.zeros(3), np.eye(3))
     surface = TriangleSurface(
         (one.surface.points - origin) @ axes, one.surface.triangles, one.surface.radius, one.name
     )
-    row = np.zeros(CONTOUR_COLUMNS, dtype=np.int64)
-    row[OWNER] = OF_GROUND if body is None else OF_RIGID
-    row[DOF] = -1 if body is None else dofs[one.body]
-    row[BODY] = -1 if body is None else list(by_name).index(one.body)
-    pose = np.zeros(POSE_WIDTH)
-    pose[ROTATION : ROTATION + 9] = np.eye(3).ravel()
+    row = ContactContour.one()
+    row.owner = OF_GROUND if body is None else OF_RIGID
+    row.dof = -1 if body is None else dofs[one.body]
+    row.body = -1 if body is None else list(by_name).index(one.body)
+    pose = ContourPose.one()
+    pose.rotation[:] = np.eye(3).ravel()
     if body is not None:
         R = rotation_matrix(body.orientation)
-        pose[ROTATION : ROTATION + 9] = (R @ axes).ravel()
-        pose[ORIGIN : ORIGIN + 3] = body.position + R @ origin
-    pose[REACH] = float(np.linalg.norm(surface.points, axis=1).max()) + surface.radius
+        pose.rotation[:] = (R @ axes).ravel()
+        pose.origin[:] = body.position + R @ origin
+    pose.reach = float(np.linalg.norm(surface.points, axis=1).max()) + surface.radius
     return row, pose, surface, None
 
 
 def _pack_own_surface(
     one: CollisionSurface, body: MeshBody, number: int, dofs: Mapping[str, int]
-) -> tuple[NDArray[np.int64], NDArray[np.float64], TriangleSurface, FacetBook]:
+) -> tuple[ContactContour, ContourPose, TriangleSurface, FacetBook]:
     """The same of a frame or shell: axes are those in which it was placed, and stand still."""
     from heavylift.solver.bodies.ancf.facet_packing import facet_surface
 
@@ -337,12 +305,12 @@ def _pack_own_surface(
     if one.facets < 1:
         raise InputError(f"{one.facets}", source=one.name, key="facets", expected="1 or more")
     book = facet_surface(body, one.facets, one.name)
-    row = np.zeros(CONTOUR_COLUMNS, dtype=np.int64)
-    row[OWNER], row[DOF], row[BODY] = OF_FACETS, dofs[one.body], number
-    pose = np.zeros(POSE_WIDTH)
-    pose[ROTATION : ROTATION + 9] = rotation_matrix(np.asarray(body.orientation, dtype=np.float64)).ravel()
-    pose[ORIGIN : ORIGIN + 3] = body.position
-    pose[REACH] = float(np.linalg.norm(book.surface.points, axis=1).max()) + book.surface.radius
+    row = ContactContour.one()
+    row.owner, row.dof, row.body = OF_FACETS, dofs[one.body], number
+    pose = ContourPose.one()
+    pose.rotation[:] = rotation_matrix(np.asarray(body.orientation, dtype=np.float64)).ravel()
+    pose.origin[:] = body.position
+    pose.reach = float(np.linalg.norm(book.surface.points, axis=1).max()) + book.surface.radius
     return row, pose, book.surface, book
 
 

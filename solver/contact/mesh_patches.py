@@ -9,48 +9,16 @@ from __future__ import annotations
 import math
 
 from heavylift.contours.feature_gap import feature_gap
+from heavylift.contours.feature_report import FoundContact
 from heavylift.contours.patches import EXTREMES, extreme_points, group_patches
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.counts import contact_count, number_of
+from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import (
-    BESIDE,
     COMPLIANT,
-    DAMPING,
-    END_GAP,
-    EXPONENT,
-    FEATURE,
-    FEATURES,
-    FORCE_LAW,
-    GAP,
-    LAW,
-    LOSS,
-    OF_CONTOURS,
-    OTHER_FEATURE,
-    PAIR,
-    PATCH,
-    PRESENT,
-    SHARE,
-    SIDE,
-    SIZE,
-    STIFFNESS,
     ContactRows,
 )
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.mesh_kind import (
-    DEFORMS,
-    FOUND_COLUMNS,
-    FOUND_FIRST,
-    FOUND_HIT,
-    FOUND_KIND,
-    FOUND_NUMBERS,
-    FOUND_SECOND,
-    FOUND_SIDE,
-    NORMAL_AT,
-    OTHER_AT,
-    PATCH_COSINE,
-    PATCH_SIZE,
-    POINT_AT,
-    RADII,
     SurfacePairs,
 )
 from heavylift.solver.contact.mesh_table import look_up
@@ -73,34 +41,41 @@ DEEPER_ON_MESHES = 1e-2
 @kernel(inline=True, internal=True)
 def _comes_before(meshes: SurfacePairs, i: int, kind: int, feature: int, other: int) -> bool:
     """Whether found features stand before others in the order of their numbers."""
-    found = meshes.found[i]
-    if found[FOUND_KIND] != kind:
-        return bool(found[FOUND_KIND] < kind)
-    if found[FOUND_FIRST] != feature:
-        return bool(found[FOUND_FIRST] < feature)
-    return bool(found[FOUND_SECOND] < other)
+    found = meshes.found.contacts[i]
+    if found.kind != kind:
+        return bool(found.kind < kind)
+    if found.first != feature:
+        return bool(found.first < feature)
+    return bool(found.second < other)
+
+
+@kernel(inline=True, internal=True)
+def _put(
+    to: FoundContact, kind: int, first: int, second: int, hit: int, time: float, side: float, gap: float
+) -> None:
+    """Write all fields."""
+    to.kind, to.first, to.second, to.hit = kind, first, second, hit
+    to.time, to.side, to.gap = time, side, gap
 
 
 @kernel(internal=True)
 def sort_found(meshes: SurfacePairs, count: int) -> None:
     """By features (Shell's method): a search finds them in an order that depends on when its list was made."""
-    found, values = meshes.found, meshes.found_values
+    found = meshes.found.contacts
     distance = 1
     while distance < count // 3:
         distance = 3 * distance + 1
     while distance > 0:
         for i in range(distance, count):
-            a, b, c, d = found[i, 0], found[i, 1], found[i, 2], found[i, 3]
-            x, y, z = values[i, 0], values[i, 1], values[i, 2]
+            one = found[i]
+            kind, first, second, hit = one.kind, one.first, one.second, one.hit
+            time, side, gap = one.time, one.side, one.gap
             k = i
-            while k >= distance and not _comes_before(meshes, k - distance, a, b, c):
-                for j in range(FOUND_COLUMNS):
-                    found[k, j] = found[k - distance, j]
-                for j in range(FOUND_NUMBERS):
-                    values[k, j] = values[k - distance, j]
+            while k >= distance and not _comes_before(meshes, k - distance, kind, first, second):
+                one = found[k - distance]
+                _put(found[k], one.kind, one.first, one.second, one.hit, one.time, one.side, one.gap)
                 k -= distance
-            found[k, 0], found[k, 1], found[k, 2], found[k, 3] = a, b, c, d
-            values[k, 0], values[k, 1], values[k, 2] = x, y, z
+            _put(found[k], kind, first, second, hit, time, side, gap)
         distance //= 3
 
 
@@ -115,15 +90,14 @@ def _put_item(
         kind,
         feature,
         other,
-        meshes.pair_values[pair, RADII],
+        meshes.pairs[pair].radii,
         side,
         meshes.relative[pair],
-        0,
         touch,
     )
     for k in range(3):
-        meshes.points[n, k] = 0.5 * (touch[POINT_AT + k] + touch[OTHER_AT + k])
-        meshes.normals[n, k] = touch[NORMAL_AT + k]
+        meshes.points[n, k] = 0.5 * (touch.point_a[k] + touch.point_b[k])
+        meshes.normals[n, k] = touch.normal[k]
     meshes.owners[n] = owner
 
 
@@ -134,30 +108,30 @@ def choose_contacts(meshes: SurfacePairs, contacts: ContactRows, pair: int, coun
     Contacts get the number of their patch. Of what was found, those that span a patch are to become contacts, and those
     nearer than `ahead` [m] that are nearer than all that span it: steps that are not split stop them too.
     """
-    n, size = 0, meshes.pair_values[pair, SIZE]
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+    n, size = 0, meshes.pair_values[pair].length_scale
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
-        if state[PAIR] == pair and state[BESIDE] > BORDER * size:
-            state[PATCH] = -1.0  # at this place what was found beside it counts
-        elif state[PAIR] == pair:
-            kind, feature, other = int(state[FEATURES]), int(state[FEATURE]), int(state[OTHER_FEATURE])
-            _put_item(meshes, pair, n, kind, feature, other, state[SIDE], c)
+        if state.pair == pair and state.beside > BORDER * size:
+            state.patch = -1  # at this place what was found beside it counts
+        elif state.pair == pair:
+            kind, feature, other = state.feature_kind, state.feature, state.other_feature
+            _put_item(meshes, pair, n, kind, feature, other, state.side, c)
             meshes.active[n] = 1
             n += 1
     for i in range(count):
-        found = meshes.found[i]
-        kind, feature, other = found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]
+        found = meshes.found.contacts[i]
+        kind, feature, other = found.kind, found.first, found.second
         meshes.keeps[i] = -1
-        if found[FOUND_HIT] != UNKNOWN and look_up(meshes, contacts, pair, kind, feature, other) < 0:
-            _put_item(meshes, pair, n, kind, feature, other, meshes.found_values[i, FOUND_SIDE], i)
+        if found.hit != UNKNOWN and look_up(meshes, contacts, pair, kind, feature, other) < 0:
+            _put_item(meshes, pair, n, kind, feature, other, meshes.found.contacts[i].side, i)
             meshes.active[n] = 0
             n += 1
     patches = group_patches(
         n,
         meshes.points,
         meshes.normals,
-        meshes.pair_values[pair, PATCH_COSINE],
-        meshes.pair_values[pair, PATCH_SIZE],
+        meshes.pairs[pair].patch_cosine,
+        meshes.pairs[pair].patch_size,
         meshes.grid,
         meshes.patch_of,
     )
@@ -172,8 +146,8 @@ def choose_contacts(meshes: SurfacePairs, contacts: ContactRows, pair: int, coun
         meshes.chosen,
     )
     deeper = DEEPER * size
-    if meshes.pairs[pair, DEFORMS] > 0:
-        deeper = max(deeper, DEEPER_ON_MESHES * meshes.pair_values[pair, RADII])
+    if meshes.pairs[pair].deforms:
+        deeper = max(deeper, DEEPER_ON_MESHES * meshes.pairs[pair].radii)
     _mark_chosen(meshes, contacts, n, patches, deeper, ahead)
     return patches
 
@@ -199,7 +173,7 @@ def _mark_chosen(
     for i in range(n):
         k = meshes.patch_of[i]
         if meshes.active[i] > 0:
-            contacts.state[meshes.owners[i], PATCH] = float(k)
+            contacts.state[meshes.owners[i]].patch = k
         if meshes.depths[i] < min(meshes.sums[k], 0.0) - deeper:
             meshes.sums[k] = meshes.depths[i]
             meshes.chosen[k, 0] = i
@@ -226,22 +200,22 @@ def share_stiffness(
     """
     for k in range(patches):
         meshes.sums[k] = 0.0
-    first, last = number_of(contacts, OF_CONTOURS), contact_count(contacts)
+    first, last = contacts.counts.of_contours, contact_count(contacts)
     for c in range(first, last):
         state = contacts.state[c]
-        if state[PAIR] == pair and state[PATCH] >= 0.0:
-            meshes.sums[int(state[PATCH])] += _weight(state[END_GAP], reach)
-    stiffness = meshes.pair_values[pair, STIFFNESS]
+        if state.pair == pair and state.patch >= 0:
+            meshes.sums[state.patch] += _weight(state.end_gap, reach)
+    stiffness = meshes.pair_values[pair].stiffness
     for c in range(first, last):
         state, values = contacts.state[c], contacts.values[c]
-        if state[PAIR] != pair or contacts.table[c, LAW] != COMPLIANT:
+        if state.pair != pair or contacts.table[c].law != COMPLIANT:
             continue
-        before = values[STIFFNESS]
-        if state[PATCH] >= 0.0 and meshes.sums[int(state[PATCH])] > 0.0:
-            state[SHARE] = _weight(state[END_GAP], reach) / meshes.sums[int(state[PATCH])]
-        values[STIFFNESS] = state[SHARE] * stiffness
-        values[DAMPING] = state[SHARE] * meshes.pair_values[pair, DAMPING]
-        law, exponent, depth = contacts.table[c, FORCE_LAW], values[EXPONENT], -state[END_GAP]
-        paid = depth if state[PRESENT] > 0.0 else -state[GAP]
-        state[LOSS] += stored_energy(law, before, exponent, paid)
-        state[LOSS] -= stored_energy(law, values[STIFFNESS], exponent, depth)
+        before = values.stiffness
+        if state.patch >= 0 and meshes.sums[state.patch] > 0.0:
+            state.share = _weight(state.end_gap, reach) / meshes.sums[state.patch]
+        values.stiffness = state.share * stiffness
+        values.damping = state.share * meshes.pair_values[pair].damping
+        law, exponent, depth = contacts.table[c].force_law, values.exponent, -state.end_gap
+        paid = depth if state.present else -state.gap
+        state.loss += stored_energy(law, before, exponent, paid)
+        state.loss -= stored_energy(law, values.stiffness, exponent, depth)

@@ -8,44 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record, Vector, record_at
 from heavylift.solver.channels import XYZ
-from heavylift.solver.contact.counts import contact_count, number_of
-from heavylift.solver.contact.kind import (
-    CLOSED,
-    COMPLIANT,
-    EXPONENT,
-    FORCE,
-    FORCE_LAW,
-    FRICTION_FORCE,
-    GAP,
-    IMPACTS,
-    IMPULSES,
-    LAW,
-    LOSS,
-    NORMAL,
-    NORMAL_FORCE,
-    OF_CONTOURS,
-    PAIR,
-    PATCH,
-    SLIP_SPEED,
-    STEP_IMPULSE,
-    STIFFNESS,
-    TOUCHED,
-    ContactRows,
-)
+from heavylift.solver.contact.counts import contact_count
+from heavylift.solver.contact.kind import COMPLIANT, ContactRows
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.mesh_interface import record_clearance, record_pairs
-from heavylift.solver.contact.mesh_kind import (
-    GONE_IMPACTS,
-    GONE_IMPULSE,
-    GONE_LOSS,
-    PAIR_COLUMN,
-    PAIR_REACH,
-    RECORDED,
-    SurfacePairs,
-)
+from heavylift.solver.contact.mesh_kind import SurfacePairs, gone_contacts
 from heavylift.solver.contact.mesh_slots import surface_count
-from heavylift.solver.interface import DISSIPATED, ELASTIC, Workspace
+from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
 
 __all__ = ["COLLISION_CHANNELS", "collision_channels"]
@@ -76,9 +47,39 @@ ONE_CONTACT: tuple[tuple[str, str, tuple[str, ...]], ...] = (
 )
 """The same of each recorded contact."""
 
-GAP_AT, NUMBER_AT, PATCHES_AT, FORCE_AT, SUM_AT, LARGEST_AT, IMPULSE_AT = 0, 1, 2, 3, 6, 7, 8
-CENTRE_AT, SLIP_AT, LOSS_AT, IMPACTS_AT, CONTACTS_AT = 9, 12, 13, 14, 15
-POINT_OF, NORMAL_OF, GAP_OF, FORCE_OF, FRICTION_OF, IMPULSE_OF, PATCH_OF, ONE_WIDTH = 0, 3, 6, 7, 8, 9, 10, 11
+
+class CollisionColumns(Record):
+    """Columns of a collision, see `COLLISION_CHANNELS`."""
+
+    gap: float
+    contacts: float
+    patches: float
+    force: Vector
+    normal_force: float
+    largest_force: float
+    impulse: float
+    point: Vector
+    slip: float
+    dissipated: float
+    impacts: float
+
+
+class ContactColumns(Record):
+    """Columns of a recorded contact, behind those of its collision; see `ONE_CONTACT`."""
+
+    point: Vector
+    normal: Vector
+    gap: float
+    force: float
+    friction: float
+    impulse: float
+    patch: float
+
+
+CONTACTS_AT, ONE_WIDTH = (columns.layout.itemsize // 8 for columns in (CollisionColumns, ContactColumns))
+"""How many columns these are."""
+
+collision_columns, contact_columns = record_at(CollisionColumns), record_at(ContactColumns)
 
 
 def collision_channels(recorded: int) -> list[tuple[str, str, tuple[str, ...]]]:
@@ -96,7 +97,7 @@ def record_mesh_pairs(
 ) -> None:
     """Pair by pair."""
     for pair in range(meshes.pairs.shape[0]):
-        at = meshes.pairs[pair, PAIR_COLUMN]
+        at = meshes.pairs[pair].column
         _record_sums(meshes, contacts, pair, work, row, at)
         _record_largest(meshes, contacts, pair, row, at + CONTACTS_AT)
 
@@ -106,54 +107,51 @@ def _record_sums(
     meshes: SurfacePairs, contacts: ContactRows, pair: int, work: Workspace, row: NDArray[np.float64], at: int
 ) -> None:
     """What all contacts of a pair do together; its gap is the reach of the search while nothing is nearer."""
-    gone = contacts.placed[surface_count(contacts, meshes) + pair]
+    gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + pair], 0)
     for k in range(CONTACTS_AT):
         row[at + k] = 0.0
-    row[at + GAP_AT] = meshes.pair_values[pair, PAIR_REACH]
-    row[at + IMPULSE_AT], row[at + LOSS_AT], row[at + IMPACTS_AT] = (
-        gone[GONE_IMPULSE],
-        gone[GONE_LOSS],
-        gone[GONE_IMPACTS],
-    )
+    sums = collision_columns(row, at)
+    sums.gap = meshes.pairs[pair].reach
+    sums.impulse, sums.dissipated, sums.impacts = gone.impulse, gone.loss, gone.impacts
     highest = -1.0
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
-        if state[PAIR] != pair:
+        if state.pair != pair:
             continue
-        row[at + GAP_AT] = min(row[at + GAP_AT], state[GAP])
-        row[at + IMPULSE_AT] += state[IMPULSES]
-        row[at + LOSS_AT] += state[LOSS]
-        row[at + IMPACTS_AT] += state[IMPACTS]
-        if contacts.table[c, LAW] == COMPLIANT:
+        sums.gap = min(sums.gap, state.gap)
+        sums.impulse += state.impulse
+        sums.dissipated += state.loss
+        sums.impacts += state.impacts
+        if contacts.table[c].law == COMPLIANT:
             values = contacts.values[c]
-            work.sums[ELASTIC] += stored_energy(
-                contacts.table[c, FORCE_LAW], values[STIFFNESS], values[EXPONENT], -state[GAP]
+            work.sums.elastic += stored_energy(
+                contacts.table[c].force_law, values.stiffness, values.exponent, -state.gap
             )
-        force = state[NORMAL_FORCE]
-        if not (force > 0.0 or state[CLOSED] > 0.0):
+        force = state.normal_force
+        if not (force > 0.0 or state.closed):
             continue
-        row[at + NUMBER_AT] += 1.0
-        highest = max(highest, state[PATCH])
-        row[at + SUM_AT] += force
-        row[at + SLIP_AT] = max(row[at + SLIP_AT], state[SLIP_SPEED])
+        sums.contacts += 1.0
+        highest = max(highest, state.patch)
+        sums.normal_force += force
+        sums.slip = max(sums.slip, state.slip_speed)
         for k in range(3):
-            row[at + FORCE_AT + k] += state[FORCE + k]
-            row[at + CENTRE_AT + k] += force * state[TOUCHED + k]
-    work.sums[DISSIPATED] += row[at + LOSS_AT]
-    record_clearance(meshes.clearances, meshes, contacts, pair, row, at + GAP_AT)
-    if row[at + SUM_AT] > 0.0:
+            sums.force[k] += state.force[k]
+            sums.point[k] += force * state.touched[k]
+    work.sums.dissipated += sums.dissipated
+    record_clearance(meshes.clearances, meshes, contacts, pair, row, at)
+    if sums.normal_force > 0.0:
         for k in range(3):
-            row[at + CENTRE_AT + k] /= row[at + SUM_AT]
+            sums.point[k] /= sums.normal_force
     for patch in range(int(highest) + 1):
         total, members = 0.0, 0
-        for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+        for c in range(contacts.counts.of_contours, contact_count(contacts)):
             state = contacts.state[c]
-            touches = state[NORMAL_FORCE] > 0.0 or state[CLOSED] > 0.0
-            if state[PAIR] == pair and state[PATCH] == patch and touches:
-                total += state[NORMAL_FORCE]
+            touches = state.normal_force > 0.0 or state.closed
+            if state.pair == pair and state.patch == patch and touches:
+                total += state.normal_force
                 members += 1
-        row[at + LARGEST_AT] = max(row[at + LARGEST_AT], total)
-        row[at + PATCHES_AT] += 1.0 if members > 0 else 0.0
+        sums.largest_force = max(sums.largest_force, total)
+        sums.patches += 1.0 if members > 0 else 0.0
 
 
 @kernel(internal=True)
@@ -162,26 +160,27 @@ def _record_largest(
 ) -> None:
     """Contacts in the order of their normal forces, those of equal ones in that of their places."""
     before, last = math.inf, -1
-    for i in range(meshes.pairs[pair, RECORDED]):
+    for i in range(meshes.pairs[pair].recorded):
         best, largest = -1, -1.0
-        for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+        for c in range(contacts.counts.of_contours, contact_count(contacts)):
             state = contacts.state[c]
-            force = state[NORMAL_FORCE]
-            touches = force > 0.0 or state[CLOSED] > 0.0
+            force = state.normal_force
+            touches = force > 0.0 or state.closed
             later = force < before or (force == before and c > last)
-            if state[PAIR] == pair and touches and later and force > largest:
+            if state.pair == pair and touches and later and force > largest:
                 best, largest = c, force
         place = at + i * ONE_WIDTH
         for k in range(ONE_WIDTH):
             row[place + k] = 0.0
-        row[place + PATCH_OF] = -1.0
+        columns = contact_columns(row, place)
+        columns.patch = -1.0
         if best < 0:
             continue
         before, last = largest, best
         state = contacts.state[best]
         for k in range(3):
-            row[place + POINT_OF + k] = state[TOUCHED + k]
-            row[place + NORMAL_OF + k] = state[NORMAL + k]
-        row[place + GAP_OF], row[place + FORCE_OF] = state[GAP], state[NORMAL_FORCE]
-        row[place + FRICTION_OF], row[place + IMPULSE_OF] = state[FRICTION_FORCE], state[STEP_IMPULSE]
-        row[place + PATCH_OF] = state[PATCH]
+            columns.point[k] = state.touched[k]
+            columns.normal[k] = state.normal[k]
+        columns.gap, columns.force = state.gap, state.normal_force
+        columns.friction, columns.impulse = state.friction_force, state.step_impulse
+        columns.patch = state.patch

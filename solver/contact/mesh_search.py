@@ -9,77 +9,23 @@ from __future__ import annotations
 
 import math
 
+from heavylift.contours.feature_gap import copy_pose
 from heavylift.contours.feature_pairs import find_contacts
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
-from heavylift.solver.contact.counts import contact_count, number_of
+from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.facet_interface import form_facets
-from heavylift.solver.contact.kind import (
-    BESIDE,
-    COMPLIANT,
-    END_GAP,
-    FEATURE,
-    FEATURES,
-    FIRST_BLOCK,
-    GAP,
-    HIT,
-    LEFT,
-    NORMAL,
-    OF_CONTOURS,
-    OTHER_FEATURE,
-    PAIR,
-    PATCH,
-    RATE,
-    RIGID,
-    SHIFT,
-    SIDE,
-    SIZE,
-    SLEEP,
-    START_BESIDE,
-    START_GAP,
-    START_RATE,
-    STEP_SHIFT,
-    TANGENT,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import COMPLIANT, RIGID, ContactRows
 from heavylift.solver.contact.mesh_handover import book_jump, goes_on, turn_memory
 from heavylift.solver.contact.mesh_interface import find_first_contacts, search_surfaces
-from heavylift.solver.contact.mesh_kind import (
-    BESIDE_AT,
-    DEFORMS,
-    FIRST_POSE,
-    FOUND_FIRST,
-    FOUND_HIT,
-    FOUND_KIND,
-    FOUND_SECOND,
-    FOUND_SIDE,
-    METHOD,
-    MOST,
-    PAIR_EVENTS,
-    PAIR_LAW,
-    PAIR_PATCHES,
-    PAIR_REACH,
-    SECOND_POSE,
-    SurfacePairs,
-)
-from heavylift.solver.contact.mesh_patches import (
-    BORDER,
-    choose_contacts,
-    share_stiffness,
-    sort_found,
-)
-from heavylift.solver.contact.mesh_sides import (
-    ABOUT_NOTHING,
-    deepest_of,
-    gap_at_start,
-    holds,
-    settle_sides,
-)
-from heavylift.solver.contact.mesh_slots import add_contact, surface_count
+from heavylift.solver.contact.mesh_kind import SurfacePairs, placed_pose
+from heavylift.solver.contact.mesh_patches import BORDER, choose_contacts, share_stiffness, sort_found
+from heavylift.solver.contact.mesh_sides import ABOUT_NOTHING, deepest_of, gap_at_start, holds, settle_sides
+from heavylift.solver.contact.mesh_slots import add_contact, put_placed, surface_count
 from heavylift.solver.contact.mesh_table import enter, fill_table, look_up
 from heavylift.solver.contact.mesh_touch import relative_pose, touch_mesh_contact
-from heavylift.solver.interface import STATUS_BLOCK, STATUS_OUTCOME, Bodies, Workspace
+from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
@@ -120,25 +66,20 @@ def _search_all(
     form_facets(meshes.facets, meshes.surfaces, bodies)
     fill_table(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
-        a, b = meshes.pairs[pair, FIRST_POSE], meshes.pairs[pair, SECOND_POSE]
-        relative_pose(contacts.placed[a - first_row], contacts.placed[b - first_row], meshes.motions[pair], 0)
-        relative_pose(contacts.poses[a], contacts.poses[b], meshes.motions[pair], 12)
-        for k in range(12):
-            meshes.relative[pair, k] = meshes.motions[pair, 12 + k]
-            if meshes.pairs[pair, DEFORMS] > 0:  # its points are those of the end, so paths say nothing
-                meshes.motions[pair, k] = meshes.motions[pair, 12 + k]
-        moved = contacts.poses[a, STEP_SHIFT] + contacts.poses[b, STEP_SHIFT]
+        a, b = meshes.pairs[pair].poses[0], meshes.pairs[pair].poses[1]
+        motion = meshes.motions[pair]
+        first_placed, second_placed = contacts.placed[a - first_row], contacts.placed[b - first_row]
+        relative_pose(placed_pose(first_placed, 0), placed_pose(second_placed, 0), motion.start)
+        relative_pose(contacts.poses[a], contacts.poses[b], motion.end)
+        copy_pose(motion.end, meshes.relative[pair])
+        if meshes.pairs[pair].deforms:  # its points are those of the end, so paths say nothing
+            copy_pose(motion.end, motion.start)
+        moved = contacts.poses[a].step_shift + contacts.poses[b].step_shift
         _search_pair(meshes, contacts, bodies, pair, moved, step, first, work)
     _finish_contacts(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
-        if meshes.pairs[pair, PAIR_LAW] == COMPLIANT:
-            share_stiffness(
-                meshes,
-                contacts,
-                pair,
-                int(meshes.pair_values[pair, PAIR_PATCHES]),
-                meshes.pair_values[pair, PAIR_REACH],
-            )
+        if meshes.pairs[pair].law == COMPLIANT:
+            share_stiffness(meshes, contacts, pair, meshes.pairs[pair].patches, meshes.pairs[pair].reach)
 
 
 @implement(find_first_contacts, SurfacePairs)
@@ -149,16 +90,16 @@ def find_first_mesh_contacts(
     """What is near at the start; what touches and does not move is closed."""
     first_row = contacts.poses.shape[0] - surface_count(contacts, meshes)
     for i in range(surface_count(contacts, meshes)):
-        for k in range(12):
-            contacts.placed[i, k] = contacts.poses[first_row + i, k]
-        contacts.poses[first_row + i, STEP_SHIFT] = 0.0
+        put_placed(contacts, i, first_row + i)
+        contacts.poses[first_row + i].step_shift = 0.0
     _search_all(meshes, contacts, bodies, work, step, True)
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
-        state[GAP] = state[END_GAP]
-        state[RATE] = contact_rates(contacts, c, work.velocity)[0]
-        state[START_BESIDE], state[START_RATE] = state[BESIDE], state[RATE]
-        state[SHIFT] = step * abs(state[RATE]) + AT_START * meshes.pair_values[int(state[PAIR]), SIZE]
+        state.gap = state.end_gap
+        state.rate = contact_rates(contacts, c, work.velocity)[0]
+        state.start_beside, state.start_rate = state.beside, state.rate
+        size = meshes.pair_values[state.pair].length_scale
+        state.shift = step * abs(state.rate) + AT_START * size
 
 
 @kernel(internal=True)
@@ -173,13 +114,13 @@ def _search_pair(
     work: Workspace,
 ) -> None:
     """Search, look up, hand over, add."""
-    size = meshes.pair_values[pair, SIZE]
-    early = meshes.pairs[pair, PAIR_LAW] != RIGID or meshes.pairs[pair, PAIR_EVENTS] == 0
-    early = early or meshes.pairs[pair, DEFORMS] > 0
+    size = meshes.pair_values[pair].length_scale
+    early = meshes.pairs[pair].law != RIGID or not meshes.pairs[pair].events
+    early = early or meshes.pairs[pair].deforms
     reach = (AT_START if first else NEAR_ENOUGH) * size + (AHEAD * moved if early else 0.0)
-    meshes.pair_values[pair, PAIR_REACH] = reach
+    meshes.pairs[pair].reach = reach
     further = 0.0
-    if meshes.pairs[pair, PAIR_LAW] == RIGID:
+    if meshes.pairs[pair].law == RIGID:
         further = DEEPER * deepest_of(meshes, contacts, pair)
     count = find_contacts(
         meshes.surfaces,
@@ -187,9 +128,8 @@ def _search_pair(
         pair,
         meshes.motions[pair],
         reach + further,
-        meshes.pairs[pair, METHOD],
+        meshes.pairs[pair].method,
         meshes.found,
-        meshes.found_values,
     )
     if count < 0:
         _stop(contacts, pair, work)
@@ -197,23 +137,19 @@ def _search_pair(
     lost = _follow_contacts(meshes, contacts, bodies, pair, size, work)
     sort_found(meshes, count)
     settle_sides(meshes, contacts, pair, count, first)
-    unsplit = meshes.pairs[pair, PAIR_LAW] == RIGID and meshes.pairs[pair, PAIR_EVENTS] == 0
+    unsplit = meshes.pairs[pair].law == RIGID and not meshes.pairs[pair].events
     patches = choose_contacts(meshes, contacts, pair, count, 0.5 * reach if unsplit else -math.inf)
     for i in range(count):
-        found = meshes.found[i]
-        kind, feature, other = found[FOUND_KIND], found[FOUND_FIRST], found[FOUND_SECOND]
+        found = meshes.found.contacts[i]
+        kind, feature, other = found.kind, found.first, found.second
         c = look_up(meshes, contacts, pair, kind, feature, other)
         if c >= 0:
             state = contacts.state[c]
-            state[HIT] = float(found[FOUND_HIT])
-            if (
-                state[HIT] > 0.0
-                and state[SIDE] != meshes.found_values[i, FOUND_SIDE]
-                and not holds(contacts, c)
-            ):
-                gap, state[SIDE] = state[END_GAP], meshes.found_values[i, FOUND_SIDE]
+            state.hit = found.hit
+            if state.hit > 0 and state.side != meshes.found.contacts[i].side and not holds(contacts, c):
+                gap, state.side = state.end_gap, meshes.found.contacts[i].side
                 for k in range(3):
-                    state[NORMAL + k] = 0.0  # the side is new
+                    state.normal[k] = 0.0  # the side is new
                 touch_mesh_contact(meshes, contacts, bodies, c, work)
                 book_jump(contacts, c, gap)
             continue
@@ -222,14 +158,14 @@ def _search_pair(
         if not _add(meshes, contacts, bodies, pair, i, moved, step, work):
             _stop(contacts, pair, work)
             return
-    meshes.pair_values[pair, PAIR_PATCHES] = patches
+    meshes.pairs[pair].patches = patches
 
 
 @kernel(internal=True)
 def _stop(contacts: ContactRows, pair: int, work: Workspace) -> None:
     """More contacts than there are places for."""
-    work.status[STATUS_OUTCOME] = TOO_MANY_CONTACTS
-    work.status[STATUS_BLOCK] = number_of(contacts, FIRST_BLOCK) + number_of(contacts, OF_CONTOURS) + pair
+    work.status.outcome = TOO_MANY_CONTACTS
+    work.status.block = contacts.counts.first_block + contacts.counts.of_contours + pair
 
 
 @kernel(internal=True)
@@ -238,12 +174,12 @@ def _follow_contacts(
 ) -> int:
     """Gaps and rows of the contacts of a pair; how many of the closed ones have left their face or edges."""
     lost = 0
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
-        if state[PAIR] == pair:
+        if state.pair == pair:
             touch_mesh_contact(meshes, contacts, bodies, c, work)
-            state[HIT] = 0.0
-            if holds(contacts, c) and state[BESIDE] > BORDER * size:
+            state.hit = 0
+            if holds(contacts, c) and state.beside > BORDER * size:
                 lost += 1
     return lost
 
@@ -263,9 +199,9 @@ def _hand_over(
     if c < 0:
         return False
     state = contacts.state[c]
-    state[FEATURE], state[OTHER_FEATURE] = meshes.found[i, FOUND_FIRST], meshes.found[i, FOUND_SECOND]
-    state[SIDE], state[PATCH] = side, float(meshes.keeps[i])
-    gap, t1, t2, t3 = state[END_GAP], state[TANGENT], state[TANGENT + 1], state[TANGENT + 2]
+    state.feature, state.other_feature = meshes.found.contacts[i].first, meshes.found.contacts[i].second
+    state.side, state.patch = side, meshes.keeps[i]
+    gap, t1, t2, t3 = state.end_gap, state.tangent[0], state.tangent[1], state.tangent[2]
     touch_mesh_contact(meshes, contacts, bodies, c, work)
     turn_memory(contacts, c, t1, t2, t3)
     book_jump(contacts, c, gap)
@@ -276,10 +212,10 @@ def _hand_over(
 def _has_room(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> bool:
     """Whether a pair may have one contact more."""
     count = 0
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
-        if contacts.state[c, PAIR] == pair:
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        if contacts.state[c].pair == pair:
             count += 1
-    return bool(count < meshes.pairs[pair, MOST])
+    return bool(count < meshes.pairs[pair].most)
 
 
 @kernel(internal=True)
@@ -294,32 +230,28 @@ def _add(
     work: Workspace,
 ) -> bool:
     """A new contact; false if there is no place for it."""
-    found, side = meshes.found[i], meshes.found_values[i, FOUND_SIDE]
+    found, side = meshes.found.contacts[i], meshes.found.contacts[i].side
     start = gap_at_start(meshes, pair, i)
-    beside = meshes.touch[BESIDE_AT]
+    beside = meshes.touch.beyond
     if not _has_room(meshes, contacts, pair):
         return False
     c = add_contact(meshes, contacts, pair)
     if c < 0:
         return False
     state = contacts.state[c]
-    state[FEATURES], state[FEATURE], state[OTHER_FEATURE] = (
-        found[FOUND_KIND],
-        found[FOUND_FIRST],
-        found[FOUND_SECOND],
-    )
-    state[SIDE], state[START_GAP], state[GAP] = side, start, start
-    state[SHIFT] = moved  # or it would take part one step late
-    state[HIT], state[PATCH] = float(found[FOUND_HIT]), float(meshes.keeps[i])
+    state.feature_kind, state.feature, state.other_feature = (found.kind, found.first, found.second)
+    state.side, state.start_gap, state.gap = side, start, start
+    state.shift = moved  # or it would take part one step late
+    state.hit, state.patch = found.hit, meshes.keeps[i]
     touch_mesh_contact(meshes, contacts, bodies, c, work)
     # the rate at the start of the step, of a gap that is a parabola
     rate = contact_rates(contacts, c, work.velocity)[0]
-    if meshes.pairs[pair, DEFORMS] > 0:
-        state[START_GAP] = state[GAP] = state[END_GAP] - step * rate
-        state[RATE] = state[START_RATE] = rate
+    if meshes.pairs[pair].deforms:
+        state.start_gap = state.gap = state.end_gap - step * rate
+        state.rate = state.start_rate = rate
     else:
-        state[RATE] = state[START_RATE] = 2.0 * (state[END_GAP] - start) / step - rate
-    state[START_BESIDE] = beside
+        state.rate = state.start_rate = 2.0 * (state.end_gap - start) / step - rate
+    state.start_beside = beside
     enter(meshes, contacts, c)
     return True
 
@@ -327,21 +259,21 @@ def _add(
 @kernel(internal=True)
 def _finish_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """What lies beside its face or edges and has not come through them does not touch."""
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
-        size = meshes.pair_values[int(state[PAIR]), SIZE]
+        size = meshes.pair_values[state.pair].length_scale
         nothing = ABOUT_NOTHING * size
-        beside = state[BESIDE] > BORDER * size
+        beside = state.beside > BORDER * size
         # from one side to the other in a step without a hit: round the border
-        gone_round = state[GAP] > nothing and state[END_GAP] < -nothing and not holds(contacts, c)
-        gone_round = gone_round and meshes.pairs[int(state[PAIR]), DEFORMS] == 0
-        if (beside or gone_round) and state[HIT] == 0.0:
-            gap = state[END_GAP]
+        gone_round = state.gap > nothing and state.end_gap < -nothing and not holds(contacts, c)
+        gone_round = gone_round and not meshes.pairs[state.pair].deforms
+        if (beside or gone_round) and state.hit == 0:
+            gap = state.end_gap
             if not holds(contacts, c):  # goes; if it comes back, it is found with the side it comes from
-                state[PATCH] = -1.0
-                state[END_GAP] = FAR_AWAY * (size + meshes.pair_values[int(state[PAIR]), PAIR_REACH])
-            elif state[LEFT] > 0.0:  # nothing beyond the border took it over for a whole step
-                state[END_GAP] = max(state[END_GAP], size)
+                state.patch = -1
+                state.end_gap = FAR_AWAY * (size + meshes.pairs[state.pair].reach)
+            elif state.has_left:  # nothing beyond the border took it over for a whole step
+                state.end_gap = max(state.end_gap, size)
             book_jump(contacts, c, gap)  # what it has stored is lost
-        state[LEFT] = 1.0 if beside else 0.0
-        state[SLEEP] = state[END_GAP]
+        state.has_left = beside
+        state.sleep = state.end_gap

@@ -6,69 +6,23 @@ new contacts with it, and a checkpoint holds all of them. Laws and sides of its 
 
 from __future__ import annotations
 
+from heavylift.contours.feature_gap import copy_pose
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.counts import contact_count, number_of, set_number
+from heavylift.numerics.records import clear_record, copy_record
+from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.facet_interface import take_slots
-from heavylift.solver.contact.kind import (
-    AXES,
-    BESIDE,
-    CLOSED,
-    CONTOUR,
-    COUNT,
-    DAMPING,
-    END_GAP,
-    EVENTS,
-    FORCE_LAW,
-    GAP,
-    HIT,
-    IMPACTS,
-    IMPULSES,
-    LAW,
-    LOSS,
-    OF_CONTOURS,
-    PAIR,
-    POINT_SLOT,
-    RATE,
-    SHAPE,
-    SHARE,
-    SLIP_PATH,
-    START_BESIDE,
-    START_GAP,
-    START_RATE,
-    STATE_WIDTH,
-    STIFFNESS,
-    TOUCH_DAMPING,
-    TRIANGLES,
-    VALUE_WIDTH,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import TRIANGLES, ContactRows
 from heavylift.solver.contact.mesh_interface import (
     drop_contacts,
     keep_found,
     place_surfaces,
     restore_contacts,
 )
-from heavylift.solver.contact.mesh_kind import (
-    COUNT_AT,
-    FIRST_POSE,
-    GONE_IMPACTS,
-    GONE_IMPULSE,
-    GONE_LOSS,
-    GONE_PATH,
-    PAIR_EVENTS,
-    PAIR_FORCE_LAW,
-    PAIR_LAW,
-    PAIR_REACH,
-    SECOND_POSE,
-    SIDE_DOF,
-    SIDE_HOLDER,
-    SIDE_WIDTH,
-    SurfacePairs,
-)
+from heavylift.solver.contact.mesh_kind import SurfacePairs, contact_header, gone_contacts, placed_pose
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import DOF, HOLDER, PANEL, PRESCRIBED, ROW_COLUMNS, WIDTH
+from heavylift.solver.rows import PRESCRIBED
 
-__all__ = ["add_contact", "header_row", "surface_count"]
+__all__ = ["add_contact", "header_row", "put_placed", "surface_count"]
 
 FAR = 4.0
 """Reaches of the search at which an open contact goes."""
@@ -86,29 +40,34 @@ def header_row(contacts: ContactRows) -> int:
     return contacts.placed.shape[0] - 1
 
 
+@kernel(inline=True, internal=True)
+def put_placed(contacts: ContactRows, surface: int, pose_row: int) -> None:
+    """The pose of a surface is carried."""
+    copy_pose(contacts.poses[pose_row], placed_pose(contacts.placed[surface], 0))
+
+
 @kernel(internal=True)
 def _set_count(contacts: ContactRows, count: int) -> None:
     """Of all contacts, those of contours included."""
-    set_number(contacts, COUNT, count)
-    contacts.placed[header_row(contacts), COUNT_AT] = count - number_of(contacts, OF_CONTOURS)
+    contacts.counts.total = count
+    contact_header(contacts.placed[header_row(contacts)], 0).count = count - contacts.counts.of_contours
 
 
 @kernel(internal=True)
 def _assign(meshes: SurfacePairs, contacts: ContactRows, c: int) -> None:
     """Laws, values and sides of a contact from its pair."""
-    pair = int(contacts.state[c, PAIR])
+    pair = contacts.state[c].pair
     row, table = meshes.pairs[pair], contacts.table[c]
-    table[CONTOUR], table[AXES], table[SHAPE] = row[FIRST_POSE], row[SECOND_POSE], TRIANGLES
-    table[LAW], table[FORCE_LAW], table[EVENTS] = row[PAIR_LAW], row[PAIR_FORCE_LAW], row[PAIR_EVENTS]
-    for k in range(VALUE_WIDTH):
-        contacts.values[c, k] = meshes.pair_values[pair, k]
-    contacts.values[c, STIFFNESS] *= contacts.state[c, SHARE]
-    contacts.values[c, DAMPING] *= contacts.state[c, SHARE]
+    table.contour, table.axes, table.shape_kind = row.poses[0], row.poses[1], TRIANGLES
+    table.law, table.force_law, table.events = row.law, row.force_law, row.events
+    copy_record(contacts.values[c], meshes.pair_values[pair])
+    contacts.values[c].stiffness *= contacts.state[c].share
+    contacts.values[c].damping *= contacts.state[c].share
     for side in range(2):
-        end, given = contacts.attachments[2 * c + side], meshes.sides[pair]
-        end[DOF] = given[3 * side + SIDE_DOF]
-        end[WIDTH] = given[3 * side + SIDE_WIDTH]
-        end[HOLDER] = given[3 * side + SIDE_HOLDER]
+        end, given = contacts.attachments[2 * c + side], meshes.sides[2 * pair + side]
+        end.dof = given.dof
+        end.width = given.width
+        end.holder = given.holder
 
 
 @kernel(internal=True)
@@ -116,22 +75,19 @@ def _release(contacts: ContactRows, c: int) -> None:
     """A place that no contact has: nothing hangs on it."""
     for side in range(2):
         end = contacts.attachments[2 * c + side]
-        end[DOF], end[WIDTH], end[HOLDER] = -1, 0, PRESCRIBED
-    lanes = len(contacts.shape[1])
-    for k in range(ROW_COLUMNS * lanes):
-        contacts.rows[c * ROW_COLUMNS * lanes + k] = 0.0
-    for k in range(STATE_WIDTH):
-        contacts.state[c, k] = 0.0
+        end.dof, end.width, end.holder = -1, 0, PRESCRIBED
+    clear_record(contacts.rows[c])
+    clear_record(contacts.state[c])
 
 
 @implement(restore_contacts, SurfacePairs)
 @kernel(internal=True)
 def restore_mesh_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """From the carried state, whoever has changed it."""
-    first = number_of(contacts, OF_CONTOURS)
+    first = contacts.counts.of_contours
     before = contact_count(contacts)
-    count = first + int(contacts.placed[header_row(contacts), COUNT_AT])
-    set_number(contacts, COUNT, count)
+    count = first + contact_header(contacts.placed[header_row(contacts)], 0).count
+    contacts.counts.total = count
     for c in range(first, count):
         _assign(meshes, contacts, c)
     for c in range(count, before):
@@ -145,33 +101,29 @@ def add_contact(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> int:
     if c >= contacts.table.shape[0]:
         return -1
     _release(contacts, c)
-    contacts.state[c, PAIR] = pair
-    contacts.state[c, TOUCH_DAMPING] = -1.0
+    contacts.state[c].pair = pair
+    contacts.state[c].touch_damping = -1.0
     _assign(meshes, contacts, c)
     _set_count(contacts, c + 1)
     take_slots(meshes.facets, meshes, contacts, c)
-    return c if contacts.state[c, POINT_SLOT] >= 0.0 else -1
+    return c if contacts.state[c].slots[0] >= 0 else -1
 
 
 @implement(keep_found, SurfacePairs)
 @kernel(internal=True)
 def keep_found_contacts(meshes: SurfacePairs, contacts: ContactRows, before: bool) -> None:
     """What was found in the step stands behind the contacts that were there before it."""
-    first = number_of(contacts, OF_CONTOURS)
+    first = contacts.counts.of_contours
     if before:
         for c in range(first, contact_count(contacts)):
-            for k in range(STATE_WIDTH):
-                meshes.kept[c, k] = contacts.state[c, k]
+            copy_record(meshes.kept[c], contacts.state[c])
         return
-    carried = first + int(contacts.placed[header_row(contacts), COUNT_AT])
+    carried = first + contact_header(contacts.placed[header_row(contacts)], 0).count
     for c in range(carried, contact_count(contacts)):
-        for k in range(STATE_WIDTH):
-            contacts.state[c, k] = meshes.kept[c, k]
-        contacts.state[c, GAP], contacts.state[c, RATE] = (
-            contacts.state[c, START_GAP],
-            contacts.state[c, START_RATE],
-        )
-        contacts.state[c, LOSS] = contacts.state[c, SHARE] = 0.0
+        state = contacts.state[c]
+        copy_record(state, meshes.kept[c])
+        state.gap, state.rate = state.start_gap, state.start_rate
+        state.loss = state.share = 0.0
     _set_count(contacts, contact_count(contacts))
 
 
@@ -179,19 +131,19 @@ def keep_found_contacts(meshes: SurfacePairs, contacts: ContactRows, before: boo
 @kernel(internal=True)
 def drop_mesh_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """Open contacts whose features are far from each other, or beside each other, go; the last one takes the place."""
-    c = number_of(contacts, OF_CONTOURS)
+    c = contacts.counts.of_contours
     while c < contact_count(contacts):
         state = contacts.state[c]
-        state[HIT] = 0.0
-        reach = FAR * meshes.pair_values[int(state[PAIR]), PAIR_REACH]
-        if state[CLOSED] > 0.0 or state[END_GAP] <= reach:
+        state.hit = 0
+        reach = FAR * meshes.pairs[state.pair].reach
+        if state.closed or state.end_gap <= reach:
             c += 1
             continue
-        sums = contacts.placed[surface_count(contacts, meshes) + int(state[PAIR])]
-        sums[GONE_IMPULSE] += state[IMPULSES]
-        sums[GONE_LOSS] += state[LOSS]
-        sums[GONE_IMPACTS] += state[IMPACTS]
-        sums[GONE_PATH] += state[SLIP_PATH]
+        gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + state.pair], 0)
+        gone.impulse += state.impulse
+        gone.loss += state.loss
+        gone.impacts += state.impacts
+        gone.slip_path += state.slip_path
         last = contact_count(contacts) - 1
         if c != last:
             _move(contacts, last, c)
@@ -203,17 +155,14 @@ def drop_mesh_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
 @kernel(internal=True)
 def _move(contacts: ContactRows, source: int, target: int) -> None:
     """All numbers of a contact to another place."""
-    for k in range(STATE_WIDTH):
-        contacts.state[target, k] = contacts.state[source, k]
+    copy_record(contacts.state[target], contacts.state[source])
     lanes = len(contacts.shape[1])
-    width = ROW_COLUMNS * lanes
-    for k in range(width):
-        contacts.rows[target * width + k] = contacts.rows[source * width + k]
+    copy_record(contacts.rows[target], contacts.rows[source])
     half = contacts.panels.shape[0] // 2
     for side in range(2):
-        old = contacts.attachments[2 * source + side, PANEL]
-        new = contacts.attachments[2 * target + side, PANEL]
-        for k in range(contacts.attachments[2 * source + side, WIDTH] * lanes):
+        old = contacts.attachments[2 * source + side].panel
+        new = contacts.attachments[2 * target + side].panel
+        for k in range(contacts.attachments[2 * source + side].width * lanes):
             contacts.panels[new + k] = contacts.panels[old + k]
             contacts.panels[half + new + k] = contacts.panels[half + old + k]
 
@@ -224,8 +173,7 @@ def place_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """The search of the next step begins where this one has ended, and so do its contacts."""
     first = contacts.poses.shape[0] - surface_count(contacts, meshes)
     for i in range(surface_count(contacts, meshes)):
-        for k in range(12):
-            contacts.placed[i, k] = contacts.poses[first + i, k]
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
-        contacts.state[c, START_BESIDE] = contacts.state[c, BESIDE]
-        contacts.state[c, START_RATE] = contacts.state[c, RATE]
+        put_placed(contacts, i, first + i)
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        contacts.state[c].start_beside = contacts.state[c].beside
+        contacts.state[c].start_rate = contacts.state[c].rate

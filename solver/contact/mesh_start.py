@@ -9,13 +9,7 @@ from numpy.typing import NDArray
 
 from heavylift.contours.overlap import find_overlap
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.contact.kind import (
-    COMPLIANT,
-    ORIGIN,
-    SIZE,
-    ContactRows,
-)
-from heavylift.solver.contact.mesh_kind import FIRST, FIRST_POSE, PAIR_LAW, RADII, SECOND, SECOND_POSE
+from heavylift.solver.contact.kind import COMPLIANT, ContactRows
 
 __all__ = ["check_overlaps"]
 
@@ -40,16 +34,16 @@ def check_overlaps(contacts: ContactRows, names: Sequence[str]) -> None:
     """
     (meshes,) = contacts.meshes
     for name, pair, values in zip(names, meshes.pairs, meshes.pair_values, strict=True):
-        first, second = contacts.poses[pair[FIRST_POSE]], contacts.poses[pair[SECOND_POSE]]
-        R = first[:9].reshape(3, 3)
-        turned = R.T @ second[:9].reshape(3, 3)
-        moved = R.T @ (second[ORIGIN : ORIGIN + 3] - first[ORIGIN : ORIGIN + 3])
-        found = find_overlap(meshes.surfaces, int(pair[FIRST]), int(pair[SECOND]), turned, moved)
-        allowed = DEEPEST * values[SIZE]
-        if pair[PAIR_LAW] == COMPLIANT:  # what is round may begin under load
-            allowed = max(allowed, values[RADII])
+        first, second = contacts.poses[pair.poses[0]], contacts.poses[pair.poses[1]]
+        R = first.rotation.reshape(3, 3)
+        turned = R.T @ second.rotation.reshape(3, 3)
+        moved = R.T @ (second.origin - first.origin)
+        found = find_overlap(meshes.surfaces, int(pair.surfaces[0]), int(pair.surfaces[1]), turned, moved)
+        allowed = DEEPEST * values.length_scale
+        if pair.law == COMPLIANT:  # what is round may begin under load
+            allowed = max(allowed, pair.radii)
         if found.triangle_a >= 0 and found.depth > allowed:
-            _refuse(name, found.depth, first[ORIGIN : ORIGIN + 3] + R @ found.place)
+            _refuse(name, found.depth, first.origin + R @ found.place)
 
 
 def _refuse(name: str, depth: float, at: NDArray[np.float64]) -> None:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.counts import contact_count, number_of
-from heavylift.solver.contact.kind import FEATURE, FEATURES, OF_CONTOURS, OTHER_FEATURE, PAIR, ContactRows
+from heavylift.solver.contact.counts import contact_count
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.mesh_kind import SurfacePairs
 
 __all__ = ["enter", "fill_table", "look_up"]
@@ -22,7 +22,7 @@ def fill_table(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """All contacts that are there."""
     for i in range(meshes.slots.shape[0]):
         meshes.slots[i] = -1
-    for c in range(number_of(contacts, OF_CONTOURS), contact_count(contacts)):
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
         enter(meshes, contacts, c)
 
 
@@ -30,7 +30,7 @@ def fill_table(meshes: SurfacePairs, contacts: ContactRows) -> None:
 def enter(meshes: SurfacePairs, contacts: ContactRows, c: int) -> None:
     """One contact."""
     state = contacts.state[c]
-    at = _slot(meshes, int(state[PAIR]), int(state[FEATURES]), int(state[FEATURE]), int(state[OTHER_FEATURE]))
+    at = _slot(meshes, state.pair, state.feature_kind, state.feature, state.other_feature)
     meshes.chains[c] = meshes.slots[at]
     meshes.slots[at] = c
 
@@ -43,8 +43,8 @@ def look_up(
     c = int(meshes.slots[_slot(meshes, pair, kind, feature, other)])
     while c >= 0:
         state = contacts.state[c]
-        same = state[FEATURES] == kind and state[FEATURE] == feature and state[OTHER_FEATURE] == other
-        if same and state[PAIR] == pair:
+        same = state.feature_kind == kind and state.feature == feature and state.other_feature == other
+        if same and state.pair == pair:
             return c
         c = int(meshes.chains[c])
     return c

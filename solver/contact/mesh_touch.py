@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from heavylift.contours.feature_gap import (
     EDGE_EDGE,
     EDGE_VERTEX,
@@ -16,43 +13,15 @@ from heavylift.contours.feature_gap import (
     contact_gap,
     feature_gap,
 )
-from heavylift.contours.surface_layout import CORNER_A, CORNER_B
+from heavylift.contours.surface_layout import RelativePose
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate, rotate_back
 from heavylift.solver.contact.contour_rows import put_pose_rows
 from heavylift.solver.contact.directions import put_directions
 from heavylift.solver.contact.facet_interface import bound_facets, form_facets, touch_facets
-from heavylift.solver.contact.kind import (
-    AXES,
-    BESIDE,
-    CONTOUR,
-    DIRECTIONS,
-    END_GAP,
-    FEATURE,
-    FEATURES,
-    LEVER,
-    NORMAL,
-    ORIGIN,
-    OTHER_FEATURE,
-    PAIR,
-    SIDE,
-    TANGENT,
-    TOUCHED,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.mesh_interface import bound_surfaces, pose_surfaces, touch_triangles
-from heavylift.solver.contact.mesh_kind import (
-    BESIDE_AT,
-    FIRST,
-    FIRST_POSE,
-    NORMAL_AT,
-    OTHER_AT,
-    POINT_AT,
-    RADII,
-    SECOND,
-    SECOND_POSE,
-    SurfacePairs,
-)
+from heavylift.solver.contact.mesh_kind import SurfacePairs
 from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
 
@@ -62,22 +31,20 @@ Direction = tuple[float, float, float]
 
 
 @kernel(internal=True)
-def relative_pose(
-    first: NDArray[np.float64], second: NDArray[np.float64], out: NDArray[np.float64], at: int
-) -> None:
-    """``R = R_A^T R_B`` and ``p = R_A^T (p_B - p_A)`` of two poses, row by row, into 12 places from `at`."""
+def relative_pose(first: RelativePose, second: RelativePose, out: RelativePose) -> None:
+    """``R = R_A^T R_B`` and ``p = R_A^T (p_B - p_A)`` of two poses."""
     for j in range(3):
-        r = rotate_back(first, second[j], second[3 + j], second[6 + j])
+        r = rotate_back(first.rotation, second.rotation[j], second.rotation[3 + j], second.rotation[6 + j])
         for i in range(3):
-            out[at + 3 * i + j] = r[i]
+            out.rotation[3 * i + j] = r[i]
     p = rotate_back(
-        first,
-        second[ORIGIN] - first[ORIGIN],
-        second[ORIGIN + 1] - first[ORIGIN + 1],
-        second[ORIGIN + 2] - first[ORIGIN + 2],
+        first.rotation,
+        second.origin[0] - first.origin[0],
+        second.origin[1] - first.origin[1],
+        second.origin[2] - first.origin[2],
     )
     for i in range(3):
-        out[at + 9 + i] = p[i]
+        out.origin[i] = p[i]
 
 
 @implement(pose_surfaces, SurfacePairs)
@@ -86,8 +53,9 @@ def pose_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows, bodies: Bodi
     """Of all pairs."""
     form_facets(meshes.facets, meshes.surfaces, bodies)
     for pair in range(meshes.pairs.shape[0]):
-        first = contacts.poses[meshes.pairs[pair, FIRST_POSE]]
-        relative_pose(first, contacts.poses[meshes.pairs[pair, SECOND_POSE]], meshes.relative[pair], 0)
+        first = contacts.poses[meshes.pairs[pair].poses[0]]
+        second = contacts.poses[meshes.pairs[pair].poses[1]]
+        relative_pose(first, second, meshes.relative[pair])
 
 
 @implement(bound_surfaces, SurfacePairs)
@@ -109,16 +77,16 @@ def _tangent(
     on_second = kind == FACE_VERTEX
     a, b = 0, 0
     if kind == VERTEX_FACE:
-        a, b = meshes.surfaces.triangles[feature, CORNER_A], meshes.surfaces.triangles[feature, CORNER_B]
+        a, b = meshes.surfaces.triangles[feature].corners[0], meshes.surfaces.triangles[feature].corners[1]
     elif kind == FACE_VERTEX:
-        a, b = meshes.surfaces.triangles[other, CORNER_A], meshes.surfaces.triangles[other, CORNER_B]
+        a, b = meshes.surfaces.triangles[other].corners[0], meshes.surfaces.triangles[other].corners[1]
     elif kind != VERTEX_VERTEX:
         on_second = kind == EDGE_VERTEX
         edge = other if on_second else feature
-        a, b = meshes.surfaces.edges[edge, 0], meshes.surfaces.edges[edge, 1]
+        a, b = meshes.surfaces.edges[edge].ends[0], meshes.surfaces.edges[edge].ends[1]
     t1, t2, t3 = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
     if on_second:
-        t1, t2, t3 = rotate(meshes.relative[pair], t1, t2, t3)
+        t1, t2, t3 = rotate(meshes.relative[pair].rotation, t1, t2, t3)
     share = t1 * n1 + t2 * n2 + t3 * n3
     t1, t2, t3 = t1 - share * n1, t2 - share * n2, t3 - share * n3
     size = math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
@@ -135,15 +103,15 @@ def _tangent(
 def _keep_side(meshes: SurfacePairs, contacts: ContactRows, c: int, pair: int) -> None:
     """The product of two edges turns over where they pass through parallel: the side does then, and not the normal."""
     state, touch = contacts.state[c], meshes.touch
-    if state[FEATURES] != EDGE_EDGE:
+    if state.feature_kind != EDGE_EDGE:
         return
-    feature, other = int(state[FEATURE]), int(state[OTHER_FEATURE])
+    feature, other = state.feature, state.other_feature
     relative = meshes.relative[pair]
-    contact_gap(meshes.surfaces, EDGE_EDGE, feature, other, 0.0, state[SIDE], relative, 0, touch)
-    pose = contacts.poses[contacts.table[c, CONTOUR]]
-    n1, n2, n3 = rotate(pose, touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2])
-    if n1 * state[NORMAL] + n2 * state[NORMAL + 1] + n3 * state[NORMAL + 2] < 0.0:
-        state[SIDE] = -state[SIDE]
+    contact_gap(meshes.surfaces, EDGE_EDGE, feature, other, 0.0, state.side, relative, touch)
+    pose = contacts.poses[contacts.table[c].contour]
+    n1, n2, n3 = rotate(pose.rotation, touch.normal[0], touch.normal[1], touch.normal[2])
+    if n1 * state.normal[0] + n2 * state.normal[1] + n3 * state.normal[2] < 0.0:
+        state.side = -state.side
 
 
 @implement(touch_triangles, SurfacePairs)
@@ -153,41 +121,36 @@ def touch_mesh_contact(
 ) -> None:
     """Both bodies are pushed in one point, half way between their surfaces."""
     state, scratch, touch = contacts.state[c], contacts.scratch, meshes.touch
-    pair = int(state[PAIR])
-    first_pose, second_pose = contacts.table[c, CONTOUR], contacts.table[c, AXES]
-    kind, feature, other = int(state[FEATURES]), int(state[FEATURE]), int(state[OTHER_FEATURE])
+    pair = state.pair
+    first_pose, second_pose = contacts.table[c].contour, contacts.table[c].axes
+    kind, feature, other = state.feature_kind, state.feature, state.other_feature
     relative = meshes.relative[pair]
     _keep_side(meshes, contacts, c, pair)
-    state[END_GAP] = feature_gap(
-        meshes.surfaces,
-        kind,
-        feature,
-        other,
-        meshes.pair_values[pair, RADII],
-        state[SIDE],
-        relative,
-        0,
-        touch,
+    state.end_gap = feature_gap(
+        meshes.surfaces, kind, feature, other, meshes.pairs[pair].radii, state.side, relative, touch
     )
-    state[BESIDE] = touch[BESIDE_AT]
-    n1, n2, n3 = touch[NORMAL_AT], touch[NORMAL_AT + 1], touch[NORMAL_AT + 2]
+    state.beside = touch.beyond
+    n1, n2, n3 = touch.normal[0], touch.normal[1], touch.normal[2]
     t1, t2, t3 = _tangent(meshes, pair, kind, feature, other, n1, n2, n3)
     put_directions(contacts, first_pose, n1, n2, n3, t1, t2, t3)
     shift = 0.5 * (
-        meshes.surfaces.radii[meshes.pairs[pair, FIRST]] - meshes.surfaces.radii[meshes.pairs[pair, SECOND]]
+        meshes.surfaces.radii[meshes.pairs[pair].surfaces[0]]
+        - meshes.surfaces.radii[meshes.pairs[pair].surfaces[1]]
     )
-    x1 = 0.5 * (touch[POINT_AT] + touch[OTHER_AT]) + shift * n1
-    x2 = 0.5 * (touch[POINT_AT + 1] + touch[OTHER_AT + 1]) + shift * n2
-    x3 = 0.5 * (touch[POINT_AT + 2] + touch[OTHER_AT + 2]) + shift * n3
-    scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2] = x1, x2, x3
+    x1 = 0.5 * (touch.point_a[0] + touch.point_b[0]) + shift * n1
+    x2 = 0.5 * (touch.point_a[1] + touch.point_b[1]) + shift * n2
+    x3 = 0.5 * (touch.point_a[2] + touch.point_b[2]) + shift * n3
+    scratch.lever[0], scratch.lever[1], scratch.lever[2] = x1, x2, x3
     put_pose_rows(contacts, 2 * c, first_pose, -1.0)
     pose = contacts.poses[first_pose]
-    s = rotate(pose, x1, x2, x3)
-    y = rotate_back(relative, x1 - relative[ORIGIN], x2 - relative[ORIGIN + 1], x3 - relative[ORIGIN + 2])
+    s = rotate(pose.rotation, x1, x2, x3)
+    y = rotate_back(
+        relative.rotation, x1 - relative.origin[0], x2 - relative.origin[1], x3 - relative.origin[2]
+    )
     for k in range(3):
-        state[TOUCHED + k] = pose[ORIGIN + k] + s[k]
-        state[NORMAL + k] = scratch[DIRECTIONS + k]
-        state[TANGENT + k] = scratch[DIRECTIONS + 3 + k]
-        scratch[LEVER + k] = y[k]
+        state.touched[k] = pose.origin[k] + s[k]
+        state.normal[k] = scratch.directions[0, k]
+        state.tangent[k] = scratch.directions[1, k]
+        scratch.lever[k] = y[k]
     put_pose_rows(contacts, 2 * c + 1, second_pose, 1.0)
     touch_facets(meshes.facets, meshes, contacts, bodies, work, c)

@@ -15,16 +15,23 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Records
 from heavylift.numerics.small import solve_symmetric_3
 from heavylift.solver.contact.contact_rows import clip
 from heavylift.solver.contact.fallback_gauss_seidel import sweep_contacts
 from heavylift.solver.contact.fallback_proximal import take_proximal_steps
 from heavylift.solver.contact.iteration import ACCEPTED, iterate
-from heavylift.solver.contact.layout import FRICTION, OFFSET, SOFTNESS, TARGET, UNILATERAL
+from heavylift.solver.contact.layout import (
+    UNILATERAL,
+    RowKind,
+    RowParameters,
+    Solution,
+)
 from heavylift.solver.contact.problem import (
     Problem,
     divide,
     fill_rows,
+    no_ends,
     prepare,
     workspace_length,
 )
@@ -116,16 +123,16 @@ def _solve(
 
 @kernel(inline=True, internal=True)
 def _solve_one(
-    kinds: NDArray[np.int64],
-    parameters: NDArray[np.float64],
+    kinds: Records[RowKind],
+    parameters: Records[RowParameters],
     w0: NDArray[np.float64],
     W: NDArray[np.float64],
     p: NDArray[np.float64],
 ) -> bool:
     """Solve a single unilateral contact that is open, without friction, or sticks; False if it is none of these."""
-    mu = parameters[0, FRICTION]
-    o0, o1, o2 = parameters[0, OFFSET], parameters[0, OFFSET + 1], parameters[0, OFFSET + 2]
-    S, b = parameters[0, SOFTNESS], parameters[0, TARGET]
+    mu = parameters[0].friction
+    o0, o1, o2 = parameters[0].offset[0], parameters[0].offset[1], parameters[0].offset[2]
+    S, b = parameters[0].softness[0], parameters[0].target[0]
     g = w0[0] - W[0, 1] * o1 - W[0, 2] * o2 - b  # without impulse on the tangents
     if g - (W[0, 0] + S) * o0 >= 0.0:
         p[0], p[1], p[2] = -o0, -o1, -o2
@@ -135,14 +142,14 @@ def _solve_one(
         return True
     p0, p1, p2 = solve_symmetric_3(
         W[0, 0] + S,
-        W[1, 1] + parameters[0, SOFTNESS + 1],
-        W[2, 2] + parameters[0, SOFTNESS + 2],
+        W[1, 1] + parameters[0].softness[1],
+        W[2, 2] + parameters[0].softness[2],
         W[0, 1],
         W[0, 2],
         W[1, 2],
         b - w0[0],
-        parameters[0, TARGET + 1] - w0[1],
-        parameters[0, TARGET + 2] - w0[2],
+        parameters[0].target[1] - w0[1],
+        parameters[0].target[2] - w0[2],
     )
     P0, P1, P2 = p0 + o0, p1 + o1, p2 + o2
     if P0 >= 0.0 and mu * mu * P0 * P0 >= P1 * P1 + P2 * P2:
@@ -154,8 +161,8 @@ def _solve_one(
 @kernel
 def solve_contacts(
     count: int,
-    kinds: NDArray[np.int64],
-    parameters: NDArray[np.float64],
+    kinds: Records[RowKind],
+    parameters: Records[RowParameters],
     w0: NDArray[np.float64],
     W: NDArray[np.float64],
     p: NDArray[np.float64],
@@ -192,11 +199,12 @@ def solve_contacts(
     status, iterations, residual = BY_NEWTON, 0, 0.0
     if count == 0:
         return status, iterations, residual
-    if count == 1 and kinds[0, 0] == UNILATERAL and _solve_one(kinds, parameters, w0, W, p):
+    if count == 1 and kinds[0].kind == UNILATERAL and _solve_one(kinds, parameters, w0, W, p):
         for i in range(3):
             w[i] = w0[i] + W[i, 0] * p[0] + W[i, 1] * p[1] + W[i, 2] * p[2]
         return status, iterations, residual
-    problem = Problem(count, kinds, parameters, kinds[:0], parameters[:0], 3 * count, w0, W)
+    ends = no_ends(workspace, 0).ends
+    problem = Problem(count, kinds, parameters, ends, W[:0], 3 * count, w0, W)
     status, iterations, residual = _solve(problem, workspace, p, w)
     return status, iterations, residual
 
@@ -204,8 +212,8 @@ def solve_contacts(
 @kernel
 def solve_contacts_reduced(
     count: int,
-    kinds: NDArray[np.int64],
-    parameters: NDArray[np.float64],
+    kinds: Records[RowKind],
+    parameters: Records[RowParameters],
     ends: NDArray[np.int64],
     blocks: NDArray[np.float64],
     size: int,
@@ -267,24 +275,24 @@ class NonsmoothNewton(Arrays):
 def solve_dense(
     solvers: ContactSolvers,
     count: int,
-    kinds: Ints2,
-    parameters: Floats2,
+    kinds: Records[RowKind],
+    parameters: Records[RowParameters],
     w0: Floats1,
     W: Floats2,
     p: Floats1,
     w: Floats1,
     workspace: Floats1,
-    solution: Floats1,
+    solution: Solution,
 ) -> None:
-    """As `solve_contacts`; status, iterations and residual into `solution`, shape (3,)."""
+    """As `solve_contacts`; status, iterations and residual into `solution`."""
 
 
 @generic("contact")
 def solve_on_velocities(
     solvers: ContactSolvers,
     count: int,
-    kinds: Ints2,
-    parameters: Floats2,
+    kinds: Records[RowKind],
+    parameters: Records[RowParameters],
     ends: Ints2,
     blocks: Floats2,
     size: int,
@@ -293,9 +301,9 @@ def solve_on_velocities(
     p: Floats1,
     y: Floats1,
     workspace: Floats1,
-    solution: Floats1,
+    solution: Solution,
 ) -> None:
-    """As `solve_contacts_reduced`; status, iterations and residual into `solution`, shape (3,)."""
+    """As `solve_contacts_reduced`; status, iterations and residual into `solution`."""
 
 
 @implement(solve_dense, NonsmoothNewton)
@@ -303,16 +311,18 @@ def solve_on_velocities(
 def _solve_dense(
     solver: NonsmoothNewton,
     count: int,
-    kinds: NDArray[np.int64],
-    parameters: NDArray[np.float64],
+    kinds: Records[RowKind],
+    parameters: Records[RowParameters],
     w0: NDArray[np.float64],
     W: NDArray[np.float64],
     p: NDArray[np.float64],
     w: NDArray[np.float64],
     workspace: NDArray[np.float64],
-    solution: NDArray[np.float64],
+    solution: Solution,
 ) -> None:
-    solution[0], solution[1], solution[2] = solve_contacts(count, kinds, parameters, w0, W, p, w, workspace)
+    solution.status, solution.iterations, solution.residual = solve_contacts(
+        count, kinds, parameters, w0, W, p, w, workspace
+    )
 
 
 @implement(solve_on_velocities, NonsmoothNewton)
@@ -320,8 +330,8 @@ def _solve_dense(
 def _solve_on_velocities(
     solver: NonsmoothNewton,
     count: int,
-    kinds: NDArray[np.int64],
-    parameters: NDArray[np.float64],
+    kinds: Records[RowKind],
+    parameters: Records[RowParameters],
     ends: NDArray[np.int64],
     blocks: NDArray[np.float64],
     size: int,
@@ -330,8 +340,9 @@ def _solve_on_velocities(
     p: NDArray[np.float64],
     y: NDArray[np.float64],
     workspace: NDArray[np.float64],
-    solution: NDArray[np.float64],
+    solution: Solution,
 ) -> None:
-    solution[0], solution[1], solution[2] = solve_contacts_reduced(
+    status, iterations, residual = solve_contacts_reduced(
         count, kinds, parameters, ends, blocks, size, y0, B, p, y, workspace
     )
+    solution.status, solution.iterations, solution.residual = status, iterations, residual

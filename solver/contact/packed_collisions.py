@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.contact.kind import CONTOUR_COLUMNS, POSE_WIDTH, Colliding
+from heavylift.numerics.records import Records, records
+from heavylift.solver.contact.kind import Colliding, ContactContour, ContourPose
 
 __all__ = ["PackedCollisions", "no_collisions"]
 
@@ -33,8 +34,8 @@ class PackedCollisions:
     """
 
     meshes: Colliding
-    contours: NDArray[np.int64]
-    poses: NDArray[np.float64]
+    contours: Records[ContactContour]
+    poses: Records[ContourPose]
     placed: NDArray[np.float64]
     most: int
     all_rigid: bool
@@ -44,10 +45,5 @@ class PackedCollisions:
 def no_collisions() -> PackedCollisions:
     """Of scenes whose contacts are all with contours."""
     return PackedCollisions(
-        Colliding(()),
-        np.zeros((0, CONTOUR_COLUMNS), dtype=np.int64),
-        np.zeros((0, POSE_WIDTH)),
-        np.zeros((1, 12)),
-        0,
-        False,
+        Colliding(()), records(ContactContour, 0), records(ContourPose, 0), np.zeros((1, 12)), 0, False
     )

@@ -9,17 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.contours.convex import (
-    BOX,
-    CAPSULE,
-    CYLINDER,
-    ELLIPSOID,
-    RING,
-    SHAPE_WIDTH,
-    shape_row,
-)
+from heavylift.contours.convex import BOX, CAPSULE, CYLINDER, ELLIPSOID, RING, Primitive, shape_row
 from heavylift.numerics.jit import in_python
 from heavylift.numerics.lanes import block_shape
+from heavylift.numerics.records import Records, lane_records, records
 from heavylift.solver.connections import axes_about
 from heavylift.solver.contact import layout as told
 from heavylift.solver.contact.checks import check_contact
@@ -35,53 +28,28 @@ from heavylift.solver.contact.features import (
     SurfaceWeights,
 )
 from heavylift.solver.contact.kind import (
-    ALL_RIGID,
-    AXES,
     BILATERAL,
-    CENTRE,
     CIRCLE,
-    COLUMN,
     COMPLIANT,
-    CONTOUR,
-    CONTROL_WIDTH,
     CONVEX,
-    COUNT,
     CURVE,
     DENSE,
-    DOF,
-    EVENTS,
-    EXTENT,
-    FIRST_BLOCK,
-    FOOTPRINT,
-    FORCE_LAW,
-    FRICTION,
-    JOINS,
     LARGEST_CONTROLS,
-    LAW,
-    NORMAL,
-    OF_CONTOURS,
     OF_MODES,
-    OWNER,
-    PLACES_BEHIND,
     POINT,
-    POINTS_AT,
-    PRIMITIVE,
-    PRIMITIVE_KIND,
-    RADIUS,
     RIGID,
-    SHAPE,
-    SHAPES,
-    SIZE,
-    SLOT,
-    STATE_WIDTH,
-    TABLE_WIDTH,
-    TANGENT,
-    TOUCH_DAMPING,
-    VALUE_WIDTH,
-    WATCHED,
+    ContactContour,
+    ContactEntry,
     ContactRows,
+    ContactState,
+    ContactValues,
+    ContourPose,
+    Counts,
+    Events,
     Features,
     Reduced,
+    ReducedCounts,
+    Scratch,
 )
 from heavylift.solver.contact.laws_packing import force_law, put_law
 from heavylift.solver.contact.newton import ContactSolvers, NonsmoothNewton, workspace_length
@@ -100,9 +68,7 @@ from heavylift.solver.contacts import (
 )
 from heavylift.solver.interface import FORCES
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows import DIAGONAL, HOLDER, PANEL, PRESCRIBED, ROW_COLUMNS, SCALE, WIDTH, Attachment
-from heavylift.solver.rows import DOF as FIRST_VELOCITY
-from heavylift.solver.rows import OWNER as BLOCK
+from heavylift.solver.rows import DIAGONAL, PRESCRIBED, Attachment, Row, Side
 from heavylift.solver.scene import Scene
 
 if TYPE_CHECKING:
@@ -183,9 +149,11 @@ def pack_contacts(
         )
     count = len(scene.contacts) + collided.most
     numbers = {contour.name: i for i, contour in enumerate(scene.contours)}
-    table = np.zeros((count, TABLE_WIDTH), dtype=np.int64)
-    values = np.zeros((count, VALUE_WIDTH))
-    state = np.zeros((count, STATE_WIDTH))
+    table, values, state = (
+        records(ContactEntry, count),
+        records(ContactValues, count),
+        records(ContactState, count),
+    )
     sides: list[Attachment] = []
     slots: dict[str, int] = {}
     for i, (contact, column, marker) in enumerate(zip(scene.contacts, columns, markers, strict=False)):
@@ -193,23 +161,21 @@ def pack_contacts(
         contour = scene.contours[numbers[contact.contour]]
         sides += [attachment(contour.body), attachment(contact.body)]
         size = packed.sizes[numbers[contact.contour]]
-        kind, extent, radius, primitive_kind, numbers_of_shape = _shape(contact)
-        table[i, CONTOUR], table[i, SHAPE] = numbers[contact.contour], kind
-        table[i, LAW], table[i, FORCE_LAW] = _law(contact, packed.is_curve[numbers[contact.contour]])
-        table[i, CENTRE], table[i, AXES], table[i, COLUMN] = marker.centre, marker.axes, column
-        table[i, EVENTS] = int(contact.events)
-        table[i, SLOT] = slots.get(contour.body, 0)
+        kind, extent, radius, primitive_kind, primitive = _shape(contact)
+        table[i].contour, table[i].shape_kind = numbers[contact.contour], kind
+        table[i].law, table[i].force_law = _law(contact, packed.is_curve[numbers[contact.contour]])
+        table[i].centre, table[i].axes, table[i].column = marker.centre, marker.axes, column
+        table[i].events = contact.events
+        table[i].slot = slots.get(contour.body, 0)
         slots[contour.body] = slots.get(contour.body, 0) + moving_points(contour)
-        table[i, PRIMITIVE_KIND] = primitive_kind
-        values[i, FRICTION], values[i, FOOTPRINT] = contact.friction, contact.footprint
-        values[i, RADIUS], values[i, EXTENT] = radius, extent
-        values[i, SIZE] = extent if extent > 0.0 else size
-        values[i, PRIMITIVE : PRIMITIVE + SHAPE_WIDTH] = numbers_of_shape
+        table[i].primitive_kind = primitive_kind
+        values[i].friction, values[i].footprint = contact.friction, contact.footprint
+        values[i].radius, values[i].extent = radius, extent
+        values[i].length_scale = extent if extent > 0.0 else size
+        values[i].primitive.words[:] = primitive.words
         put_law(contact.law, values[i])
-        state[i, NORMAL : NORMAL + 3], state[i, TANGENT : TANGENT + 3] = packed.start_normals[
-            numbers[contact.contour]
-        ]
-        state[i, TOUCH_DAMPING] = -1.0
+        state[i].normal[:], state[i].tangent[:] = packed.start_normals[numbers[contact.contour]]
+        state[i].touch_damping = -1.0
     return _kind(packed, collided, sides, table, values, state, inverse_mass, block_count)
 
 
@@ -217,9 +183,9 @@ def _kind(
     packed: PackedContours,
     collided: PackedCollisions,
     sides: Sequence[Attachment],
-    table: NDArray[np.int64],
-    values: NDArray[np.float64],
-    state: NDArray[np.float64],
+    table: Records[ContactEntry],
+    values: Records[ContactValues],
+    state: Records[ContactState],
     inverse_mass: NDArray[np.float64],
     block_count: int,
 ) -> ContactRows:
@@ -230,55 +196,66 @@ def _kind(
     shape = block_shape(ROWS)
     lanes = len(shape[1])
     window = max([collided.widest, *(side.width for side in sides)])
-    attachments = np.zeros((2 * count, 5), dtype=np.int64)
-    attachments[:, PANEL] = np.arange(2 * count) * window * lanes
-    attachments[:, BLOCK] = np.arange(2 * count) // 2
-    attachments[:, FIRST_VELOCITY], attachments[:, HOLDER] = -1, PRESCRIBED
+    attachments = records(Side, 2 * count)
+    attachments["panel"] = np.arange(2 * count) * window * lanes
+    attachments["owner"] = np.arange(2 * count) // 2
+    attachments["dof"], attachments["holder"] = -1, PRESCRIBED
     for i, side in enumerate(sides):
-        attachments[i, [FIRST_VELOCITY, WIDTH, HOLDER]] = side.dof, side.width, side.holder
-    rows = np.zeros((count, ROW_COLUMNS, lanes))
-    rows[:, SCALE, :ROWS] = 1.0
-    places = np.zeros(LARGEST_CONTROLS + 2 * count + PLACES_BEHIND, dtype=np.int64)
-    behind = places[LARGEST_CONTROLS + count :]
-    behind[FIRST_BLOCK], behind[ALL_RIGID] = block_count, int(rigid_only)
-    behind[COUNT] = behind[OF_CONTOURS] = of_contours
-    bodies = len({side.dof for side in sides if side.width} | set(collided.contours[:, DOF]) - {-1})
+        given = attachments[i]
+        given.dof, given.width, given.holder = side.dof, side.width, side.holder
+    rows = lane_records(Row, count, lanes)
+    rows["scale"][:, :ROWS] = 1.0
+    counts = Counts.one()
+    counts.first_block, counts.all_rigid = block_count, rigid_only
+    counts.total = counts.of_contours = of_contours
+    bodies = len({side.dof for side in sides if side.width} | set(collided.contours["dof"]) - {-1})
     reduced = _reduced(*((count, bodies, len(inverse_mass)) if rigid_only else (0, 0, 0)))
     size = max(3 * own, len(reduced.start))
-    control = np.zeros(CONTROL_WIDTH)
-    control[WATCHED] = control[JOINS] = -1.0
+    control = Events.one()
+    control.watched = control.joins = -1
     return ContactRows(
         features=_features(packed, table[:of_contours], values[:of_contours]),
         lanes=lanes,
         attachments=attachments,
         panels=np.zeros(4 * count * window * lanes),
-        rows=rows.ravel(),
+        rows=rows,
         inverse_mass=np.ascontiguousarray(inverse_mass, dtype=np.float64),
         table=table,
         values=values,
         state=state,
-        contours=np.concatenate([packed.rows, collided.contours]),
-        poses=np.concatenate([packed.poses, collided.poses]),
+        contours=records(ContactContour, [*packed.rows, *collided.contours]),
+        poses=_joined(packed.poses, collided.poses),
         constants=packed.constants,
         net=packed.net,
         samples=packed.samples,
         delassus=np.zeros((3 * own, 3 * own)),
-        laws=np.zeros((count, told.PARAMETERS)),
-        kinds=np.zeros((count, 2), dtype=np.int64),
+        laws=records(told.RowParameters, count),
+        kinds=records(told.RowKind, count),
         rates=np.zeros((3, 3 * count)),
         column=np.zeros(len(inverse_mass)),
-        scratch=np.zeros(SHAPES + 6 * max([1, *packed.mode_counts])),
-        places=places,
+        scratch=Scratch.one(),
+        shapes=np.zeros(6 * max([1, *packed.mode_counts])),
+        places=np.zeros(LARGEST_CONTROLS, dtype=np.int64),
+        counts=counts,
+        present=np.zeros(count, dtype=np.int64),
+        joining=np.zeros(count, dtype=np.int64),
         workspace=np.zeros(in_python(workspace_length)(count, size)),
         control=control,
         solvers=ContactSolvers((NonsmoothNewton(),)),
-        solution=np.zeros(3),
+        solution=told.Solution.one(),
         reduced=reduced,
         meshes=collided.meshes,
         placed=collided.placed,
         carried=np.zeros(0),
         saved=np.zeros(0),
     )
+
+
+def _joined(first: Records[ContourPose], second: Records[ContourPose]) -> Records[ContourPose]:
+    """Those of contours, then those of surfaces."""
+    both = records(ContourPose, len(first) + len(second))
+    both[: len(first)], both[len(first) :] = first, second
+    return both
 
 
 def _reduced(contact_count: int, body_count: int, velocity_count: int) -> Reduced:
@@ -292,22 +269,24 @@ def _reduced(contact_count: int, body_count: int, velocity_count: int) -> Reduce
         found=np.zeros(size),
         columns=np.full(velocity_count, -1, dtype=np.int64),
         velocities=np.zeros(size, dtype=np.int64),
-        numbers=np.zeros(1, dtype=np.int64),
+        counts=ReducedCounts.one(),
     )
 
 
-def _features(packed: PackedContours, table: NDArray[np.int64], values: NDArray[np.float64]) -> Features:
+def _features(
+    packed: PackedContours, table: Records[ContactEntry], values: Records[ContactValues]
+) -> Features:
     """Kinds of contact that are there."""
-    on_curve = np.array([packed.is_curve[i] for i in table[:, CONTOUR]], dtype=bool)
-    deforms = packed.rows[table[:, CONTOUR], OWNER] >= OF_MODES
+    on_curve = np.array([packed.is_curve[i] for i in table["contour"]], dtype=bool)
+    deforms = packed.rows["owner"][table["contour"]] >= OF_MODES
     counts = {
-        Surfaces: np.count_nonzero(~on_curve & (table[:, SHAPE] == POINT)),
+        Surfaces: np.count_nonzero(~on_curve & (table["shape_kind"] == POINT)),
         SurfaceWeights: np.count_nonzero(~on_curve & deforms),
         Curves: np.count_nonzero(on_curve),
-        Rings: np.count_nonzero(table[:, SHAPE] == CIRCLE),
-        Primitives: np.count_nonzero(table[:, SHAPE] == CONVEX),
-        Deforming: np.count_nonzero(packed.samples.grids[:, POINTS_AT] == 0),
-        Footprints: np.count_nonzero(values[:, FOOTPRINT] > 0.0),
+        Rings: np.count_nonzero(table["shape_kind"] == CIRCLE),
+        Primitives: np.count_nonzero(table["shape_kind"] == CONVEX),
+        Deforming: np.count_nonzero(packed.samples.grids["points"] == 0),
+        Footprints: np.count_nonzero(values["footprint"] > 0.0),
     }
     return Features(feature(members=int(count)) for feature, count in counts.items() if count)
 
@@ -322,13 +301,13 @@ def _law(contact: Contact, of_curve: bool) -> tuple[int, int]:
     return COMPLIANT, force_law(law)
 
 
-def _shape(contact: Contact) -> tuple[int, float, float, int, NDArray[np.float64]]:
-    """What touches: kind, largest distance from its point, radius of a ball, kind and numbers of a primitive."""
+def _shape(contact: Contact) -> tuple[int, float, float, int, Primitive]:
+    """What touches: kind, largest distance from its point, radius of a ball, kind and record of a primitive."""
     shape: Any = contact.shape
     if isinstance(shape, PointShape):
-        return POINT, 0.0, 0.0, -1, np.zeros(SHAPE_WIDTH)
+        return POINT, 0.0, 0.0, -1, Primitive.one()
     if isinstance(shape, SphereShape):
-        return POINT, shape.radius, shape.radius, -1, np.zeros(SHAPE_WIDTH)
+        return POINT, shape.radius, shape.radius, -1, Primitive.one()
     if isinstance(shape, CircleShape):
         row = shape_row(RING, [shape.radius])
         return CIRCLE, shape.radius, 0.0, RING, _turned(row, axes_about(shape.axis, source=contact.name))
@@ -359,9 +338,7 @@ def _shape(contact: Contact) -> tuple[int, float, float, int, NDArray[np.float64
     )
 
 
-def _turned(row: NDArray[np.float64], axes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Row of a primitive whose axes are given in the frame of its body."""
-    from heavylift.contours.convex import SHAPE_AXES
-
-    row[SHAPE_AXES : SHAPE_AXES + 9] = np.asarray(axes, dtype=np.float64).ravel()
-    return row
+def _turned(primitive: Primitive, axes: NDArray[np.float64]) -> Primitive:
+    """A primitive whose axes are given in the frame of its body."""
+    primitive.axes[:] = np.asarray(axes, dtype=np.float64).reshape(3, 3)
+    return primitive

@@ -2,47 +2,72 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel, view
-from heavylift.solver.contact.contact_rows import ROWS
-from heavylift.solver.contact.end_blocks import (
-    CONTACT,
-    factor_inverse_mass,
-    solve_for_start,
-    write_rows,
-)
+from heavylift.numerics.records import Record, Records, record_at
+from heavylift.solver.contact.contact_rows import ROWS, solved_rows
+from heavylift.solver.contact.end_blocks import CONTACT, factor_inverse_mass, solve_for_start, write_rows
 from heavylift.solver.contact.envelope import find_reach, order_bodies
-from heavylift.solver.contact.layout import COMPLIANT, OFFSET, SOFTNESS, TARGET
+from heavylift.solver.contact.layout import COMPLIANT, RowKind, RowParameters
 from heavylift.solver.contact.system import COUPLING, SCRATCH, spread
 from heavylift.solver.contact.twelve import COLUMNS
 
 __all__ = [
-    "NEAR_DIAGONAL",
-    "SCALE",
-    "UNIT_MASS",
+    "Marks",
+    "NoEnds",
     "Problem",
     "Work",
     "divide",
     "fill_rows",
+    "no_ends",
     "prepare",
     "workspace_length",
 ]
 
-UNIT_MASS, NEAR_DIAGONAL, SCALE, MARKS = range(4)
-"""Marks of a problem: masses are in the rows; the factors are those without exchange of rows; the largest rate
-without impulses or by what the step has given before."""
+
+class Marks(Record):
+    """Marks of a problem.
+
+    Attributes
+    ----------
+    unit_mass
+        Whether masses are in the rows.
+    near_diagonal
+        Whether the factors are those without exchange of rows.
+    scale
+        Largest rate without impulses or by what the step has given before [m/s].
+    """
+
+    unit_mass: bool
+    near_diagonal: bool
+    scale: float
+
+
+MARKS = Marks.layout.itemsize // 8
+"""Numbers of them in the workspace."""
+
+marks_at = record_at(Marks)
+
+
+class NoEnds(Record):
+    """What contacts have that are given by the matrix of their rows alone."""
+
+    ends: Annotated[NDArray[np.int64], (0, 4)]
+
+
+no_ends = record_at(NoEnds)
 
 
 class Problem(NamedTuple):
     """Contacts and what they touch; arrays as in the entry points."""
 
     number: int
-    kinds: NDArray[np.int64]
-    parameters: NDArray[np.float64]
+    kinds: Records[RowKind]
+    parameters: Records[RowParameters]
     ends: NDArray[np.int64]
     blocks: NDArray[np.float64]
     size: int
@@ -79,7 +104,7 @@ class Work(NamedTuple):
     ]  # (size,): velocities without impulses, in their places, of a unit mass if that is in N
     pair: NDArray[np.float64]  # (COLUMNS,): velocities of the ends of a contact
     sums: NDArray[np.float64]  # (COLUMNS,): what acts on them; zeros between calls
-    marks: NDArray[np.float64]  # (MARKS,)
+    marks: Marks
 
 
 @kernel
@@ -132,7 +157,7 @@ def divide(problem: Problem, workspace: NDArray[np.float64]) -> Work:
         workspace[places + 2 * m : pairs],
         workspace[pairs : pairs + COLUMNS],
         workspace[pairs + COLUMNS : marks],
-        workspace[marks : marks + MARKS],
+        marks_at(workspace, marks),
     )
 
 
@@ -141,7 +166,7 @@ def prepare(problem: Problem, work: Work) -> None:
     """Write what all iterations share: rows and their order, the diagonal of W, rates without impulses."""
     count, ends, size = problem.number, problem.ends, problem.size
     marks = work.marks
-    marks[UNIT_MASS] = marks[NEAR_DIAGONAL] = marks[SCALE] = 0.0
+    marks.unit_mass, marks.near_diagonal, marks.scale = False, False, 0.0
     if ends.shape[0] > 0:
         for i in range(COLUMNS):
             work.sums[i] = 0.0
@@ -158,7 +183,7 @@ def prepare(problem: Problem, work: Work) -> None:
             work.held[COUPLING * count :],
         )
         if unit:
-            marks[UNIT_MASS] = 1.0
+            marks.unit_mass = True
             order_bodies(count, ends, size, work.place, work.A)
             find_reach(count, ends, size, work.place, work.reach)
             for i in range(size):
@@ -177,9 +202,9 @@ def prepare(problem: Problem, work: Work) -> None:
         i = 3 * c
         scale = max(scale, abs(work.w0[i]), abs(work.w0[i + 1]), abs(work.w0[i + 2]))
         o = problem.parameters[c]  # what the step has given before counts like what is asked for now
-        scale = max(scale, abs(o[OFFSET]) * work.diagonal[2 * c])
-        scale = max(scale, max(abs(o[OFFSET + 1]), abs(o[OFFSET + 2])) * work.diagonal[2 * c + 1])
-    marks[SCALE] = scale
+        scale = max(scale, abs(o.offset[0]) * work.diagonal[2 * c])
+        scale = max(scale, max(abs(o.offset[1]), abs(o.offset[2])) * work.diagonal[2 * c + 1])
+    marks.scale = scale
 
 
 @kernel(internal=True, reassociate=True)
@@ -191,7 +216,7 @@ def _find_diagonal(problem: Problem, work: Work) -> None:
         if ends.shape[0] == 0:
             n = B[3 * c, 3 * c]
             t = B[3 * c + 1, 3 * c + 1] + B[3 * c + 2, 3 * c + 2]
-        elif work.marks[UNIT_MASS] > 0.0:
+        elif work.marks.unit_mass:
             o = CONTACT * c
             for j in range(COLUMNS):
                 n += N[o + j] * N[o + j]
@@ -211,16 +236,15 @@ def _find_diagonal(problem: Problem, work: Work) -> None:
 @kernel(internal=True)
 def fill_rows(problem: Problem, work: Work, factor_of_diagonal: float, near: NDArray[np.float64]) -> None:
     """Write softness and target of all rows, with a further softness relative to the diagonal about impulses `near`."""
-    parameters, rows = problem.parameters, work.rows
+    parameters = problem.parameters
     for c in range(problem.number):
+        row = solved_rows(work.rows, ROWS * c)
         for i in range(3):
             more = factor_of_diagonal * work.diagonal[2 * c + min(i, 1)]
-            S, b = parameters[c, SOFTNESS + i], parameters[c, TARGET + i]
-            if i == 0 and problem.kinds[c, 0] == COMPLIANT:
+            S, b = parameters[c].softness[i], parameters[c].target[i]
+            if i == 0 and problem.kinds[c].kind == COMPLIANT:
                 S = b = 0.0
-            rows[ROWS * c + i] = S + more
-            rows[ROWS * c + 3 + i] = b + (more * near[3 * c + i] if more > 0.0 else 0.0)
-        work.inverse[2 * c] = 1.0 / (work.diagonal[2 * c] + rows[ROWS * c])
-        work.inverse[2 * c + 1] = 1.0 / (
-            work.diagonal[2 * c + 1] + 0.5 * (rows[ROWS * c + 1] + rows[ROWS * c + 2])
-        )
+            row.softness[i] = S + more
+            row.target[i] = b + (more * near[3 * c + i] if more > 0.0 else 0.0)
+        work.inverse[2 * c] = 1.0 / (work.diagonal[2 * c] + row.softness[0])
+        work.inverse[2 * c + 1] = 1.0 / (work.diagonal[2 * c + 1] + 0.5 * (row.softness[1] + row.softness[2]))

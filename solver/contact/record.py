@@ -7,41 +7,15 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.channels import XYZ
-from heavylift.solver.contact.counts import number_of
 from heavylift.solver.contact.interface import pose_contours
 from heavylift.solver.contact.kind import (
-    AT_U,
-    AT_V,
-    CLOSED,
-    COLUMN,
     COMPLIANT,
-    END_GAP,
-    END_GAP_2,
-    EXPONENT,
-    FORCE,
-    FORCE_LAW,
-    FRICTION_FORCE,
-    GAP,
-    IMPACTS,
-    IMPULSES,
-    LAW,
-    LOSS,
-    NORMAL_FORCE,
-    OF_CONTOURS,
-    PRESENT,
-    SLEEP,
-    SLIP_PATH,
-    SLIP_SPEED,
-    STIFFNESS,
-    TOUCHED,
     ContactRows,
 )
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.locate import locate
 from heavylift.solver.contact.mesh_interface import record_pairs, restore_contacts
 from heavylift.solver.interface import (
-    DISSIPATED,
-    ELASTIC,
     Bodies,
     Joints,
     Workspace,
@@ -78,17 +52,17 @@ def gather_contact_rows(
     restore_contacts(contacts.meshes, contacts)  # a state may have been restored since the last step
     gather_reactions(bodies, False, contacts)
     posed = False
-    for c in range(number_of(contacts, OF_CONTOURS)):
+    for c in range(contacts.counts.of_contours):
         state = contacts.state[c]
-        if state[SLEEP] > 0.0 and state[CLOSED] == 0.0 and state[PRESENT] == 0.0:
+        if state.sleep > 0.0 and not state.closed and not state.present:
             if not posed:
                 pose_contours(bodies, False, contacts)
                 posed = True
-            u, v, end_gap, angle = state[AT_U], state[AT_V], state[END_GAP], state[END_GAP_2]
+            u, v, end_gap, angle = state.u, state.v, state.end_gap, state.second_end_gap
             locate(contacts, bodies, c, True, work)
-            state[GAP] = abs(state[END_GAP])  # what sleeps and seems inside is behind
+            state.gap = abs(state.end_gap)  # what sleeps and seems inside is behind
             # a record must not change what follows
-            state[AT_U], state[AT_V], state[END_GAP], state[END_GAP_2] = u, v, end_gap, angle
+            state.u, state.v, state.end_gap, state.second_end_gap = u, v, end_gap, angle
 
 
 @implement(record_rows, ContactRows)
@@ -98,19 +72,19 @@ def record_contacts(
 ) -> None:
     """What the last step has left."""
     record_pairs(contacts.meshes, contacts, work, row)
-    for c in range(number_of(contacts, OF_CONTOURS)):
-        state, at = contacts.state[c], contacts.table[c, COLUMN]
-        row[at], row[at + 1], row[at + 2] = state[GAP], state[NORMAL_FORCE], state[FRICTION_FORCE]
+    for c in range(contacts.counts.of_contours):
+        state, at = contacts.state[c], contacts.table[c].column
+        row[at], row[at + 1], row[at + 2] = state.gap, state.normal_force, state.friction_force
         for k in range(3):
-            row[at + 3 + k] = state[FORCE + k]
-        row[at + 6], row[at + 7], row[at + 8] = state[IMPULSES], state[SLIP_SPEED], state[SLIP_PATH]
-        row[at + 9], row[at + 10] = state[AT_U], state[AT_U + 1]
+            row[at + 3 + k] = state.force[k]
+        row[at + 6], row[at + 7], row[at + 8] = state.impulse, state.slip_speed, state.slip_path
+        row[at + 9], row[at + 10] = state.u, state.v
         for k in range(3):
-            row[at + 11 + k] = state[TOUCHED + k]
-        row[at + 14], row[at + 15] = state[LOSS], state[IMPACTS]
-        work.sums[DISSIPATED] += state[LOSS]
-        if contacts.table[c, LAW] == COMPLIANT:
+            row[at + 11 + k] = state.touched[k]
+        row[at + 14], row[at + 15] = state.loss, state.impacts
+        work.sums.dissipated += state.loss
+        if contacts.table[c].law == COMPLIANT:
             values = contacts.values[c]
-            work.sums[ELASTIC] += stored_energy(
-                contacts.table[c, FORCE_LAW], values[STIFFNESS], values[EXPONENT], -state[GAP]
+            work.sums.elastic += stored_energy(
+                contacts.table[c].force_law, values.stiffness, values.exponent, -state.gap
             )

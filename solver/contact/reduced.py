@@ -10,30 +10,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.kind import LARGEST_CONTROLS, ContactRows
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.newton import solve_on_velocities
 from heavylift.solver.contact.system_interface import respond
 from heavylift.solver.interface import Systems
-from heavylift.solver.rows import DOF, PANEL, WIDTH
 
 __all__ = ["assemble_reduced", "solve_reduced"]
-
-SIZE_AT = 0
 
 
 @kernel(internal=True)
 def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> None:
     """Columns, blocks and matrix for the contacts that take part."""
     reduced = contacts.reduced
-    for j in range(reduced.numbers[SIZE_AT]):
+    for j in range(reduced.counts.columns):
         reduced.columns[reduced.velocities[j]] = -1
     size = 0
     lanes = len(contacts.shape[1])
     for j in range(count):
-        c = contacts.places[LARGEST_CONTROLS + j]
+        c = contacts.present[j]
         for side in range(2):
             i = 2 * c + side
-            dof, width = contacts.attachments[i, DOF], contacts.attachments[i, WIDTH]
+            dof, width = contacts.attachments[i].dof, contacts.attachments[i].width
             reduced.ends[j, 2 * side + 1] = width
             if width == 0:
                 reduced.ends[j, 2 * side] = 0
@@ -44,11 +41,11 @@ def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> Non
                     reduced.velocities[size + k] = dof + k
                 size += width
             reduced.ends[j, 2 * side] = reduced.columns[dof]
-            panel = contacts.attachments[i, PANEL]
+            panel = contacts.attachments[i].panel
             for r in range(3):
                 for k in range(width):
                     reduced.blocks[j, 18 * side + 6 * r + k] = contacts.panels[panel + k * lanes + r]
-    reduced.numbers[SIZE_AT] = size
+    reduced.counts.columns = size
     column = contacts.column
     for j in range(size):
         dof = reduced.velocities[j]
@@ -71,7 +68,7 @@ def solve_reduced(contacts: ContactRows, count: int, velocity: NDArray[np.float6
     How it ended is in `contacts.solution`.
     """
     reduced, free, p, w = contacts.reduced, contacts.rates[0], contacts.rates[1], contacts.rates[2]
-    size = reduced.numbers[SIZE_AT]
+    size = reduced.counts.columns
     for i in range(size):
         reduced.found[i] = 0.0
     for j in range(count):

@@ -9,8 +9,7 @@ of the impact are reduced by one factor, so far that it keeps the energy.
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact import layout as told
-from heavylift.solver.contact.kind import NEW, STOPPING, ContactRows
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.stage import present_at, solve_present
 from heavylift.solver.interface import Workspace
 
@@ -36,9 +35,7 @@ def bound_restitution(contacts: ContactRows, count: int, work: Workspace) -> boo
     """
     bounces = False
     for j in range(count):
-        bounces = bounces or (
-            contacts.state[present_at(contacts, j), NEW] > 0.0 and contacts.laws[j, told.WANTED] > 0.0
-        )
+        bounces = bounces or (contacts.state[present_at(contacts, j)].new and contacts.laws[j].wanted > 0.0)
     if not bounces:
         return True
     gain, scale = _gain(contacts, count)
@@ -64,7 +61,7 @@ def bound_restitution(contacts: ContactRows, count: int, work: Workspace) -> boo
 def _gain(contacts: ContactRows, count: int) -> tuple[float, float]:
     """Work of the impulses of the step that stop and push back [J], and of all of it the sum of magnitudes."""
     free, p, w = contacts.rates[0], contacts.rates[1], contacts.rates[2]
-    total = contacts.control[STOPPING]
+    total = contacts.control.stopping_work
     scale = abs(total)
     for i in range(3 * count):
         part = 0.5 * p[i] * (free[i] + w[i])
@@ -77,6 +74,6 @@ def _gain(contacts: ContactRows, count: int) -> tuple[float, float]:
 def _solve_with(contacts: ContactRows, count: int, factor: float, work: Workspace) -> bool:
     """Impulses with all restitution reduced."""
     for j in range(count):
-        if contacts.state[present_at(contacts, j), NEW] > 0.0:
-            contacts.laws[j, told.TARGET] = factor * contacts.laws[j, told.WANTED]
+        if contacts.state[present_at(contacts, j)].new:
+            contacts.laws[j].target[0] = factor * contacts.laws[j].wanted
     return bool(solve_present(contacts, count, work))

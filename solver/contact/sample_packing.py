@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.contours.layout import COUNT_U, LARGEST_DEGREE
+from heavylift.contours.layout import LARGEST_DEGREE
 from heavylift.contours.samples import sample_grid, sample_points
 from heavylift.contours.search_circle_cold import RING_ANGLES
-from heavylift.solver.contact.kind import GRID_COLUMNS, OF_GROUND, OF_RIGID, OWNER, Samples
+from heavylift.numerics.records import Records, records
+from heavylift.solver.contact.kind import OF_GROUND, OF_RIGID, ContactContour, SampleGrid, Samples
 
 if TYPE_CHECKING:
     from heavylift.contours.spaces import SplineSpace
@@ -21,7 +22,7 @@ __all__ = ["pack_samples"]
 
 def pack_samples(
     spaces: Sequence[tuple[SplineSpace, ...]],
-    rows: NDArray[np.int64],
+    rows: Records[ContactContour],
     constants: NDArray[np.float64],
     net: NDArray[np.float64],
 ) -> Samples:
@@ -35,9 +36,9 @@ def pack_samples(
         As in `ContactRows`.
     """
     grids = [sample_grid(one) for one in spaces]
-    table = np.zeros((len(grids), GRID_COLUMNS), dtype=np.int64)
+    table = records(SampleGrid, len(grids))
     widest = max((grid.count for grid in grids), default=1)
-    across = max((int(row[COUNT_U]) * grid.v.size for row, grid in zip(rows, grids, strict=True)), default=1)
+    across = max((int(row.u.count) * grid.v.size for row, grid in zip(rows, grids, strict=True)), default=1)
     parameters, first, basis = (
         [np.zeros(0)],
         [np.zeros(0, dtype=np.int64)],
@@ -46,8 +47,11 @@ def pack_samples(
     start = 0
     blocks = 1
     for i, grid in enumerate(grids):
-        fixed = rows[i, OWNER] in {OF_RIGID, OF_GROUND}
-        table[i] = start, grid.u.size, start + grid.u.size, grid.v.size, 3 * blocks if fixed else 0
+        fixed = rows[i].owner in {OF_RIGID, OF_GROUND}
+        row = table[i]
+        row.first_u, row.count_u = start, grid.u.size
+        row.first_v, row.count_v = start + grid.u.size, grid.v.size
+        row.points = 3 * blocks if fixed else 0
         blocks += int(fixed)
         start += grid.u.size + grid.v.size
         parameters += [grid.u, grid.v]
@@ -65,7 +69,7 @@ def pack_samples(
         angles=np.zeros(4 * RING_ANGLES),
     )
     for i, grid in enumerate(grids):
-        at = table[i, -1]
+        at = table[i].points
         if at > 0:
             samples.reach[i] = sample_points(
                 rows[i],

@@ -6,29 +6,12 @@ A search in a trial step that is taken back does no harm, so its end is judged w
 from __future__ import annotations
 
 from heavylift.contours.evaluate import surface_point
-from heavylift.contours.search_step import CONVERGED, FLAGS, U, V
+from heavylift.contours.search_step import CONVERGED
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.contact.counts import block_of, contact_count
-from heavylift.solver.contact.kind import (
-    AT_U,
-    AT_V,
-    CLOSED,
-    CONTOUR,
-    EVALUATE,
-    FAILED,
-    FOUND,
-    LOST,
-    NOT_A_NUMBER,
-    PRESENT,
-    RESULT,
-    RESULT_END,
-    SEARCH,
-    TOO_DEEP,
-    WEIGHTS_AT,
-    ContactRows,
-)
-from heavylift.solver.interface import STATUS_BLOCK, STATUS_OUTCOME, Workspace
+from heavylift.solver.contact.kind import FOUND, LOST, NOT_A_NUMBER, TOO_DEEP, ContactRows
+from heavylift.solver.interface import Workspace
 
 __all__ = ["judge_searches", "mark_failure", "note_search"]
 
@@ -38,22 +21,22 @@ NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
 @kernel(internal=True)
 def mark_failure(contacts: ContactRows, contact: int, work: Workspace) -> None:
     """Say that place or impulses of a contact were not found; its block comes after those of the joints."""
-    work.status[STATUS_OUTCOME] = NOT_CONVERGED
-    work.status[STATUS_BLOCK] = block_of(contacts, contact)
+    work.status.outcome = NOT_CONVERGED
+    work.status.block = block_of(contacts, contact)
 
 
 @kernel(internal=True)
 def note_search(contacts: ContactRows, c: int, status: int) -> None:
     """Keep the status of a search over a surface; one that found nothing leaves the last place."""
     state, scratch = contacts.state[c], contacts.scratch
-    state[SEARCH] = FOUND
+    state.search = FOUND
     if status != CONVERGED:
-        contour = contacts.contours[contacts.table[c, CONTOUR]]
-        result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
-        u, v, knots = state[AT_U], state[AT_V], contacts.constants
+        contour = contacts.contours[contacts.table[c].contour]
+        result, evaluate = scratch.result, scratch.evaluation
+        u, v, knots = state.u, state.v, contacts.constants
         surface_point(contour, knots, knots, contacts.net, u, v, evaluate, result)
-        result[U], result[V], result[FLAGS] = u, v, 0.0
-        state[SEARCH] = status
+        result.u, result.v, result.flags = u, v, 0
+        state.search = status
 
 
 @kernel(internal=True)
@@ -64,12 +47,12 @@ def judge_searches(contacts: ContactRows, at_end: bool, work: Workspace) -> None
     """
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
-        if not at_end and state[PRESENT] == 0.0:
+        if not at_end and not state.present:
             continue
-        if LOST <= state[SEARCH] <= NOT_A_NUMBER:
-            state[SEARCH] = FOUND
-            state[FAILED] += 1.0
-            if state[CLOSED] > 0.0:
+        if LOST <= state.search <= NOT_A_NUMBER:
+            state.search = FOUND
+            state.failures += 1
+            if state.closed:
                 mark_failure(contacts, c, work)
-        elif at_end and state[SEARCH] == TOO_DEEP:
+        elif at_end and state.search == TOO_DEEP:
             mark_failure(contacts, c, work)

@@ -2,31 +2,12 @@
 
 from __future__ import annotations
 
-from heavylift.contours.layout import COUNT_U, COUNT_V
 from heavylift.contours.samples import sample_points
 from heavylift.contours.search_cold import closest_point_cold
-from heavylift.contours.search_step import U, V
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.features import Deforming, sample
 from heavylift.solver.contact.interface import form_controls
-from heavylift.solver.contact.kind import (
-    AT_U,
-    AT_V,
-    CONTOUR,
-    EVALUATE,
-    OF_GROUND,
-    OF_RIGID,
-    OWNER,
-    POINTS_AT,
-    RESULT,
-    RESULT_END,
-    U_AT,
-    U_COUNT,
-    V_AT,
-    V_COUNT,
-    WEIGHTS_AT,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import OF_GROUND, OF_RIGID, ContactRows
 from heavylift.solver.interface import Bodies
 from heavylift.solver.kinds import implement
 
@@ -38,12 +19,12 @@ __all__ = ["start_at_point"]
 def sample_deforming(feature: Deforming, contacts: ContactRows, bodies: Bodies, contour: int) -> None:
     """Form all control points, then the samples; those of rigid contours stand still."""
     row, samples, net = contacts.contours[contour], contacts.samples, contacts.net
-    if row[OWNER] == OF_RIGID or row[OWNER] == OF_GROUND:
+    if row.owner in (OF_RIGID, OF_GROUND):
         return
-    form_controls(bodies, contacts, contour, 0, row[COUNT_U] - 1, 0, row[COUNT_V] - 1)
+    form_controls(bodies, contacts, contour, 0, row.u.count - 1, 0, row.v.count - 1)
     grid = samples.grids[contour]
-    i, j, at = grid[U_AT], grid[V_AT], grid[POINTS_AT]
-    m, n = i + grid[U_COUNT], j + grid[V_COUNT]
+    i, j, at = grid.first_u, grid.first_v, grid.points
+    m, n = i + grid.count_u, j + grid.count_v
     samples.reach[contour] = sample_points(
         row,
         contacts.constants,
@@ -60,11 +41,11 @@ def sample_deforming(feature: Deforming, contacts: ContactRows, bodies: Bodies, 
 @kernel(internal=True)
 def start_at_point(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -> None:
     """Nearest point of a curve or surface to a point in its axes [m], into the state of a contact."""
-    contour = contacts.table[c, CONTOUR]
+    contour = contacts.table[c].contour
     samples, scratch, state = contacts.samples, contacts.scratch, contacts.state[c]
-    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = scratch.result, scratch.evaluation
     grid = samples.grids[contour]
-    i, j, at = grid[U_AT], grid[V_AT], grid[POINTS_AT]
+    i, j, at = grid.first_u, grid.first_v, grid.points
     closest_point_cold(
         contacts.contours[contour],
         contacts.constants,
@@ -73,8 +54,8 @@ def start_at_point(contacts: ContactRows, c: int, y1: float, y2: float, y3: floa
         y1,
         y2,
         y3,
-        samples.parameters[i : i + grid[U_COUNT]],
-        samples.parameters[j : j + grid[V_COUNT]],
+        samples.parameters[i : i + grid.count_u],
+        samples.parameters[j : j + grid.count_v],
         samples.points[at : at + 3],
         samples.reach[contour],
         0.0,
@@ -82,4 +63,4 @@ def start_at_point(contacts: ContactRows, c: int, y1: float, y2: float, y3: floa
         evaluate,
         result,
     )
-    state[AT_U], state[AT_V] = result[U], result[V]
+    state.u, state.v = result.u, result.v

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.kind import ARM, AXES, CENTRE, DIRECTIONS, ContactRows
-from heavylift.solver.interface import POINT, Workspace
-from heavylift.solver.rows import PANEL, WIDTH
+from heavylift.solver.contact.kind import ContactRows
+from heavylift.solver.interface import Workspace
 
 __all__ = ["put_slider_rows"]
 
@@ -20,13 +19,12 @@ def put_slider_rows(contacts: ContactRows, contact: int, work: Workspace) -> Non
     ``J = J_point + sum (a . e_k) J_k`` for any kind of body.
     """
     lanes = len(contacts.shape[1])
-    panel, width = contacts.attachments[2 * contact + 1, PANEL], contacts.attachments[2 * contact + 1, WIDTH]
+    panel, width = contacts.attachments[2 * contact + 1].panel, contacts.attachments[2 * contact + 1].width
     scratch = contacts.scratch
-    marker, first_axis = contacts.table[contact, CENTRE], contacts.table[contact, AXES]
+    marker, first_axis = contacts.table[contact].centre, contacts.table[contact].axes
     J = work.jacobian[marker]
     for r in range(3):
-        d = DIRECTIONS + 3 * r
-        d1, d2, d3 = scratch[d], scratch[d + 1], scratch[d + 2]
+        d1, d2, d3 = scratch.directions[r, 0], scratch.directions[r, 1], scratch.directions[r, 2]
         for i in range(width):
             contacts.panels[panel + i * lanes + r] = d1 * J[0, i] + d2 * J[1, i] + d3 * J[2, i]
     if first_axis < 0:
@@ -34,12 +32,12 @@ def put_slider_rows(contacts: ContactRows, contact: int, work: Workspace) -> Non
     for m in range(first_axis, first_axis + 3):
         share = 0.0
         for k in range(3):
-            share += scratch[ARM + k] * work.markers[m, POINT + k]
+            share += scratch.arm[k] * work.markers[m].point[k]
         if share == 0.0:
             continue
         T = work.jacobian[m]
         for r in range(3):
-            d = DIRECTIONS + 3 * r
-            d1, d2, d3 = share * scratch[d], share * scratch[d + 1], share * scratch[d + 2]
+            d = scratch.directions[r]
+            d1, d2, d3 = share * d[0], share * d[1], share * d[2]
             for i in range(width):
                 contacts.panels[panel + i * lanes + r] += d1 * T[0, i] + d2 * T[1, i] + d3 * T[2, i]

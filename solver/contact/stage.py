@@ -10,47 +10,10 @@ import math
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact import layout as told
-from heavylift.solver.contact.counts import contact_count, number_of, set_number
+from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.delassus import assemble_delassus, contact_rates, push
 from heavylift.solver.contact.interface import pose_contours, settle_points
-from heavylift.solver.contact.kind import (
-    ALL_RIGID,
-    BESIDE,
-    BILATERAL,
-    CLOSED,
-    COMPLIANT,
-    CURVE,
-    DAMPING,
-    DENSE,
-    END_GAP,
-    EVENTS,
-    EXPONENT,
-    FORCE_LAW,
-    FRICTION,
-    GAP,
-    GAP_2,
-    INVERSE_MASS,
-    LARGEST_CONTROLS,
-    LAW,
-    NOMINAL,
-    PRESENT,
-    PRESENT_COUNT,
-    RESIDUAL,
-    RESTITUTION,
-    RIGID,
-    ROUNDS,
-    SHAPE,
-    SHIFT,
-    SIZE,
-    SLEEP,
-    SLIP,
-    START_BESIDE,
-    STIFFNESS,
-    TOUCH_DAMPING,
-    TRIANGLES,
-    WARM,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, DENSE, RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.laws import hunt_crossley_damping
 from heavylift.solver.contact.locate import locate
 from heavylift.solver.contact.mesh_interface import pose_surfaces, restore_contacts
@@ -58,24 +21,14 @@ from heavylift.solver.contact.newton import solve_dense
 from heavylift.solver.contact.reduced import assemble_reduced, solve_reduced
 from heavylift.solver.contact.search_end import judge_searches, mark_failure
 from heavylift.solver.contact.system_interface import follow, meet_again, meet_contacts
-from heavylift.solver.interface import (
-    CHANGED,
-    Bodies,
-    Joints,
-    Systems,
-    Workspace,
-    apply_inverse,
-    refactor_rows,
-)
+from heavylift.solver.interface import Bodies, Joints, Systems, Workspace, apply_inverse, refactor_rows
 from heavylift.solver.kinds import implement
 from heavylift.solver.row_impulses import add_impulses
-from heavylift.solver.rows import IMPULSE, ROW_COLUMNS
 
 __all__ = [
     "NEAR",
     "assemble_response",
     "friction_rows",
-    "impulse_row",
     "looks_ahead",
     "present_at",
     "slip_stiffness",
@@ -109,20 +62,14 @@ SLIP_DAMPING = 0.2
 @kernel(inline=True, internal=True)
 def present_at(contacts: ContactRows, j: int) -> int:
     """Number of the j-th contact that takes part."""
-    return contacts.places[LARGEST_CONTROLS + j]
-
-
-@kernel(inline=True, internal=True)
-def impulse_row(contacts: ContactRows, contact: int, column: int) -> int:
-    """Place of a column of row data of a contact."""
-    return (contact * ROW_COLUMNS + column) * len(contacts.shape[1])
+    return contacts.present[j]
 
 
 @kernel(inline=True, internal=True)
 def looks_ahead(contacts: ContactRows, c: int) -> bool:
     """Whether a contact without compliance takes part before it closes, in place of splitting the step."""
-    of_triangles = contacts.table[c, SHAPE] == TRIANGLES
-    return of_triangles and contacts.table[c, LAW] == RIGID and contacts.table[c, EVENTS] == 0
+    of_triangles = contacts.table[c].shape_kind == TRIANGLES
+    return of_triangles and contacts.table[c].law == RIGID and not contacts.table[c].events
 
 
 @kernel(internal=True)
@@ -132,13 +79,13 @@ def _passes_by(contacts: ContactRows, c: int) -> bool:
     Gap and distance beside them go on through the step as they have changed up to its predicted middle.
     """
     state = contacts.state[c]
-    gap, beside = state[GAP], state[START_BESIDE]
-    if contacts.table[c, SHAPE] != TRIANGLES or state[CLOSED] > 0.0 or not gap > 0.0:
+    gap, beside = state.gap, state.start_beside
+    if contacts.table[c].shape_kind != TRIANGLES or state.closed or not gap > 0.0:
         return False
-    end = 2.0 * state[END_GAP] - gap
+    end = 2.0 * state.end_gap - gap
     share = min(gap / (gap - end), 1.0) if end < gap else 1.0
-    beside += 2.0 * share * (state[BESIDE] - beside)
-    return bool(beside > PASSING * contacts.values[c, SIZE])
+    beside += 2.0 * share * (state.beside - beside)
+    return bool(beside > PASSING * contacts.values[c].length_scale)
 
 
 @implement(meet_contacts, ContactRows)
@@ -155,22 +102,22 @@ def meet_contacts_midpoint(
 ) -> None:
     """Rows at the predicted midpoint, then half impulses."""
     restore_contacts(contacts.meshes, contacts)
-    contacts.control[NOMINAL] = nominal
-    contacts.control[RESIDUAL] = contacts.control[ROUNDS] = 0.0
+    contacts.control.nominal_step = nominal
+    contacts.control.residual, contacts.control.rounds = 0.0, 0
     count = 0
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
-        at = impulse_row(contacts, c, IMPULSE)
+        impulse = contacts.rows[c].impulse
         for r in range(3):
-            contacts.rows[at + r] = 0.0
-        state[PRESENT] = 0.0
-        early = contacts.table[c, LAW] == COMPLIANT or looks_ahead(contacts, c)
-        near = early and state[SLEEP] <= NEAR * state[SHIFT]
-        if near or state[CLOSED] > 0.0:
-            contacts.places[LARGEST_CONTROLS + count] = c
-            state[PRESENT] = 1.0
+            impulse[r] = 0.0
+        state.present = False
+        early = contacts.table[c].law == COMPLIANT or looks_ahead(contacts, c)
+        near = early and state.sleep <= NEAR * state.shift
+        if near or state.closed:
+            contacts.present[count] = c
+            state.present = True
             count += 1
-    set_number(contacts, PRESENT_COUNT, count)
+    contacts.counts.present = count
     if count == 0:
         return
     pose_contours(bodies, True, contacts)
@@ -180,12 +127,12 @@ def meet_contacts_midpoint(
         c = present_at(contacts, j)
         locate(contacts, bodies, c, False, work)
         if _passes_by(contacts, c):
-            contacts.state[c, PRESENT] = 0.0
+            contacts.state[c].present = False
         else:
-            contacts.places[LARGEST_CONTROLS + kept] = c
+            contacts.present[kept] = c
             kept += 1
     count = kept
-    set_number(contacts, PRESENT_COUNT, count)
+    contacts.counts.present = count
     if count == 0:
         return
     judge_searches(contacts, False, work)
@@ -202,7 +149,7 @@ def meet_contacts_again(
     contacts: ContactRows, rows: Systems, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
     """From the impulses that are there."""
-    count = number_of(contacts, PRESENT_COUNT)
+    count = contacts.counts.present
     if count > 0:
         _settle(contacts, rows, joints, count, work, time, step)
 
@@ -222,9 +169,9 @@ def _settle(
         assemble_response(contacts, rows, count)
         if not solve_present(contacts, count, work):
             return
-        work.control[CHANGED] = 0.0
+        work.control.changed = 0
         follow(rows, joints, work, time, step)
-        if work.control[CHANGED] == 0.0:
+        if work.control.changed == 0:
             return
     mark_failure(contacts, present_at(contacts, 0), work)
 
@@ -232,7 +179,7 @@ def _settle(
 @kernel(inline=True, internal=True)
 def _on_velocities(contacts: ContactRows, count: int) -> bool:
     """Whether the contacts that take part are solved on the velocities of their bodies."""
-    return number_of(contacts, ALL_RIGID) > 0 and count > DENSE
+    return contacts.counts.all_rigid and count > DENSE
 
 
 @kernel(internal=True)
@@ -241,7 +188,7 @@ def assemble_response(contacts: ContactRows, systems: Systems, count: int) -> No
     if _on_velocities(contacts, count):
         assemble_reduced(contacts, systems, count)
     else:
-        assemble_delassus(contacts, systems, contacts.places[LARGEST_CONTROLS:], count, contacts.column)
+        assemble_delassus(contacts, systems, contacts.present, count, contacts.column)
 
 
 @kernel(internal=True)
@@ -252,9 +199,9 @@ def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
         c = present_at(contacts, j)
         a, b, d = contact_rates(contacts, c, work.velocity)
         free[3 * j], free[3 * j + 1], free[3 * j + 2] = a, b, d
-        at = impulse_row(contacts, c, IMPULSE)
+        impulse = contacts.rows[c].impulse
         for r in range(3):
-            p[3 * j + r] = contacts.rows[at + r]
+            p[3 * j + r] = impulse[r]
     reduced = _on_velocities(contacts, count)
     if reduced:
         for i in range(3 * count):
@@ -272,7 +219,7 @@ def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
             started = started or p[3 * j + r] != 0.0
         if not started:
             for r in range(3):
-                p[3 * j + r] = contacts.state[c, WARM + r]
+                p[3 * j + r] = contacts.state[c].warm_start[r]
     if reduced:
         solve_reduced(contacts, count, work.velocity)
     else:
@@ -288,20 +235,20 @@ def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
             contacts.workspace,
             contacts.solution,
         )
-    status, rounds, residual = contacts.solution[0], contacts.solution[1], contacts.solution[2]
-    contacts.control[RESIDUAL] = max(contacts.control[RESIDUAL], residual)
-    contacts.control[ROUNDS] += rounds
-    if status < 0 and not residual < ENOUGH:
+    solution = contacts.solution
+    contacts.control.residual = max(contacts.control.residual, solution.residual)
+    contacts.control.rounds += solution.iterations
+    if solution.status < 0 and not solution.residual < ENOUGH:
         mark_failure(contacts, present_at(contacts, 0), work)
         return False
     for j in range(count):
         c = present_at(contacts, j)
-        at = impulse_row(contacts, c, IMPULSE)
+        impulse = contacts.rows[c].impulse
         for r in range(3):
-            change = p[3 * j + r] - contacts.rows[at + r]
+            change = p[3 * j + r] - impulse[r]
             if change != 0.0:
                 push(contacts, c, r, change, work.velocity)
-                contacts.rows[at + r] = p[3 * j + r]
+                impulse[r] = p[3 * j + r]
     return True
 
 
@@ -310,13 +257,13 @@ def friction_rows(contacts: ContactRows, j: int, softness: float, rate: float) -
     """What holds a contact that sticks where it is; for the solver."""
     c = present_at(contacts, j)
     law = contacts.laws[j]
-    law[told.FRICTION] = contacts.values[c, FRICTION]
+    law.friction = contacts.values[c].friction
     for r in range(3):
-        law[told.SOFTNESS + r] = softness
-        law[told.OFFSET + r] = 0.0
-    law[told.TARGET] = 0.0
-    law[told.TARGET + 1] = -rate * contacts.state[c, SLIP]
-    law[told.TARGET + 2] = -rate * contacts.state[c, SLIP + 1]
+        law.softness[r] = softness
+        law.offset[r] = 0.0
+    law.target[0] = 0.0
+    law.target[1] = -rate * contacts.state[c].slip[0]
+    law.target[2] = -rate * contacts.state[c].slip[1]
 
 
 @kernel(inline=True, internal=True)
@@ -328,12 +275,12 @@ def slip_stiffness(contacts: ContactRows, c: int) -> float:
     A tangential compliance of 1.5 times the normal one, a little more than that of smooth elastic bodies (K. L.
     Johnson, *Contact Mechanics*, 1985, section 7.2: (2 - nu)/(2 - 2 nu), which is 1.2 for nu = 0.3).
     """
-    if contacts.table[c, SHAPE] != TRIANGLES or contacts.table[c, LAW] != COMPLIANT:
+    if contacts.table[c].shape_kind != TRIANGLES or contacts.table[c].law != COMPLIANT:
         return 0.0
-    n, depth = contacts.values[c, EXPONENT], -contacts.state[c, GAP]
+    n, depth = contacts.values[c].exponent, -contacts.state[c].gap
     if not depth > 0.0:
         return 0.0
-    return contacts.values[c, STIFFNESS] * n * depth ** (n - 1.0) / 1.5
+    return contacts.values[c].stiffness * n * depth ** (n - 1.0) / 1.5
 
 
 @kernel(internal=True)
@@ -341,13 +288,13 @@ def _tell_slip(contacts: ContactRows, j: int, step: float) -> None:
     """Tangential spring and damper: ``F = -(k (s + h/2 w) + c w)`` as rows of half impulses at the midpoint."""
     c = present_at(contacts, j)
     k = slip_stiffness(contacts, c)
-    if k > 0.0 and contacts.values[c, FRICTION] > 0.0:
+    if k > 0.0 and contacts.values[c].friction > 0.0:
         law, state = contacts.laws[j], contacts.state[c]
-        damping = 2.0 * SLIP_DAMPING * math.sqrt(k / contacts.values[c, INVERSE_MASS])
+        damping = 2.0 * SLIP_DAMPING * math.sqrt(k / contacts.values[c].inverse_mass)
         yielding = 0.5 * step * k + damping
-        law[told.SOFTNESS + 1] = law[told.SOFTNESS + 2] = 2.0 / (step * yielding)
-        law[told.TARGET + 1] = -k * state[SLIP] / yielding
-        law[told.TARGET + 2] = -k * state[SLIP + 1] / yielding
+        law.softness[1] = law.softness[2] = 2.0 / (step * yielding)
+        law.target[1] = -k * state.slip[0] / yielding
+        law.target[2] = -k * state.slip[1] / yielding
 
 
 @kernel(internal=True)
@@ -368,38 +315,38 @@ def _tell(contacts: ContactRows, j: int, step: float, work: Workspace) -> None:
     """Law of a contact for the middle of the step."""
     c = present_at(contacts, j)
     state, values, law = contacts.state[c], contacts.values[c], contacts.laws[j]
-    rate = 1.0 / contacts.control[NOMINAL]
+    rate = 1.0 / contacts.control.nominal_step
     friction_rows(contacts, j, softness_of(contacts, c), rate)
-    kind = contacts.table[c, LAW]
-    gap = state[GAP]
+    kind = contacts.table[c].law
+    gap = state.gap
     if kind == COMPLIANT:
         _tell_slip(contacts, j, step)
-        contacts.kinds[j, 0], contacts.kinds[j, 1] = told.COMPLIANT, contacts.table[c, FORCE_LAW]
-        law[told.STIFFNESS], law[told.EXPONENT] = values[STIFFNESS], values[EXPONENT]
-        law[told.DAMPING], law[told.DEPTH], law[told.STEP] = values[DAMPING], -gap, step
-        if contacts.table[c, FORCE_LAW] == told.HUNT_CROSSLEY:
+        contacts.kinds[j].kind, contacts.kinds[j].law = told.COMPLIANT, contacts.table[c].force_law
+        law.stiffness, law.exponent = values.stiffness, values.exponent
+        law.damping, law.depth, law.step = values.damping, -gap, step
+        if contacts.table[c].force_law == told.HUNT_CROSSLEY:
             approach = -contact_rates(contacts, c, work.velocity)[0]
-            if state[TOUCH_DAMPING] < 0.0 and approach > 0.0:
-                law[told.DAMPING] = hunt_crossley_damping(values[RESTITUTION], approach)
+            if state.touch_damping < 0.0 and approach > 0.0:
+                law.damping = hunt_crossley_damping(values.restitution, approach)
                 if step * approach > gap:
-                    state[TOUCH_DAMPING] = law[told.DAMPING]
+                    state.touch_damping = law.damping
             else:
-                law[told.DAMPING] = max(state[TOUCH_DAMPING], 0.0)
+                law.damping = max(state.touch_damping, 0.0)
         return
     if kind == CURVE:
-        contacts.kinds[j, 0] = told.CURVE
-        law[told.TARGET], law[told.TARGET + 1] = -rate * gap, -rate * state[GAP_2]
-        law[told.TARGET + 2] = -rate * state[SLIP + 1]
+        contacts.kinds[j].kind = told.CURVE
+        law.target[0], law.target[1] = -rate * gap, -rate * state.second_gap
+        law.target[2] = -rate * state.slip[1]
         return
     if kind == BILATERAL:
-        contacts.kinds[j, 0] = told.BILATERAL
-        law[told.TARGET] = -rate * gap
+        contacts.kinds[j].kind = told.BILATERAL
+        law.target[0] = -rate * gap
         return
-    contacts.kinds[j, 0] = told.UNILATERAL
-    if gap > 0.0 and state[CLOSED] == 0.0:  # closes within this step at most
-        law[told.TARGET] = -gap / step
+    contacts.kinds[j].kind = told.UNILATERAL
+    if gap > 0.0 and not state.closed:  # closes within this step at most
+        law.target[0] = -gap / step
         return
-    law[told.TARGET] = -rate * gap * (SOFTLY if gap < -DEEP * values[SIZE] else 1.0)
+    law.target[0] = -rate * gap * (SOFTLY if gap < -DEEP * values.length_scale else 1.0)
 
 
 @implement(refactor_rows, ContactRows)

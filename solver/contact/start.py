@@ -8,31 +8,9 @@ from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.ends import REST, pressed_force
 from heavylift.solver.contact.interface import forget_accelerations, pose_contours, settle_points
-from heavylift.solver.contact.kind import (
-    BILATERAL,
-    CLOSED,
-    COMPLIANT,
-    CURVE,
-    END_GAP,
-    END_GAP_2,
-    FORCE,
-    GAP,
-    GAP_2,
-    IMPACT,
-    LAW,
-    NEW,
-    NOMINAL,
-    NORMAL,
-    NORMAL_FORCE,
-    PRESENT,
-    RATE,
-    RECENT,
-    SLEEP,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, ContactRows
 from heavylift.solver.contact.locate import locate
 from heavylift.solver.contact.mesh_interface import find_first_contacts
-from heavylift.solver.contact.stage import impulse_row
 from heavylift.solver.contact.system_interface import close_start, locate_start, project_contacts
 from heavylift.solver.interface import (
     FORCES,
@@ -48,19 +26,12 @@ from heavylift.solver.interface import (
     solve_end,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import REACTION
 
 __all__ = ["run_start"]
 
 
 @entry
-def run_start(
-    bodies: Bodies,
-    joints: Joints,
-    systems: Systems,
-    work: Workspace,
-    step: float,
-) -> None:
+def run_start(bodies: Bodies, joints: Joints, systems: Systems, work: Workspace, step: float) -> None:
     """Locate all contacts; velocities after the impacts at t = 0.
 
     Notes
@@ -84,14 +55,14 @@ def run_start(
 @kernel(internal=True)
 def locate_contact_start(contacts: ContactRows, bodies: Bodies, work: Workspace, step: float) -> None:
     """Search from everywhere; sliders and beads are closed from the start."""
-    contacts.control[NOMINAL] = step
+    contacts.control.nominal_step = step
     pose_contours(bodies, False, contacts)
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
         locate(contacts, bodies, c, True, work)
-        state[GAP], state[GAP_2], state[SLEEP] = state[END_GAP], state[END_GAP_2], state[END_GAP]
-        state[PRESENT] = 0.0
-        state[CLOSED] = 1.0 if contacts.table[c, LAW] == BILATERAL or contacts.table[c, LAW] == CURVE else 0.0
+        state.gap, state.second_gap, state.sleep = state.end_gap, state.second_end_gap, state.end_gap
+        state.present = False
+        state.closed = contacts.table[c].law == BILATERAL or contacts.table[c].law == CURVE
     find_first_contacts(contacts.meshes, contacts, bodies, work, step)
     settle_points(bodies, (), False, work)
 
@@ -103,13 +74,13 @@ def close_contact_start(contacts: ContactRows, work: Workspace) -> None:
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
         after = contact_rates(contacts, c, work.velocity)[0]
-        if state[NEW] > 0.0 and after <= REST * abs(state[RATE]):
-            state[CLOSED] = 1.0
-        state[RATE], state[RECENT] = after, 0.0
-        if contacts.table[c, LAW] == COMPLIANT:
+        if state.new and after <= REST * abs(state.rate):
+            state.closed = True
+        state.rate, state.recent_impacts = after, 0
+        if contacts.table[c].law == COMPLIANT:
             force = pressed_force(contacts, c, after)
-            state[NORMAL_FORCE] = force
-            contacts.rows[impulse_row(contacts, c, REACTION)] = force
+            state.normal_force = force
+            contacts.rows[c].reaction[0] = force
             for k in range(3):
-                state[FORCE + k] = force * state[NORMAL + k]
-    contacts.control[IMPACT] = 0.0
+                state.force[k] = force * state.normal[k]
+    contacts.control.impact = False

@@ -3,21 +3,9 @@
 from __future__ import annotations
 
 from heavylift.contours.evaluate import surface_weights
-from heavylift.contours.search_step import U, V
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.features import SurfaceWeights, weigh
-from heavylift.solver.contact.kind import (
-    CONTOUR,
-    CONTROL_COUNT,
-    DIMENSION,
-    EVALUATE,
-    FOOTPRINT,
-    LARGEST_CONTROLS,
-    RESULT,
-    RESULT_END,
-    WEIGHTS_AT,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.interface import Bodies
 from heavylift.solver.kinds import implement
 
@@ -30,12 +18,11 @@ def weigh_surface(
     feature: SurfaceWeights, contacts: ContactRows, bodies: Bodies, c: int, y1: float, y2: float, y3: float
 ) -> None:
     """Control points of the span, and their weights."""
-    contour = contacts.table[c, CONTOUR]
-    if contacts.contours[contour, DIMENSION] == 2 and contacts.values[c, FOOTPRINT] == 0.0:
+    contour = contacts.table[c].contour
+    if contacts.contours[contour].dimension == 2 and contacts.values[c].footprint == 0.0:
         row, scratch = contacts.contours[contour], contacts.scratch
-        result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
-        weights = scratch[WEIGHTS_AT : WEIGHTS_AT + LARGEST_CONTROLS]
+        result, evaluate = scratch.result, scratch.evaluation
         knots = contacts.constants
-        contacts.places[CONTROL_COUNT] = surface_weights(
-            row, knots, knots, result[U], result[V], evaluate, contacts.places, weights
+        contacts.counts.controls = surface_weights(
+            row, knots, knots, result.u, result.v, evaluate, contacts.places, scratch.weights
         )

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.contact_rows import D00, D10, D11, D12, D20, D21, D22, RECORD
+from heavylift.solver.contact.contact_rows import RECORD, linearised_contact
 from heavylift.solver.contact.end_blocks import CONTACT, same_ends
 from heavylift.solver.contact.twelve import COLUMNS, add_product_of_rows
 
@@ -38,7 +38,7 @@ __all__ = [
 END = 18
 """Numbers of the block of one end: 3 x 6, row by row."""
 
-COUPLING = D22 - D00 + 1
+COUPLING = 7
 """Numbers of D of a contact; the two that are not stored are zero."""
 
 SCRATCH = COUPLING + COLUMNS * COLUMNS
@@ -178,24 +178,16 @@ def update(
     pair = held[COUPLING * (count + 1) : COUPLING * (count + 1) + COLUMNS * COLUMNS]
     last = -1  # contact whose ends the pair has
     for c in range(count):
-        at, o = RECORD * c + D00, COUPLING * c
-        d0 = records[at] - held[o]
-        d1, d2, d3 = (
-            records[at + 1] - held[o + 1],
-            records[at + 2] - held[o + 2],
-            records[at + 3] - held[o + 3],
-        )
-        d4, d5, d6 = (
-            records[at + 4] - held[o + 4],
-            records[at + 5] - held[o + 5],
-            records[at + 6] - held[o + 6],
-        )
+        new, o = linearised_contact(records, RECORD * c), COUPLING * c
+        d0 = new.d00 - held[o]
+        d1, d2, d3 = new.d10 - held[o + 1], new.d11 - held[o + 2], new.d12 - held[o + 3]
+        d4, d5, d6 = new.d20 - held[o + 4], new.d21 - held[o + 5], new.d22 - held[o + 6]
         if d0 == 0.0 and d1 == 0.0 and d2 == 0.0 and d3 == 0.0 and d4 == 0.0 and d5 == 0.0 and d6 == 0.0:
             continue
         change[0], change[1], change[2], change[3] = d0, d1, d2, d3
         change[4], change[5], change[6] = d4, d5, d6
-        for i in range(COUPLING):
-            held[o + i] = records[at + i]
+        held[o], held[o + 1], held[o + 2], held[o + 3] = new.d00, new.d10, new.d11, new.d12
+        held[o + 4], held[o + 5], held[o + 6] = new.d20, new.d21, new.d22
         if last >= 0 and not same_ends(ends, c, last):
             _flush(ends, place, size, last, pair, K)
         last = c
@@ -255,30 +247,30 @@ def assemble_rows(
     """
     n = 0
     for c in range(count):
-        at = RECORD * c
-        if records[at + D00] != 0.0:
+        record = linearised_contact(records, RECORD * c)
+        if record.d00 != 0.0:
             active[n] = 3 * c
             n += 1
-        if records[at + D10] != 0.0 or records[at + D11] != 0.0 or records[at + D12] != 0.0:
+        if record.d10 != 0.0 or record.d11 != 0.0 or record.d12 != 0.0:
             active[n] = 3 * c + 1
             n += 1
-        if records[at + D20] != 0.0 or records[at + D21] != 0.0 or records[at + D22] != 0.0:
+        if record.d20 != 0.0 or record.d21 != 0.0 or record.d22 != 0.0:
             active[n] = 3 * c + 2
             n += 1
     for i in range(n):
         row = int(active[i])
         c = row // 3
         first, kind = 3 * c, row - 3 * c
-        at = RECORD * c
-        a0, a1, a2 = records[at + D00], 0.0, 0.0
+        record = linearised_contact(records, RECORD * c)
+        a0, a1, a2 = record.d00, 0.0, 0.0
         if kind == 1:
-            a0, a1, a2 = records[at + D10], records[at + D11], records[at + D12]
+            a0, a1, a2 = record.d10, record.d11, record.d12
         elif kind == 2:
-            a0, a1, a2 = records[at + D20], records[at + D21], records[at + D22]
-        x[i] = records[at + kind]
+            a0, a1, a2 = record.d20, record.d21, record.d22
+        x[i] = record.r[kind]
         place = 0
         for other in range(count):  # what the others do is known
-            known = RECORD * other
+            known = linearised_contact(records, RECORD * other)
             for k in range(3):
                 column = 3 * other + k
                 value = a0 * W[first, column] + a1 * W[first + 1, column] + a2 * W[first + 2, column]
@@ -286,7 +278,7 @@ def assemble_rows(
                     A[i * n + place] = value
                     place += 1
                 else:
-                    x[i] -= value * records[known + k]
+                    x[i] -= value * known.r[k]
         A[i * n + i] += 1.0
     return n
 

@@ -29,7 +29,7 @@ def respond(systems: Systems, velocity: Floats1) -> None:
 
 @optional("contact")
 def follow(systems: Systems, joints: Joints, work: Workspace, time: float, step: float) -> None:
-    """Rows of joints at the midpoint: solve again after contacts have pushed; `CHANGED` if laws have moved."""
+    """Rows of joints at the midpoint: solve again after contacts have pushed; `control.changed` if laws have moved."""
 
 
 @optional("contact")

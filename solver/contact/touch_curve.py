@@ -6,44 +6,13 @@ import math
 
 from heavylift.contours.basis import find_span
 from heavylift.contours.evaluate import curve_point, curve_weights
-from heavylift.contours.layout import CLOSED_U, COUNT_U, DEGREE_U, KNOTS_U
 from heavylift.contours.search import closest_on_curve
-from heavylift.contours.search_step import CONVERGED, NEED_SPAN, SPAN_U, U, V, start_search
+from heavylift.contours.search_step import CONVERGED, NEED_SPAN, start_search
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate_back
 from heavylift.solver.contact.directions import form_span, put_ball, put_directions
 from heavylift.solver.contact.features import Curves, touch, weigh
-from heavylift.solver.contact.kind import (
-    ARM,
-    AT_U,
-    CONTOUR,
-    CONTROL_COUNT,
-    CURVE,
-    DIMENSION,
-    DIRECTIONS,
-    DIRECTOR,
-    END_GAP,
-    END_GAP_2,
-    EVALUATE,
-    FLIP,
-    FOUND,
-    HAS_SLOPES,
-    LARGEST_CONTROLS,
-    LAW,
-    LEVER,
-    NORMAL,
-    RADIUS,
-    RADIUS_OF,
-    RESULT,
-    RESULT_END,
-    SEARCH,
-    SIZE,
-    SLOPES,
-    TANGENT,
-    WEIGHTS_AT,
-    WIDTH_OF,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import CURVE, FOUND, ContactRows
 from heavylift.solver.contact.search_start import start_at_point
 from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
@@ -68,12 +37,12 @@ def touch_curve(
     work: Workspace,
 ) -> None:
     """Nearest point of the curve, then what is about it."""
-    contour = contacts.table[c, CONTOUR]
-    if contacts.contours[contour, DIMENSION] == 1:
+    contour = contacts.table[c].contour
+    if contacts.contours[contour].dimension == 1:
         if cold:
             start_at_point(contacts, c, y1, y2, y3)
-        status = _find_point(contacts, bodies, contour, contacts.state[c, AT_U], y1, y2, y3)
-        contacts.state[c, SEARCH] = FOUND if status == CONVERGED else status
+        status = _find_point(contacts, bodies, contour, contacts.state[c].u, y1, y2, y3)
+        contacts.state[c].search = FOUND if status == CONVERGED else status
         if status != CONVERGED:
             _keep_place(contacts, c)
         _put_touch(contacts, c, y1, y2, y3)
@@ -85,19 +54,19 @@ def weigh_curve(
     feature: Curves, contacts: ContactRows, bodies: Bodies, c: int, y1: float, y2: float, y3: float
 ) -> None:
     """Control points of the span, their weights in the point, and in the tangent if the offset turns with it."""
-    contour = contacts.table[c, CONTOUR]
-    if contacts.contours[contour, DIMENSION] != 1:
+    contour = contacts.table[c].contour
+    if contacts.contours[contour].dimension != 1:
         return
     row, scratch = contacts.contours[contour], contacts.scratch
-    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
-    weights = scratch[WEIGHTS_AT : WEIGHTS_AT + 2 * LARGEST_CONTROLS]
+    result, evaluate = scratch.result, scratch.evaluation
+    weights = scratch.weights
     knots = contacts.constants
-    count = curve_weights(row, knots, knots, result[U], evaluate, contacts.places, weights)
-    if scratch[HAS_SLOPES] > 0.0:
-        stride = row[DEGREE_U] + 1
+    count = curve_weights(row, knots, knots, result.u, evaluate, contacts.places, weights)
+    if scratch.has_slopes:
+        stride = row.u.degree + 1
         for i in range(count):
-            weights[LARGEST_CONTROLS + i] = weights[stride + i]
-    contacts.places[CONTROL_COUNT] = count
+            scratch.slope_weights[i] = weights[stride + i]
+    contacts.counts.controls = count
 
 
 @kernel(internal=True)
@@ -106,43 +75,44 @@ def _find_point(
 ) -> int:
     """Nearest point; control points are formed span by span as the search asks for them."""
     row, scratch = contacts.contours[contour], contacts.scratch
-    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = scratch.result, scratch.evaluation
     knots, net = contacts.constants, contacts.net
-    span = find_span(knots, row[KNOTS_U], row[DEGREE_U], row[COUNT_U] + row[CLOSED_U] * row[DEGREE_U], u)
+    span = find_span(knots, row.u.first_knot, row.u.degree, row.u.count + row.u.closed * row.u.degree, u)
     start_search(row, u, 0.0, result)
     status = NEED_SPAN
     while status == NEED_SPAN:
         form_span(contacts, bodies, contour, span, 0)
         status = closest_on_curve(row, knots, knots, net, y1, y2, y3, span, evaluate, result)
         if status == NEED_SPAN:
-            span = int(result[SPAN_U])
+            span = result.span_u
     return status
 
 
 @kernel(internal=True)
 def _keep_place(contacts: ContactRows, c: int) -> None:
     """The last place, after a search that found nothing."""
-    scratch, u, knots = contacts.scratch, contacts.state[c, AT_U], contacts.constants
-    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
-    row = contacts.contours[contacts.table[c, CONTOUR]]
+    scratch, u, knots = contacts.scratch, contacts.state[c].u, contacts.constants
+    result, evaluate = scratch.result, scratch.evaluation
+    row = contacts.contours[contacts.table[c].contour]
     curve_point(row, knots, knots, contacts.net, u, evaluate, result)
-    result[U], result[V] = u, 0.0
+    result.u, result.v = u, 0.0
 
 
 @kernel(internal=True)
 def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -> None:
     """Gaps, directions, lever and arm from the nearest point."""
-    contour = contacts.table[c, CONTOUR]
+    contour = contacts.table[c].contour
     pose, scratch, state = contacts.poses[contour], contacts.scratch, contacts.state[c]
-    result = scratch[RESULT:RESULT_END]
-    speed = math.sqrt(result[3] ** 2 + result[4] ** 2 + result[5] ** 2)
-    t1, t2, t3 = result[3] / speed, result[4] / speed, result[5] / speed
-    d1, d2, d3 = y1 - result[0], y2 - result[1], y3 - result[2]
-    radius = contacts.values[c, RADIUS]
+    result = scratch.result
+    s, along = result.position, result.tangent_u
+    speed = math.sqrt(along[0] ** 2 + along[1] ** 2 + along[2] ** 2)
+    t1, t2, t3 = along[0] / speed, along[1] / speed, along[2] / speed
+    d1, d2, d3 = y1 - s[0], y2 - s[1], y3 - s[2]
+    radius = contacts.values[c].radius
     o1 = o2 = o3 = 0.0
-    if contacts.table[c, LAW] == CURVE:
+    if contacts.table[c].law == CURVE:
         # normals that turn with the curve and not about it: those of the last time, squared to the tangent
-        n1, n2, n3 = rotate_back(pose, state[NORMAL], state[NORMAL + 1], state[NORMAL + 2])
+        n1, n2, n3 = rotate_back(pose.rotation, state.normal[0], state.normal[1], state.normal[2])
         share = n1 * t1 + n2 * t2 + n3 * t3
         n1, n2, n3 = n1 - share * t1, n2 - share * t2, n3 - share * t3
         size = math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
@@ -151,43 +121,43 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
             size = math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
         n1, n2, n3 = n1 / size, n2 / size, n3 / size
         b1, b2, b3 = cross(t1, t2, t3, n1, n2, n3)
-        state[END_GAP] = n1 * d1 + n2 * d2 + n3 * d3
-        state[END_GAP_2] = b1 * d1 + b2 * d2 + b3 * d3
+        state.end_gap = n1 * d1 + n2 * d2 + n3 * d3
+        state.second_end_gap = b1 * d1 + b2 * d2 + b3 * d3
         put_directions(contacts, contour, n1, n2, n3, b1, b2, b3)  # the third is n x b = t
         for k in range(3):
-            scratch[ARM + k] = 0.0
-    elif pose[WIDTH_OF] > 0.0:
+            scratch.arm[k] = 0.0
+    elif pose.width > 0.0:
         # the director lies along the width; the normal is square to it and to the curve
-        n1, n2, n3 = cross(pose[DIRECTOR], pose[DIRECTOR + 1], pose[DIRECTOR + 2], t1, t2, t3)
-        size = contacts.contours[contour, FLIP] / math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
+        n1, n2, n3 = cross(pose.director[0], pose.director[1], pose.director[2], t1, t2, t3)
+        size = contacts.contours[contour].flip / math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
         n1, n2, n3 = size * n1, size * n2, size * n3
         b1, b2, b3 = cross(t1, t2, t3, n1, n2, n3)
         across = b1 * d1 + b2 * d2 + b3 * d3
         o1, o2, o3 = across * b1, across * b2, across * b3
         gap = n1 * d1 + n2 * d2 + n3 * d3 - radius
         ends = d1 * t1 + d2 * t2 + d3 * t3
-        beside = max(abs(across) - 0.5 * pose[WIDTH_OF], abs(ends) - OFF * contacts.values[c, SIZE])
-        state[END_GAP] = max(gap, beside) if beside > 0.0 else gap
+        beside = max(abs(across) - 0.5 * pose.width, abs(ends) - OFF * contacts.values[c].length_scale)
+        state.end_gap = max(gap, beside) if beside > 0.0 else gap
         put_directions(contacts, contour, n1, n2, n3, t1, t2, t3)
         put_ball(contacts, contour, gap + radius, n1, n2, n3)
     else:
         distance = math.sqrt(d1 * d1 + d2 * d2 + d3 * d3)
-        if distance > 1e-12 * contacts.values[c, SIZE]:
+        if distance > 1e-12 * contacts.values[c].length_scale:
             n1, n2, n3 = d1 / distance, d2 / distance, d3 / distance
         else:
-            n1, n2, n3 = rotate_back(pose, state[NORMAL], state[NORMAL + 1], state[NORMAL + 2])
+            n1, n2, n3 = rotate_back(pose.rotation, state.normal[0], state.normal[1], state.normal[2])
         share = n1 * t1 + n2 * t2 + n3 * t3
-        o1, o2, o3 = pose[RADIUS_OF] * n1, pose[RADIUS_OF] * n2, pose[RADIUS_OF] * n3
-        state[END_GAP] = distance - pose[RADIUS_OF] - radius
+        o1, o2, o3 = pose.radius * n1, pose.radius * n2, pose.radius * n3
+        state.end_gap = distance - pose.radius - radius
         f1, f2, f3 = t1 - share * n1, t2 - share * n2, t3 - share * n3  # at an end the normal leans forward
         size = math.sqrt(f1 * f1 + f2 * f2 + f3 * f3)
         if size > 1e-6:
             put_directions(contacts, contour, n1, n2, n3, f1 / size, f2 / size, f3 / size)
         else:
-            g1, g2, g3 = rotate_back(pose, state[TANGENT], state[TANGENT + 1], state[TANGENT + 2])
+            g1, g2, g3 = rotate_back(pose.rotation, state.tangent[0], state.tangent[1], state.tangent[2])
             put_directions(contacts, contour, n1, n2, n3, g1, g2, g3)
-        put_ball(contacts, contour, distance - pose[RADIUS_OF], n1, n2, n3)
-    scratch[LEVER], scratch[LEVER + 1], scratch[LEVER + 2] = result[0] + o1, result[1] + o2, result[2] + o3
+        put_ball(contacts, contour, distance - pose.radius, n1, n2, n3)
+    scratch.lever[0], scratch.lever[1], scratch.lever[2] = (s[0] + o1, s[1] + o2, s[2] + o3)
     if o1 != 0.0 or o2 != 0.0 or o3 != 0.0:
         _put_slopes(contacts, contour, o1, o2, o3, t1, t2, t3, speed)
 
@@ -212,12 +182,12 @@ def _put_slopes(
     |s_u|``.
     """
     pose, scratch = contacts.poses[contour], contacts.scratch
-    scratch[HAS_SLOPES] = 1.0
+    scratch.has_slopes = True
     for r in range(3):
-        at = DIRECTIONS + 3 * r
-        d1, d2, d3 = rotate_back(pose, scratch[at], scratch[at + 1], scratch[at + 2])
+        d = scratch.directions[r]
+        d1, d2, d3 = rotate_back(pose.rotation, d[0], d[1], d[2])
         a1, a2, a3 = cross(o1, o2, o3, d1, d2, d3)
         e1, e2, e3 = cross(a1, a2, a3, t1, t2, t3)
-        scratch[SLOPES + 3 * r] = e1 / speed
-        scratch[SLOPES + 3 * r + 1] = e2 / speed
-        scratch[SLOPES + 3 * r + 2] = e3 / speed
+        scratch.slopes[r, 0] = e1 / speed
+        scratch.slopes[r, 1] = e2 / speed
+        scratch.slopes[r, 2] = e3 / speed

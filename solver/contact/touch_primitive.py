@@ -3,59 +3,13 @@
 from __future__ import annotations
 
 from heavylift.contours.basis import find_span
-from heavylift.contours.convex import SHAPE_WIDTH
-from heavylift.contours.layout import (
-    CLOSED_U,
-    CLOSED_V,
-    COUNT_U,
-    COUNT_V,
-    DEGREE_U,
-    DEGREE_V,
-    KNOTS_U,
-    KNOTS_V,
-)
 from heavylift.contours.search_cold import closest_shape_cold
 from heavylift.contours.search_shape import closest_shape_on_surface, shape_gap
-from heavylift.contours.search_step import (
-    BORDER,
-    CONVERGED,
-    DEEP,
-    FLAGS,
-    NEED_SPAN,
-    SPAN_U,
-    SPAN_V,
-    U,
-    V,
-    start_search,
-)
+from heavylift.contours.search_step import BORDER, CONVERGED, DEEP, NEED_SPAN, start_search
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.directions import form_span
 from heavylift.solver.contact.features import Primitives, touch
-from heavylift.solver.contact.kind import (
-    AT_U,
-    AT_V,
-    CONTOUR,
-    CONVEX,
-    END_GAP,
-    END_GAP_2,
-    EVALUATE,
-    EXTENT,
-    FLIP,
-    POINTS_AT,
-    PRIMITIVE_KIND,
-    RESULT,
-    RESULT_END,
-    SEARCH,
-    SHAPE,
-    SHAPE_ROW,
-    TOO_DEEP,
-    U_AT,
-    U_COUNT,
-    V_AT,
-    V_COUNT,
-    WEIGHTS_AT,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import CONVEX, TOO_DEEP, ContactRows
 from heavylift.solver.contact.search_end import note_search
 from heavylift.solver.contact.shape_rows import place_shape, put_touch
 from heavylift.solver.interface import Bodies, Workspace
@@ -78,20 +32,20 @@ def touch_primitive(
     work: Workspace,
 ) -> None:
     """The normal is the direction from the contour to the primitive, as long as its middle is on the outer side."""
-    contour = contacts.table[c, CONTOUR]
-    if contacts.table[c, SHAPE] != CONVEX:
+    contour = contacts.table[c].contour
+    if contacts.table[c].shape_kind != CONVEX:
         return
     row, scratch, state = contacts.contours[contour], contacts.scratch, contacts.state[c]
-    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = scratch.result, scratch.evaluation
     knots, net = contacts.constants, contacts.net
-    shape = scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH]
+    shape = scratch.primitive
     place_shape(contacts, c, y1, y2, y3, work)
     if cold:
         _start_anywhere(contacts, c)
-    u, v = state[AT_U], state[AT_V]
-    span_u = find_span(knots, row[KNOTS_U], row[DEGREE_U], row[COUNT_U] + row[CLOSED_U] * row[DEGREE_U], u)
-    span_v = find_span(knots, row[KNOTS_V], row[DEGREE_V], row[COUNT_V] + row[CLOSED_V] * row[DEGREE_V], v)
-    kind = contacts.table[c, PRIMITIVE_KIND]
+    u, v = state.u, state.v
+    span_u = find_span(knots, row.u.first_knot, row.u.degree, row.u.count + row.u.closed * row.u.degree, u)
+    span_v = find_span(knots, row.v.first_knot, row.v.degree, row.v.count + row.v.closed * row.v.degree, v)
+    kind = contacts.table[c].primitive_kind
     start_search(row, u, v, result)
     status = NEED_SPAN
     while status == NEED_SPAN:
@@ -100,35 +54,35 @@ def touch_primitive(
             row, knots, knots, net, kind, shape, span_u, span_v, evaluate, result
         )
         if status == NEED_SPAN:
-            span_u, span_v = int(result[SPAN_U]), int(result[SPAN_V])
+            span_u, span_v = result.span_u, result.span_v
     note_search(contacts, c, status)
     gap, m1, m2, m3, x1, x2, x3, side = shape_gap(kind, shape, result)
-    flags = int(result[FLAGS])
+    flags = result.flags
     if status == CONVERGED and flags & DEEP:
-        state[SEARCH] = TOO_DEEP
-    if side * row[FLIP] > 0.0 and flags & BORDER == 0:  # its middle has gone through
-        gap, m1, m2, m3 = -(gap + contacts.values[c, EXTENT]), -m1, -m2, -m3
-    state[END_GAP], state[END_GAP_2] = gap, 0.0
+        state.search = TOO_DEEP
+    if side * row.flip > 0.0 and flags & BORDER == 0:  # its middle has gone through
+        gap, m1, m2, m3 = -(gap + contacts.values[c].extent), -m1, -m2, -m3
+    state.end_gap, state.second_end_gap = gap, 0.0
     put_touch(contacts, c, -m1, -m2, -m3, x1 - y1, x2 - y2, x3 - y3)
 
 
 @kernel(internal=True)
 def _start_anywhere(contacts: ContactRows, c: int) -> None:
     """Nearest point of the surface to the primitive, of several minima."""
-    contour = contacts.table[c, CONTOUR]
+    contour = contacts.table[c].contour
     samples, scratch, state = contacts.samples, contacts.scratch, contacts.state[c]
-    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = scratch.result, scratch.evaluation
     grid = samples.grids[contour]
-    i, j, at = grid[U_AT], grid[V_AT], grid[POINTS_AT]
+    i, j, at = grid.first_u, grid.first_v, grid.points
     closest_shape_cold(
         contacts.contours[contour],
         contacts.constants,
         contacts.constants,
         contacts.net,
-        contacts.table[c, PRIMITIVE_KIND],
-        scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH],
-        samples.parameters[i : i + grid[U_COUNT]],
-        samples.parameters[j : j + grid[V_COUNT]],
+        contacts.table[c].primitive_kind,
+        scratch.primitive,
+        samples.parameters[i : i + grid.count_u],
+        samples.parameters[j : j + grid.count_v],
         samples.points[at : at + 3],
         samples.reach[contour],
         0.0,
@@ -136,4 +90,4 @@ def _start_anywhere(contacts: ContactRows, c: int) -> None:
         evaluate,
         result,
     )
-    state[AT_U], state[AT_V] = result[U], result[V]
+    state.u, state.v = result.u, result.v

@@ -5,56 +5,14 @@ from __future__ import annotations
 import math
 
 from heavylift.contours.basis import find_span
-from heavylift.contours.convex import SHAPE_RADIUS, SHAPE_WIDTH
-from heavylift.contours.layout import (
-    CLOSED_U,
-    CLOSED_V,
-    COUNT_U,
-    COUNT_V,
-    DEGREE_U,
-    DEGREE_V,
-    KNOTS_U,
-    KNOTS_V,
-)
 from heavylift.contours.search import signed_gap
-from heavylift.contours.search_circle import RING_PHI, ring_on_surface, ring_point, start_ring
+from heavylift.contours.search_circle import ring_on_surface, ring_point, start_ring
 from heavylift.contours.search_circle_cold import ring_cold
-from heavylift.contours.search_step import (
-    BORDER,
-    CONVERGED,
-    DISTANCE_SQUARED,
-    FLAGS,
-    NEED_SPAN,
-    SPAN_U,
-    SPAN_V,
-    U,
-    V,
-)
+from heavylift.contours.search_step import BORDER, CONVERGED, NEED_SPAN
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.directions import form_span
 from heavylift.solver.contact.features import Rings, touch
-from heavylift.solver.contact.kind import (
-    AT_U,
-    AT_V,
-    CIRCLE,
-    CONTOUR,
-    END_GAP,
-    END_GAP_2,
-    EVALUATE,
-    FLIP,
-    POINTS_AT,
-    RESULT,
-    RESULT_END,
-    SHAPE,
-    SHAPE_ROW,
-    SIZE,
-    U_AT,
-    U_COUNT,
-    V_AT,
-    V_COUNT,
-    WEIGHTS_AT,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import CIRCLE, ContactRows
 from heavylift.solver.contact.search_end import note_search
 from heavylift.solver.contact.shape_rows import place_shape, put_touch
 from heavylift.solver.interface import Bodies, Workspace
@@ -80,58 +38,58 @@ def touch_ring(
     work: Workspace,
 ) -> None:
     """The angle on the ring is carried as the second gap of the contact."""
-    contour = contacts.table[c, CONTOUR]
-    if contacts.table[c, SHAPE] != CIRCLE:
+    contour = contacts.table[c].contour
+    if contacts.table[c].shape_kind != CIRCLE:
         return
     row, scratch, state = contacts.contours[contour], contacts.scratch, contacts.state[c]
-    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = scratch.result, scratch.evaluation
     knots, net = contacts.constants, contacts.net
-    shape = scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH]
+    shape = scratch.primitive
     place_shape(contacts, c, y1, y2, y3, work)
     if cold:
         _start_anywhere(contacts, c)
-    u, v = state[AT_U], state[AT_V]
-    span_u = find_span(knots, row[KNOTS_U], row[DEGREE_U], row[COUNT_U] + row[CLOSED_U] * row[DEGREE_U], u)
-    span_v = find_span(knots, row[KNOTS_V], row[DEGREE_V], row[COUNT_V] + row[CLOSED_V] * row[DEGREE_V], v)
-    start_ring(row, u, v, state[END_GAP_2], result)
+    u, v = state.u, state.v
+    span_u = find_span(knots, row.u.first_knot, row.u.degree, row.u.count + row.u.closed * row.u.degree, u)
+    span_v = find_span(knots, row.v.first_knot, row.v.degree, row.v.count + row.v.closed * row.v.degree, v)
+    start_ring(row, u, v, state.second_end_gap, result)
     status = NEED_SPAN
     while status == NEED_SPAN:
         form_span(contacts, bodies, contour, span_u, span_v)
         status = ring_on_surface(row, knots, knots, net, shape, span_u, span_v, evaluate, result)
         if status == NEED_SPAN:
-            span_u, span_v = int(result[SPAN_U]), int(result[SPAN_V])
+            span_u, span_v = result.span_u, result.span_v
     note_search(contacts, c, status)
     if status != CONVERGED:
-        result[RING_PHI] = state[END_GAP_2]
-    r1, r2, r3, _, _, _ = ring_point(shape, result[RING_PHI])
+        result.ring.angle = state.second_end_gap
+    r1, r2, r3, _, _, _ = ring_point(shape, result.ring.angle)
     gap, n1, n2, n3 = signed_gap(y1 + r1, y2 + r2, y3 + r3, result)
-    flip, rounding = row[FLIP], shape[SHAPE_RADIUS]
+    flip, rounding = row.flip, shape.radius
     n1, n2, n3 = flip * n1, flip * n2, flip * n3
     gap *= flip
-    if int(result[FLAGS]) & BORDER:
-        distance = math.sqrt(result[DISTANCE_SQUARED])
-        if distance * distance - gap * gap > (OFF * contacts.values[c, SIZE]) ** 2:
+    if result.flags & BORDER:
+        distance = math.sqrt(result.squared_distance)
+        if distance * distance - gap * gap > (OFF * contacts.values[c].length_scale) ** 2:
             gap = distance
-    state[END_GAP], state[END_GAP_2] = gap - rounding, result[RING_PHI]
+    state.end_gap, state.second_end_gap = gap - rounding, result.ring.angle
     put_touch(contacts, c, n1, n2, n3, r1 - rounding * n1, r2 - rounding * n2, r3 - rounding * n3)
 
 
 @kernel(internal=True)
 def _start_anywhere(contacts: ContactRows, c: int) -> None:
     """Point of the surface and angle of the ring with the least gap of all."""
-    contour = contacts.table[c, CONTOUR]
+    contour = contacts.table[c].contour
     samples, scratch, state = contacts.samples, contacts.scratch, contacts.state[c]
-    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = scratch.result, scratch.evaluation
     grid = samples.grids[contour]
-    i, j, at = grid[U_AT], grid[V_AT], grid[POINTS_AT]
+    i, j, at = grid.first_u, grid.first_v, grid.points
     ring_cold(
         contacts.contours[contour],
         contacts.constants,
         contacts.constants,
         contacts.net,
-        scratch[SHAPE_ROW : SHAPE_ROW + SHAPE_WIDTH],
-        samples.parameters[i : i + grid[U_COUNT]],
-        samples.parameters[j : j + grid[V_COUNT]],
+        scratch.primitive,
+        samples.parameters[i : i + grid.count_u],
+        samples.parameters[j : j + grid.count_v],
         samples.points[at : at + 3],
         samples.reach[contour],
         0.0,
@@ -140,4 +98,4 @@ def _start_anywhere(contacts: ContactRows, c: int) -> None:
         evaluate,
         result,
     )
-    state[AT_U], state[AT_V], state[END_GAP_2] = result[U], result[V], result[RING_PHI]
+    state.u, state.v, state.second_end_gap = result.u, result.v, result.ring.angle

@@ -5,43 +5,13 @@ from __future__ import annotations
 import math
 
 from heavylift.contours.basis import find_span
-from heavylift.contours.layout import (
-    CLOSED_U,
-    CLOSED_V,
-    COUNT_U,
-    COUNT_V,
-    DEGREE_U,
-    DEGREE_V,
-    KNOTS_U,
-    KNOTS_V,
-)
 from heavylift.contours.search import closest_on_surface
-from heavylift.contours.search_step import BORDER, FLAGS, NEED_SPAN, SPAN_U, SPAN_V, start_search
+from heavylift.contours.search_step import BORDER, NEED_SPAN, start_search
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 from heavylift.solver.contact.directions import form_span, put_ball, put_directions
 from heavylift.solver.contact.features import Surfaces, touch
-from heavylift.solver.contact.kind import (
-    AT_U,
-    AT_V,
-    BILATERAL,
-    CONTOUR,
-    DIMENSION,
-    END_GAP,
-    END_GAP_2,
-    EVALUATE,
-    FLIP,
-    LAW,
-    LEVER,
-    POINT,
-    RADIUS,
-    RESULT,
-    RESULT_END,
-    SHAPE,
-    SIZE,
-    WEIGHTS_AT,
-    ContactRows,
-)
+from heavylift.solver.contact.kind import BILATERAL, POINT, ContactRows
 from heavylift.solver.contact.search_end import note_search
 from heavylift.solver.contact.search_start import start_at_point
 from heavylift.solver.interface import Bodies, Workspace
@@ -67,13 +37,11 @@ def touch_surface(
     work: Workspace,
 ) -> None:
     """Beyond the border a ball touches the edge, and a point nothing."""
-    contour = contacts.table[c, CONTOUR]
-    if contacts.table[c, SHAPE] == POINT and contacts.contours[contour, DIMENSION] == 2:
+    contour = contacts.table[c].contour
+    if contacts.table[c].shape_kind == POINT and contacts.contours[contour].dimension == 2:
         if cold:
             start_at_point(contacts, c, y1, y2, y3)
-        status = _find_point(
-            contacts, bodies, contour, contacts.state[c, AT_U], contacts.state[c, AT_V], y1, y2, y3
-        )
+        status = _find_point(contacts, bodies, contour, contacts.state[c].u, contacts.state[c].v, y1, y2, y3)
         note_search(contacts, c, status)
         _put_touch(contacts, c, y1, y2, y3)
 
@@ -84,47 +52,48 @@ def _find_point(
 ) -> int:
     """Nearest point; control points are formed span by span as the search asks for them."""
     row, scratch = contacts.contours[contour], contacts.scratch
-    result, evaluate = scratch[RESULT:RESULT_END], scratch[EVALUATE:WEIGHTS_AT]
+    result, evaluate = scratch.result, scratch.evaluation
     knots, net = contacts.constants, contacts.net
-    span_u = find_span(knots, row[KNOTS_U], row[DEGREE_U], row[COUNT_U] + row[CLOSED_U] * row[DEGREE_U], u)
-    span_v = find_span(knots, row[KNOTS_V], row[DEGREE_V], row[COUNT_V] + row[CLOSED_V] * row[DEGREE_V], v)
+    span_u = find_span(knots, row.u.first_knot, row.u.degree, row.u.count + row.u.closed * row.u.degree, u)
+    span_v = find_span(knots, row.v.first_knot, row.v.degree, row.v.count + row.v.closed * row.v.degree, v)
     start_search(row, u, v, result)
     status = NEED_SPAN
     while status == NEED_SPAN:
         form_span(contacts, bodies, contour, span_u, span_v)
         status = closest_on_surface(row, knots, knots, net, y1, y2, y3, span_u, span_v, evaluate, result)
         if status == NEED_SPAN:
-            span_u, span_v = int(result[SPAN_U]), int(result[SPAN_V])
+            span_u, span_v = result.span_u, result.span_v
     return status
 
 
 @kernel(internal=True)
 def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -> None:
     """Gap, directions, lever and arm from the nearest point."""
-    contour = contacts.table[c, CONTOUR]
+    contour = contacts.table[c].contour
     scratch, state = contacts.scratch, contacts.state[c]
-    result = scratch[RESULT:RESULT_END]
-    n1, n2, n3 = cross(result[3], result[4], result[5], result[6], result[7], result[8])
-    size = contacts.contours[contour, FLIP] / math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
+    result = scratch.result
+    s, along, across = result.position, result.tangent_u, result.tangent_v
+    n1, n2, n3 = cross(along[0], along[1], along[2], across[0], across[1], across[2])
+    size = contacts.contours[contour].flip / math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
     n1, n2, n3 = size * n1, size * n2, size * n3
-    d1, d2, d3 = y1 - result[0], y2 - result[1], y3 - result[2]
+    d1, d2, d3 = y1 - s[0], y2 - s[1], y3 - s[2]
     gap = n1 * d1 + n2 * d2 + n3 * d3
-    radius = contacts.values[c, RADIUS]
-    if int(result[FLAGS]) & BORDER and contacts.table[c, LAW] != BILATERAL:
+    radius = contacts.values[c].radius
+    if result.flags & BORDER and contacts.table[c].law != BILATERAL:
         distance = math.sqrt(d1 * d1 + d2 * d2 + d3 * d3)
         beside = math.sqrt(max(0.0, distance * distance - gap * gap))
-        if beside > OFF * contacts.values[c, SIZE]:
+        if beside > OFF * contacts.values[c].length_scale:
             gap = distance
             if radius > 0.0:
                 n1, n2, n3 = d1 / distance, d2 / distance, d3 / distance
-    state[END_GAP], state[END_GAP_2] = gap - radius, 0.0
-    a = 1.0 / math.sqrt(result[3] ** 2 + result[4] ** 2 + result[5] ** 2)
-    t1, t2, t3 = a * result[3], a * result[4], a * result[5]
+    state.end_gap, state.second_end_gap = gap - radius, 0.0
+    a = 1.0 / math.sqrt(along[0] ** 2 + along[1] ** 2 + along[2] ** 2)
+    t1, t2, t3 = a * along[0], a * along[1], a * along[2]
     share = t1 * n1 + t2 * n2 + t3 * n3
     if share != 0.0:
         if abs(share) > 0.9:  # at an edge the normal may lie along the first direction
-            a = 1.0 / math.sqrt(result[6] ** 2 + result[7] ** 2 + result[8] ** 2)
-            t1, t2, t3 = a * result[6], a * result[7], a * result[8]
+            a = 1.0 / math.sqrt(across[0] ** 2 + across[1] ** 2 + across[2] ** 2)
+            t1, t2, t3 = a * across[0], a * across[1], a * across[2]
             share = t1 * n1 + t2 * n2 + t3 * n3
         t1, t2, t3 = t1 - share * n1, t2 - share * n2, t3 - share * n3
         a = 1.0 / math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
@@ -132,4 +101,4 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
     put_directions(contacts, contour, n1, n2, n3, t1, t2, t3)
     put_ball(contacts, contour, gap, n1, n2, n3)
     for k in range(3):
-        scratch[LEVER + k] = result[k]
+        scratch.lever[k] = s[k]

@@ -10,7 +10,6 @@ import numpy as np
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.interface import (
-    FIELD,
     Workspace,
     add_forces,
 )
@@ -38,4 +37,4 @@ def pack_gravity(entries: Sequence[Gravity]) -> UniformGravity:
 def add_gravity(kind: UniformGravity, time: float, work: Workspace) -> None:
     """Add the acceleration to the field."""
     for k in range(3):
-        work.sums[FIELD + k] += kind.acceleration[k]
+        work.sums.gravity[k] += kind.acceleration[k]

@@ -6,18 +6,17 @@ The load acts on the markers of the angle or travel, so that load times rate is 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.connections import JointMotor
 from heavylift.solver.interface import (
-    DRIVE_WORK,
-    EXTERNAL_WORK,
-    POINT_FORCE,
     Workspace,
     add_forces,
     fill_bias,
@@ -25,13 +24,37 @@ from heavylift.solver.interface import (
     record_joints,
     update_rows,
 )
-from heavylift.solver.joints.coordinate import ANGLE, add_load
+from heavylift.solver.joints.coordinate import ANGLE, CoordinateEntry, add_load
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import RowSystem
 
 __all__ = ["Motors", "pack_motors"]
 
-COORDINATE, A, B, C, COLUMN, DOF_A, WIDTH_A, DOF_B, WIDTH_B, FIRST, COUNT = range(11)
+
+class MotorEntry(CoordinateEntry):
+    """A motor.
+
+    Attributes
+    ----------
+    dof_a, width_a, dof_b, width_b
+        First velocity and number of velocities of both bodies.
+    first, count
+        First row and rows of its load table.
+    """
+
+    dof_a: int
+    width_a: int
+    dof_b: int
+    width_b: int
+    first: int
+    count: int
+
+
+class LoadRow(Record):
+    """Time [s] and load [N m] or [N]."""
+
+    time: float
+    load: float
 
 
 class Motors(Arrays):
@@ -40,28 +63,30 @@ class Motors(Arrays):
     Attributes
     ----------
     table
-        Coordinate, three markers, record column, first velocity and number of velocities of a and of b, first
-        row and rows of the load table; shape (n, 11).
+        The motors.
     loads
-        Time [s] and load [N m] or [N] of all tables, shape (m, 2).
+        Rows of all tables.
     state
         Work done so far [J], shape (n,).
     """
 
-    table: Ints2
-    loads: Floats2
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+
+    table: Records[MotorEntry]
+    loads: Records[LoadRow]
     state: Floats1
 
 
 def pack_motors(motors: Sequence[tuple[JointMotor, tuple[int, ...]]]) -> Motors:
-    """Make the kind from the entries of a scene and the first nine columns of the table of each.
+    """Make the kind from the entries of a scene and what stands before the load table of each.
 
     Raises
     ------
     InputError
         If a table is empty, does not fit, or its times do not increase.
     """
-    table, loads = [], []
+    table: list[tuple[int, ...]] = []
+    loads: list[tuple[float, float]] = []
     first = 0
     for motor, place in motors:
         times = np.atleast_1d(np.asarray(motor.times, dtype=np.float64))
@@ -75,25 +100,26 @@ def pack_motors(motors: Sequence[tuple[JointMotor, tuple[int, ...]]]) -> Motors:
                 expected="one finite load a time, times increasing",
             )
         table.append((*place, first, len(times)))
-        loads.append(np.column_stack([times, values]))
+        loads += zip(times, values, strict=True)
         first += len(times)
-    return Motors(np.array(table, dtype=np.int64), np.vstack(loads), np.zeros(len(table)))
+    return Motors(records(MotorEntry, table), records(LoadRow, loads), np.zeros(len(table)))
 
 
 @kernel(internal=True)
 def motor_load(kind: Motors, i: int, time: float) -> float:
     """Load at a time, linear between the rows and held at the ends."""
-    first, count = kind.table[i, FIRST], kind.table[i, COUNT]
+    first, count = kind.table[i].first, kind.table[i].count
     low, high = first, first + count - 1
     while high - low > 1:
         middle = (low + high) // 2
-        if kind.loads[middle, 0] <= time:
+        if kind.loads[middle].time <= time:
             low = middle
         else:
             high = middle
-    span = kind.loads[high, 0] - kind.loads[low, 0]
-    part = min(max((time - kind.loads[low, 0]) / span, 0.0), 1.0) if span > 0.0 else 0.0
-    return kind.loads[low, 1] + part * (kind.loads[high, 1] - kind.loads[low, 1])
+    before, after = kind.loads[low], kind.loads[high]
+    span = after.time - before.time
+    part = min(max((time - before.time) / span, 0.0), 1.0) if span > 0.0 else 0.0
+    return before.load + part * (after.load - before.load)
 
 
 @implement(add_forces, Motors)
@@ -101,14 +127,8 @@ def motor_load(kind: Motors, i: int, time: float) -> float:
 def add_motors(kind: Motors, time: float, work: Workspace) -> None:
     """Loads on the markers, which no other force uses."""
     for i in range(kind.table.shape[0]):
-        add_load(
-            work,
-            kind.table[i, COORDINATE],
-            kind.table[i, A],
-            kind.table[i, B],
-            kind.table[i, C],
-            motor_load(kind, i, time),
-        )
+        motor = kind.table[i]
+        add_load(work, motor.coordinate, motor.a, motor.b, motor.c, motor_load(kind, i, time))
 
 
 @kernel(internal=True)
@@ -118,9 +138,9 @@ def _power(work: Workspace, marker: int, dof: int, width: int) -> float:
     for k in range(width):
         J = work.jacobian[marker]
         along = (
-            work.markers[marker, POINT_FORCE] * J[0, k]
-            + work.markers[marker, POINT_FORCE + 1] * J[1, k]
-            + work.markers[marker, POINT_FORCE + 2] * J[2, k]
+            work.markers[marker].force[0] * J[0, k]
+            + work.markers[marker].force[1] * J[1, k]
+            + work.markers[marker].force[2] * J[2, k]
         )
         power += along * work.velocity[dof + k]
     return power
@@ -131,12 +151,13 @@ def _power(work: Workspace, marker: int, dof: int, width: int) -> float:
 def update_motors(kind: Motors, time: float, step: float, work: Workspace, system: RowSystem) -> None:
     """Work of the step; the third marker is on b for an angle and on a for a travel."""
     for i in range(kind.table.shape[0]):
-        coordinate, a, b, c, _, dof_a, width_a, dof_b, width_b, _, _ = kind.table[i]
-        power = _power(work, a, dof_a, width_a) + _power(work, b, dof_b, width_b)
-        if coordinate == ANGLE:
-            power += _power(work, c, dof_b, width_b)
+        motor = kind.table[i]
+        power = _power(work, motor.a, motor.dof_a, motor.width_a)
+        power += _power(work, motor.b, motor.dof_b, motor.width_b)
+        if motor.coordinate == ANGLE:
+            power += _power(work, motor.c, motor.dof_b, motor.width_b)
         else:
-            power += _power(work, c, dof_a, width_a)
+            power += _power(work, motor.c, motor.dof_a, motor.width_a)
         kind.state[i] += step * power
 
 
@@ -159,6 +180,6 @@ def record_motors(
 ) -> None:
     """Load; its work moves from that of outer forces, where the bodies count it, to that of drives."""
     for i in range(kind.table.shape[0]):
-        row[kind.table[i, COLUMN]] = motor_load(kind, i, time)
-        work.sums[DRIVE_WORK] += kind.state[i]
-        work.sums[EXTERNAL_WORK] -= kind.state[i]
+        row[kind.table[i].column] = motor_load(kind, i, time)
+        work.sums.drive_work += kind.state[i]
+        work.sums.external_work -= kind.state[i]

@@ -12,8 +12,6 @@ from heavylift.numerics.arrays import Arrays, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.interface import (
-    POINT,
-    POINT_FORCE,
     Workspace,
     add_forces,
 )
@@ -93,7 +91,7 @@ def add_point_forces(kind: PointForces, time: float, work: Workspace) -> None:
         for k in range(3):
             component = kind.values[low, 1 + k] + part * (kind.values[high, 1 + k] - kind.values[low, 1 + k])
             if axes < 0:
-                work.markers[marker, POINT_FORCE + k] += component
+                work.markers[marker].force[k] += component
             else:
                 for j in range(3):
-                    work.markers[marker, POINT_FORCE + j] += component * work.markers[axes + k, POINT + j]
+                    work.markers[marker].force[j] += component * work.markers[axes + k].point[j]

@@ -7,15 +7,15 @@ step are in `heavylift.solver.joints`.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.interface import (
-    ELASTIC,
-    EXTERNAL_WORK,
     Workspace,
     add_forces,
     fill_bias,
@@ -25,6 +25,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints.coordinate import (
     ANGLE,
     DISTANCE,
+    CoordinateEntry,
     add_load,
     coordinate_rate,
     coordinate_value,
@@ -36,9 +37,41 @@ from heavylift.solver.rows import RowSystem
 
 __all__ = ["Springs", "pack_springs"]
 
-COORDINATE, A, B, C, COLUMN, FIRST, COUNT = range(7)
-REST, STIFFNESS, DAMPING = range(3)
-VALUE, START_ENERGY, STARTED = range(3)
+
+class SpringEntry(CoordinateEntry):
+    """A spring.
+
+    Attributes
+    ----------
+    rest
+        Value without load [m] or [rad].
+    stiffness, damping
+        [N/m, N s/m] or [N m/rad, N m s/rad].
+    first, count
+        First row and rows of its curve.
+    """
+
+    rest: float
+    stiffness: float
+    damping: float
+    first: int
+    count: int
+
+
+class SpringState(Record):
+    """What a spring remembers.
+
+    Attributes
+    ----------
+    value
+        Last value of an angle [rad], to count its turns.
+    start_energy, started
+        Energy stored at the start [J], and whether that is known.
+    """
+
+    value: float
+    start_energy: float
+    started: bool
 
 
 class Springs(Arrays):
@@ -47,55 +80,53 @@ class Springs(Arrays):
     Attributes
     ----------
     table
-        Coordinate, three markers, first record column, first row and rows of the curve; shape (n, 7).
-    values
-        Value without load [m] or [rad], stiffness, damping; shape (n, 3).
+        The springs.
     curves
         Rows (elongation, force) of all tables, shape (m, 2).
     state
-        Last value of an angle [rad], to count its turns; energy stored at the start [J]; 1 once that is known;
-        shape (n, 3).
+        What they remember.
     """
 
-    table: Ints2
-    values: Floats2
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+
+    table: Records[SpringEntry]
     curves: Floats2
-    state: Floats2
+    state: Records[SpringState]
 
 
 def pack_springs(
     springs: Sequence[tuple[tuple[int, ...], tuple[float, ...], NDArray[np.float64]]],
 ) -> Springs:
     """Make the kind from (coordinate, markers, column), (rest, stiffness, damping) and the curve of each."""
-    table, curves = [], []
+    rows, curves = [], []
     first = 0
-    for place, _, curve in springs:
-        table.append((*place, first, len(curve)))
+    for place, values, curve in springs:
+        rows.append((*place, *values, first, len(curve)))
         curves.append(curve)
         first += len(curve)
-    values = np.array([value for _, value, _ in springs], dtype=np.float64)
-    state = np.zeros((len(springs), 3))
-    state[:, VALUE] = values[:, REST]
-    return Springs(np.array(table, dtype=np.int64), values, np.vstack([np.zeros((0, 2)), *curves]), state)
+    table, state = records(SpringEntry, rows), records(SpringState, len(rows))
+    state["value"] = table["rest"]
+    return Springs(table, np.vstack([np.zeros((0, 2)), *curves]), state)
 
 
 @kernel(internal=True)
 def _elongation(kind: Springs, i: int, work: Workspace) -> float:
     """The scalar, whole turns included, less its rest value."""
-    coordinate, a, b, c, _, _, _ = kind.table[i]
-    q = coordinate_value(work, coordinate, a, b, c)
-    if coordinate == ANGLE:
-        q = near_angle(q, kind.state[i, VALUE])
-        kind.state[i, VALUE] = q
-    return q - kind.values[i, REST]
+    spring = kind.table[i]
+    q = coordinate_value(work, spring.coordinate, spring.a, spring.b, spring.c)
+    if spring.coordinate == ANGLE:
+        q = near_angle(q, kind.state[i].value)
+        kind.state[i].value = q
+    return q - spring.rest
 
 
 @kernel(internal=True)
 def _force(kind: Springs, i: int, e: float, work: Workspace) -> float:
     """Force that resists elongation and its rate."""
-    coordinate, a, b, c, _, first, count = kind.table[i]
-    force = spring_force(kind.curves, first, count, kind.values[i, STIFFNESS], e)
-    return force + kind.values[i, DAMPING] * coordinate_rate(work, coordinate, a, b, c)
+    spring = kind.table[i]
+    force = spring_force(kind.curves, spring.first, spring.count, spring.stiffness, e)
+    rate = coordinate_rate(work, spring.coordinate, spring.a, spring.b, spring.c)
+    return force + spring.damping * rate
 
 
 @implement(add_forces, Springs)
@@ -103,9 +134,9 @@ def _force(kind: Springs, i: int, e: float, work: Workspace) -> float:
 def add_springs(kind: Springs, time: float, work: Workspace) -> None:
     """Force on both sides."""
     for i in range(kind.table.shape[0]):
-        coordinate, a, b, c, _, _, _ = kind.table[i]
+        spring = kind.table[i]
         load = _force(kind, i, _elongation(kind, i, work), work)
-        add_load(work, coordinate, a, b, c, -load)
+        add_load(work, spring.coordinate, spring.a, spring.b, spring.c, -load)
 
 
 @implement(fill_rows, Springs)
@@ -127,13 +158,13 @@ def record_springs(
 ) -> None:
     """Force, length; the stored energy moves from the work of outer forces, where the bodies count it, to its own."""
     for i in range(kind.table.shape[0]):
-        coordinate, _, _, _, column, first, count = kind.table[i]
+        spring, state = kind.table[i], kind.state[i]
         e = _elongation(kind, i, work)
-        row[column] = _force(kind, i, e, work)
-        if coordinate == DISTANCE:
-            row[column + 1] = e + kind.values[i, REST]
-        energy = e * mean_force(kind.curves, first, count, kind.values[i, STIFFNESS], 0.0, e)[0]
-        if kind.state[i, STARTED] == 0.0:
-            kind.state[i, START_ENERGY], kind.state[i, STARTED] = energy, 1.0
-        work.sums[ELASTIC] += energy
-        work.sums[EXTERNAL_WORK] += energy - kind.state[i, START_ENERGY]
+        row[spring.column] = _force(kind, i, e, work)
+        if spring.coordinate == DISTANCE:
+            row[spring.column + 1] = e + spring.rest
+        energy = e * mean_force(kind.curves, spring.first, spring.count, spring.stiffness, 0.0, e)[0]
+        if not state.started:
+            state.start_energy, state.started = energy, True
+        work.sums.elastic += energy
+        work.sums.external_work += energy - state.start_energy

@@ -16,9 +16,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from heavylift.numerics.arrays import Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
@@ -34,36 +31,19 @@ from heavylift.solver.integrate.accurate_rows import (
 from heavylift.solver.integrate.dense_output import choose_nodes, node_weights, quadrature_weights
 from heavylift.solver.integrate.dop853 import NODES, ORDER, STAGES, write_end, write_errors, write_stage
 from heavylift.solver.integrate.integration import (
-    AT_CORNER,
-    BASED,
-    DRIVEN,
     END,
     END_RATE,
-    ERROR_BEFORE,
     FIFTH,
-    HEAD,
-    LENGTH,
-    LOADED,
-    LOOSEST,
-    MEMORY,
     NEEDED,
-    NODE,
     NODE_ROWS,
-    NODES_FILLED,
     QUADRATURES,
-    REJECTED,
-    REJECTIONS,
     SECOND,
     SLOTS,
-    SOFTENING,
-    SOLUTIONS,
     STAGE,
-    STARTED,
     THIRD,
-    TIMES,
     VECTORS,
-    WORKS,
     Integration,
+    Progress,
     carried,
     make_integration,
     stiffness_seen,
@@ -71,18 +51,6 @@ from heavylift.solver.integrate.integration import (
 )
 from heavylift.solver.integrate.loop import write_record
 from heavylift.solver.interface import (
-    CORNER,
-    DISSIPATED,
-    DRIVE_WORK,
-    ERROR,
-    EXTERNAL_WORK,
-    FIELD,
-    LAST_STEP,
-    NEXT_STEP,
-    POINT_FORCE,
-    POSE_ERROR,
-    STATUS_OUTCOME,
-    STEP_COUNT,
     Bodies,
     Forces,
     Joints,
@@ -128,27 +96,27 @@ def _evaluate(
     with_reactions: bool,
 ) -> None:
     """Rates of the state in one row of the vectors into another row."""
-    state, values, sums = integration.state, integration.vectors, work.sums
+    progress, values, sums = integration.progress, integration.vectors, work.sums
     size = values.shape[0] // VECTORS
     at, out, end = stage * size, rate * size, (rate + 1) * size - QUADRATURES
     begin_stage(bodies, time, values, at, out, work)
-    if state[LOADED] != 0.0:
+    if progress.loaded:
         for marker in range(work.markers.shape[0]):
             for k in range(3):
-                work.markers[marker, POINT_FORCE + k] = 0.0
-    sums[FIELD] = sums[FIELD + 1] = sums[FIELD + 2] = 0.0
-    sums[EXTERNAL_WORK] = sums[DRIVE_WORK] = sums[DISSIPATED] = 0.0
+                work.markers[marker].force[k] = 0.0
+    sums.gravity[0] = sums.gravity[1] = sums.gravity[2] = 0.0
+    sums.external_work = sums.drive_work = sums.dissipated = 0.0
     add_forces(forces, time, work)
     free_acceleration(bodies, values, at, work)
-    driven = state[DRIVEN] != 0.0
-    wanted = with_reactions or driven or state[BASED] != 0.0
-    constrain(rows, bodies, joints, work, time, state[SOLUTIONS], wanted)
+    driven = progress.driven
+    wanted = with_reactions or driven or progress.based
+    constrain(rows, bodies, joints, work, time, progress.solutions, wanted)
     complete_accelerations(bodies, rows, values, out, work)
     if driven:
         add_drive_power(rows, values, at, work)
     for i in range(work.velocity.shape[0]):
         values[out + i] = work.velocity[i]
-    values[end], values[end + 1], values[end + 2] = sums[EXTERNAL_WORK], sums[DRIVE_WORK], sums[DISSIPATED]
+    values[end], values[end + 1], values[end + 2] = sums.external_work, sums.drive_work, sums.dissipated
 
 
 @kernel(internal=True)
@@ -176,16 +144,16 @@ def _project(
 @kernel(internal=True)
 def _add_node(bodies: Bodies, work: Workspace, integration: Integration, time: float) -> None:
     """Keep the state at the end with its rates as the newest node."""
-    state, values = integration.state, integration.vectors
+    progress, values = integration.progress, integration.vectors
     size = values.shape[0] // VECTORS
     complete_rates(bodies, values, END * size, END_RATE * size, SECOND * size, work)
-    slot = (int(state[NODE]) + 1) % SLOTS
-    state[NODE] = slot
-    state[NODES_FILLED] = min(state[NODES_FILLED] + 1.0, SLOTS)
-    state[TIMES + slot] = time
-    place = HEAD + slot * NODE_ROWS * size
+    slot = (progress.newest + 1) % SLOTS
+    progress.newest = slot
+    progress.filled = min(progress.filled + 1, SLOTS)
+    progress.times[slot] = time
+    place = slot * NODE_ROWS * size
     for i in range(NODE_ROWS * size):
-        state[place + i] = values[END * size + i]
+        integration.nodes[place + i] = values[END * size + i]
 
 
 @kernel(internal=True)
@@ -199,17 +167,17 @@ def _begin(
     time: float,
 ) -> None:
     """First node of the scene, closed, or first one behind a corner."""
-    state, values = integration.state, integration.vectors
+    progress, values = integration.progress, integration.vectors
     size = values.shape[0] // VECTORS
-    if state[STARTED] == 0.0:
+    if not progress.started:
         load_state(bodies, values, END * size, work)
         _project(bodies, joints, rows, work, integration, time)
     else:
-        place = HEAD + int(state[NODE]) * NODE_ROWS * size
+        place = progress.newest * NODE_ROWS * size
         for i in range(size):
-            values[END * size + i] = state[place + i]
+            values[END * size + i] = integration.nodes[place + i]
     _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, False)
-    state[NODES_FILLED] = 0.0
+    progress.filled = 0
     _add_node(bodies, work, integration, time)
 
 
@@ -218,14 +186,13 @@ def _first_step(
     bodies: Bodies, work: Workspace, integration: Integration, allowed: float, interval: float
 ) -> float:
     """A step whose error in order 8 is about as allowed [m], from how fast velocities change [s]."""
-    state, size = integration.state, integration.vectors.shape[0] // VECTORS
-    length = state[LENGTH]
-    work.control[ERROR] = 0.0
+    size, length = integration.vectors.shape[0] // VECTORS, integration.progress.length
+    work.control.error = 0.0
     measure_error(bodies, integration.vectors, END_RATE * size, END_RATE * size, work)
-    acceleration = work.control[ERROR]
-    work.control[ERROR] = 0.0
+    acceleration = work.control.error
+    work.control.error = 0.0
     measure_error(bodies, integration.vectors, END * size, END * size, work)
-    rate = max(math.sqrt(acceleration / length), work.control[ERROR] / length)
+    rate = max(math.sqrt(acceleration / length), work.control.error / length)
     if not rate > 0.0:
         return interval
     return (allowed / length) ** (1.0 / (ORDER + 1)) / rate
@@ -243,30 +210,30 @@ def _step(
     interval: float,
 ) -> bool:
     """One accepted step; its end becomes the newest node. False if there is none, with the reason in the status."""
-    state, values, control = integration.state, integration.vectors, work.control
+    progress, values, control = integration.progress, integration.vectors, work.control
     size = values.shape[0] // VECTORS
-    if state[STARTED] == 0.0 or state[AT_CORNER] != 0.0:
-        time = 0.0 if state[STARTED] == 0.0 else state[TIMES + int(state[NODE])]
+    if not progress.started or progress.at_corner:
+        time = progress.times[progress.newest] if progress.started else 0.0
         _begin(bodies, forces, joints, rows, work, integration, time)
-        if state[STARTED] == 0.0:
-            control[NEXT_STEP] = _first_step(bodies, work, integration, allowed, interval)
-        state[STARTED] = 1.0
-        state[AT_CORNER] = 0.0
-    slot = int(state[NODE])
-    time = state[TIMES + slot]
-    place = HEAD + slot * NODE_ROWS * size
+        if not progress.started:
+            control.next_step = _first_step(bodies, work, integration, allowed, interval)
+        progress.started = True
+        progress.at_corner = False
+    slot = progress.newest
+    time = progress.times[slot]
+    place = slot * NODE_ROWS * size
     for i in range(2 * size):
-        values[i] = state[place + i]
+        values[i] = integration.nodes[place + i]
     shortest = SHORTEST * max(abs(time), interval)
-    corner = int(control[CORNER])
+    corner = int(control.corner)
     while corner < work.corners.shape[0] and work.corners[corner] <= time + shortest:
         corner += 1
-    control[CORNER] = corner
+    control.corner = corner
     ahead = work.corners[corner] - time if corner < work.corners.shape[0] else math.inf
     # three nodes are needed between two corners
-    rest = 0.5 * ahead if state[NODES_FILLED] < 2.0 else ahead
+    rest = 0.5 * ahead if progress.filled < 2 else ahead
     while True:
-        h = control[NEXT_STEP]
+        h = control.next_step
         at_corner = h >= rest
         if at_corner:
             h = rest
@@ -288,20 +255,20 @@ def _step(
                 False,
             )
         write_errors(values, size, FIFTH, THIRD)
-        control[ERROR] = control[POSE_ERROR] = 0.0
+        control.error = control.pose_error = 0.0
         measure_error(bodies, values, FIFTH * size, THIRD * size, work)
-        error = h * max(max(h, state[MEMORY]) * control[ERROR], control[POSE_ERROR]) / allowed
+        error = h * max(max(h, progress.recent_step) * control.error, control.pose_error) / allowed
         if error <= 1.0:
             break
         factor = SMALLEST_FACTOR
         if error < math.inf:
             factor = max(SAFETY * error ** (-1.0 / ORDER), SMALLEST_FACTOR)
-        control[NEXT_STEP] = h * factor
-        state[REJECTED] = 1.0
-        state[REJECTIONS] += 1.0
+        control.next_step = h * factor
+        progress.rejected = True
+        progress.rejections += 1
         if h * factor < shortest:
             # `measure_error` left the body
-            work.status[STATUS_OUTCOME] = STEP_TOO_SMALL if error < math.inf else NOT_FINITE
+            work.status.outcome = STEP_TOO_SMALL if error < math.inf else NOT_FINITE
             return False
     write_end(values, size, END, h)
     _project(bodies, joints, rows, work, integration, last)
@@ -310,32 +277,32 @@ def _step(
     time += h
     if at_corner and rest == ahead:
         time = work.corners[corner]
-        state[AT_CORNER] = 1.0
+        progress.at_corner = True
     _add_node(bodies, work, integration, time)
     error = max(error, LEAST_ERROR)
     factor = SAFETY * error ** (-1.0 / ORDER)
-    if state[ERROR_BEFORE] > 0.0:  # what makes the error grow goes on
-        factor *= min((state[ERROR_BEFORE] / error) ** (1.0 / ORDER) * h / control[LAST_STEP], 1.0)
-    state[ERROR_BEFORE] = error
+    if progress.error_before > 0.0:  # what makes the error grow goes on
+        factor *= min((progress.error_before / error) ** (1.0 / ORDER) * h / control.last_step, 1.0)
+    progress.error_before = error
     factor = min(max(factor, SMALLEST_FACTOR), LARGEST_FACTOR)
-    if state[REJECTED] != 0.0:
+    if progress.rejected:
         factor = min(factor, 1.0)
-    state[REJECTED] = 0.0
-    control[NEXT_STEP] = max(control[NEXT_STEP], h * factor) if at_corner else h * factor
-    state[MEMORY] = max(h, MEMORY_DECAY * state[MEMORY])
-    control[LAST_STEP] = h
-    control[STEP_COUNT] += 1.0
+    progress.rejected = False
+    control.next_step = max(control.next_step, h * factor) if at_corner else h * factor
+    progress.recent_step = max(h, MEMORY_DECAY * progress.recent_step)
+    control.last_step = h
+    control.step_count += 1
     return True
 
 
 @kernel(internal=True)
-def _known_until(state: NDArray[np.float64]) -> float:
+def _known_until(progress: Progress) -> float:
     """Latest time at which a record can be interpolated [s]: the end of the last but one step, or a corner."""
-    if state[AT_CORNER] != 0.0:
-        return state[TIMES + int(state[NODE])]
-    if state[NODES_FILLED] < NEEDED:
+    if progress.at_corner:
+        return progress.times[progress.newest]
+    if progress.filled < NEEDED:
         return -math.inf
-    return state[TIMES + (int(state[NODE]) - 1) % SLOTS]
+    return progress.times[(progress.newest - 1) % SLOTS]
 
 
 @kernel(internal=True)
@@ -349,10 +316,10 @@ def _sample(
     time: float,
 ) -> None:
     """Carried state, works and reactions at a time between the last nodes."""
-    state, values = integration.state, integration.vectors
+    progress, values, kept = integration.progress, integration.vectors, integration.nodes
     size = values.shape[0] // VECTORS
-    times = state[TIMES : TIMES + SLOTS]
-    a, b, c, d, count = choose_nodes(time, times, int(state[NODE]), int(state[NODES_FILLED]))
+    times = progress.times
+    a, b, c, d, count = choose_nodes(time, times, progress.newest, progress.filled)
     ta, tb, tc, td = times[a], times[b], times[c], times[d]
     a0, a1, a2, da0, da1, da2 = node_weights(time, ta, (tb, tc, td), count)
     b0, b1, b2, db0, db1, db2 = node_weights(time, tb, (ta, tc, td), count)
@@ -367,25 +334,25 @@ def _sample(
     rates = (da0, da1, da2, db0, db1, db2, dc0, dc1, dc2, dd0, dd1, dd2)
     first = work.velocity.shape[0] // PART * PART
     for i in range(first, size, PART):
-        combine_part(values, END * size + i, state, HEAD + i, size, nodes, weights)
-        combine_part(values, END_RATE * size + i, state, HEAD + i, size, nodes, rates)
+        combine_part(values, END * size + i, kept, i, size, nodes, weights)
+        combine_part(values, END_RATE * size + i, kept, i, size, nodes, rates)
     a0, a1 = quadrature_weights(time, ta, (tb, tc, td), count)
     b0, b1 = quadrature_weights(time, tb, (ta, tc, td), count)
     if count > 2:
         c0, c1 = quadrature_weights(time, tc, (ta, tb, td), count)
     if count > 3:
         d0, d1 = quadrature_weights(time, td, (ta, tb, tc), count)
-    end = HEAD + size - QUADRATURES
+    end = size - QUADRATURES
     for k in range(QUADRATURES):
-        state[WORKS + k] = (
-            a0 * state[end + A * size + k]
-            + a1 * state[end + (A + 1) * size + k]
-            + b0 * state[end + B * size + k]
-            + b1 * state[end + (B + 1) * size + k]
-            + c0 * state[end + C * size + k]
-            + c1 * state[end + (C + 1) * size + k]
-            + d0 * state[end + D * size + k]
-            + d1 * state[end + (D + 1) * size + k]
+        progress.works[k] = (
+            a0 * kept[end + A * size + k]
+            + a1 * kept[end + (A + 1) * size + k]
+            + b0 * kept[end + B * size + k]
+            + b1 * kept[end + (B + 1) * size + k]
+            + c0 * kept[end + C * size + k]
+            + c1 * kept[end + (C + 1) * size + k]
+            + d0 * kept[end + D * size + k]
+            + d1 * kept[end + (D + 1) * size + k]
         )
     store_state(bodies, time, values, END * size, END_RATE * size, work)
     _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, True)
@@ -432,17 +399,17 @@ def run(
         Last index that was completed; `work.status` says why if it is not `last`.
     """
     integration, rows = carried(systems, 0), systems
-    state = integration.state
-    allowed = min(SHARE * tolerance, state[LOOSEST])
-    soften(rows, state[SOFTENING])
-    if state[STARTED] == 0.0:  # reactions of the first record
+    progress = integration.progress
+    allowed = min(SHARE * tolerance, progress.largest_error)
+    soften(rows, progress.softening)
+    if not progress.started:  # reactions of the first record
         size = integration.vectors.shape[0] // VECTORS
         load_state(bodies, integration.vectors, END * size, work)
         _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, 0.0, True)
     row = 0
     for index in range(first, last):
         time = (index + 1) * step
-        while _known_until(state) < time:
+        while _known_until(progress) < time:
             if not _step(bodies, forces, joints, rows, work, integration, allowed, step):
                 return index
         if (index + 1) % every == 0:

@@ -18,7 +18,6 @@ from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.integrate.row_solver import assemble, factor_rows, solve_rows
 from heavylift.solver.interface import (
-    DRIVE_WORK,
     Bodies,
     Joints,
     Systems,
@@ -30,21 +29,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement, optional
 from heavylift.solver.rows import (
-    DOF,
-    HALF_IMPULSE,
-    HOLDER,
-    IMPULSE,
-    LAST_REACTION,
-    OWNER,
-    PANEL,
     PRESCRIBED,
-    REACTION,
-    RESIDUAL,
-    ROW_COLUMNS,
-    SCALE,
-    SOFTNESS,
-    TARGET,
-    WIDTH,
     RowSystem,
 )
 
@@ -61,8 +46,9 @@ def is_tree(system: RowSystem) -> bool:
         return body
 
     ground = -1
-    for first, second in system.attachments.reshape(-1, 2, system.attachments.shape[1]):
-        a, b = (ground if end[HOLDER] == PRESCRIBED else int(end[DOF]) for end in (first, second))
+    for first in range(0, len(system.attachments), 2):
+        ends = system.attachments[first], system.attachments[first + 1]
+        a, b = (ground if end.holder == PRESCRIBED else int(end.dof) for end in ends)
         if root(a) == root(b):
             return False
         parent[root(a)] = root(b)
@@ -80,12 +66,12 @@ def soften_rows(system: RowSystem, softening: float) -> None:
     """Of the rows in use; padding keeps its own."""
     lanes = len(system.shape[1])
     for node in range(system.attachments.shape[0] // 2):
-        at = node * ROW_COLUMNS * lanes
+        row = system.rows[node]
         for r in range(lanes):
-            scale = system.rows[at + SCALE * lanes + r]
+            scale = row.scale[r]
             if scale > 0.0:
-                system.rows[at + SOFTNESS * lanes + r] = softening * scale
-            system.rows[at + LAST_REACTION * lanes + r] = 0.0
+                row.softness[r] = softening * scale
+            row.last_reaction[r] = 0.0
 
 
 @optional("accurate")
@@ -95,7 +81,7 @@ def constrain(
     joints: Joints,
     work: Workspace,
     time: float,
-    solutions: float,
+    solutions: int,
     with_reactions: bool,
 ) -> None:
     """Rows: accelerations without joints in `work.velocity` become those with them."""
@@ -109,7 +95,7 @@ def constrain_rows(
     joints: Joints,
     work: Workspace,
     time: float,
-    solutions: float,
+    solutions: int,
     with_reactions: bool,
 ) -> None:
     """One factorisation; each solution starts without impulses, so later ones do not see the softness.
@@ -117,7 +103,6 @@ def constrain_rows(
     With reactions the impulses are the sums of all solutions in the end.
     """
     lanes = len(system.shape[1])
-    width = ROW_COLUMNS * lanes
     nodes = system.attachments.shape[0] // 2
     fill_rows(joints, False, work, system)
     fill_bias(joints, time, work, system)
@@ -127,18 +112,18 @@ def constrain_rows(
     if with_reactions:
         for node in range(nodes):
             for r in range(lanes):
-                system.rows[node * width + REACTION * lanes + r] = 0.0
-    for _ in range(int(solutions)):
+                system.rows[node].reaction[r] = 0.0
+    for _ in range(solutions):
         for node in range(nodes):
             for r in range(lanes):
-                system.rows[node * width + IMPULSE * lanes + r] = 0.0
+                system.rows[node].impulse[r] = 0.0
         solve_rows(system, work.velocity)
         if with_reactions:
             for node in range(nodes):
-                at = node * width
+                row = system.rows[node]
                 for r in range(lanes):
-                    system.rows[at + REACTION * lanes + r] += system.rows[at + IMPULSE * lanes + r]
-                    system.rows[at + IMPULSE * lanes + r] = system.rows[at + REACTION * lanes + r]
+                    row.reaction[r] += row.impulse[r]
+                    row.impulse[r] = row.reaction[r]
 
 
 @optional("accurate")
@@ -153,19 +138,18 @@ def find_row_displacement(
 ) -> None:
     """``G d = -g``; the targets of the velocities are kept for `correct_velocity`."""
     lanes = len(system.shape[1])
-    width = ROW_COLUMNS * lanes
     nodes = system.attachments.shape[0] // 2
     fill_rows(joints, True, work, system)
     for node in range(nodes):
         for r in range(lanes):
-            system.rows[node * width + TARGET * lanes + r] = 0.0
+            system.rows[node].target[r] = 0.0
     set_targets(joints, time, 0.0, False, work, system)
     for node in range(nodes):
+        row = system.rows[node]
         for r in range(lanes):
-            at = node * width + r
-            system.rows[at + HALF_IMPULSE * lanes] = system.rows[at + TARGET * lanes]
-            system.rows[at + TARGET * lanes] = -system.rows[at + RESIDUAL * lanes]
-            system.rows[at + IMPULSE * lanes] = 0.0
+            row.half_impulse[r] = row.target[r]
+            row.target[r] = -row.residual[r]
+            row.impulse[r] = 0.0
     apply_inverse(bodies, False, system)
     assemble(system)
     factor_rows(system)
@@ -182,12 +166,11 @@ def correct_velocity(systems: Systems, work: Workspace) -> None:
 def correct_row_velocity(system: RowSystem, work: Workspace) -> None:
     """``G u = l'``, with prescribed velocities as they are."""
     lanes = len(system.shape[1])
-    width = ROW_COLUMNS * lanes
     for node in range(system.attachments.shape[0] // 2):
+        row = system.rows[node]
         for r in range(lanes):
-            at = node * width + r
-            system.rows[at + TARGET * lanes] = system.rows[at + HALF_IMPULSE * lanes]
-            system.rows[at + IMPULSE * lanes] = 0.0
+            row.target[r] = row.half_impulse[r]
+            row.impulse[r] = 0.0
     solve_rows(system, work.velocity)
 
 
@@ -202,12 +185,12 @@ def add_row_drive_power(system: RowSystem, values: NDArray[np.float64], at: int,
     """``l . G u`` over the sides that are not prescribed."""
     lanes = len(system.shape[1])
     for i in range(system.attachments.shape[0]):
-        if system.attachments[i, HOLDER] == PRESCRIBED:
+        if system.attachments[i].holder == PRESCRIBED:
             continue
-        dof, panel = system.attachments[i, DOF], system.attachments[i, PANEL]
-        reaction = (system.attachments[i, OWNER] * ROW_COLUMNS + REACTION) * lanes
-        for k in range(system.attachments[i, WIDTH]):
+        dof, panel = system.attachments[i].dof, system.attachments[i].panel
+        reaction = system.rows[system.attachments[i].owner].reaction
+        for k in range(system.attachments[i].width):
             for r in range(lanes):
-                work.sums[DRIVE_WORK] += (
-                    system.rows[reaction + r] * system.panels[panel + k * lanes + r] * values[at + dof + k]
+                work.sums.drive_work += (
+                    reaction[r] * system.panels[panel + k * lanes + r] * values[at + dof + k]
                 )

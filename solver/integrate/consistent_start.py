@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.integrate.start_rows import StartRows, listed
-from heavylift.solver.rows import TARGET
 
 __all__ = ["StartReport", "check_start", "close_positions", "close_velocities", "project_start"]
 
@@ -239,11 +238,14 @@ def close_velocities(rows: StartRows) -> tuple[float, str]:
         If drives or prescribed motions contradict each other.
     """
     rows.fill()
-    rigid, G = rows.rigid, rows.jacobian()
+    rigid = rows.rigid
+    if not rigid.any():
+        return 0.0, ""
+    G = rows.jacobian()
     velocity = rows.survey()[2]
-    wanted = rows.column(TARGET) - G @ velocity
+    wanted = rows.column("target") - G @ velocity
     wanted[~rigid] = 0.0
-    scale = float(np.abs(velocity).max(initial=0.0)) + float(np.abs(rows.column(TARGET)).max(initial=0.0))
+    scale = float(np.abs(velocity).max(initial=0.0)) + float(np.abs(rows.column("target")).max(initial=0.0))
     if not _largest(wanted, rigid) > 1e-14 * scale:
         return 0.0, ""
     worst = rows.worst(wanted, rigid)

@@ -23,16 +23,7 @@ from heavylift.solver.contact.system_interface import after_step, before_advance
 from heavylift.solver.integrate.loop import evaluate_forces, write_record
 from heavylift.solver.integrate.row_stage import end_step
 from heavylift.solver.interface import (
-    CHANGED,
-    CORNER,
-    ERROR,
     FORCES,
-    LAST_STEP,
-    NEXT_STEP,
-    SPLIT,
-    STATUS_BLOCK,
-    STATUS_OUTCOME,
-    STEP_COUNT,
     Bodies,
     Forces,
     Joints,
@@ -66,10 +57,10 @@ SMALLEST_STEP = 1e-9
 @kernel(internal=True)
 def _to_corner(work: Workspace, time: float, close: float) -> float:
     """Time to the next corner [s]; passes over those that lie behind."""
-    corner = int(work.control[CORNER])
+    corner = int(work.control.corner)
     while corner < work.corners.shape[0] and work.corners[corner] <= time + close:
         corner += 1
-    work.control[CORNER] = corner
+    work.control.corner = corner
     return work.corners[corner] - time if corner < work.corners.shape[0] else math.inf
 
 
@@ -84,10 +75,10 @@ def refine(
 ) -> None:
     """Rounds of iteration of the bodies with nonlinear stress, until none of them moves any more."""
     again = False
-    while work.status[STATUS_OUTCOME] == 0:
-        work.control[CHANGED] = 0.0
+    while work.status.outcome == 0:
+        work.control.changed = 0
         iterate(bodies, bodies, systems, joints, work, time, step)
-        if not work.control[CHANGED] > 0.0:
+        if work.control.changed == 0:
             break
         again = True
     if again:
@@ -146,9 +137,9 @@ def run(
                 rest = _to_corner(work, time, close)
                 if rest > interval - close:
                     rest = interval
-                h = rest / max(1.0, math.ceil(rest / control[NEXT_STEP] - 1e-6))
-            elif control[NEXT_STEP] < interval:  # after an iteration that did not converge
-                h = interval / math.ceil(interval / control[NEXT_STEP] - 1e-6)
+                h = rest / max(1.0, math.ceil(rest / control.next_step - 1e-6))
+            elif control.next_step < interval:  # after an iteration that did not converge
+                h = interval / math.ceil(interval / control.next_step - 1e-6)
             nominal = h if tolerance > 0.0 else step
             if split > 0.0:  # an impact ends the step before its time
                 h = split
@@ -161,48 +152,48 @@ def run(
             correct_rows(bodies, systems, joints, work, time, h)
             complete(bodies, systems, True, h, work)
             refine(bodies, systems, joints, work, time, h)
-            if work.status[STATUS_OUTCOME] == 0:
+            if work.status.outcome == 0:
                 check(bodies, h, work)
             if tolerance > 0.0:
-                control[ERROR] = 0.0
+                control.error = 0.0
                 estimate_error(bodies, h, work)
-                error = control[ERROR] / tolerance
-                if work.status[STATUS_OUTCOME] != 0:
+                error = control.error / tolerance
+                if work.status.outcome != 0:
                     error = 1e3  # too large a step: nothing has been changed yet
                 factor_of_step = min(
                     max(SAFETY * (error + 1e-12) ** (-1.0 / 3.0), SMALLEST_FACTOR), LARGEST_FACTOR
                 )
                 if error > ACCEPTED and h > SMALLEST_STEP * step:
-                    control[NEXT_STEP] = h * factor_of_step
-                    work.status[STATUS_OUTCOME] = work.status[STATUS_BLOCK] = 0
+                    control.next_step = h * factor_of_step
+                    work.status.outcome = work.status.block = 0
                     split = 0.0
                     continue
-                control[NEXT_STEP] = h * factor_of_step
-                if error > ACCEPTED and work.status[STATUS_OUTCOME] == 0:
-                    work.status[STATUS_OUTCOME] = STEP_TOO_SMALL  # `estimate_error` left the body
-            elif work.status[STATUS_OUTCOME] == NOT_CONVERGED and h > SHORTEST_PART * step:
-                control[NEXT_STEP] = 0.5 * h  # nothing has been changed yet
-                work.status[STATUS_OUTCOME] = work.status[STATUS_BLOCK] = 0
+                control.next_step = h * factor_of_step
+                if error > ACCEPTED and work.status.outcome == 0:
+                    work.status.outcome = STEP_TOO_SMALL  # `estimate_error` left the body
+            elif work.status.outcome == NOT_CONVERGED and h > SHORTEST_PART * step:
+                control.next_step = 0.5 * h  # nothing has been changed yet
+                work.status.outcome = work.status.block = 0
                 split = 0.0
                 continue
-            if work.status[STATUS_OUTCOME] != 0:
+            if work.status.outcome != 0:
                 return index
             before_advance(systems, bodies, work, h)
             advance(bodies, time, h, work)
             end_step(systems, bodies, joints, work, time, h)
-            if control[SPLIT] > 0.0 and work.status[STATUS_OUTCOME] == 0:
+            if control.split > 0.0 and work.status.outcome == 0:
                 go_back(systems)
-                split, control[SPLIT] = control[SPLIT], 0.0
+                split, control.split = control.split, 0.0
                 continue
             finish(bodies, h, work)
-            if work.status[STATUS_OUTCOME] != 0:
+            if work.status.outcome != 0:
                 return index
             if tolerance == 0.0 and split == 0.0:
-                control[NEXT_STEP] = min(2.0 * h, step)
+                control.next_step = min(2.0 * h, step)
             natural = tolerance > 0.0 and split == 0.0
             split = 0.0
-            control[LAST_STEP] = h
-            control[STEP_COUNT] += 1.0
+            control.last_step = h
+            control.step_count += 1
             done = step if h == interval else done + h
             after_step(systems, bodies, work, h, natural or done == step)
         if (index + 1) % every == 0:

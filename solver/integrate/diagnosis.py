@@ -155,11 +155,9 @@ def diagnose(rows: StartRows) -> Diagnosis:
 
 def _count_with_meshes(rows: StartRows, scaled: _Scaled) -> Diagnosis:
     """Degrees of freedom only: what a mesh that deforms at will leaves free has no name."""
-    from heavylift.solver.bodies.ancf.kind import BASES, FREE
-
     rank = rank_of(scaled.matrix, scaled.owner, scaled.tolerance)
-    meshes = [kind for kind in rows.layout.bodies if "strains" in kind._fields]
-    coordinates = sum(int(kind.nodal[FREE].sum()) - 3 * int(kind.table[:, BASES].sum()) for kind in meshes)
+    meshes = [kind for kind in rows.layout.bodies if "strain" in kind._fields]
+    coordinates = sum(int(kind.free.sum()) - 3 * int(kind.table["base_count"].sum()) for kind in meshes)
     return Diagnosis(
         degrees_of_freedom=len(rows.free) + coordinates - rank,
         row_count=scaled.matrix.shape[0],
@@ -172,8 +170,6 @@ def _count_with_meshes(rows: StartRows, scaled: _Scaled) -> Diagnosis:
 
 def _scaled(rows: StartRows) -> tuple[_Scaled, NDArray[np.float64]]:
     """Unit rows over the free velocities, and the factors that take scaled velocities back."""
-    from scipy.sparse import diags_array
-
     inertia, owner = rows.inertia, rows.owner
     lengths = np.ones(len(rows.free))
     meshes = rows.mesh_bodies
@@ -187,6 +183,11 @@ def _scaled(rows: StartRows) -> tuple[_Scaled, NDArray[np.float64]]:
         if mass > 0.0:
             gyration = np.sqrt(inertia[own[3:6]].max() / mass)
             lengths[place] = np.where(kind < 3, gyration, np.where(kind < 6, 1.0, gyration * np.sqrt(mass)))
+    if not rows.rigid.any():  # a scene without joints need not wait for an import
+        nothing = np.zeros((0, len(rows.free)))
+        return _Scaled(nothing, rows.block[rows.rigid], owner[rows.free], EXACT), lengths
+    from scipy.sparse import diags_array
+
     G = (rows.jacobian()[rows.rigid][:, rows.free] * lengths[None, :]).tocsr()
     norm = np.sqrt(np.asarray((G * G).sum(axis=1)).ravel())
     norm[norm == 0.0] = 1.0

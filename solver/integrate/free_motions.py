@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.ancf.kind import FIRST_NODE, FREE, NODES, NUMBER, ORIGIN, ROTATION, SIZE, Q
 from heavylift.solver.integrate.mesh_system import MeshSystem
 from heavylift.solver.integrate.motion_words import motion_words
 
@@ -101,17 +100,17 @@ def _rigid_motions(
     bodies = len(places)
     motions, fixed, parameters = [], [], []
     for number, (kind, matrices, first) in system.body_unknowns().items():
-        row = int(np.flatnonzero(kind.table[:, NUMBER] == number)[0])
+        row = int(np.flatnonzero(kind.table["number"] == number)[0])
         line, numbers = kind.table[row], kind.body[row]
-        size = float(numbers[SIZE])
-        R = numbers[ROTATION : ROTATION + 9].reshape(3, 3)
-        centre = R.T @ (places[number, 1:4] - numbers[ORIGIN : ORIGIN + 3])
+        size = float(numbers.size)
+        R = numbers.rotation
+        centre = R.T @ (places[number, 1:4] - numbers.origin)
         turn = rotation_matrix(places[number, 4:])
-        nodes = np.arange(line[FIRST_NODE], line[FIRST_NODE] + line[NODES]) * matrices.lanes
+        nodes = np.arange(line.first_node, line.first_node + line.node_count) * matrices.lanes
         slots = (nodes[:, None] + 3 * np.arange(matrices.vectors)).ravel()
-        vectors = kind.nodal[Q, slots[:, None] + np.arange(3)]
+        vectors = kind.position[slots[:, None] + np.arange(3)]
         is_position = np.tile(np.arange(matrices.vectors) == 0, len(nodes))
-        every = np.zeros((kind.nodal.shape[1], 6))
+        every = np.zeros((kind.position.shape[0], 6))
         at = slots[:, None] + np.arange(3)
         for j in range(6):
             given = np.zeros(3)
@@ -125,7 +124,7 @@ def _rigid_motions(
         own = np.zeros((system.count, 6))
         own[first : first + len(matrices.places)] = every[matrices.places]
         own[first : first + len(matrices.places)][matrices.body != row] = 0.0
-        held = every[at.ravel()[kind.nodal[FREE, at.ravel()] == 0.0]]
+        held = every[at.ravel()[kind.free[at.ravel()] == 0.0]]
         _, sigma, vt = np.linalg.svd(np.vstack([own, held]), full_matrices=False)
         basis = vt[sigma > HELD * sigma.max(initial=0.0)].T
         motions.append(own @ basis)

@@ -7,6 +7,7 @@ velocities of their bases among the first, and coordinates and velocities of all
 from __future__ import annotations
 
 import math
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +15,11 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Record, Vector
 from heavylift.solver.combination import padded
 from heavylift.solver.integrate.accurate_rows import is_tree
 from heavylift.solver.integrate.dop853 import STAGES
 from heavylift.solver.interface import (
-    DISSIPATED,
-    DRIVE_WORK,
-    EXTERNAL_WORK,
     Bodies,
     Joints,
     Systems,
@@ -30,7 +29,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import Members, implement
 
-__all__ = ["Integration", "carried", "make_integration", "stiffness_seen", "watch_stability"]
+__all__ = ["Integration", "Progress", "carried", "make_integration", "stiffness_seen", "watch_stability"]
 
 STABILITY = 6.1
 """Step times Lipschitz constant at the border of the stability region: Hairer, Norsett, Wanner, section IV.2."""
@@ -39,30 +38,6 @@ STABILITY = 6.1
 # and its rate and second rate, two errors
 STATE, STAGE, END, END_RATE, SECOND, FIFTH, THIRD, VECTORS = 0, 13, 14, 15, 16, 17, 18, 19
 
-# head of `state`: ...
-(
-    STARTED,  # 1 once the start state is taken over
-    AT_CORNER,  # 1 if the next step begins behind a corner
-    NODE,  # slot of the newest node
-    NODES_FILLED,  # nodes since the last corner
-    REJECTED,  # 1 if the last attempt was
-    STIFF,  # steps in which the step was limited by stability
-    EASY,  # steps since in which it was not
-    STIFF_SEEN,  # 1 once that was the rule
-    LOADED,  # 1 if there are forces on markers
-    DRIVEN,  # 1 if something moves as prescribed
-    LENGTH,  # of the largest body [m]
-    SOLUTIONS,  # of the system of the rows in an evaluation
-    SOFTENING,  # of the rows relative to their characteristic inverse mass
-    LOOSEST,  # largest error of a step, whatever the tolerance [m]
-    REJECTIONS,  # so far
-    MEMORY,  # longest of the recent steps [s]
-    ERROR_BEFORE,  # of the last accepted step, relative to the tolerance
-    BASED,  # 1 if joints hold bodies whose accelerations are not all among those of the workspace
-    WORKS,  # of forces, of drives, lost in dampers, at the last record [J]
-) = range(19)
-TIMES = 21  # of the nodes [s]
-HEAD = 32
 SLOTS, NEEDED = 6, 4  # nodes that are kept, and that are needed between corners before records
 NODE_ROWS = 3  # state, rates, second rates
 QUADRATURES = 3  # at the end of a vector
@@ -75,18 +50,81 @@ LOOSEST_LOOP = 1e-6
 """Largest error of a step in scenes with loops, relative to the largest body: with more they leave their branch."""
 
 
+class Progress(Record):
+    """How far the integrator is, and what it knows of the scene.
+
+    Attributes
+    ----------
+    started, at_corner
+        Whether the start state is taken over, and whether the next step begins behind a corner.
+    newest, filled
+        Slot of the newest node, and nodes since the last corner.
+    times
+        Of the nodes [s].
+    rejected, rejections
+        Whether the last attempt was rejected, and how many were so far.
+    error_before
+        Of the last accepted step, relative to the tolerance.
+    recent_step
+        Longest of the recent steps [s].
+    stiff_steps, easy_steps, stiff_seen
+        Steps that were limited by stability, steps since that were not, and whether the former was the rule.
+    works
+        Of forces, of drives, lost in dampers, at the last record [J].
+    loaded, driven, based
+        Whether there are forces on markers, whether something moves as prescribed, and whether joints hold bodies whose
+        accelerations are not all among those of the workspace.
+    length
+        Of the largest body [m].
+    solutions, softening
+        Solutions of the system of the rows in an evaluation, and their softness relative to their characteristic
+        inverse mass.
+    largest_error
+        Of a step, whatever the tolerance [m].
+    """
+
+    started: bool
+    at_corner: bool
+    newest: int
+    filled: int
+    times: Annotated[NDArray[np.float64], (SLOTS,)]
+    rejected: bool
+    rejections: int
+    error_before: float
+    recent_step: float
+    stiff_steps: int
+    easy_steps: int
+    stiff_seen: bool
+    works: Vector
+    loaded: bool
+    driven: bool
+    based: bool
+    length: float
+    solutions: int
+    softening: float
+    largest_error: float
+
+
 class Integration(Arrays):
     """What the integrator carries, and its scratch.
 
     Attributes
     ----------
-    state
-        Head, then the last four ends of steps: state, rates and second rates each; flat.
+    progress
+        How far it is.
+    nodes
+        The last ends of steps: state, rates and second rates each; flat.
     vectors
         State, rates and errors of a step, one after the other; flat.
     """
 
-    state: Floats1
+    carried_fields: ClassVar[tuple[str, ...]] = (
+        "progress",
+        "nodes",
+    )
+
+    progress: Progress
+    nodes: Floats1
     vectors: Floats1
 
 
@@ -102,8 +140,6 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
     InputError
         If there are bodies with modes, or rows with a law or compliance.
     """
-    from heavylift.solver.rows import COMPLIANCE, ROW_COLUMNS
-
     for kind in bodies:
         if not begin_stage.serves(type(kind)):
             raise InputError(
@@ -113,44 +149,43 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
                 expected="rigid bodies, frames and shells for 'accurate'; or 'dele2'",
             )
     for system in systems:
-        table = system.rows.reshape(-1, ROW_COLUMNS, system.lanes)
-        if table[:, COMPLIANCE].any():
+        if system.rows["compliance"].any():
             raise InputError(
                 "ropes, stops, friction or compliant joints",
                 source="simulation",
                 key="integrator",
                 expected="rigid joints and explicit forces for 'accurate'; or 'dele2'",
             )
-    from heavylift.solver.bodies.ancf.kind import MARKER_LEVEL, SIZE, STATE_PLACE
-    from heavylift.solver.bodies.rigid import MOTION, REACH, RigidBodies
-    from heavylift.solver.drive import DRIVEN as DRIVEN_MOTION
+    from heavylift.solver.bodies.rigid import RigidBodies
+    from heavylift.solver.drive import DRIVEN
 
     rigid = [kind for kind in bodies if isinstance(kind, RigidBodies)]
     meshes = [kind for kind in bodies if not isinstance(kind, RigidBodies)]
     place = padded(work.velocity.shape[0] + 7 * sum(len(kind.table) for kind in rigid))
     for kind in meshes:
-        kind.table[:, STATE_PLACE] = place
-        place += 2 * kind.nodal.shape[1]
+        kind.table["state_place"] = place
+        place += 2 * len(kind.position)
     size = padded(place + QUADRATURES)
-    state = np.zeros(HEAD + SLOTS * NODE_ROWS * size)
-    state[LENGTH] = max(
-        [kind.frame[:, REACH].max() for kind in rigid] + [kind.body[:, SIZE].max() for kind in meshes]
+    progress = Progress.one()
+    progress.length = max(
+        [kind.frame["reach"].max() for kind in rigid] + [kind.body["size"].max() for kind in meshes]
     )
-    loaded = [(kind.markers[:, 4] > 0).any() for kind in rigid]
-    state[LOADED] = any(loaded + [(kind.markers[:, MARKER_LEVEL] > 0).any() for kind in meshes])
-    driven = any((kind.table[:, MOTION] == DRIVEN_MOTION).any() for kind in rigid)
-    state[DRIVEN] = driven or any(hasattr(kind, "profiles") for kind in joints)
-    state[BASED] = bool(systems) and any(len(kind.bases) for kind in meshes)
+    loaded = [(kind.markers["level"] > 0).any() for kind in rigid]
+    progress.loaded = any(loaded + [(kind.markers["level"] > 0).any() for kind in meshes])
+    driven = any((kind.table["motion"] == DRIVEN).any() for kind in rigid)
+    progress.driven = driven or any(hasattr(kind, "profiles") for kind in joints)
+    progress.based = bool(systems) and any(len(kind.bases) for kind in meshes)
     if all(is_tree(system) for system in systems):
-        state[SOLUTIONS], state[SOFTENING], state[LOOSEST] = 1.0, TREE_SOFTENING, math.inf
+        progress.solutions, progress.softening, progress.largest_error = 1, TREE_SOFTENING, math.inf
     else:
-        state[SOLUTIONS], state[SOFTENING], state[LOOSEST] = 2.0, LOOP_SOFTENING, LOOSEST_LOOP * state[LENGTH]
-    return Integration(state, np.zeros(VECTORS * size))
+        progress.solutions, progress.softening = 2, LOOP_SOFTENING
+        progress.largest_error = LOOSEST_LOOP * progress.length
+    return Integration(progress, np.zeros(SLOTS * NODE_ROWS * size), np.zeros(VECTORS * size))
 
 
 def stiffness_seen(integration: Integration) -> bool:
     """Whether stability, not accuracy, limited the steps for a while: another integrator would be faster."""
-    return bool(integration.state[STIFF_SEEN])
+    return bool(integration.progress.stiff_seen)
 
 
 @implement(record_rows, Integration)
@@ -159,9 +194,9 @@ def record_works(
     integration: Integration, joints: Joints, work: Workspace, time: float, row: NDArray[np.float64]
 ) -> None:
     """Works that were integrated with the motion, into the totals."""
-    work.sums[EXTERNAL_WORK] += integration.state[WORKS]
-    work.sums[DRIVE_WORK] += integration.state[WORKS + 1]
-    work.sums[DISSIPATED] += integration.state[WORKS + 2]
+    work.sums.external_work += integration.progress.works[0]
+    work.sums.drive_work += integration.progress.works[1]
+    work.sums.dissipated += integration.progress.works[2]
 
 
 @kernel(internal=True, reassociate=True)
@@ -178,13 +213,13 @@ def _limited_by_stability(values: NDArray[np.float64], h: float) -> bool:
 @kernel(internal=True)
 def watch_stability(integration: Integration, h: float) -> None:
     """Fifteen steps at the border of stability, never six away from it, are a stiff scene."""
-    state = integration.state
+    progress = integration.progress
     if _limited_by_stability(integration.vectors, h):
-        state[EASY] = 0.0
-        state[STIFF] += 1.0
-        if state[STIFF] >= 15.0:
-            state[STIFF_SEEN] = 1.0
+        progress.easy_steps = 0
+        progress.stiff_steps += 1
+        if progress.stiff_steps >= 15:
+            progress.stiff_seen = True
     else:
-        state[EASY] += 1.0
-        if state[EASY] >= 6.0:
-            state[STIFF] = 0.0
+        progress.easy_steps += 1
+        if progress.easy_steps >= 6:
+            progress.stiff_steps = 0

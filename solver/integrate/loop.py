@@ -6,17 +6,7 @@ from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.solver.interface import (
-    DISSIPATED,
-    DRIVE_WORK,
-    ELASTIC,
-    EXTERNAL_WORK,
-    FIELD,
-    KINETIC,
-    LINEAR_MOMENTUM,
-    POINT_FORCE,
-    POTENTIAL,
     RECORD,
-    SUM_COUNT,
     Bodies,
     Forces,
     Joints,
@@ -58,9 +48,9 @@ def evaluate_forces(
     fill_markers(bodies, at_midpoint, level, work)
     for marker in range(work.markers.shape[0]):
         for k in range(3):
-            work.markers[marker, POINT_FORCE + k] = 0.0
+            work.markers[marker].force[k] = 0.0
     for k in range(3):
-        work.sums[FIELD + k] = 0.0
+        work.sums.gravity[k] = 0.0
     add_forces(forces, time, work)
 
 
@@ -80,20 +70,18 @@ def write_record(
     gather_rows(systems, bodies, joints, work, time)
     record(bodies, time, work, row)
     sums = work.sums
-    for i in range(KINETIC, SUM_COUNT):
-        sums[i] = 0.0
+    sums.kinetic = sums.elastic = sums.potential = 0.0
+    sums.external_work = sums.drive_work = sums.dissipated = 0.0
+    for k in range(3):
+        sums.linear_momentum[k] = sums.angular_momentum[k] = 0.0
     add_totals(bodies, work)
     record_forces(forces, time, work, row)
     record_rows(systems, joints, work, time, row)
     end = row.shape[0] - TOTAL_COLUMNS
-    for i in range(6):
-        row[end + i] = sums[KINETIC + i]
-        row[end + 7 + i] = sums[LINEAR_MOMENTUM + i]
+    row[end], row[end + 1], row[end + 2] = sums.kinetic, sums.elastic, sums.potential
+    row[end + 3], row[end + 4], row[end + 5] = sums.external_work, sums.drive_work, sums.dissipated
+    for k in range(3):
+        row[end + 7 + k], row[end + 10 + k] = sums.linear_momentum[k], sums.angular_momentum[k]
     row[end + 6] = (
-        sums[KINETIC]
-        + sums[ELASTIC]
-        + sums[POTENTIAL]
-        - sums[EXTERNAL_WORK]
-        - sums[DRIVE_WORK]
-        + sums[DISSIPATED]
+        sums.kinetic + sums.elastic + sums.potential - sums.external_work - sums.drive_work + sums.dissipated
     )

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.bodies.ancf.kind import Q
 from heavylift.solver.integrate.arc_length import trace_path
 from heavylift.solver.integrate.consistent_start import close_velocities
 from heavylift.solver.integrate.free_motions import FreeMotions, find_free_motions
@@ -63,7 +62,7 @@ def _search(rows: StartRows) -> tuple[_Search, FreeMotions]:
             expected="supports, joints, springs or ropes that hold all bodies",
         )
     begin = system.snapshot()
-    coordinates = [kind.nodal[Q].copy() for kind in system.meshes]
+    coordinates = [kind.position.copy() for kind in system.meshes]
     progress = Progress(np.zeros(system.joints()[0].shape[0]))
     return _Search(system, progress, begin, coordinates, rows.survey()[0]), motions
 
@@ -153,7 +152,7 @@ def _finish(search: _Search, motions: FreeMotions) -> Equilibrium:
     rows.put_reactions(reactions)
     moved = float(np.linalg.norm(rows.survey()[0][:, 1:4] - search.places[:, 1:4], axis=1).max(initial=0.0))
     for kind, matrices, before in zip(system.meshes, system.matrices, search.coordinates, strict=True):
-        change = (kind.nodal[Q] - before).reshape(-1, matrices.lanes)[:, :3]
+        change = (kind.position - before).reshape(-1, matrices.lanes)[:, :3]
         nodes = np.unique(matrices.all_places // matrices.lanes)
         moved = max(moved, float(np.linalg.norm(change[nodes], axis=1).max(initial=0.0)))
     way = search.way if search.way.startswith(",") else f", {search.way}" if search.way else ""

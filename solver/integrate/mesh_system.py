@@ -15,41 +15,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.records import numbers_in
 from heavylift.solver.bodies.ancf.at_rest import (
     difference_follower,
     fill_stiffness,
     fill_stress_forces,
     fill_weight_and_loads,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    BASES,
-    DOF,
-    FOLLOWER_ELEMENT,
-    FOLLOWER_NODE,
-    LOAD,
-    LOAD_COUNT,
-    LOAD_DATA,
-    LOAD_PLACE,
-    LOAD_TABLE,
-    LOAD_TYPE,
-    MARKER_BODY,
-    MARKER_LEVEL,
-    MARKER_NUMBER,
-    NUMBER,
-    RIGHT,
-    SIZE,
-    FrameMeshes,
-    Q,
-    ShellMeshes,
-    V,
-)
+from heavylift.solver.bodies.ancf.frame_data import frame_follower
+from heavylift.solver.bodies.ancf.kind import FOLLOWER_ELEMENT, FOLLOWER_NODE, FrameMeshes, ShellMeshes
 from heavylift.solver.bodies.ancf.sparse_matrices import MeshMatrices, mesh_matrices
 from heavylift.solver.integrate.mesh_kernels import evaluate_loads
 from heavylift.solver.integrate.rows_at_rest import fill_at_rest
 from heavylift.solver.integrate.start_rows import StartRows
 from heavylift.solver.integrate.static_forces import STEP
-from heavylift.solver.interface import FIELD, FORCES, POINT_FORCE, collect_load, move
-from heavylift.solver.rows import SOFTNESS, TARGET
+from heavylift.solver.interface import FORCES, collect_load, move
 
 __all__ = ["MeshSystem"]
 
@@ -124,7 +104,7 @@ class MeshSystem:
     def _extent(self) -> float:
         """Size of the scene [m]."""
         places, inertia = self.rows.survey()[:2]
-        sizes = [float(size) for kind in self.meshes for size in kind.body[:, SIZE]]
+        sizes = [float(size) for kind in self.meshes for size in kind.body["size"]]
         sizes += [
             2.0 * float(np.sqrt(inertia[first + 3 : first + 6].max() / inertia[first]))
             for first in self.rows.owner_starts[np.isin(self.rows.owner_starts, self.dofs)]
@@ -141,7 +121,7 @@ class MeshSystem:
         )
         sizes = np.concatenate(
             [
-                *(mesh.body[m.body, SIZE] for mesh, m in zip(self.meshes, self.matrices, strict=True)),
+                *(mesh.body["size"][m.body] for mesh, m in zip(self.meshes, self.matrices, strict=True)),
                 np.full(len(self.dofs), self.length),
             ]
         )
@@ -155,13 +135,8 @@ class MeshSystem:
 
     def snapshot(self) -> Any:
         """Coordinates of the meshes; arrays of other bodies and of joints."""
-        arrays = [
-            array
-            for kind in (*self.others, *self.layout.joints)
-            for array in kind
-            if isinstance(array, np.ndarray) and array.dtype == np.float64
-        ]
-        arrays += [kind.nodal[Q] for kind in self.meshes]
+        arrays = [array for kind in (*self.others, *self.layout.joints) for array in numbers_in(kind)]
+        arrays += [kind.position for kind in self.meshes]
         return [(array, array.copy()) for array in arrays]
 
     def restore(self, snapshot: Any) -> None:
@@ -172,7 +147,7 @@ class MeshSystem:
     def move(self, increment: NDArray[np.float64]) -> None:
         """Displace everything."""
         for kind, matrices, part in zip(self.meshes, self.matrices, self._split(increment), strict=True):
-            kind.nodal[Q, matrices.places] += part
+            kind.position[matrices.places] += part
         if len(self.dofs):
             full = np.zeros(len(self.rows.inertia))
             full[self.dofs] = increment[self.first[-1] :]
@@ -181,7 +156,7 @@ class MeshSystem:
     def stop(self) -> None:
         """Take all velocities away."""
         for kind in self.meshes:
-            kind.nodal[V] = 0.0
+            kind.velocity[:] = 0.0
         self.rows.put_velocity(np.zeros(len(self.rows.inertia)))
 
     def _split(self, values: NDArray[np.float64]) -> list[NDArray[np.float64]]:
@@ -195,7 +170,7 @@ class MeshSystem:
         force = np.zeros(self.count)
         for kind, matrices, part in zip(self.meshes, self.matrices, self._split(force), strict=True):
             fill_stress_forces((kind,))
-            part[:] = kind.nodal[RIGHT, matrices.places] + matrices.bending_force(kind.nodal[Q])
+            part[:] = kind.right_hand_side[matrices.places] + matrices.bending_force(kind.position)
         if self._has_inner():
             pull, _ = self._inner_pull()
             force -= self.T.T @ pull
@@ -208,7 +183,7 @@ class MeshSystem:
         force = np.zeros(self.count)
         for kind, matrices, part in zip(self.meshes, self.matrices, self._split(force), strict=True):
             fill_weight_and_loads((kind,), layout.work, self.rows.time)
-            part[:] = (kind.nodal[RIGHT] + kind.nodal[LOAD])[matrices.places]
+            part[:] = (kind.right_hand_side + kind.external_force)[matrices.places]
         if len(self.dofs):
             pull = np.zeros(len(self.rows.inertia))
             collect_load(self.others, layout.work, pull)
@@ -223,17 +198,17 @@ class MeshSystem:
         """``J^T f`` of the markers on meshes that forces act on."""
         work = self.layout.work
         for kind in self.meshes:
-            for marker in kind.markers[kind.markers[:, MARKER_LEVEL] == FORCES]:
-                number, line = marker[MARKER_NUMBER], kind.table[marker[MARKER_BODY]]
-                width = 3 * line[BASES]
-                force = work.markers[number, POINT_FORCE : POINT_FORCE + 3]
-                load[line[DOF] : line[DOF] + width] += work.jacobian[number, :, :width].T @ force
+            for marker in kind.markers[kind.markers["level"] == FORCES]:
+                number, line = marker.number, kind.table[marker.body]
+                width = 3 * line.base_count
+                force = work.markers[number].force
+                load[line.dof : line.dof + width] += work.jacobian[number, :, :width].T @ force
 
     def _elasticity(self) -> NDArray[np.float64]:
         """Elasticity of bodies with modes, shape (dof_count,); forces of the markers are lost."""
         work, pull = self.layout.work, np.zeros(len(self.rows.inertia))
-        work.markers[:, POINT_FORCE : POINT_FORCE + 3] = 0.0
-        work.sums[FIELD : FIELD + 3] = 0.0
+        work.markers["force"] = 0.0
+        work.sums.gravity[:] = 0.0
         collect_load(self.others, work, pull)
         return pull
 
@@ -253,7 +228,7 @@ class MeshSystem:
         reaction = np.zeros(len(rows.block))
         if layout.systems:
             soft = ~rows.rigid
-            reaction[soft] = 2.0 * rows.column(TARGET)[soft] / (STEP * rows.column(SOFTNESS)[soft])
+            reaction[soft] = 2.0 * rows.column("target")[soft] / (STEP * rows.column("softness")[soft])
             pull += rows.jacobian().T @ reaction
         pull[self._prescribed] = 0.0
         return pull, reaction
@@ -319,19 +294,21 @@ class MeshSystem:
         entries: list[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]] = []
         body_of = matrices.load_bodies(kind)
         for load, line in enumerate(kind.loads):
-            if line[LOAD_TYPE] not in (FOLLOWER_ELEMENT, FOLLOWER_NODE):
+            if line.type not in (FOLLOWER_ELEMENT, FOLLOWER_NODE):
                 continue
-            table = kind.constants[line[LOAD_TABLE] :][: 2 * line[LOAD_COUNT]].reshape(2, -1)
+            table = kind.constants[line.table :][: 2 * line.table_length].reshape(2, -1)
             amount = float(np.interp(self.rows.time, table[0], table[1]))
-            if line[LOAD_TYPE] == FOLLOWER_ELEMENT:
-                nodes = kind.elements[line[LOAD_PLACE], : matrices.nodes]
+            if line.type == FOLLOWER_ELEMENT:
+                nodes = kind.elements[line.place].nodes[: matrices.nodes]
                 places = (nodes[:, None] + np.arange(matrices.rows)).ravel()
                 out = np.zeros((len(places), len(places)))
                 difference_follower((kind,), int(body_of[load]), load, amount, DIFFERENCE, places, out)
             else:
-                places = line[LOAD_PLACE] + np.arange(matrices.rows)
-                data = kind.constants[line[LOAD_DATA] :][:5]
-                out = amount * _node_follower(kind.nodal[Q, places], data[0] * data[2:], data[1])
+                places = line.place + np.arange(matrices.rows)
+                given = frame_follower(kind.constants, line.data)
+                out = amount * _node_follower(
+                    kind.position[places], given.normal * given.axis, given.tangential
+                )
             number = matrices.number(places)
             entries.append((np.repeat(number, len(number)), np.tile(number, len(number)), out.ravel()))
         if not entries:
@@ -374,7 +351,7 @@ class MeshSystem:
         for first, changes, dofs, kind in zip(
             self.first[:-1], self._changes, self.base_dofs, self.meshes, strict=True
         ):
-            step = DIFFERENCE * float(kind.body[:, SIZE].max())
+            step = DIFFERENCE * float(kind.body["size"].max())
             for column, dof in enumerate(dofs):
                 if changes[:, column].any():
                     direction = np.zeros(self.count)
@@ -409,7 +386,7 @@ class MeshSystem:
     def body_unknowns(self) -> dict[int, tuple[Any, MeshMatrices, int]]:
         """Kind, matrices and first unknown by number of each mesh."""
         return {
-            int(line[NUMBER]): (kind, matrices, int(first))
+            int(line.number): (kind, matrices, int(first))
             for kind, matrices, first in zip(self.meshes, self.matrices, self.first[:-1], strict=True)
             for line in kind.table
         }

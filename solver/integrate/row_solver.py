@@ -24,23 +24,7 @@ from heavylift.numerics.lanes import (
 )
 from heavylift.solver.rows import (
     DIAGONAL,
-    DOF,
     FACTORED,
-    HOLDER,
-    IMPULSE,
-    LOWER,
-    LOWER_COUNT,
-    NODE,
-    OWNER,
-    PANEL,
-    PIVOT,
-    ROW_COLUMNS,
-    SCALE,
-    SOFTNESS,
-    SOLUTION,
-    TARGET,
-    UPDATE,
-    WIDTH,
     RowSystem,
 )
 
@@ -63,13 +47,9 @@ def assemble(system: RowSystem) -> None:
         for r in range(rows * lanes):
             system.blocks[system.fill[i] + r] = 0.0
     for i in range(system.pairs.shape[0]):
-        place, left, right, width = (
-            system.pairs[i, 0],
-            system.pairs[i, 1],
-            system.pairs[i, 2],
-            system.pairs[i, 3],
-        )
-        dof = system.pairs[i, 4]
+        product = system.pairs[i]
+        place, left, right = product.place, product.left, product.right
+        width, dof = product.width, product.dof
         if dof < 0:
             for k in range(width):
                 add_outer_product(
@@ -81,7 +61,7 @@ def assemble(system: RowSystem) -> None:
                     system.panels,
                     right + k * lanes,
                 )
-        elif system.pairs[i, 5] == 1:
+        elif product.first:
             put_rigid_product(
                 shape,
                 system.blocks,
@@ -106,10 +86,10 @@ def assemble(system: RowSystem) -> None:
                 dof,
             )
     for j in range(system.columns.shape[0]):
-        softness = (system.columns[j, NODE] * ROW_COLUMNS + SOFTNESS) * lanes
-        pivot = system.columns[j, PIVOT]
+        softness = system.rows[system.columns[j].node].softness
+        pivot = system.columns[j].pivot
         for r in range(rows):
-            system.blocks[pivot + r * (lanes + 1)] += system.rows[softness + r]
+            system.blocks[pivot + r * (lanes + 1)] += softness[r]
     if system.hubs.shape[0] > 0:
         _assemble_hubs(system)
 
@@ -119,7 +99,8 @@ def _assemble_hubs(system: RowSystem) -> None:
     """Pivots ``-A`` and couplings ``G`` of the bodies that stay in the system."""
     lanes = len(system.shape[1])
     for i in range(system.hubs.shape[0]):
-        _, place, first, later = system.hubs[i]
+        hub = system.hubs[i]
+        place, first, later = hub.place, hub.first, hub.later
         for k in range(6):
             if later < 0:
                 system.blocks[place + k * (lanes + 1)] = -1.0 / system.inverse_mass[first + k]
@@ -140,19 +121,19 @@ def factor_rows(system: RowSystem) -> None:
     scratch = blocks.shape[0] - len(shape[0]) * len(shape[1])
     for j in range(system.columns.shape[0]):
         pivot, first, count = (
-            system.columns[j, PIVOT],
-            system.columns[j, LOWER],
-            system.columns[j, LOWER_COUNT],
+            system.columns[j].pivot,
+            system.columns[j].lower,
+            system.columns[j].lower_count,
         )
-        update = system.columns[j, UPDATE]
+        update = system.columns[j].update
         factor_pivot(shape, blocks, pivot)
         for l in range(first, first + count):
-            solve_off_diagonal(shape, blocks, system.lower[l, 1], blocks, pivot)
+            solve_off_diagonal(shape, blocks, system.lower[l].place, blocks, pivot)
         for l in range(first, first + count):
-            scale_block(shape, blocks, scratch, blocks, system.lower[l, 1], blocks, pivot)
+            scale_block(shape, blocks, scratch, blocks, system.lower[l].place, blocks, pivot)
             for k in range(l, first + count):
                 subtract_product(
-                    shape, blocks, system.updates[update], blocks, scratch, blocks, system.lower[k, 1]
+                    shape, blocks, system.updates[update], blocks, scratch, blocks, system.lower[k].place
                 )
                 update += 1
 
@@ -160,16 +141,15 @@ def factor_rows(system: RowSystem) -> None:
 @kernel(inline=True, internal=True)
 def subtract_rates(system: RowSystem, velocity: NDArray[np.float64]) -> None:
     """``SOLUTION -= G U`` of all rows."""
-    lanes = len(system.shape[1])
     for i in range(system.attachments.shape[0]):
-        out = (system.attachments[i, OWNER] * ROW_COLUMNS + SOLUTION) * lanes
+        out = system.rows[system.attachments[i].owner].solution
         dof, count, panel = (
-            system.attachments[i, DOF],
-            system.attachments[i, WIDTH],
-            system.attachments[i, PANEL],
+            system.attachments[i].dof,
+            system.attachments[i].width,
+            system.attachments[i].panel,
         )
         if count == 6:
-            subtract_rigid_rows(system.shape, system.rows, out, system.panels, panel, velocity, dof)
+            subtract_rigid_rows(system.shape, out, 0, system.panels, panel, velocity, dof)
         elif count > 0:
             _subtract_wide_rows(system, out, panel, velocity, dof, count)
 
@@ -178,28 +158,26 @@ def subtract_rates(system: RowSystem, velocity: NDArray[np.float64]) -> None:
 def _substitute(system: RowSystem) -> None:
     """``SOLUTION := S^-1 SOLUTION``, forwards and backwards."""
     shape, rows = system.shape, system.rows
-    lanes = len(shape[1])
-    width = ROW_COLUMNS * lanes
     for j in range(system.columns.shape[0]):
-        z = system.columns[j, NODE] * width + SOLUTION * lanes
-        first, count = system.columns[j, LOWER], system.columns[j, LOWER_COUNT]
-        forward_pivot(shape, rows, z, system.blocks, system.columns[j, PIVOT])
+        z = rows[system.columns[j].node].solution
+        first, count = system.columns[j].lower, system.columns[j].lower_count
+        forward_pivot(shape, z, 0, system.blocks, system.columns[j].pivot)
         for l in range(first, first + count):
-            other = system.lower[l, 0] * width + SOLUTION * lanes
-            subtract_forward(shape, rows, other, system.blocks, system.lower[l, 1], rows, z)
+            other = rows[system.lower[l].node].solution
+            subtract_forward(shape, other, 0, system.blocks, system.lower[l].place, z, 0)
     for j in range(system.columns.shape[0] - 1, -1, -1):
-        z = system.columns[j, NODE] * width + SOLUTION * lanes
+        z = rows[system.columns[j].node].solution
         pivot, first, count = (
-            system.columns[j, PIVOT],
-            system.columns[j, LOWER],
-            system.columns[j, LOWER_COUNT],
+            system.columns[j].pivot,
+            system.columns[j].lower,
+            system.columns[j].lower_count,
         )
         for l in range(first, first + count):
-            other = system.lower[l, 0] * width + SOLUTION * lanes
+            other = rows[system.lower[l].node].solution
             subtract_backward(
-                shape, rows, z, system.blocks, system.lower[l, 1], system.blocks, pivot, rows, other
+                shape, z, 0, system.blocks, system.lower[l].place, system.blocks, pivot, other, 0
             )
-        backward_pivot(shape, rows, z, system.blocks, pivot)
+        backward_pivot(shape, z, 0, system.blocks, pivot)
 
 
 @kernel(inline=True, internal=True)
@@ -207,29 +185,28 @@ def _spread(system: RowSystem, velocity: NDArray[np.float64]) -> None:
     """``U += A^-1 G^T SOLUTION``; of hubs the solution has the velocities themselves."""
     shape, rows = system.shape, system.rows
     lanes = len(shape[1])
-    width = ROW_COLUMNS * lanes
     half = system.panels.shape[0] // 2
     for i in range(system.attachments.shape[0]):
-        holder = system.attachments[i, HOLDER]
+        holder = system.attachments[i].holder
         if holder != DIAGONAL and holder != FACTORED:  # noqa: PLR1714  a set costs time here
             continue
         dof, count, panel = (
-            system.attachments[i, DOF],
-            system.attachments[i, WIDTH],
-            system.attachments[i, PANEL],
+            system.attachments[i].dof,
+            system.attachments[i].width,
+            system.attachments[i].panel,
         )
-        z = system.attachments[i, OWNER] * width + SOLUTION * lanes
+        z = rows[system.attachments[i].owner].solution
         if holder == DIAGONAL:
-            add_rigid_dots(shape, velocity, dof, system.panels, panel, rows, z, system.inverse_mass, dof)
+            add_rigid_dots(shape, velocity, dof, system.panels, panel, z, 0, system.inverse_mass, dof)
         else:
             for k in range(count):
-                add_dot(shape, velocity, dof + k, system.panels, half + panel + k * lanes, rows, z)
+                add_dot(shape, velocity, dof + k, system.panels, half + panel + k * lanes, z, 0)
     for i in range(system.hubs.shape[0]):
-        node, _, first, later = system.hubs[i]
-        if later < 0:
-            z = node * width + SOLUTION * lanes
+        hub = system.hubs[i]
+        if hub.later < 0:
+            z = rows[hub.node].solution
             for k in range(6):
-                velocity[first + k] += rows[z + k]
+                velocity[hub.first + k] += z[k]
 
 
 @kernel(inline=True, internal=True)
@@ -239,30 +216,25 @@ def solve_rows(system: RowSystem, velocity: NDArray[np.float64]) -> None:
     ``S dP = target - Z P - G U``: the same call starts, corrects by another factor, and refines.
     """
     lanes = len(system.shape[1])
-    width = ROW_COLUMNS * lanes
-    rows = system.rows
     for node in range(system.columns.shape[0]):
-        out = node * width + SOLUTION * lanes
-        target = node * width + TARGET * lanes
-        softness, impulse = node * width + SOFTNESS * lanes, node * width + IMPULSE * lanes
+        row = system.rows[node]
         for r in range(lanes):
-            rows[out + r] = rows[target + r] - rows[softness + r] * rows[impulse + r]
+            row.solution[r] = row.target[r] - row.softness[r] * row.impulse[r]
     subtract_rates(system, velocity)
     _substitute(system)
     for node in range(system.attachments.shape[0] // 2):
-        z, impulse = node * width + SOLUTION * lanes, node * width + IMPULSE * lanes
+        row = system.rows[node]
         for r in range(lanes):
-            rows[impulse + r] += rows[z + r]
+            row.impulse[r] += row.solution[r]
     _spread(system, velocity)
 
 
 @kernel(internal=True)
 def respond_rows(system: RowSystem, velocity: NDArray[np.float64]) -> None:
     """``U -= X S^-1 G U``: what the rows leave of a velocity that something else has caused; impulses stay."""
-    width = ROW_COLUMNS * len(system.shape[1])
     for node in range(system.columns.shape[0]):
         for r in range(len(system.shape[1])):
-            system.rows[node * width + SOLUTION * len(system.shape[1]) + r] = 0.0
+            system.rows[node].solution[r] = 0.0
     subtract_rates(system, velocity)
     _substitute(system)
     _spread(system, velocity)
@@ -270,13 +242,18 @@ def respond_rows(system: RowSystem, velocity: NDArray[np.float64]) -> None:
 
 @kernel(internal=True)
 def _subtract_wide_rows(
-    system: RowSystem, out: int, panel: int, velocity: NDArray[np.float64], dof: int, count: int
+    system: RowSystem,
+    out: NDArray[np.float64],
+    panel: int,
+    velocity: NDArray[np.float64],
+    dof: int,
+    count: int,
 ) -> None:
     """``out -= G^T u`` over any number of velocities."""
     lanes = len(system.shape[1])
     for k in range(count):
         for r in range(lanes):
-            system.rows[out + r] -= system.panels[panel + k * lanes + r] * velocity[dof + k]
+            out[r] -= system.panels[panel + k * lanes + r] * velocity[dof + k]
 
 
 @kernel(internal=True)
@@ -285,12 +262,12 @@ def smallest_pivot(system: RowSystem) -> float:
     rows, lanes = len(system.shape[0]), len(system.shape[1])
     smallest = 1e300
     for j in range(system.columns.shape[0]):
-        node = system.columns[j, NODE]
+        node = system.columns[j].node
         if 2 * node >= system.attachments.shape[0]:
             continue
         for r in range(rows):
-            inverse = system.blocks[system.columns[j, PIVOT] + r * (lanes + 1)]
-            scale = system.rows[(node * ROW_COLUMNS + SCALE) * lanes + r]
+            inverse = system.blocks[system.columns[j].pivot + r * (lanes + 1)]
+            scale = system.rows[node].scale[r]
             if scale > 0.0:  # not padding
                 smallest = min(smallest, 1.0 / (inverse * scale))
     return smallest

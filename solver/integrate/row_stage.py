@@ -27,12 +27,7 @@ from heavylift.solver.integrate.row_solver import (
     solve_rows,
 )
 from heavylift.solver.interface import (
-    CHANGED,
     FORCES,
-    LAST_STEP,
-    SPLIT,
-    STATUS_BLOCK,
-    STATUS_OUTCOME,
     Bodies,
     Joints,
     Systems,
@@ -61,20 +56,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.row_impulses import add_impulses
 from heavylift.solver.rows import (
-    COMPLIANCE,
-    HALF_IMPULSE,
-    HOLD,
-    IMPULSE,
-    LAST_REACTION,
-    REACTION,
     REGULARISATION,
-    RELAXATION,
-    RESIDUAL,
-    RIGID,
-    ROW_COLUMNS,
-    SCALE,
-    SOFTNESS,
-    TARGET,
     RowSystem,
 )
 
@@ -112,20 +94,20 @@ def solve_midpoint_laws(
 def fit_laws(system: RowSystem, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """Rounds of the Newton iteration, the first with the factor that is there; without laws it is the only one.
 
-    Then `work.control[CHANGED]` stays as it is: bodies that iterate count in it.
+    Then `work.control.changed` stays as it is: bodies that iterate count in it.
     """
     if not system.laws:
         solve_rows(system, work.velocity)
         return
     for _ in range(LAW_ITERATIONS):
         solve_rows(system, work.velocity)
-        work.control[CHANGED] = 0.0
+        work.control.changed = 0
         relinearise(joints, time, step, work, system)
-        if work.control[CHANGED] == 0.0:
+        if work.control.changed == 0:
             return
         assemble(system)
         factor_rows(system)
-    work.status[STATUS_OUTCOME] = NOT_CONVERGED
+    work.status.outcome = NOT_CONVERGED
 
 
 @implement(solve_again, RowSystem)
@@ -172,33 +154,31 @@ def _start_midpoint(
     fill_rows(joints, False, work, system)
     rate = 1.0 / nominal
     for node in range(system.attachments.shape[0] // 2):
-        at = node * ROW_COLUMNS * lanes
-        if system.rows[at + RIGID * lanes] == 0.0 or system.rows[at + RELAXATION * lanes] > 0.0:
-            _aim_compliant(system, at, step, nominal)
+        row = system.rows[node]
+        if row.rigid[0] == 0.0 or row.relaxation[0] > 0.0:
+            _aim_compliant(system, node, step, nominal)
             continue
         for r in range(lanes):
-            system.rows[at + IMPULSE * lanes + r] = 0.0
-            system.rows[at + TARGET * lanes + r] = -rate * system.rows[at + RESIDUAL * lanes + r]
-            system.rows[at + SOFTNESS * lanes + r] = system.rows[at + HOLD * lanes + r]
+            row.impulse[r] = 0.0
+            row.target[r] = -rate * row.residual[r]
+            row.softness[r] = row.hold[r]
     set_targets(joints, time, step, True, work, system)
     apply_inverse(bodies, True, system)
 
 
 @kernel(internal=True)
-def _aim_compliant(system: RowSystem, at: int, step: float, nominal: float) -> None:
+def _aim_compliant(system: RowSystem, node: int, step: float, nominal: float) -> None:
     """Targets and softness of a block with physical compliance or relaxation; laws replace them."""
-    lanes = len(system.shape[1])
+    row, lanes = system.rows[node], len(system.shape[1])
     for r in range(lanes):
-        system.rows[at + IMPULSE * lanes + r] = 0.0
-        scale = system.rows[at + SCALE * lanes + r]
+        row.impulse[r] = 0.0
+        scale = row.scale[r]
         if scale > 0.0:
-            compliance = system.rows[at + COMPLIANCE * lanes + r]
-            relaxation = system.rows[at + RELAXATION * lanes + r]
+            compliance = row.compliance[r]
+            relaxation = row.relaxation[r]
             delay = (nominal if compliance == 0.0 else 0.5 * nominal) + relaxation
-            system.rows[at + TARGET * lanes + r] = -system.rows[at + RESIDUAL * lanes + r] / delay
-            system.rows[at + SOFTNESS * lanes + r] = REGULARISATION * scale + 2.0 * compliance / (
-                step * (0.5 * step + relaxation)
-            )
+            row.target[r] = -row.residual[r] / delay
+            row.softness[r] = REGULARISATION * scale + 2.0 * compliance / (step * (0.5 * step + relaxation))
 
 
 @kernel(internal=True)
@@ -207,16 +187,16 @@ def end_step(
 ) -> None:
     """End of the step: velocities projected onto the rigid rows there, impacts, reactions of the step.
 
-    With `work.control[SPLIT]` set an impact lies within the step, or contacts were not found at its end: then all
+    With `work.control.split` set an impact lies within the step, or contacts were not found at its end: then all
     of it has to be taken back.
     """
     end_rows(systems, bodies, joints, work, time, step)
     locate_ends(systems, bodies, work, time, step)
-    if work.control[SPLIT] > 0.0:
+    if work.control.split > 0.0:
         return
     solve_end(systems, bodies, joints, work, time, step)
     project_contacts(systems, bodies, systems, joints, work, time, step)
-    if work.control[SPLIT] > 0.0:
+    if work.control.split > 0.0:
         return
     close_step(systems, systems, bodies, work, step)
 
@@ -233,9 +213,9 @@ def end_row_system(
     end_velocity(bodies, step, work)
     fill_markers(bodies, False, FORCES, work)  # damped springs are rows on markers with rates
     for node in range(system.attachments.shape[0] // 2):
-        at = node * ROW_COLUMNS * lanes
+        row = system.rows[node]
         for r in range(lanes):
-            system.rows[at + HALF_IMPULSE * lanes + r] = system.rows[at + IMPULSE * lanes + r]
+            row.half_impulse[r] = row.impulse[r]
 
 
 @implement(solve_end, RowSystem)
@@ -247,11 +227,11 @@ def solve_end_rows(
     lanes = len(system.shape[1])
     fill_rows(joints, True, work, system)
     for node in range(system.attachments.shape[0] // 2):
-        at = node * ROW_COLUMNS * lanes
+        row = system.rows[node]
         for r in range(lanes):
-            system.rows[at + IMPULSE * lanes + r] = 0.0
-            system.rows[at + TARGET * lanes + r] = 0.0
-            system.rows[at + SOFTNESS * lanes + r] = system.rows[at + HOLD * lanes + r]
+            row.impulse[r] = 0.0
+            row.target[r] = 0.0
+            row.softness[r] = row.hold[r]
     set_targets(joints, time + step, step, False, work, system)
     apply_inverse(bodies, False, system)
     assemble(system)
@@ -270,18 +250,16 @@ def close_row_step(
     complete(bodies, all_systems, False, step, work)
     set_velocity(bodies, step, work)
     _check_closed(system, work)
-    ahead = step / (step + work.control[LAST_STEP])
+    ahead = step / (step + work.control.last_step)
     rate = 1.0 / step
     for node in range(system.attachments.shape[0] // 2):
-        at = node * ROW_COLUMNS * lanes
+        row = system.rows[node]
         for r in range(lanes):
             # of second order in the middle of the step only, and only with the part of the projection
-            middle = rate * (
-                2.0 * system.rows[at + HALF_IMPULSE * lanes + r] + system.rows[at + IMPULSE * lanes + r]
-            )
-            before = system.rows[at + LAST_REACTION * lanes + r]
-            system.rows[at + REACTION * lanes + r] = middle + ahead * (middle - before)
-            system.rows[at + LAST_REACTION * lanes + r] = middle
+            middle = rate * (2.0 * row.half_impulse[r] + row.impulse[r])
+            before = row.last_reaction[r]
+            row.reaction[r] = middle + ahead * (middle - before)
+            row.last_reaction[r] = middle
 
 
 @implement(respond, RowSystem)
@@ -298,13 +276,13 @@ def follow_laws(system: RowSystem, joints: Joints, work: Workspace, time: float,
     solve_rows(system, work.velocity)
     if not system.laws:
         return
-    work.control[CHANGED] = 0.0
+    work.control.changed = 0
     relinearise(joints, time, step, work, system)
-    if work.control[CHANGED] > 0.0:
+    if work.control.changed > 0:
         assemble(system)
         factor_rows(system)
         fit_laws(system, joints, work, time, step)
-        work.control[CHANGED] = 1.0
+        work.control.changed = 1
 
 
 @implement(follow_end, RowSystem)
@@ -319,13 +297,13 @@ def _check_closed(system: RowSystem, work: Workspace) -> None:
     """Refuse a step that leaves a joint apart, or anything that is not a number."""
     lanes = len(system.shape[1])
     for node in range(system.attachments.shape[0] // 2):
-        at = node * ROW_COLUMNS * lanes
+        row = system.rows[node]
         total = 0.0
         for r in range(lanes):
-            total += abs(system.rows[at + RIGID * lanes + r] * system.rows[at + RESIDUAL * lanes + r])
+            total += abs(row.rigid[r] * row.residual[r])
         if not total <= 1.0:
-            work.status[STATUS_OUTCOME] = NOT_CLOSED
-            work.status[STATUS_BLOCK] = node
+            work.status.outcome = NOT_CLOSED
+            work.status.block = node
 
 
 @implement(gather_rows, RowSystem)
@@ -349,10 +327,10 @@ def record_row_system(
     record_joints(joints, time, work, system, row)
     violation = 0.0
     for node in range(system.attachments.shape[0] // 2):
-        at = node * ROW_COLUMNS * lanes
+        rigid, residual = system.rows[node].rigid, system.rows[node].residual
         for r in range(lanes):
-            if system.rows[at + RIGID * lanes + r] > 0.0:
-                violation = max(violation, abs(system.rows[at + RESIDUAL * lanes + r]))
+            if rigid[r] > 0.0:
+                violation = max(violation, abs(residual[r]))
     if system.monitor >= 0:
         row[system.monitor] = violation
         row[system.monitor + 1] = smallest_pivot(system)

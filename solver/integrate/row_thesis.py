@@ -23,17 +23,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement, optional
 from heavylift.solver.rows import (
-    COMPLIANCE,
-    IMPULSE,
-    REACTION,
     REGULARISATION,
-    RELAXATION,
-    RESIDUAL,
-    ROW_COLUMNS,
-    SCALE,
-    SOFTNESS,
-    SOLUTION,
-    TARGET,
     RowSystem,
 )
 
@@ -57,24 +47,19 @@ def start_thesis_rows(
     write_velocity(bodies, work)
     for node in range(blocks):
         for r in range(lanes):
-            system.rows[(node * ROW_COLUMNS + SOLUTION) * lanes + r] = 0.0
+            system.rows[node].solution[r] = 0.0
     subtract_rates(system, work.velocity)
     for node in range(blocks):
-        at = node * ROW_COLUMNS * lanes
+        row = system.rows[node]
         for r in range(rows):
-            system.rows[at + IMPULSE * lanes + r] = 0.0
-            scale = system.rows[at + SCALE * lanes + r]
+            row.impulse[r] = 0.0
+            scale = row.scale[r]
             if scale > 0.0:
-                tau = max(system.rows[at + RELAXATION * lanes + r], 2.0 * step)
+                tau = max(row.relaxation[r], 2.0 * step)
                 gamma = 1.0 / (1.0 + 4.0 * tau / step)
-                rate = -system.rows[at + SOLUTION * lanes + r]
-                system.rows[at + TARGET * lanes + r] = (
-                    gamma * rate - 4.0 * gamma / step * system.rows[at + RESIDUAL * lanes + r]
-                )
-                system.rows[at + SOFTNESS * lanes + r] = (
-                    REGULARISATION * scale
-                    + 4.0 * gamma / (step * step) * system.rows[at + COMPLIANCE * lanes + r]
-                )
+                rate = -row.solution[r]
+                row.target[r] = gamma * rate - 4.0 * gamma / step * row.residual[r]
+                row.softness[r] = REGULARISATION * scale + 4.0 * gamma / (step * step) * row.compliance[r]
 
 
 @optional("thesis")
@@ -86,12 +71,12 @@ def solve_thesis(systems: Systems, bodies: Bodies, work: Workspace, step: float)
 @kernel(internal=True)
 def solve_thesis_rows(system: RowSystem, bodies: Bodies, work: Workspace, step: float) -> None:
     """One linear solve."""
-    rows, lanes = len(system.shape[0]), len(system.shape[1])
+    rows = len(system.shape[0])
     apply_inverse(bodies, False, system)
     assemble(system)
     factor_rows(system)
     solve_rows(system, work.velocity)
     for node in range(system.attachments.shape[0] // 2):
-        at = node * ROW_COLUMNS * lanes
+        row = system.rows[node]
         for r in range(rows):
-            system.rows[at + REACTION * lanes + r] = system.rows[at + IMPULSE * lanes + r] / step
+            row.reaction[r] = row.impulse[r] / step

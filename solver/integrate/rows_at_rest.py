@@ -6,7 +6,6 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.solver.integrate.loop import evaluate_forces
 from heavylift.solver.interface import (
-    CHANGED,
     FORCES,
     Bodies,
     Forces,
@@ -20,14 +19,6 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement, optional
 from heavylift.solver.rows import (
-    COMPLIANCE,
-    IMPULSE,
-    RELAXATION,
-    RESIDUAL,
-    ROW_COLUMNS,
-    SCALE,
-    SOFTNESS,
-    TARGET,
     RowArrays,
     RowSystem,
 )
@@ -51,7 +42,7 @@ def fill_rigid_rows(
     lanes = system.lanes
     for node in range(system.attachments.shape[0] // 2):
         for r in range(lanes):
-            system.rows[(node * ROW_COLUMNS + TARGET) * lanes + r] = 0.0
+            system.rows[node].target[r] = 0.0
     set_targets(joints, time, 1.0, False, work, system)
 
 
@@ -64,31 +55,26 @@ def fit_rows(systems: Systems, joints: Joints, work: Workspace, time: float, ste
 @kernel(internal=True)
 def fit_rows_at_rest(system: RowSystem, joints: Joints, work: Workspace, time: float, step: float) -> None:
     """As at the midpoint of a very small step, without regularisation."""
-    rows, lanes = len(system.shape[0]), len(system.shape[1])
+    rows = len(system.shape[0])
     fill_rows(joints, True, work, system)
     for node in range(system.attachments.shape[0] // 2):
-        at = node * ROW_COLUMNS * lanes
+        row = system.rows[node]
         for r in range(rows):
-            compliance = system.rows[at + COMPLIANCE * lanes + r]
-            if system.rows[at + SCALE * lanes + r] > 0.0 and compliance > 0.0:
-                delay = 0.5 * step + system.rows[at + RELAXATION * lanes + r]
-                system.rows[at + TARGET * lanes + r] = -system.rows[at + RESIDUAL * lanes + r] / delay
-                system.rows[at + SOFTNESS * lanes + r] = 2.0 * compliance / (step * delay)
+            compliance = row.compliance[r]
+            if row.scale[r] > 0.0 and compliance > 0.0:
+                delay = 0.5 * step + row.relaxation[r]
+                row.target[r] = -row.residual[r] / delay
+                row.softness[r] = 2.0 * compliance / (step * delay)
     set_targets(joints, time, step, True, work, system)
     for _ in range(LAW_ITERATIONS):
         for node in range(system.attachments.shape[0] // 2):
-            at = node * ROW_COLUMNS * lanes
+            row = system.rows[node]
             for r in range(rows):
-                if (
-                    system.rows[at + SCALE * lanes + r] > 0.0
-                    and system.rows[at + COMPLIANCE * lanes + r] > 0.0
-                ):
-                    system.rows[at + IMPULSE * lanes + r] = (
-                        system.rows[at + TARGET * lanes + r] / system.rows[at + SOFTNESS * lanes + r]
-                    )
-        work.control[CHANGED] = 0.0
+                if row.scale[r] > 0.0 and row.compliance[r] > 0.0:
+                    row.impulse[r] = row.target[r] / row.softness[r]
+        work.control.changed = 0
         relinearise(joints, time, step, work, system)
-        if work.control[CHANGED] == 0.0:
+        if work.control.changed == 0:
             return
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.records import LaneRecords, lane_records, numbers_in
 from heavylift.solver.integrate.loop import start_scene
 from heavylift.solver.integrate.rows_at_rest import fill_rigid_rows
 from heavylift.solver.interface import (
@@ -21,15 +22,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.layout import Layout
 from heavylift.solver.rows import (
-    COMPLIANCE,
-    DOF,
-    LAST_REACTION,
-    PANEL,
-    REACTION,
-    RESIDUAL,
-    ROW_COLUMNS,
-    SCALE,
-    WIDTH,
+    Row,
     RowSystem,
 )
 
@@ -93,14 +86,14 @@ class StartRows:
         self._system = system
         if system is None:
             self.block = np.zeros(0, dtype=np.int64)
-            self._lane, self._table = self.block, np.zeros((0, ROW_COLUMNS, 1))
+            self._lane = self.block
+            self._table: LaneRecords[Row] = lane_records(Row, 0, 1)
             self.sides, self.block_owner = np.zeros((0, 2), dtype=np.int64), self.block
             self._rows = self._columns = self._sources = self.block
             return
-        lanes = system.lanes
         blocks = len(system.attachments) // 2
-        self._table = system.rows.reshape(-1, ROW_COLUMNS, lanes)[:blocks]
-        self.block, self._lane = np.nonzero(self._table[:, SCALE] > 0.0)
+        self._table = system.rows
+        self.block, self._lane = np.nonzero(system.rows["scale"][:blocks] > 0.0)
         # sides beyond the second are those of blocks without rows, which follow
         with_rows = np.isin(np.arange(blocks), self.block)
         self.block_owner = np.maximum.accumulate(np.where(with_rows, np.arange(blocks), 0))
@@ -112,16 +105,16 @@ class StartRows:
 
     def _first_velocities(self, system: Any) -> NDArray[np.int64]:
         """Of the body of each attachment; hulls that water couples are one body to joints, with six columns each."""
-        dofs = np.array(system.attachments[:, DOF])
+        dofs = np.array(system.attachments["dof"])
         groups = {
-            int(dof) for kind in self.layout.bodies if "groups" in kind._fields for dof in kind.groups[:, 2]
+            int(dof) for kind in self.layout.bodies if "groups" in kind._fields for dof in kind.groups["dof"]
         }
-        wide = [i for i in np.flatnonzero(system.attachments[:, WIDTH] > 6) if int(dofs[i]) in groups]
+        wide = [i for i in np.flatnonzero(system.attachments["width"] > 6) if int(dofs[i]) in groups]
         if wide:
             self.fill()
         lanes = system.lanes
         for i in wide:
-            panel, width = system.attachments[i, PANEL], system.attachments[i, WIDTH]
+            panel, width = system.attachments[i].panel, system.attachments[i].width
             columns = system.panels[panel : panel + width * lanes].reshape(width, lanes)
             dofs[i] += 6 * (int(np.argmax(np.any(columns != 0.0, axis=1))) // 6)
         return dofs
@@ -138,11 +131,11 @@ class StartRows:
             - np.repeat(np.cumsum(rows_of) - rows_of, rows_of)
         )
         attachment = system.attachments[side]
-        width = attachment[:, WIDTH]
+        width = attachment["width"]
         entry = np.repeat(np.arange(len(side)), width)
         k = np.arange(len(entry)) - np.repeat(np.cumsum(width) - width, width)
-        sources = attachment[entry, PANEL] + k * lanes + self._lane[row[entry]]
-        return row[entry], attachment[entry, DOF] + k, sources
+        sources = attachment["panel"][entry] + k * lanes + self._lane[row[entry]]
+        return row[entry], attachment["dof"][entry] + k, sources
 
     def start(self) -> None:
         """Complete the state of the bodies after it was set."""
@@ -167,12 +160,8 @@ class StartRows:
 
     def snapshot(self) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
         """Arrays of bodies and joints with their contents, for `restore`."""
-        return [
-            (array, array.copy())
-            for kind in (*self.layout.bodies, *self.layout.joints)
-            for array in kind
-            if isinstance(array, np.ndarray) and array.dtype == np.float64
-        ]
+        kinds = (*self.layout.bodies, *self.layout.joints)
+        return [(array, array.copy()) for kind in kinds for array in numbers_in(kind)]
 
     def restore(self, snapshot: list[tuple[NDArray[np.float64], NDArray[np.float64]]]) -> None:
         """Put everything back."""
@@ -185,24 +174,24 @@ class StartRows:
         if self._system is not None:
             fill_rigid_rows(layout.bodies, layout.joints, self._system, layout.work, self.time)
 
-    def column(self, column: int) -> NDArray[np.float64]:
-        """A column of the rows, shape (rows,)."""
-        return self._table[self.block, column, self._lane]
+    def column(self, name: str) -> NDArray[np.float64]:
+        """A field of `heavylift.solver.rows.Row`, shape (rows,)."""
+        return self._table[name][self.block, self._lane]
 
     @property
     def rigid(self) -> NDArray[np.bool_]:
         """Whether a row is rigid, shape (rows,)."""
-        return self.column(COMPLIANCE) == 0.0
+        return self.column("compliance") == 0.0
 
     @property
     def residual(self) -> NDArray[np.float64]:
         """Violations [m] or [rad], shape (rows,)."""
-        return self.column(RESIDUAL)
+        return self.column("residual")
 
     def put_reactions(self, reaction: NDArray[np.float64]) -> None:
         """Set the reactions of the rows [N] or [N m], shape (rows,)."""
-        for column in (REACTION, LAST_REACTION):
-            self._table[self.block, column, self._lane] = reaction
+        for name in ("reaction", "last_reaction"):
+            self._table[name][self.block, self._lane] = reaction
 
     def jacobian(self) -> Any:
         """G of all rows over all velocities, sparse by rows, shape (rows, dof_count)."""
@@ -240,7 +229,7 @@ class StartRows:
     @property
     def mesh_bodies(self) -> set[int]:
         """Numbers of frames and shells, whose velocities are those of some of their material points."""
-        numbers = (kind.table[:, 0] for kind in self.layout.bodies if "strains" in kind._fields)
+        numbers = (kind.table["number"] for kind in self.layout.bodies if "strain" in kind._fields)
         return {int(number) for own in numbers for number in own}
 
     def unit_rows(

@@ -10,12 +10,7 @@ from numpy.typing import NDArray
 from heavylift.solver.integrate.rows_at_rest import fill_at_rest
 from heavylift.solver.integrate.start_rows import StartRows
 from heavylift.solver.interface import (
-    FIELD,
     collect_load,
-)
-from heavylift.solver.rows import (
-    SOFTNESS,
-    TARGET,
 )
 
 __all__ = ["StaticForces"]
@@ -80,10 +75,10 @@ class StaticForces:
         G = rows.jacobian()
         soft = ~rows.rigid
         reaction = np.zeros(len(rows.block))
-        reaction[soft] = 2.0 * rows.column(TARGET)[soft] / (STEP * rows.column(SOFTNESS)[soft])
+        reaction[soft] = 2.0 * rows.column("target")[soft] / (STEP * rows.column("softness")[soft])
         pull = G.T @ reaction
         pull[rows.inertia == 0.0] = 0.0
-        gravity = float(np.linalg.norm(layout.work.sums[FIELD : FIELD + 3]))
+        gravity = float(np.linalg.norm(layout.work.sums.gravity))
         mass = rows.inertia[rows.survey()[0][:, 0].astype(np.int64)]
         self.weight = max(
             self.weight, self.norm(load), self.norm(pull), gravity * float(np.linalg.norm(mass))

@@ -12,8 +12,6 @@ from heavylift.solver.integrate.loop import evaluate_forces, write_record
 from heavylift.solver.integrate.row_thesis import solve_thesis, start_thesis
 from heavylift.solver.interface import (
     FORCES,
-    STATUS_OUTCOME,
-    STEP_COUNT,
     Bodies,
     Forces,
     Joints,
@@ -52,10 +50,10 @@ def run(
         solve_thesis(systems, bodies, work, step)
         complete_thesis(bodies, systems, work)
         check(bodies, step, work)
-        if work.status[STATUS_OUTCOME] != 0:
+        if work.status.outcome != 0:
             return index
         thesis_advance(bodies, time, step, work)
-        work.control[STEP_COUNT] += 1.0
+        work.control.step_count += 1
         if (index + 1) % every == 0:
             write_record(bodies, forces, joints, systems, work, (index + 1) * step, records[row])
             row += 1

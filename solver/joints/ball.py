@@ -7,11 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Ints2
+from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Records, records
 from heavylift.solver.connections import Ball
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints.packing import JointPlace, point_markers
+from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
 from heavylift.solver.joints.reactions import write_reaction
 from heavylift.solver.joints.row_writing import difference, put_point_rows, residuals, write_point_bias
 from heavylift.solver.kinds import implement
@@ -24,9 +25,9 @@ ROTATIONAL = (False, False, False)
 
 
 class BallJoints(Arrays):
-    """Block, point markers of a and b, first record column; shape (n, 4)."""
+    """All ball joints of a scene."""
 
-    table: Ints2
+    table: Records[JointEntry]
 
 
 def pack(joints: Sequence[Ball], places: Sequence[JointPlace], book: MarkerBook) -> BallJoints:
@@ -35,7 +36,7 @@ def pack(joints: Sequence[Ball], places: Sequence[JointPlace], book: MarkerBook)
         (place.block, *point_markers(book, joint), place.column)
         for joint, place in zip(joints, places, strict=True)
     ]
-    return BallJoints(np.array(rows, dtype=np.int64))
+    return BallJoints(records(JointEntry, rows))
 
 
 @implement(fill_rows, BallJoints)
@@ -43,12 +44,12 @@ def pack(joints: Sequence[Ball], places: Sequence[JointPlace], book: MarkerBook)
 def fill_ball_rows(kind: BallJoints, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """``p_b - p_a``."""
     for j in range(kind.table.shape[0]):
-        block, point_a, point_b, _ = kind.table[j]
-        put_point_rows(system, 2 * block, 0, work, point_a, -1.0)
-        put_point_rows(system, 2 * block + 1, 0, work, point_b, 1.0)
+        entry = kind.table[j]
+        put_point_rows(system, 2 * entry.block, 0, work, entry.point_a, -1.0)
+        put_point_rows(system, 2 * entry.block + 1, 0, work, entry.point_b, 1.0)
         if with_residual:
-            g = residuals(system, block)
-            g[0], g[1], g[2] = difference(work, point_a, point_b)
+            g = residuals(system, entry.block)
+            g[0], g[1], g[2] = difference(work, entry.point_a, entry.point_b)
 
 
 @implement(fill_bias, BallJoints)
@@ -56,8 +57,8 @@ def fill_ball_rows(kind: BallJoints, with_residual: bool, work: Workspace, syste
 def fill_ball_bias(kind: BallJoints, time: float, work: Workspace, system: RowArrays) -> None:
     """Centripetal accelerations of the points."""
     for j in range(kind.table.shape[0]):
-        block, point_a, point_b, _ = kind.table[j]
-        write_point_bias(system, block, work, point_a, point_b)
+        entry = kind.table[j]
+        write_point_bias(system, entry.block, work, entry.point_a, entry.point_b)
 
 
 @implement(record_joints, BallJoints)
@@ -67,4 +68,4 @@ def record_balls(
 ) -> None:
     """Reaction on b."""
     for j in range(kind.table.shape[0]):
-        write_reaction(system, kind.table[j, 0], row, kind.table[j, 3])
+        write_reaction(system, kind.table[j].block, row, kind.table[j].column)

@@ -10,6 +10,7 @@ import math
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Record
 from heavylift.solver.connections import (
     Cylindrical,
     Hinge,
@@ -20,7 +21,7 @@ from heavylift.solver.connections import (
     SliderHinge,
     Spring,
 )
-from heavylift.solver.interface import POINT_FORCE, Workspace
+from heavylift.solver.interface import Workspace
 from heavylift.solver.joints.packing import angle_markers, travel_markers
 from heavylift.solver.joints.row_writing import (
     Vector,
@@ -44,6 +45,7 @@ __all__ = [
     "ANGLE",
     "DISTANCE",
     "TRAVEL",
+    "CoordinateEntry",
     "add_load",
     "coordinate_rate",
     "coordinate_row",
@@ -55,6 +57,26 @@ __all__ = [
 
 DISTANCE, ANGLE, TRAVEL = range(3)
 """Distance of two points (the third marker is not used), angle of a hinge, travel of a slider."""
+
+
+class CoordinateEntry(Record):
+    """What everything that acts on such a scalar keeps.
+
+    Attributes
+    ----------
+    coordinate
+        `DISTANCE`, `ANGLE` or `TRAVEL`.
+    a, b, c
+        Its markers.
+    column
+        First record column, or -1.
+    """
+
+    coordinate: int
+    a: int
+    b: int
+    c: int
+    column: int
 
 
 def joint_coordinate(joint: Joint, user: JointSpring | JointMotor | Joint) -> int:
@@ -136,7 +158,7 @@ def coordinate_row(
 @kernel(inline=True, internal=True)
 def _add_force(work: Workspace, marker: int, s: float, v: Vector) -> None:
     for k in range(3):
-        work.markers[marker, POINT_FORCE + k] += s * v[k]
+        work.markers[marker].force[k] += s * v[k]
 
 
 @kernel(internal=True)

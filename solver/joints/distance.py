@@ -13,12 +13,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1, Ints2
+from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Records, records
 from heavylift.solver.connections import Distance
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints.packing import JointPlace, point_markers
+from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
 from heavylift.solver.joints.reactions import clear_reaction, reactions
 from heavylift.solver.joints.row_writing import (
     Vector,
@@ -40,19 +41,16 @@ __all__ = ["ROTATIONAL", "Distances", "pack"]
 ROTATIONAL = (False,)
 
 
+class DistanceEntry(JointEntry):
+    """A distance joint, with the length that it keeps [m]."""
+
+    length: float
+
+
 class Distances(Arrays):
-    """All distance joints of a scene.
+    """All distance joints of a scene."""
 
-    Attributes
-    ----------
-    table
-        Block, point markers of a and b, first record column; shape (n, 4).
-    lengths
-        [m], shape (n,).
-    """
-
-    table: Ints2
-    lengths: Floats1
+    table: Records[DistanceEntry]
 
 
 def pack(joints: Sequence[Distance], places: Sequence[JointPlace], book: MarkerBook) -> Distances:
@@ -64,11 +62,10 @@ def pack(joints: Sequence[Distance], places: Sequence[JointPlace], book: MarkerB
         If a length is not positive, or the two points coincide at the start: a distance has no direction there.
     """
     rows = [
-        (place.block, *point_markers(book, joint), place.column)
+        (place.block, *point_markers(book, joint), place.column, _length(joint, place))
         for joint, place in zip(joints, places, strict=True)
     ]
-    lengths = [_length(joint, place) for joint, place in zip(joints, places, strict=True)]
-    return Distances(np.array(rows, dtype=np.int64), np.array(lengths))
+    return Distances(records(DistanceEntry, rows))
 
 
 def _length(joint: Distance, place: JointPlace) -> float:
@@ -105,12 +102,13 @@ def _line(work: Workspace, point_a: int, point_b: int) -> tuple[float, Vector]:
 def fill_distance_rows(kind: Distances, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
-        block, point_a, point_b, _ = kind.table[j]
+        entry = kind.table[j]
+        block, point_a, point_b = entry.block, entry.point_a, entry.point_b
         size, e = _line(work, point_a, point_b)
         put_direction_row(system, 2 * block, 0, work, point_a, (-e[0], -e[1], -e[2]))
         put_direction_row(system, 2 * block + 1, 0, work, point_b, e)
         if with_residual:
-            residuals(system, block)[0] = size - kind.lengths[j]
+            residuals(system, block)[0] = size - entry.length
 
 
 @implement(fill_bias, Distances)
@@ -118,7 +116,8 @@ def fill_distance_rows(kind: Distances, with_residual: bool, work: Workspace, sy
 def fill_distance_bias(kind: Distances, time: float, work: Workspace, system: RowArrays) -> None:
     """``gamma = e . b + (|r'|^2 - (e . r')^2) / |r|`` with the second rate b of ``r = p_b - p_a``."""
     for j in range(kind.table.shape[0]):
-        block, point_a, point_b, _ = kind.table[j]
+        entry = kind.table[j]
+        block, point_a, point_b = entry.block, entry.point_a, entry.point_b
         size, e = _line(work, point_a, point_b)
         moving = minus(rate(work, point_b), rate(work, point_a))
         along = dot(e, moving)
@@ -134,8 +133,9 @@ def record_distances(
 ) -> None:
     """Reaction on b: along the line, positive if it pushes."""
     for j in range(kind.table.shape[0]):
-        block, point_a, point_b, column = kind.table[j]
-        _, e = _line(work, point_a, point_b)
+        entry = kind.table[j]
+        block, column = entry.block, entry.column
+        _, e = _line(work, entry.point_a, entry.point_b)
         clear_reaction(row, column)
         force = reactions(system, block)[0]
         for k in range(3):

@@ -7,16 +7,17 @@ the drive on b, and part of the reaction moment.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Records, records
 from heavylift.solver.connections import Hinge
 from heavylift.solver.drive import profile_value
 from heavylift.solver.interface import (
-    DRIVE_WORK,
     Workspace,
     fill_bias,
     fill_rows,
@@ -24,19 +25,15 @@ from heavylift.solver.interface import (
     set_targets,
 )
 from heavylift.solver.joints import hinge
-from heavylift.solver.joints.driving import PRESCRIBED, aim, drive_work, pack_profiles
+from heavylift.solver.joints.driving import DriveState, aim, drive_work, pack_profiles
 from heavylift.solver.joints.hinge import (
-    BLOCK,
-    COLUMN,
-    X_B,
-    Y_B,
-    Z_A,
+    HingeEntry,
     fill_hinge_bias,
     fill_hinge_rows,
     record_hinges,
 )
 from heavylift.solver.joints.packing import JointPlace
-from heavylift.solver.joints.reactions import ANGLE_STATE, REACTION_WIDTH, add_torque
+from heavylift.solver.joints.reactions import REACTION_WIDTH, AngleState, add_torque
 from heavylift.solver.joints.row_writing import angle_bias, angle_row, near_angle, residuals, targets
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
@@ -48,8 +45,19 @@ ROTATIONAL = (*hinge.ROTATIONAL, True)
 CHANNELS = hinge.CHANNELS
 
 ROW = 5
-X_A, PROFILE = 10, 11
-DRIVE = ANGLE_STATE
+
+
+class DrivenHingeEntry(HingeEntry):
+    """A hinge, with its direction marker x of a and the start of its profile."""
+
+    x_a: int
+    profile: int
+
+
+class DrivenHingeState(AngleState):
+    """Whole turns of a hinge, and its drive."""
+
+    drive: DriveState
 
 
 class DrivenHinges(Arrays):
@@ -58,25 +66,30 @@ class DrivenHinges(Arrays):
     Attributes
     ----------
     table
-        Columns of `Hinges`, direction marker x of a, start of the profile; shape (n, 12).
+        What each keeps.
     state
-        Whole turns as in `Hinges`, then the drive; shape (n, 6).
+        Whole turns and drives.
     profiles
         Packed, one after the other.
     """
 
-    table: Ints2
-    state: Floats2
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+
+    table: Records[DrivenHingeEntry]
+    state: Records[DrivenHingeState]
     profiles: Floats1
 
 
 def pack(joints: Sequence[Hinge], places: Sequence[JointPlace], book: MarkerBook) -> DrivenHinges:
     """Make the kind."""
-    made = hinge.pack(joints, places, book)
+    rows = hinge.pack_entries(joints, places, book)
     x_a = [book.direction(joint.body_a, joint.frame_a.axes[:, 0], at=joint.frame_a.point) for joint in joints]
     profiles, starts, drives = pack_profiles([joint.drive for joint in joints])
-    table, state = np.column_stack([made.table, x_a, starts]), np.hstack([made.state, drives])
-    return DrivenHinges(np.ascontiguousarray(table), np.ascontiguousarray(state), profiles)
+    entries = ((*row, x, start) for row, x, start in zip(rows, x_a, starts, strict=True))
+    table = records(DrivenHingeEntry, entries)
+    state = records(DrivenHingeState, len(rows))
+    state["drive"] = drives
+    return DrivenHinges(table, state, profiles)
 
 
 @implement(fill_rows, DrivenHinges)
@@ -88,10 +101,10 @@ def fill_driven_hinge_rows(
     fill_hinge_rows(kind, with_residual, work, system)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        angle = angle_row(system, entry[BLOCK], ROW, work, entry[X_A], entry[X_B], entry[Y_B])
+        angle = angle_row(system, entry.block, ROW, work, entry.x_a, entry.x_b, entry.y_b)
         if with_residual:
-            off = angle - kind.state[j, DRIVE + PRESCRIBED]
-            residuals(system, entry[BLOCK])[ROW] = near_angle(off, 0.0)
+            off = angle - kind.state[j].drive.prescribed
+            residuals(system, entry.block)[ROW] = near_angle(off, 0.0)
 
 
 @implement(set_targets, DrivenHinges)
@@ -101,8 +114,8 @@ def aim_driven_hinges(
 ) -> None:
     """Follow the profile."""
     for j in range(kind.table.shape[0]):
-        entry, state = kind.table[j], kind.state[j, DRIVE:]
-        aim(system, entry[BLOCK], ROW, kind.profiles, entry[PROFILE], state, time, step, at_midpoint)
+        entry, state = kind.table[j], kind.state[j].drive
+        aim(system, entry.block, ROW, kind.profiles, entry.profile, state, time, step, at_midpoint)
 
 
 @implement(fill_bias, DrivenHinges)
@@ -112,8 +125,8 @@ def fill_driven_hinge_bias(kind: DrivenHinges, time: float, work: Workspace, sys
     fill_hinge_bias(kind, time, work, system)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        gamma = angle_bias(work, entry[X_A], entry[X_B], entry[Y_B])
-        targets(system, entry[BLOCK])[ROW] = profile_value(kind.profiles, entry[PROFILE], time)[2] - gamma
+        gamma = angle_bias(work, entry.x_a, entry.x_b, entry.y_b)
+        targets(system, entry.block)[ROW] = profile_value(kind.profiles, entry.profile, time)[2] - gamma
 
 
 @implement(record_joints, DrivenHinges)
@@ -125,8 +138,8 @@ def record_driven_hinges(
     record_hinges(kind, time, work, system, row)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry[BLOCK], entry[COLUMN]
-        add_torque(system, block, ROW, work, entry[Z_A], row, column)
-        prescribed = profile_value(kind.profiles, entry[PROFILE], time)[0]
+        block, column = entry.block, entry.column
+        add_torque(system, block, ROW, work, entry.z_a, row, column)
+        prescribed = profile_value(kind.profiles, entry.profile, time)[0]
         row[column + REACTION_WIDTH] = near_angle(row[column + REACTION_WIDTH], prescribed)
-        work.sums[DRIVE_WORK] += drive_work(system, block, ROW, kind.state[j, DRIVE:])
+        work.sums.drive_work += drive_work(system, block, ROW, kind.state[j].drive)

@@ -7,16 +7,17 @@ and part of the reaction force.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Records, records
 from heavylift.solver.connections import Slider
 from heavylift.solver.drive import profile_value
 from heavylift.solver.interface import (
-    DRIVE_WORK,
     Workspace,
     fill_bias,
     fill_rows,
@@ -24,16 +25,12 @@ from heavylift.solver.interface import (
     set_targets,
 )
 from heavylift.solver.joints import slider
-from heavylift.solver.joints.driving import PRESCRIBED, aim, drive_work, pack_profiles
+from heavylift.solver.joints.driving import DriveState, aim, drive_work, pack_profiles
 from heavylift.solver.joints.packing import JointPlace
 from heavylift.solver.joints.reactions import add_force
 from heavylift.solver.joints.row_writing import residuals, targets, travel_bias, travel_row
 from heavylift.solver.joints.slider import (
-    BLOCK,
-    COLUMN,
-    POINT_A,
-    POINT_B,
-    Z_A,
+    SliderEntry,
     fill_slider_bias,
     fill_slider_rows,
     record_sliders,
@@ -48,7 +45,12 @@ ROTATIONAL = (*slider.ROTATIONAL, False)
 CHANNELS = slider.CHANNELS
 
 ROW = 5
-PROFILE = 12
+
+
+class DrivenSliderEntry(SliderEntry):
+    """A slider, with the start of its profile."""
+
+    profile: int
 
 
 class DrivenSliders(Arrays):
@@ -57,23 +59,25 @@ class DrivenSliders(Arrays):
     Attributes
     ----------
     table
-        Columns of `Sliders`, start of the profile; shape (n, 13).
+        What each keeps.
     state
-        Of the drives, shape (n, 3).
+        Of the drives.
     profiles
         Packed, one after the other.
     """
 
-    table: Ints2
-    state: Floats2
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+
+    table: Records[DrivenSliderEntry]
+    state: Records[DriveState]
     profiles: Floats1
 
 
 def pack(joints: Sequence[Slider], places: Sequence[JointPlace], book: MarkerBook) -> DrivenSliders:
     """Make the kind."""
-    made = slider.pack(joints, places, book)
+    rows = slider.pack_entries(joints, places, book)
     profiles, starts, state = pack_profiles([joint.drive for joint in joints])
-    table = np.ascontiguousarray(np.column_stack([made.table, starts]))
+    table = records(DrivenSliderEntry, ((*row, start) for row, start in zip(rows, starts, strict=True)))
     return DrivenSliders(table, state, profiles)
 
 
@@ -86,10 +90,10 @@ def fill_driven_slider_rows(
     fill_slider_rows(kind, with_residual, work, system)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block = entry[BLOCK]
-        value = travel_row(system, block, ROW, work, entry[POINT_A], entry[POINT_B], entry[Z_A])
+        block = entry.block
+        value = travel_row(system, block, ROW, work, entry.point_a, entry.point_b, entry.z_a)
         if with_residual:
-            residuals(system, block)[ROW] = value - kind.state[j, PRESCRIBED]
+            residuals(system, block)[ROW] = value - kind.state[j].prescribed
 
 
 @implement(set_targets, DrivenSliders)
@@ -100,7 +104,7 @@ def aim_driven_sliders(
     """Follow the profile."""
     for j in range(kind.table.shape[0]):
         entry, state = kind.table[j], kind.state[j]
-        aim(system, entry[BLOCK], ROW, kind.profiles, entry[PROFILE], state, time, step, at_midpoint)
+        aim(system, entry.block, ROW, kind.profiles, entry.profile, state, time, step, at_midpoint)
 
 
 @implement(fill_bias, DrivenSliders)
@@ -110,8 +114,8 @@ def fill_driven_slider_bias(kind: DrivenSliders, time: float, work: Workspace, s
     fill_slider_bias(kind, time, work, system)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        gamma = travel_bias(work, entry[POINT_A], entry[POINT_B], entry[Z_A])
-        targets(system, entry[BLOCK])[ROW] = profile_value(kind.profiles, entry[PROFILE], time)[2] - gamma
+        gamma = travel_bias(work, entry.point_a, entry.point_b, entry.z_a)
+        targets(system, entry.block)[ROW] = profile_value(kind.profiles, entry.profile, time)[2] - gamma
 
 
 @implement(record_joints, DrivenSliders)
@@ -123,5 +127,5 @@ def record_driven_sliders(
     record_sliders(kind, time, work, system, row)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        add_force(system, entry[BLOCK], ROW, work, entry[Z_A], row, entry[COLUMN])
-        work.sums[DRIVE_WORK] += drive_work(system, entry[BLOCK], ROW, kind.state[j])
+        add_force(system, entry.block, ROW, work, entry.z_a, row, entry.column)
+        work.sums.drive_work += drive_work(system, entry.block, ROW, kind.state[j])

@@ -13,26 +13,42 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import in_python, kernel
+from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.drive import pack_profile, profile_value
 from heavylift.solver.joints.row_writing import residuals, targets
-from heavylift.solver.rows import LAST_REACTION, ROW_COLUMNS, RowArrays
+from heavylift.solver.rows import RowArrays
 from heavylift.solver.scene_bodies import Profile
 
-__all__ = ["DRIVE_STATE", "PRESCRIBED", "aim", "drive_work", "pack_profiles"]
+__all__ = ["DriveState", "aim", "drive_work", "pack_profiles"]
 
-PRESCRIBED, ADVANCE, WORK, DRIVE_STATE = range(4)
-"""State of a drive: value at the end of the last step, by how much it grew in it, and the work [J] before it."""
+
+class DriveState(Record):
+    """State of a drive.
+
+    Attributes
+    ----------
+    prescribed
+        Value at the end of the last step [rad] or [m].
+    advance
+        By how much it grew in that step.
+    work
+        Work before it [J].
+    """
+
+    prescribed: float
+    advance: float
+    work: float
 
 
 def pack_profiles(
     profiles: Sequence[Profile | None],
-) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
+) -> tuple[NDArray[np.float64], NDArray[np.int64], Records[DriveState]]:
     """Flat data of profiles, where each begins, and the states of their drives at time zero."""
     blocks = [pack_profile(profile) for profile in profiles]
     starts = np.concatenate([[0], np.cumsum([len(block) for block in blocks])[:-1]]).astype(np.int64)
     data = np.concatenate(blocks)
-    state = np.zeros((len(blocks), DRIVE_STATE))
-    state[:, PRESCRIBED] = [in_python(profile_value)(data, int(start), 0.0)[0] for start in starts]
+    state = records(DriveState, len(blocks))
+    state["prescribed"] = [in_python(profile_value)(data, int(start), 0.0)[0] for start in starts]
     return data, starts, state
 
 
@@ -43,7 +59,7 @@ def aim(
     row: int,
     profiles: NDArray[np.float64],
     start: int,
-    state: NDArray[np.float64],
+    state: DriveState,
     time: float,
     step: float,
     at_midpoint: bool,
@@ -52,24 +68,24 @@ def aim(
     target = targets(system, block)
     if at_midpoint:
         # the force of a step is known after its projection, so its work is booked when the next one begins
-        state[WORK] += _last_reaction(system, block, row) * state[ADVANCE]
-        state[ADVANCE] = 0.0
-        target[row] += (profile_value(profiles, start, time + step)[0] - state[PRESCRIBED]) / step
+        state.work += _last_reaction(system, block, row) * state.advance
+        state.advance = 0.0
+        target[row] += (profile_value(profiles, start, time + step)[0] - state.prescribed) / step
     else:
         now, speed, _ = profile_value(profiles, start, time)
-        residuals(system, block)[row] += state[PRESCRIBED] - now
-        state[ADVANCE] += now - state[PRESCRIBED]
-        state[PRESCRIBED] = now
+        residuals(system, block)[row] += state.prescribed - now
+        state.advance += now - state.prescribed
+        state.prescribed = now
         target[row] = speed
 
 
 @kernel(internal=True)
-def drive_work(system: RowArrays, block: int, row: int, state: NDArray[np.float64]) -> float:
+def drive_work(system: RowArrays, block: int, row: int, state: DriveState) -> float:
     """Work of the drive up to now [J]: in each step, force in the middle times advance."""
-    return state[WORK] + _last_reaction(system, block, row) * state[ADVANCE]
+    return state.work + _last_reaction(system, block, row) * state.advance
 
 
 @kernel(inline=True, internal=True)
 def _last_reaction(system: RowArrays, block: int, row: int) -> float:
     """Reaction in the middle of the last step."""
-    return system.rows[(block * ROW_COLUMNS + LAST_REACTION) * system.lanes + row]
+    return system.rows[block].last_reaction[row]

@@ -12,11 +12,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Ints2
+from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Records, records
 from heavylift.solver.connections import FixedJoint
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints.packing import JointPlace, point_markers, refuse_opposite
+from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers, refuse_opposite
 from heavylift.solver.joints.reactions import add_moment, write_reaction
 from heavylift.solver.joints.row_writing import (
     difference,
@@ -36,10 +37,19 @@ __all__ = ["ROTATIONAL", "FixedJoints", "pack"]
 ROTATIONAL = (False, False, False, True, True, True)
 
 
-class FixedJoints(Arrays):
-    """Block, point markers of a and b, direction markers x, z of a and x, y of b, record column; shape (n, 8)."""
+class FixedEntry(JointEntry):
+    """A fixed joint, with direction markers x, z of a and x, y of b."""
 
-    table: Ints2
+    x_a: int
+    z_a: int
+    x_b: int
+    y_b: int
+
+
+class FixedJoints(Arrays):
+    """All fixed joints of a scene."""
+
+    table: Records[FixedEntry]
 
 
 def pack(joints: Sequence[FixedJoint], places: Sequence[JointPlace], book: MarkerBook) -> FixedJoints:
@@ -53,8 +63,8 @@ def pack(joints: Sequence[FixedJoint], places: Sequence[JointPlace], book: Marke
             book.direction(joint.body_b, joint.frame_b.axes[:, 0], at=joint.frame_b.point),
             book.direction(joint.body_b, joint.frame_b.axes[:, 1], at=joint.frame_b.point),
         )
-        rows.append((place.block, *point_markers(book, joint), *axes, place.column))
-    return FixedJoints(np.array(rows, dtype=np.int64))
+        rows.append((place.block, *point_markers(book, joint), place.column, *axes))
+    return FixedJoints(records(FixedEntry, rows))
 
 
 @implement(fill_rows, FixedJoints)
@@ -62,12 +72,13 @@ def pack(joints: Sequence[FixedJoint], places: Sequence[JointPlace], book: Marke
 def fill_fixed_rows(kind: FixedJoints, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
-        block, point_a, point_b, x_a, z_a, x_b, y_b, _ = kind.table[j]
+        entry = kind.table[j]
+        block, point_a, point_b = entry.block, entry.point_a, entry.point_b
         put_point_rows(system, 2 * block, 0, work, point_a, -1.0)
         put_point_rows(system, 2 * block + 1, 0, work, point_b, 1.0)
-        zx = square_row(system, block, 3, work, z_a, x_b)
-        zy = square_row(system, block, 4, work, z_a, y_b)
-        xy = square_row(system, block, 5, work, x_a, y_b)
+        zx = square_row(system, block, 3, work, entry.z_a, entry.x_b)
+        zy = square_row(system, block, 4, work, entry.z_a, entry.y_b)
+        xy = square_row(system, block, 5, work, entry.x_a, entry.y_b)
         if with_residual:
             g = residuals(system, block)
             g[0], g[1], g[2] = difference(work, point_a, point_b)
@@ -79,12 +90,13 @@ def fill_fixed_rows(kind: FixedJoints, with_residual: bool, work: Workspace, sys
 def fill_fixed_bias(kind: FixedJoints, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms."""
     for j in range(kind.table.shape[0]):
-        block, point_a, point_b, x_a, z_a, x_b, y_b, _ = kind.table[j]
+        entry = kind.table[j]
+        block, point_a, point_b = entry.block, entry.point_a, entry.point_b
         write_point_bias(system, block, work, point_a, point_b)
         target = targets(system, block)
-        target[3] = -square_bias(work, z_a, x_b)
-        target[4] = -square_bias(work, z_a, y_b)
-        target[5] = -square_bias(work, x_a, y_b)
+        target[3] = -square_bias(work, entry.z_a, entry.x_b)
+        target[4] = -square_bias(work, entry.z_a, entry.y_b)
+        target[5] = -square_bias(work, entry.x_a, entry.y_b)
 
 
 @implement(record_joints, FixedJoints)
@@ -94,8 +106,9 @@ def record_fixed_joints(
 ) -> None:
     """Reaction on b."""
     for j in range(kind.table.shape[0]):
-        block, _, _, x_a, z_a, x_b, y_b, column = kind.table[j]
+        entry = kind.table[j]
+        block, column = entry.block, entry.column
         write_reaction(system, block, row, column)
-        add_moment(system, block, 3, work, x_b, z_a, row, column)
-        add_moment(system, block, 4, work, y_b, z_a, row, column)
-        add_moment(system, block, 5, work, y_b, x_a, row, column)
+        add_moment(system, block, 3, work, entry.x_b, entry.z_a, row, column)
+        add_moment(system, block, 4, work, entry.y_b, entry.z_a, row, column)
+        add_moment(system, block, 5, work, entry.y_b, entry.x_a, row, column)

@@ -12,16 +12,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Records, records
 from heavylift.numerics.small import cross
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.mesh_rows import FrameWeld
-from heavylift.solver.joints.packing import JointPlace, point_markers
+from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
 from heavylift.solver.joints.reactions import add_pull, write_reaction
 from heavylift.solver.joints.row_writing import (
     Vector,
@@ -44,7 +46,12 @@ __all__ = ["ROTATIONAL", "FrameWelds", "pack"]
 
 ROTATIONAL = (False, False, False, True, True)
 
-BLOCK, POINT_A, POINT_B, TANGENT_A, TANGENT_B, COLUMN = range(6)
+
+class FrameWeldEntry(JointEntry):
+    """A weld, with markers of both tangents."""
+
+    tangent_a: int
+    tangent_b: int
 
 
 class FrameWelds(Arrays):
@@ -53,12 +60,14 @@ class FrameWelds(Arrays):
     Attributes
     ----------
     table
-        Block, point markers of a and b, their tangents, record column; shape (n, 6).
+        What each keeps.
     state
         First normal, shape (n, 3).
     """
 
-    table: Ints2
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+
+    table: Records[FrameWeldEntry]
     state: Floats2
 
 
@@ -70,9 +79,9 @@ def pack(joints: Sequence[FrameWeld], places: Sequence[JointPlace], book: Marker
             book.slope(joint.body_a, 1, at=joint.frame_a.point),
             book.slope(joint.body_b, 1, at=joint.frame_b.point),
         )
-        rows.append((place.block, *point_markers(book, joint), *tangents, place.column))
+        rows.append((place.block, *point_markers(book, joint), place.column, *tangents))
     normals = np.array([joint.normal for joint in joints], dtype=np.float64)
-    return FrameWelds(np.array(rows, dtype=np.int64), normals)
+    return FrameWelds(records(FrameWeldEntry, rows), normals)
 
 
 @kernel(internal=True)
@@ -94,7 +103,9 @@ def _normals(kind: FrameWelds, j: int, t: Vector) -> tuple[Vector, Vector, float
 def fill_weld_rows(kind: FrameWelds, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows from the markers; the normals turn with ``r'_a``, which turns ``r'_b`` with it."""
     for j in range(kind.table.shape[0]):
-        block, point_a, point_b, tangent_a, tangent_b, _ = kind.table[j]
+        entry = kind.table[j]
+        block, point_a, point_b = entry.block, entry.point_a, entry.point_b
+        tangent_a, tangent_b = entry.tangent_a, entry.tangent_b
         put_point_rows(system, 2 * block, 0, work, point_a, -1.0)
         put_point_rows(system, 2 * block + 1, 0, work, point_b, 1.0)
         t, s = vector(work, tangent_a), vector(work, tangent_b)
@@ -116,7 +127,9 @@ def fill_weld_rows(kind: FrameWelds, with_residual: bool, work: Workspace, syste
 def fill_weld_bias(kind: FrameWelds, time: float, work: Workspace, system: RowArrays) -> None:
     """Second rate of ``n . (r'_b - c r'_a)`` on closed joints, c the ratio of the two."""
     for j in range(kind.table.shape[0]):
-        block, point_a, point_b, tangent_a, tangent_b, _ = kind.table[j]
+        entry = kind.table[j]
+        block, point_a, point_b = entry.block, entry.point_a, entry.point_b
+        tangent_a, tangent_b = entry.tangent_a, entry.tangent_b
         write_point_bias(system, block, work, point_a, point_b)
         t, s = vector(work, tangent_a), vector(work, tangent_b)
         first, second, size = _normals(kind, j, t)
@@ -138,9 +151,10 @@ def record_welds(
 ) -> None:
     """Reaction on b."""
     for j in range(kind.table.shape[0]):
-        block, _, _, tangent_a, tangent_b, column = kind.table[j]
+        entry = kind.table[j]
+        block, column = entry.block, entry.column
         write_reaction(system, block, row, column)
-        first, second, _ = _normals(kind, j, vector(work, tangent_a))
-        s = vector(work, tangent_b)
+        first, second, _ = _normals(kind, j, vector(work, entry.tangent_a))
+        s = vector(work, entry.tangent_b)
         add_pull(system, block, 3, 1.0, s, first, row, column)
         add_pull(system, block, 4, 1.0, s, second, row, column)

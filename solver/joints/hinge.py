@@ -9,19 +9,28 @@ of the axes, whose three rows have rank two::
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Records, records
 from heavylift.solver.connections import Hinge
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints.packing import JointPlace, angle_markers, point_markers, refuse_opposite
+from heavylift.solver.joints.packing import (
+    AngleMarkers,
+    JointEntry,
+    JointPlace,
+    angle_markers,
+    point_markers,
+    refuse_opposite,
+)
 from heavylift.solver.joints.reactions import (
     ANGLE_CHANNELS,
-    ANGLE_STATE,
     REACTION_WIDTH,
+    AngleState,
     add_moment,
     record_angle,
     write_reaction,
@@ -39,12 +48,19 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
-__all__ = ["CHANNELS", "ROTATIONAL", "Hinges", "pack"]
+__all__ = ["CHANNELS", "ROTATIONAL", "HingeEntry", "Hinges", "pack", "pack_entries"]
 
 ROTATIONAL = (False, False, False, True, True)
 CHANNELS = ANGLE_CHANNELS
 
-BLOCK, POINT_A, POINT_B, Z_A, X_B, Y_B, COLUMN, ANGLE = range(8)
+
+class HingeEntry(JointEntry):
+    """A hinge, with direction markers z of a, x and y of b, and markers of the recorded angle."""
+
+    z_a: int
+    x_b: int
+    y_b: int
+    angle: AngleMarkers
 
 
 class Hinges(Arrays):
@@ -53,18 +69,27 @@ class Hinges(Arrays):
     Attributes
     ----------
     table
-        Block, point markers of a and b, direction markers z of a, x and y of b, first record column, markers
-        of the recorded angle; shape (n, 10).
+        What each keeps.
     state
-        Whole turns, see `record_angle`; shape (n, 3).
+        Whole turns, see `record_angle`.
     """
 
-    table: Ints2
-    state: Floats2
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+
+    table: Records[HingeEntry]
+    state: Records[AngleState]
 
 
 def pack(joints: Sequence[Hinge], places: Sequence[JointPlace], book: MarkerBook) -> Hinges:
     """Make the kind."""
+    rows = pack_entries(joints, places, book)
+    return Hinges(records(HingeEntry, rows), records(AngleState, len(rows)))
+
+
+def pack_entries(
+    joints: Sequence[Hinge], places: Sequence[JointPlace], book: MarkerBook
+) -> list[tuple[Any, ...]]:
+    """Fields of each hinge."""
     rows = []
     for joint, place in zip(joints, places, strict=True):
         refuse_opposite(joint, place, (2,))
@@ -74,8 +99,8 @@ def pack(joints: Sequence[Hinge], places: Sequence[JointPlace], book: MarkerBook
             book.direction(joint.body_b, joint.frame_b.axes[:, 1], at=joint.frame_b.point),
         )
         points, angle = point_markers(book, joint), angle_markers(book, joint, RECORD)
-        rows.append((place.block, *points, *axes, place.column, *angle))
-    return Hinges(np.array(rows, dtype=np.int64), np.zeros((len(rows), ANGLE_STATE)))
+        rows.append((place.block, *points, place.column, *axes, angle))
+    return rows
 
 
 @implement(fill_rows, Hinges)
@@ -84,11 +109,11 @@ def fill_hinge_rows(kind: Hinges, with_residual: bool, work: Workspace, system: 
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, point_a, point_b = entry[BLOCK], entry[POINT_A], entry[POINT_B]
+        block, point_a, point_b = entry.block, entry.point_a, entry.point_b
         put_point_rows(system, 2 * block, 0, work, point_a, -1.0)
         put_point_rows(system, 2 * block + 1, 0, work, point_b, 1.0)
-        zx = square_row(system, block, 3, work, entry[Z_A], entry[X_B])
-        zy = square_row(system, block, 4, work, entry[Z_A], entry[Y_B])
+        zx = square_row(system, block, 3, work, entry.z_a, entry.x_b)
+        zy = square_row(system, block, 4, work, entry.z_a, entry.y_b)
         if with_residual:
             g = residuals(system, block)
             g[0], g[1], g[2] = difference(work, point_a, point_b)
@@ -101,10 +126,10 @@ def fill_hinge_bias(kind: Hinges, time: float, work: Workspace, system: RowArray
     """Quadratic velocity terms."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        write_point_bias(system, entry[BLOCK], work, entry[POINT_A], entry[POINT_B])
-        target = targets(system, entry[BLOCK])
-        target[3] = -square_bias(work, entry[Z_A], entry[X_B])
-        target[4] = -square_bias(work, entry[Z_A], entry[Y_B])
+        write_point_bias(system, entry.block, work, entry.point_a, entry.point_b)
+        target = targets(system, entry.block)
+        target[3] = -square_bias(work, entry.z_a, entry.x_b)
+        target[4] = -square_bias(work, entry.z_a, entry.y_b)
 
 
 @implement(record_joints, Hinges)
@@ -115,9 +140,8 @@ def record_hinges(
     """Reaction on b, angle."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry[BLOCK], entry[COLUMN]
+        block, column = entry.block, entry.column
         write_reaction(system, block, row, column)
-        add_moment(system, block, 3, work, entry[X_B], entry[Z_A], row, column)
-        add_moment(system, block, 4, work, entry[Y_B], entry[Z_A], row, column)
-        x_a, x_b, y_b = entry[ANGLE], entry[ANGLE + 1], entry[ANGLE + 2]
-        record_angle(work, x_a, x_b, y_b, kind.state[j], time, row, column + REACTION_WIDTH)
+        add_moment(system, block, 3, work, entry.x_b, entry.z_a, row, column)
+        add_moment(system, block, 4, work, entry.y_b, entry.z_a, row, column)
+        record_angle(work, entry.angle, kind.state[j], time, row, column + REACTION_WIDTH)

@@ -14,18 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.interface import CHANGED, STATUS_BLOCK, Workspace
+from heavylift.solver.interface import Workspace
 from heavylift.solver.rows import (
-    DOF,
-    IMPULSE,
-    PANEL,
     REGULARISATION,
-    RESIDUAL,
-    ROW_COLUMNS,
-    SCALE,
-    SOFTNESS,
-    TARGET,
-    WIDTH,
     RowArrays,
 )
 
@@ -60,45 +51,40 @@ def row_rate(system: RowArrays, first: int, last: int, velocity: NDArray[np.floa
     lanes = system.lanes
     u = 0.0
     for i in range(first, last):
-        dof, panel = system.attachments[i, DOF], system.attachments[i, PANEL]
-        for k in range(system.attachments[i, WIDTH]):
+        dof, panel = system.attachments[i].dof, system.attachments[i].panel
+        for k in range(system.attachments[i].width):
             u += system.panels[panel + k * lanes] * velocity[dof + k]
     return u
 
 
 @kernel(inline=True, internal=True)
-def _row(system: RowArrays, block: int, column: int) -> int:
-    return (block * ROW_COLUMNS + column) * system.lanes
-
-
-@kernel(inline=True, internal=True)
 def put_residual(system: RowArrays, block: int, value: float) -> None:
     """Residual of the first row of a block."""
-    system.rows[_row(system, block, RESIDUAL)] = value
+    system.rows[block].residual[0] = value
 
 
 @kernel(inline=True, internal=True)
 def law_impulse(system: RowArrays, block: int) -> float:
     """Impulse of the first row of a block in the stage."""
-    return system.rows[_row(system, block, IMPULSE)]
+    return system.rows[block].impulse[0]
 
 
 @kernel(internal=True)
 def put_law(system: RowArrays, block: int, h: float, u: float, force: float, slope: float) -> None:
     """Fit the first row of a block to a force and its derivative at a rate u."""
-    softest = FREE_SOFTNESS * system.rows[_row(system, block, SCALE)]
+    softest = FREE_SOFTNESS * system.rows[block].scale[0]
     softness, target = softest, -0.5 * h * force * softest
     if 0.5 * h * slope * softest > 1.0:
         softness, target = 2.0 / (h * slope), u - force / slope
-    system.rows[_row(system, block, SOFTNESS)] = softness
-    system.rows[_row(system, block, TARGET)] = target
+    system.rows[block].softness[0] = softness
+    system.rows[block].target[0] = target
 
 
 @kernel(internal=True)
 def put_stick(system: RowArrays, block: int) -> None:
     """Make the first row of a block a rigid one whose rate is zero."""
-    system.rows[_row(system, block, SOFTNESS)] = REGULARISATION * system.rows[_row(system, block, SCALE)]
-    system.rows[_row(system, block, TARGET)] = 0.0
+    system.rows[block].softness[0] = REGULARISATION * system.rows[block].scale[0]
+    system.rows[block].target[0] = 0.0
 
 
 @kernel(internal=True)
@@ -106,13 +92,13 @@ def fit_law(
     system: RowArrays, block: int, h: float, u: float, force: float, slope: float, work: Workspace
 ) -> None:
     """As `put_law`, if impulse and row do not fit the law yet; counts it."""
-    softness, target = _row(system, block, SOFTNESS), _row(system, block, TARGET)
+    row = system.rows[block]
     miss = abs(law_impulse(system, block) + 0.5 * h * force)
     if miss <= FITTED * 0.5 * h * (abs(force) + slope * abs(u)):
         return
-    old_softness, old_target = system.rows[softness], system.rows[target]
+    old_softness, old_target = row.softness[0], row.target[0]
     put_law(system, block, h, u, force, slope)
-    moved = abs(system.rows[softness] - old_softness) > FITTED * old_softness
-    if moved or abs(system.rows[target] - old_target) > FITTED * (abs(old_target) + abs(u)):
-        work.control[CHANGED] += 1.0
-        work.status[STATUS_BLOCK] = block  # named if the iteration does not end
+    moved = abs(row.softness[0] - old_softness) > FITTED * old_softness
+    if moved or abs(row.target[0] - old_target) > FITTED * (abs(old_target) + abs(u)):
+        work.control.changed += 1
+        work.status.block = block  # named if the iteration does not end

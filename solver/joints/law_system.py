@@ -9,17 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.solver.rows import (
-    COMPLIANCE,
     DIAGONAL,
-    DOF,
-    HOLDER,
     HUB,
     PRESCRIBED,
-    RELAXATION,
-    RIGID,
-    ROW_COLUMNS,
-    SCALE,
-    WIDTH,
     Attachment,
     RowSystem,
     pack_rows,
@@ -84,13 +76,11 @@ def extend_system(
     scales: list[NDArray[np.float64]] = []
     sides: list[tuple[Attachment, Attachment]] = []
     owners: list[int] = []
-    old = np.zeros((0, ROW_COLUMNS, 1))
     if joints is not None:
-        old = joints.rows.reshape(-1, ROW_COLUMNS, joints.lanes)[: len(joints.attachments) // 2]
-        for i, rows in enumerate(old):
-            used = int(np.count_nonzero(rows[SCALE]))
+        for i, rows in enumerate(joints.rows[: len(joints.attachments) // 2]):
+            used = int(np.count_nonzero(rows.scale))
             counts.append(used)
-            scales.append(rows[SCALE, :used].copy())
+            scales.append(rows.scale[:used].copy())
             sides.append((_side(joints, 2 * i), _side(joints, 2 * i + 1)))
             owners.append(i)
     starts = []
@@ -104,17 +94,18 @@ def extend_system(
             sides.append((ends[2 * part], ends[2 * part + 1]))
             owners.append(starts[-1])
     made = pack_rows(counts, sides, scales, inverse_mass, monitor, owners)
-    table = made.rows.reshape(-1, ROW_COLUMNS, made.lanes)
-    for column in (COMPLIANCE, RELAXATION, RIGID):
-        width = min(old.shape[2], table.shape[2])
-        table[: len(old), column, :width] = old[:, column, :width]
+    if joints is not None:
+        width, blocks_before = min(joints.lanes, made.lanes), len(joints.attachments) // 2
+        for name in ("compliance", "relaxation", "rigid"):
+            made.rows[name][:blocks_before, :width] = joints.rows[name][:blocks_before, :width]
     for start, block in zip(starts, blocks, strict=True):
-        table[start, COMPLIANCE, 0] = block.compliance
-        table[start, RELAXATION, 0] = block.relaxation
+        made.rows[start].compliance[0] = block.compliance
+        made.rows[start].relaxation[0] = block.relaxation
     return made._replace(laws=laws)
 
 
 def _side(system: RowSystem, i: int) -> Attachment:
     """A side of a block as it was given, but for the number of the body: its first velocity tells it as well."""
-    dof, width, holder = (int(system.attachments[i, column]) for column in (DOF, WIDTH, HOLDER))
-    return Attachment(dof, dof, width, DIAGONAL if holder == HUB else holder)
+    side = system.attachments[i]
+    holder = DIAGONAL if side.holder == HUB else int(side.holder)
+    return Attachment(int(side.dof), int(side.dof), int(side.width), holder)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
 from heavylift.solver.connections import GROUND, Joint, JointMotor, JointSpring, Limits, Spring
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.coordinate import (
@@ -252,8 +253,8 @@ def _sides(packing: _Packing, force: Any) -> tuple[int, Joint]:
     return joint_coordinate(joint, force), joint
 
 
-def _row(packing: _Packing, force: Any, level: int, compliance: float, relaxation: float) -> list[int]:
-    """Coordinate, block and markers of a row."""
+def _row(packing: _Packing, force: Any, level: int, compliance: float, relaxation: float) -> tuple[int, ...]:
+    """Coordinate, markers, column and block of a row."""
     coordinate, joint = _sides(packing, force)
     if isinstance(force, Spring):
         markers = spring_markers(packing.book, force, level)
@@ -262,7 +263,8 @@ def _row(packing: _Packing, force: Any, level: int, compliance: float, relaxatio
     names = (joint.body_a, joint.body_b)
     scale = packing.scale(names, turns=coordinate == ANGLE)
     sides = (packing.attachment(names[0]), packing.attachment(names[1]))
-    return [coordinate, packing.add(LawBlock(force.name, sides, scale, compliance, relaxation)), *markers]
+    block = packing.add(LawBlock(force.name, sides, scale, compliance, relaxation))
+    return coordinate, *markers, packing.columns[force.name], block
 
 
 def _rest(force: Spring | JointSpring) -> float:
@@ -271,20 +273,17 @@ def _rest(force: Spring | JointSpring) -> float:
 
 def _pack_linear(packing: _Packing, springs: Sequence[Spring | JointSpring]) -> None:
     """Rows of linear springs."""
-    from heavylift.solver.joints.spring_row import SpringRows
+    from heavylift.solver.joints.spring_row import SpringRow, SpringRows, SpringRowState
 
-    table, values = [], []
+    rows = []
     for force in springs:
         level = FORCES if force.damping > 0.0 else ROWS
         k = max(force.stiffness, SLOWEST_RATE * force.damping)
         row = _row(packing, force, level, 1.0 / k, force.damping / k)
-        table.append((*row, packing.columns[force.name]))
-        values.append((_rest(force), force.stiffness, force.damping))
-    state = np.zeros((len(table), 2))
-    state[:, 0] = [rest for rest, _, _ in values]
-    packing.made.joints.append(
-        SpringRows(np.array(table, dtype=np.int64), np.array(values, dtype=np.float64), state)
-    )
+        rows.append((*row, _rest(force), force.stiffness, force.damping))
+    table, state = records(SpringRow, rows), records(SpringRowState, len(rows))
+    state["value"] = table["rest"]
+    packing.made.joints.append(SpringRows(table, state))
 
 
 def _explicit(packing: _Packing, force: Spring | JointSpring) -> tuple[tuple[int, ...], tuple[float, ...]]:
@@ -312,63 +311,53 @@ def _pack_scalar_laws(packing: _Packing, tabulated: Sequence[tuple[Any, NDArray[
     if not (tabulated or limited or rubbing):
         return
     from heavylift.solver.joints.scalar_laws import (
-        FRESH,
         FRICTION,
         SPRING,
-        STATE_WIDTH,
         STOP,
-        VALUE,
+        ScalarLaw,
         ScalarLaws,
+        ScalarLawState,
     )
 
-    table: list[tuple[int, ...]] = []
-    values: list[tuple[float, ...]] = []
+    rows: list[tuple[float, ...]] = []
     curves: list[NDArray[np.float64]] = []
     expected: list[float] = []
     for force, curve in tabulated:
         level = FORCES if force.damping > 0.0 else ROWS
         first = sum(map(len, curves))
         row = _row(packing, force, level, 1.0, 0.0)
-        table.append((SPRING, *row, packing.columns[force.name], first, len(curve)))
-        values.append((_rest(force), 0.0, force.damping, 0.0))
+        rows.append((*row, SPRING, first, len(curve), _rest(force), 0.0, 0.0, force.damping, 0.0, 0.0))
         curves.append(curve)
         expected.append(_rest(force))
     for joint in limited:
         row = _joint_row(packing, joint)
         limits = _checked_limits(joint)
         stiffness = limits.stiffness or STOP_RATE**2 / packing.made.blocks[-1].scale
-        table.append((STOP, *row, -1, 0, 0))
-        values.append((limits.lower, limits.upper, limits.damping, stiffness))
+        rows.append((*row, STOP, 0, 0, 0.0, limits.lower, limits.upper, limits.damping, stiffness, 0.0))
         ends = [end for end in (limits.lower, limits.upper) if np.isfinite(end)]
         expected.append(sum(ends) / len(ends) if ends else 0.0)
     for joint in rubbing:
         friction = float(getattr(joint, "friction", 0.0))
         if not 0.0 < friction < np.inf:
             raise InputError(f"{friction}", source=joint.name, key="friction", expected="0 or more")
-        table.append((FRICTION, *_joint_row(packing, joint), -1, 0, 0))
-        values.append((friction, 0.0, 0.0, 0.0))
+        rows.append((*_joint_row(packing, joint), FRICTION, 0, 0, 0.0, 0.0, 0.0, 0.0, 0.0, friction))
         expected.append(0.0)
-    state = np.zeros((len(table), STATE_WIDTH))
-    state[:, FRESH], state[:, VALUE] = 1.0, expected
+    state = records(ScalarLawState, len(rows))
+    state["fresh"], state["value"] = True, expected
     packing.made.joints.append(
-        ScalarLaws(
-            np.array(table, dtype=np.int64),
-            np.array(values, dtype=np.float64),
-            np.vstack([np.zeros((0, 2)), *curves]),
-            state,
-        )
+        ScalarLaws(records(ScalarLaw, rows), np.vstack([np.zeros((0, 2)), *curves]), state)
     )
     packing.made.fitted = True
 
 
-def _joint_row(packing: _Packing, joint: Any) -> list[int]:
-    """Coordinate, block and markers of a row on the angle or travel of a joint."""
+def _joint_row(packing: _Packing, joint: Any) -> tuple[int, ...]:
+    """Coordinate, markers, no column and block of a row on the angle or travel of a joint."""
     coordinate = joint_coordinate(joint, joint)
     markers = joint_markers(packing.book, joint, coordinate, ROWS)
     names = (joint.body_a, joint.body_b)
     sides = (packing.attachment(names[0]), packing.attachment(names[1]))
     block = LawBlock(joint.name, sides, packing.scale(names, turns=coordinate == ANGLE))
-    return [coordinate, packing.add(block), *markers]
+    return coordinate, *markers, -1, packing.add(block)
 
 
 def _checked_limits(joint: Any) -> Limits:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Record
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.connections import GROUND, Joint, JointFrame, SliderHinge
 from heavylift.solver.interface import ROWS
@@ -20,7 +21,10 @@ if TYPE_CHECKING:
     from heavylift.solver.scene import AnyBody
 
 __all__ = [
+    "AngleMarkers",
+    "JointEntry",
     "JointPlace",
+    "TravelMarkers",
     "angle_markers",
     "point_markers",
     "refuse_opposite",
@@ -49,6 +53,41 @@ class JointPlace:
     frames: tuple[JointFrame, JointFrame]
 
 
+class JointEntry(Record):
+    """What every joint of two points keeps.
+
+    Attributes
+    ----------
+    block
+        Number of its block of rows.
+    point_a, point_b
+        Markers of its points on both sides.
+    column
+        First record column.
+    """
+
+    block: int
+    point_a: int
+    point_b: int
+    column: int
+
+
+class AngleMarkers(Record):
+    """Direction markers x of a, x of b, y of b: what the angle of a joint about its z axis is made of."""
+
+    x_a: int
+    x_b: int
+    y_b: int
+
+
+class TravelMarkers(Record):
+    """Markers of the two points and of the direction on a: what the travel of a joint is made of."""
+
+    point_a: int
+    point_b: int
+    axis: int
+
+
 def point_markers(book: MarkerBook, joint: Joint, level: int = ROWS) -> tuple[int, int]:
     """Markers of the two points of a joint."""
     return (
@@ -58,7 +97,7 @@ def point_markers(book: MarkerBook, joint: Joint, level: int = ROWS) -> tuple[in
 
 
 def angle_markers(book: MarkerBook, joint: Joint, level: int = ROWS) -> tuple[int, int, int]:
-    """Markers x of a, x of b, y of b: what the angle of a joint about its z axis is made of."""
+    """See `AngleMarkers`."""
     return (
         book.direction(joint.body_a, joint.frame_a.axes[:, 0], level, at=joint.frame_a.point),
         book.direction(joint.body_b, joint.frame_b.axes[:, 0], level, at=joint.frame_b.point),
@@ -67,7 +106,7 @@ def angle_markers(book: MarkerBook, joint: Joint, level: int = ROWS) -> tuple[in
 
 
 def travel_markers(book: MarkerBook, joint: Joint, level: int = ROWS) -> tuple[int, int, int]:
-    """Markers of the two points and of the direction on a: what the travel of a joint is made of."""
+    """See `TravelMarkers`."""
     points = point_markers(book, joint, level)
     return (
         *points,

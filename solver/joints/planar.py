@@ -12,11 +12,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Ints2
+from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Records, records
 from heavylift.solver.connections import Planar
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints.packing import JointPlace, point_markers, refuse_opposite
+from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers, refuse_opposite
 from heavylift.solver.joints.reactions import add_force, add_moment, clear_reaction
 from heavylift.solver.joints.row_writing import (
     residuals,
@@ -35,10 +36,18 @@ __all__ = ["ROTATIONAL", "PlanarJoints", "pack"]
 ROTATIONAL = (False, True, True)
 
 
-class PlanarJoints(Arrays):
-    """Block, point markers of a and b, direction markers z of a, x and y of b, record column; shape (n, 7)."""
+class PlanarEntry(JointEntry):
+    """A planar joint, with direction markers z of a, x and y of b."""
 
-    table: Ints2
+    z_a: int
+    x_b: int
+    y_b: int
+
+
+class PlanarJoints(Arrays):
+    """All planar joints of a scene."""
+
+    table: Records[PlanarEntry]
 
 
 def pack(joints: Sequence[Planar], places: Sequence[JointPlace], book: MarkerBook) -> PlanarJoints:
@@ -51,8 +60,8 @@ def pack(joints: Sequence[Planar], places: Sequence[JointPlace], book: MarkerBoo
             book.direction(joint.body_b, joint.frame_b.axes[:, 0], at=joint.frame_b.point),
             book.direction(joint.body_b, joint.frame_b.axes[:, 1], at=joint.frame_b.point),
         )
-        rows.append((place.block, *point_markers(book, joint), *axes, place.column))
-    return PlanarJoints(np.array(rows, dtype=np.int64))
+        rows.append((place.block, *point_markers(book, joint), place.column, *axes))
+    return PlanarJoints(records(PlanarEntry, rows))
 
 
 @implement(fill_rows, PlanarJoints)
@@ -60,10 +69,11 @@ def pack(joints: Sequence[Planar], places: Sequence[JointPlace], book: MarkerBoo
 def fill_planar_rows(kind: PlanarJoints, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
-        block, point_a, point_b, z_a, x_b, y_b, _ = kind.table[j]
-        height = travel_row(system, block, 0, work, point_a, point_b, z_a)
-        zx = square_row(system, block, 1, work, z_a, x_b)
-        zy = square_row(system, block, 2, work, z_a, y_b)
+        entry = kind.table[j]
+        block, point_a, point_b = entry.block, entry.point_a, entry.point_b
+        height = travel_row(system, block, 0, work, point_a, point_b, entry.z_a)
+        zx = square_row(system, block, 1, work, entry.z_a, entry.x_b)
+        zy = square_row(system, block, 2, work, entry.z_a, entry.y_b)
         if with_residual:
             g = residuals(system, block)
             g[0], g[1], g[2] = height, zx, zy
@@ -74,11 +84,12 @@ def fill_planar_rows(kind: PlanarJoints, with_residual: bool, work: Workspace, s
 def fill_planar_bias(kind: PlanarJoints, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms."""
     for j in range(kind.table.shape[0]):
-        block, point_a, point_b, z_a, x_b, y_b, _ = kind.table[j]
+        entry = kind.table[j]
+        block, point_a, point_b = entry.block, entry.point_a, entry.point_b
         target = targets(system, block)
-        target[0] = -travel_bias(work, point_a, point_b, z_a)
-        target[1] = -square_bias(work, z_a, x_b)
-        target[2] = -square_bias(work, z_a, y_b)
+        target[0] = -travel_bias(work, point_a, point_b, entry.z_a)
+        target[1] = -square_bias(work, entry.z_a, entry.x_b)
+        target[2] = -square_bias(work, entry.z_a, entry.y_b)
 
 
 @implement(record_joints, PlanarJoints)
@@ -88,8 +99,9 @@ def record_planar_joints(
 ) -> None:
     """Reaction on b."""
     for j in range(kind.table.shape[0]):
-        block, _, _, z_a, x_b, y_b, column = kind.table[j]
+        entry = kind.table[j]
+        block, column = entry.block, entry.column
         clear_reaction(row, column)
-        add_force(system, block, 0, work, z_a, row, column)
-        add_moment(system, block, 1, work, x_b, z_a, row, column)
-        add_moment(system, block, 2, work, y_b, z_a, row, column)
+        add_force(system, block, 0, work, entry.z_a, row, column)
+        add_moment(system, block, 1, work, entry.x_b, entry.z_a, row, column)
+        add_moment(system, block, 2, work, entry.y_b, entry.z_a, row, column)

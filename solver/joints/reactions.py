@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel, view
+from heavylift.numerics.records import Record
 from heavylift.numerics.small import cross
 from heavylift.solver.interface import Workspace
+from heavylift.solver.joints.packing import AngleMarkers, TravelMarkers
 from heavylift.solver.joints.row_writing import (
     Vector,
     hinge_angle,
@@ -17,13 +19,13 @@ from heavylift.solver.joints.row_writing import (
     travel_rate,
     vector,
 )
-from heavylift.solver.rows import REACTION, ROW_COLUMNS, RowArrays
+from heavylift.solver.rows import RowArrays
 
 __all__ = [
     "ANGLE_CHANNELS",
-    "ANGLE_STATE",
     "REACTION_WIDTH",
     "TRAVEL_CHANNELS",
+    "AngleState",
     "add_force",
     "add_moment",
     "add_pull",
@@ -41,16 +43,19 @@ REACTION_WIDTH = 6
 ANGLE_CHANNELS = (("angle", "rad", ("angle",)), ("angular_rate", "rad/s", ("angular_rate",)))
 TRAVEL_CHANNELS = (("travel", "m", ("travel",)), ("travel_rate", "m/s", ("travel_rate",)))
 
-ANGLE_STATE = 3
-"""Width of the state that counts whole turns: angle [rad], rate [rad/s] and time [s] of the last record."""
+
+class AngleState(Record):
+    """What counts whole turns: angle [rad], rate [rad/s] and time [s] of the last record."""
+
+    angle: float
+    rate: float
+    time: float
 
 
 @view
 def reactions(system: RowArrays, block: int) -> NDArray[np.float64]:
     """Reactions of the rows of a block at the end of the last step [N] or [N m], a view."""
-    lanes = system.lanes
-    begin = (block * ROW_COLUMNS + REACTION) * lanes
-    return system.rows[begin : begin + lanes]
+    return system.rows[block].reaction
 
 
 @kernel(internal=True)
@@ -141,10 +146,8 @@ def add_torque(
 @kernel(internal=True)
 def record_angle(
     work: Workspace,
-    x_a: int,
-    x_b: int,
-    y_b: int,
-    state: NDArray[np.float64],
+    markers: AngleMarkers,
+    state: AngleState,
     time: float,
     row: NDArray[np.float64],
     column: int,
@@ -156,17 +159,15 @@ def record_angle(
     Of the angles that fit, it is the one nearest to the last recorded one plus the mean of the two rates
     times the time between, so it counts right while that is less than half a turn wrong.
     """
-    speed = hinge_rate(work, x_a, x_b, y_b)
-    expected = state[0] + 0.5 * (state[1] + speed) * (time - state[2])
-    angle = near_angle(hinge_angle(work, x_a, x_b, y_b), expected)
-    state[0], state[1], state[2] = angle, speed, time
+    speed = hinge_rate(work, markers.x_a, markers.x_b, markers.y_b)
+    expected = state.angle + 0.5 * (state.rate + speed) * (time - state.time)
+    angle = near_angle(hinge_angle(work, markers.x_a, markers.x_b, markers.y_b), expected)
+    state.angle, state.rate, state.time = angle, speed, time
     row[column], row[column + 1] = angle, speed
 
 
 @kernel(internal=True)
-def record_travel(
-    work: Workspace, point_a: int, point_b: int, axis: int, row: NDArray[np.float64], column: int
-) -> None:
+def record_travel(work: Workspace, markers: TravelMarkers, row: NDArray[np.float64], column: int) -> None:
     """Travel and its rate."""
-    row[column] = travel(work, point_a, point_b, axis)
-    row[column + 1] = travel_rate(work, point_a, point_b, axis)
+    row[column] = travel(work, markers.point_a, markers.point_b, markers.axis)
+    row[column + 1] = travel_rate(work, markers.point_a, markers.point_b, markers.axis)

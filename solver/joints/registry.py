@@ -24,7 +24,7 @@ from heavylift.solver.connections import (
 from heavylift.solver.joints.mesh_rows import EdgeSeam, FrameWeld, SquareJoint
 from heavylift.solver.joints.packing import JointPlace, start_frames
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows import COMPLIANCE, RELAXATION, RIGID, ROW_COLUMNS, Attachment, RowSystem, pack_rows
+from heavylift.solver.rows import Attachment, RowSystem, pack_rows
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -141,12 +141,10 @@ def pack_joints(
         sides = [(attachment(joint.body_a), attachment(joint.body_b)) for joint, _ in ordered]
         scale = [_scale(joint, rotational, scales) for joint, rotational in ordered]
         made = pack_rows([len(r) for _, r in ordered], sides, scale, inverse_mass, monitor)
-        lanes = made.lanes
-        table = made.rows.reshape(-1, ROW_COLUMNS, lanes)
         for block, (joint, rotational) in enumerate(ordered):
-            table[block, COMPLIANCE, : len(rotational)] = joint.compliance
-            table[block, RELAXATION, : len(rotational)] = joint.relaxation
-            table[block, RIGID, : len(rotational)] = _openness(joint, rotational, scales)
+            made.rows[block].compliance[: len(rotational)] = joint.compliance
+            made.rows[block].relaxation[: len(rotational)] = joint.relaxation
+            made.rows[block].rigid[: len(rotational)] = _openness(joint, rotational, scales)
         return made
 
     return tuple(kinds), system, tuple(joint.name for joint, _ in ordered)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Records, records
 from heavylift.solver.connections import (
     GROUND,
     FixedJoint,
@@ -21,8 +23,8 @@ from heavylift.solver.connections import (
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.law_system import LawBlock
 from heavylift.solver.joints.packing import start_frames
-from heavylift.solver.joints.rope_path import GRADIENT_WIDTH, PLACE_WIDTH, START_WRAP, path_length
-from heavylift.solver.joints.wire_rope import FRESH, REST, STATE_WIDTH, STRETCHED, Ropes
+from heavylift.solver.joints.rope_path import START_WRAP, PlaceGradient, RopePlace, path_length
+from heavylift.solver.joints.wire_rope import PlaceMarkers, RopeEntry, Ropes, RopeState, WinchRow
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import Attachment
 from heavylift.solver.scene import AnyBody
@@ -60,13 +62,12 @@ def pack_ropes(
         If a rope has fewer than two points, ends on a pulley, has coincident neighbours, no stiffness, or is
         shorter than its path by more than it can stretch.
     """
-    table: list[tuple[int, ...]] = []
+    table: list[tuple[float, ...]] = []
     places: list[tuple[int, int, int]] = []
-    values: list[tuple[float, ...]] = []
     winches: list[tuple[float, float, float]] = []
-    paths: list[NDArray[np.float64]] = []
+    paths: list[tuple[Any, ...]] = []
     blocks: list[LawBlock] = []
-    state: list[float] = []
+    state: list[tuple[float, ...]] = []
     block = first_block
     for rope, column in zip(ropes, columns, strict=True):
         points = _points(rope)
@@ -77,21 +78,19 @@ def pack_ropes(
             raise InputError("no body", source=rope.name, key="path", expected="one point on a body at least")
         level = FORCES if rope.damping > 0.0 else ROWS
         first = len(places)
-        for point, place in zip(points, path, strict=True):
+        for point in points:
             side = -1 if point.body == GROUND else 2 * block + held.index(point.body)
             axis = -1
             if point.radius > 0.0:
                 axis = book.direction(point.body, _axes(rope, point)[:, 2], level, at=point.point)
             places.append((book.point(point.body, point.point, level), axis, side))
-            paths.append(place)
         rows = _winch_rows(rope) if isinstance(rope, Rope) else []
-        table.append((block, len(held), first, len(points), len(winches), len(rows), column))
-        winches += rows
         stiffness = (rope.axial_stiffness, 0.0) if isinstance(rope, Rope) else (0.0, rope.stiffness)
-        values.append((*stiffness, rope.damping, length))
-        start = np.zeros(STATE_WIDTH)
-        start[FRESH], start[STRETCHED], start[REST] = 1.0, start_length(path), length
-        state += list(start)
+        numbers = (block, len(held), first, len(points), len(winches), len(rows), column)
+        table.append((*numbers, *stiffness, rope.damping, length))
+        winches += rows
+        paths += [(place.centre, place.axis, place.radius) for place in path]
+        state.append((True, start_length(path), length, 0.0, 0.0, 0.0, 0.0))
         blocks.append(
             LawBlock(
                 rope.name,
@@ -101,22 +100,20 @@ def pack_ropes(
         )
         block += blocks[-1].block_count
     kind = Ropes(
-        np.array(table, dtype=np.int64),
-        np.array(places, dtype=np.int64),
-        np.array(values, dtype=np.float64),
-        np.array(winches, dtype=np.float64).reshape(-1, 3),
-        np.array(paths, dtype=np.float64),
-        np.zeros((len(paths), GRADIENT_WIDTH)),
-        np.concatenate([state, np.full(len(paths), START_WRAP)]),
+        records(RopeEntry, table),
+        records(PlaceMarkers, places),
+        records(WinchRow, winches),
+        records(RopePlace, paths),
+        records(PlaceGradient, len(places)),
+        records(RopeState, state),
+        np.full(len(places), START_WRAP),
     )
     return kind, blocks
 
 
-def start_length(path: NDArray[np.float64]) -> float:
-    """Length of a path in the world [m], shape (n, 7)."""
-    return float(
-        path_length(path.copy(), np.zeros((len(path), GRADIENT_WIDTH)), np.full(len(path), START_WRAP))
-    )
+def start_length(path: Records[RopePlace]) -> float:
+    """Length of a path in the world [m]."""
+    return float(path_length(path, records(PlaceGradient, len(path)), np.full(len(path), START_WRAP)))
 
 
 def _axes(rope: Rope | SpringRope, point: RopePoint) -> NDArray[np.float64]:
@@ -130,8 +127,8 @@ def _points(rope: Rope | SpringRope) -> tuple[RopePoint, ...]:
     return RopePoint(rope.body_a, rope.point_a), RopePoint(rope.body_b, rope.point_b)
 
 
-def start_path(rope: Rope | SpringRope, bodies: Sequence[AnyBody]) -> NDArray[np.float64]:
-    """Centres, axes and radii of the places in the world at the start, shape (n, 7); checked.
+def start_path(rope: Rope | SpringRope, bodies: Sequence[AnyBody]) -> Records[RopePlace]:
+    """Places in the world at the start; checked.
 
     Raises
     ------
@@ -141,7 +138,7 @@ def start_path(rope: Rope | SpringRope, bodies: Sequence[AnyBody]) -> NDArray[np
     points = _points(rope)
     if len(points) < 2:
         raise _error(rope, f"{len(points)} points", "path", "two points or more")
-    path = np.zeros((len(points), PLACE_WIDTH))
+    path = records(RopePlace, len(points))
     for i, point in enumerate(points):
         if not 0.0 <= point.radius < math.inf or (point.radius > 0.0 and i in (0, len(points) - 1)):
             raise _error(
@@ -159,9 +156,9 @@ def start_path(rope: Rope | SpringRope, bodies: Sequence[AnyBody]) -> NDArray[np
             ),
             bodies,
         )[1]
-        path[i] = (*place.point, *place.axes[:, 2], point.radius)
-    for i, step in enumerate(np.linalg.norm(np.diff(path[:, :3], axis=0), axis=1)):
-        if not step > 1e-9 * (1.0 + float(np.abs(path[:, :3]).max())):
+        path[i] = (place.point, place.axes[:, 2], point.radius)
+    for i, step in enumerate(np.linalg.norm(np.diff(path["centre"], axis=0), axis=1)):
+        if not step > 1e-9 * (1.0 + float(np.abs(path["centre"]).max())):
             raise _error(rope, f"points {i + 1} and {i + 2} coincide", "path", "points apart from each other")
     if not math.isfinite(start_length(path)):
         raise _error(
@@ -173,7 +170,7 @@ def start_path(rope: Rope | SpringRope, bodies: Sequence[AnyBody]) -> NDArray[np
     return path
 
 
-def _unstretched(rope: Rope | SpringRope, path: NDArray[np.float64]) -> float:
+def _unstretched(rope: Rope | SpringRope, path: Records[RopePlace]) -> float:
     """Length at the start [m]; stiffness and damping are checked."""
     drawn = start_length(path)
     key, stiffness = (

@@ -17,19 +17,15 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Floats1, Floats2
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
+from heavylift.numerics.records import Record, Records
+from heavylift.numerics.records import Vector as VectorField
 from heavylift.numerics.small import cross
 from heavylift.solver.joints.row_writing import dot, near_angle
 
-__all__ = ["GRADIENT_WIDTH", "PLACE_WIDTH", "START_WRAP", "path_length"]
-
-CENTRE, AXIS, RADIUS, PLACE_WIDTH = 0, 3, 6, 7
-"""Columns of the places: centre [m], unit axis, radius [m], and their number."""
-
-GRADIENT_WIDTH = 6
-"""Derivatives of the length by the centre and by the axis."""
+__all__ = ["START_WRAP", "PlaceGradient", "RopePlace", "path_length"]
 
 START_WRAP = math.pi * (1.0 - 1e-6)
 """Wrap near which that of the start is sought [rad]: none of it may be more than a turn."""
@@ -39,14 +35,29 @@ NEWTON_STEPS = 12
 Vector = tuple[float, float, float]
 
 
-@kernel(inline=True, internal=True)
-def _centre(place: NDArray[np.float64]) -> Vector:
-    return place[CENTRE], place[CENTRE + 1], place[CENTRE + 2]
+class RopePlace(Record):
+    """Centre [m], unit axis and radius [m] of a place that a rope passes; radius 0 of an eye."""
+
+    centre: VectorField
+    axis: VectorField
+    radius: float
+
+
+class PlaceGradient(Record):
+    """Derivatives of the length by the centre and by the axis of a place."""
+
+    centre: VectorField
+    axis: VectorField
 
 
 @kernel(inline=True, internal=True)
-def _axis(place: NDArray[np.float64]) -> Vector:
-    return place[AXIS], place[AXIS + 1], place[AXIS + 2]
+def _centre(place: RopePlace) -> Vector:
+    return place.centre[0], place.centre[1], place.centre[2]
+
+
+@kernel(inline=True, internal=True)
+def _axis(place: RopePlace) -> Vector:
+    return place.axis[0], place.axis[1], place.axis[2]
 
 
 @kernel(inline=True, internal=True)
@@ -56,9 +67,9 @@ def _sum(a: Vector, s: float, b: Vector) -> Vector:
 
 
 @kernel(internal=True)
-def _tangent(place: NDArray[np.float64], q: Vector, sense: float) -> Vector:
+def _tangent(place: RopePlace, q: Vector, sense: float) -> Vector:
     """Unit vector to the tangent point towards a point q; sense 1 where the rope leaves, -1 where it arrives."""
-    n, r = _axis(place), place[RADIUS]
+    n, r = _axis(place), place.radius
     d = _sum(q, -1.0, _centre(place))
     d = _sum(d, -dot(d, n), n)
     distance = math.sqrt(dot(d, d))
@@ -77,10 +88,10 @@ def _turned(e: Vector, t: Vector, angle: float) -> Vector:
 
 
 @kernel(internal=True)
-def _straight(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[Vector, Vector]:
+def _straight(a: RopePlace, b: RopePlace) -> tuple[Vector, Vector]:
     """Unit vectors to both ends of the straight part from a to b; zero at eyes."""
     e1 = e2 = (0.0, 0.0, 0.0)
-    r1, r2 = a[RADIUS], b[RADIUS]
+    r1, r2 = a.radius, b.radius
     if r1 > 0.0:
         e1 = _tangent(a, _centre(b), 1.0)
     if r2 > 0.0:
@@ -105,19 +116,19 @@ def _straight(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[Vector, V
 
 
 @kernel(internal=True)
-def _add(gradient: NDArray[np.float64], first: int, s: float, v: Vector) -> None:
+def _add(gradient: NDArray[np.float64], s: float, v: Vector) -> None:
     for k in range(3):
-        gradient[first + k] += s * v[k]
+        gradient[k] += s * v[k]
 
 
 @kernel(internal=True)
 def _add_straight(
-    a: NDArray[np.float64],
-    b: NDArray[np.float64],
+    a: RopePlace,
+    b: RopePlace,
     e1: Vector,
     e2: Vector,
-    by_a: NDArray[np.float64],
-    by_b: NDArray[np.float64],
+    by_a: PlaceGradient,
+    by_b: PlaceGradient,
 ) -> float:
     """Length of the straight part; its derivatives, and those of the arcs at its ends, into both gradients.
 
@@ -126,7 +137,7 @@ def _add_straight(
     The tangents move by angles that follow from ``D . e = 0``. Out of the plane they count: the length of the
     part then changes by less than that of the arc. Their part is eliminated with the transposed equations.
     """
-    r1, r2, n1, n2 = a[RADIUS], b[RADIUS], _axis(a), _axis(b)
+    r1, r2, n1, n2 = a.radius, b.radius, _axis(a), _axis(b)
     D = _sum(_sum(_sum(_centre(b), -1.0, _centre(a)), r2, e2), -r1, e1)
     length = math.sqrt(dot(D, D))
     m = (D[0] / length, D[1] / length, D[2] / length)
@@ -139,23 +150,23 @@ def _add_straight(
     determinant = a11 * a22 - a12 * a21
     y1, y2 = (w1 * a22 - a21 * w2) / determinant, (a11 * w2 - a12 * w1) / determinant
     along = _sum(_sum(m, -y1, e1), -y2, e2)
-    _add(by_a, CENTRE, -1.0, along)
-    _add(by_b, CENTRE, 1.0, along)
-    _add(by_a, AXIS, r1 * dot(m, n1) + y1 * dot(D, n1) - y2 * r1 * dot(n1, e2), e1)
-    _add(by_b, AXIS, y2 * dot(D, n2) + y1 * r2 * dot(n2, e1) - r2 * dot(m, n2), e2)
+    _add(by_a.centre, -1.0, along)
+    _add(by_b.centre, 1.0, along)
+    _add(by_a.axis, r1 * dot(m, n1) + y1 * dot(D, n1) - y2 * r1 * dot(n1, e2), e1)
+    _add(by_b.axis, y2 * dot(D, n2) + y1 * r2 * dot(n2, e1) - r2 * dot(m, n2), e2)
     return length
 
 
 @entry
-def path_length(places: Floats2, gradient: Floats2, wraps: Floats1) -> float:
+def path_length(places: Records[RopePlace], gradient: Records[PlaceGradient], wraps: Floats1) -> float:
     """Length of a path [m].
 
     Parameters
     ----------
     places
-        Centre [m], unit axis and radius [m] of each place in order, shape (n, 7); radius 0 at the ends.
+        In order; radius 0 at the ends.
     gradient
-        Receives the derivatives of the length by centres and axes, shape (n, 6).
+        Receives the derivatives of the length by each place.
     wraps
         Wrap of each pulley [rad], shape (n,): the value nearest to the one there is found and written, so
         that it stays continuous.
@@ -167,14 +178,14 @@ def path_length(places: Floats2, gradient: Floats2, wraps: Floats1) -> float:
     """
     count = places.shape[0]
     for i in range(count):
-        for k in range(GRADIENT_WIDTH):
-            gradient[i, k] = 0.0
+        for k in range(3):
+            gradient[i].centre[k] = gradient[i].axis[k] = 0.0
     total = 0.0
     arrival = (0.0, 0.0, 0.0)
     for i in range(count - 1):
         e1, e2 = _straight(places[i], places[i + 1])
         total += _add_straight(places[i], places[i + 1], e1, e2, gradient[i], gradient[i + 1])
-        r = places[i, RADIUS]
+        r = places[i].radius
         if r > 0.0:
             n = _axis(places[i])
             s = cross(arrival[0], arrival[1], arrival[2], e1[0], e1[1], e1[2])

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel, view
-from heavylift.solver.interface import POINT, POINT_BIAS, POINT_VELOCITY, Workspace
-from heavylift.solver.rows import PANEL, RESIDUAL, ROW_COLUMNS, TARGET, WIDTH, RowArrays
+from heavylift.solver.interface import Workspace
+from heavylift.solver.rows import RowArrays
 
 __all__ = [
     "Vector",
@@ -54,21 +54,21 @@ Vector = tuple[float, float, float]
 def vector(work: Workspace, marker: int) -> Vector:
     """The vector of a marker."""
     m = work.markers[marker]
-    return m[POINT], m[POINT + 1], m[POINT + 2]
+    return m.point[0], m.point[1], m.point[2]
 
 
 @kernel(inline=True, internal=True)
 def rate(work: Workspace, marker: int) -> Vector:
     """The rate of the vector of a marker, where its level is filled with rates."""
     m = work.markers[marker]
-    return m[POINT_VELOCITY], m[POINT_VELOCITY + 1], m[POINT_VELOCITY + 2]
+    return m.velocity[0], m.velocity[1], m.velocity[2]
 
 
 @kernel(inline=True, internal=True)
 def bias(work: Workspace, marker: int) -> Vector:
     """The second rate of the vector of a marker without accelerations of its body."""
     m = work.markers[marker]
-    return m[POINT_BIAS], m[POINT_BIAS + 1], m[POINT_BIAS + 2]
+    return m.bias[0], m.bias[1], m.bias[2]
 
 
 @kernel(inline=True, internal=True)
@@ -92,17 +92,13 @@ def dot(a: Vector, b: Vector) -> float:
 @view
 def residuals(system: RowArrays, block: int) -> NDArray[np.float64]:
     """Residuals of the rows of a block, a view."""
-    lanes = system.lanes
-    begin = (block * ROW_COLUMNS + RESIDUAL) * lanes
-    return system.rows[begin : begin + lanes]
+    return system.rows[block].residual
 
 
 @view
 def targets(system: RowArrays, block: int) -> NDArray[np.float64]:
     """Targets of the rows of a block, a view."""
-    lanes = system.lanes
-    begin = (block * ROW_COLUMNS + TARGET) * lanes
-    return system.rows[begin : begin + lanes]
+    return system.rows[block].target
 
 
 @kernel(inline=True, internal=True)
@@ -111,8 +107,8 @@ def put_point_rows(
 ) -> None:
     """Write ``sign J[m]`` as three rows: the components of a point along the world axes."""
     lanes = system.lanes
-    width = system.attachments[attachment, WIDTH]
-    begin = system.attachments[attachment, PANEL] + first
+    width = system.attachments[attachment].width
+    begin = system.attachments[attachment].panel + first
     J = work.jacobian[marker]
     if width == 6:
         for k in range(6):
@@ -137,8 +133,8 @@ def put_direction_row(
     system: RowArrays, attachment: int, row: int, work: Workspace, marker: int, c: Vector
 ) -> None:
     """Write ``c . J[m]`` as one row."""
-    begin = system.attachments[attachment, PANEL] + row
-    width, lanes = system.attachments[attachment, WIDTH], system.lanes
+    begin = system.attachments[attachment].panel + row
+    width, lanes = system.attachments[attachment].width, system.lanes
     _put_product(system.panels, begin, lanes, width, work.jacobian[marker], c)
 
 
@@ -155,8 +151,8 @@ def add_direction_row(
     system: RowArrays, attachment: int, row: int, work: Workspace, marker: int, c: Vector
 ) -> None:
     """Add ``c . J[m]`` to one row."""
-    begin = system.attachments[attachment, PANEL] + row
-    width, lanes = system.attachments[attachment, WIDTH], system.lanes
+    begin = system.attachments[attachment].panel + row
+    width, lanes = system.attachments[attachment].width, system.lanes
     _add_product(system.panels, begin, lanes, width, work.jacobian[marker], c)
 
 

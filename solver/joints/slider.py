@@ -8,15 +8,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Ints2
+from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Records, records
 from heavylift.solver.connections import Slider
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints.packing import JointPlace, point_markers, refuse_opposite, travel_markers
+from heavylift.solver.joints.packing import (
+    JointEntry,
+    JointPlace,
+    TravelMarkers,
+    point_markers,
+    refuse_opposite,
+    travel_markers,
+)
 from heavylift.solver.joints.reactions import (
     REACTION_WIDTH,
     TRAVEL_CHANNELS,
@@ -37,29 +46,38 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
-__all__ = ["CHANNELS", "ROTATIONAL", "Sliders", "pack"]
+__all__ = ["CHANNELS", "ROTATIONAL", "SliderEntry", "Sliders", "pack", "pack_entries"]
 
 ROTATIONAL = (False, False, True, True, True)
 CHANNELS = TRAVEL_CHANNELS
 
-BLOCK, POINT_A, POINT_B, X_A, Y_A, Z_A, X_B, Y_B, COLUMN, TRAVEL = range(10)
+
+class SliderEntry(JointEntry):
+    """A slider, with direction markers x, y, z of a and x, y of b, and markers of the recorded travel."""
+
+    x_a: int
+    y_a: int
+    z_a: int
+    x_b: int
+    y_b: int
+    travel: TravelMarkers
 
 
 class Sliders(Arrays):
-    """All sliders of a scene.
+    """All sliders of a scene."""
 
-    Attributes
-    ----------
-    table
-        Block, point markers of a and b, direction markers x, y, z of a and x, y of b, first record column,
-        markers of the recorded travel (3); shape (n, 12).
-    """
-
-    table: Ints2
+    table: Records[SliderEntry]
 
 
 def pack(joints: Sequence[Slider], places: Sequence[JointPlace], book: MarkerBook) -> Sliders:
     """Make the kind."""
+    return Sliders(records(SliderEntry, pack_entries(joints, places, book)))
+
+
+def pack_entries(
+    joints: Sequence[Slider], places: Sequence[JointPlace], book: MarkerBook
+) -> list[tuple[Any, ...]]:
+    """Fields of each slider."""
     rows = []
     for joint, place in zip(joints, places, strict=True):
         refuse_opposite(joint, place, (0, 1, 2))
@@ -70,8 +88,8 @@ def pack(joints: Sequence[Slider], places: Sequence[JointPlace], book: MarkerBoo
             book.direction(joint.body_b, joint.frame_b.axes[:, k], at=joint.frame_b.point) for k in range(2)
         )
         points, recorded = point_markers(book, joint), travel_markers(book, joint, RECORD)
-        rows.append((place.block, *points, *axes_a, *axes_b, place.column, *recorded))
-    return Sliders(np.array(rows, dtype=np.int64))
+        rows.append((place.block, *points, place.column, *axes_a, *axes_b, recorded))
+    return rows
 
 
 @implement(fill_rows, Sliders)
@@ -80,12 +98,12 @@ def fill_slider_rows(kind: Sliders, with_residual: bool, work: Workspace, system
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, point_a, point_b = entry[BLOCK], entry[POINT_A], entry[POINT_B]
-        x = travel_row(system, block, 0, work, point_a, point_b, entry[X_A])
-        y = travel_row(system, block, 1, work, point_a, point_b, entry[Y_A])
-        zx = square_row(system, block, 2, work, entry[Z_A], entry[X_B])
-        zy = square_row(system, block, 3, work, entry[Z_A], entry[Y_B])
-        xy = square_row(system, block, 4, work, entry[X_A], entry[Y_B])
+        block, point_a, point_b = entry.block, entry.point_a, entry.point_b
+        x = travel_row(system, block, 0, work, point_a, point_b, entry.x_a)
+        y = travel_row(system, block, 1, work, point_a, point_b, entry.y_a)
+        zx = square_row(system, block, 2, work, entry.z_a, entry.x_b)
+        zy = square_row(system, block, 3, work, entry.z_a, entry.y_b)
+        xy = square_row(system, block, 4, work, entry.x_a, entry.y_b)
         if with_residual:
             g = residuals(system, block)
             g[0], g[1], g[2], g[3], g[4] = x, y, zx, zy, xy
@@ -97,12 +115,12 @@ def fill_slider_bias(kind: Sliders, time: float, work: Workspace, system: RowArr
     """Quadratic velocity terms."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        target = targets(system, entry[BLOCK])
-        target[0] = -travel_bias(work, entry[POINT_A], entry[POINT_B], entry[X_A])
-        target[1] = -travel_bias(work, entry[POINT_A], entry[POINT_B], entry[Y_A])
-        target[2] = -square_bias(work, entry[Z_A], entry[X_B])
-        target[3] = -square_bias(work, entry[Z_A], entry[Y_B])
-        target[4] = -square_bias(work, entry[X_A], entry[Y_B])
+        target = targets(system, entry.block)
+        target[0] = -travel_bias(work, entry.point_a, entry.point_b, entry.x_a)
+        target[1] = -travel_bias(work, entry.point_a, entry.point_b, entry.y_a)
+        target[2] = -square_bias(work, entry.z_a, entry.x_b)
+        target[3] = -square_bias(work, entry.z_a, entry.y_b)
+        target[4] = -square_bias(work, entry.x_a, entry.y_b)
 
 
 @implement(record_joints, Sliders)
@@ -113,12 +131,11 @@ def record_sliders(
     """Reaction on b, travel."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry[BLOCK], entry[COLUMN]
+        block, column = entry.block, entry.column
         clear_reaction(row, column)
-        add_force(system, block, 0, work, entry[X_A], row, column)
-        add_force(system, block, 1, work, entry[Y_A], row, column)
-        add_moment(system, block, 2, work, entry[X_B], entry[Z_A], row, column)
-        add_moment(system, block, 3, work, entry[Y_B], entry[Z_A], row, column)
-        add_moment(system, block, 4, work, entry[Y_B], entry[X_A], row, column)
-        point_a, point_b, axis = entry[TRAVEL], entry[TRAVEL + 1], entry[TRAVEL + 2]
-        record_travel(work, point_a, point_b, axis, row, column + REACTION_WIDTH)
+        add_force(system, block, 0, work, entry.x_a, row, column)
+        add_force(system, block, 1, work, entry.y_a, row, column)
+        add_moment(system, block, 2, work, entry.x_b, entry.z_a, row, column)
+        add_moment(system, block, 3, work, entry.y_b, entry.z_a, row, column)
+        add_moment(system, block, 4, work, entry.y_b, entry.x_a, row, column)
+        record_travel(work, entry.travel, row, column + REACTION_WIDTH)

@@ -9,16 +9,21 @@ two directions m, n of a, square to e and to each other::
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Records, records
 from heavylift.solver.connections import Cylindrical, SliderHinge, axes_about
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import (
+    AngleMarkers,
+    JointEntry,
     JointPlace,
+    TravelMarkers,
     angle_markers,
     point_markers,
     refuse_opposite,
@@ -27,9 +32,9 @@ from heavylift.solver.joints.packing import (
 )
 from heavylift.solver.joints.reactions import (
     ANGLE_CHANNELS,
-    ANGLE_STATE,
     REACTION_WIDTH,
     TRAVEL_CHANNELS,
+    AngleState,
     add_force,
     add_moment,
     clear_reaction,
@@ -53,7 +58,17 @@ __all__ = ["CHANNELS", "ROTATIONAL", "SliderHinges", "pack"]
 ROTATIONAL = (False, False, True, True)
 CHANNELS = (*ANGLE_CHANNELS, *TRAVEL_CHANNELS)
 
-BLOCK, POINT_A, POINT_B, M_A, N_A, Z_A, X_B, Y_B, COLUMN, ANGLE, TRAVEL = (*range(10), 12)
+
+class SliderHingeEntry(JointEntry):
+    """Direction markers m, n, z of a, x and y of b, and markers of the recorded angle and travel."""
+
+    m_a: int
+    n_a: int
+    z_a: int
+    x_b: int
+    y_b: int
+    angle: AngleMarkers
+    travel: TravelMarkers
 
 
 class SliderHinges(Arrays):
@@ -62,14 +77,15 @@ class SliderHinges(Arrays):
     Attributes
     ----------
     table
-        Block, point markers of a and b, direction markers m, n, z of a, x and y of b, first record column,
-        markers of the recorded angle (3) and travel (3); shape (n, 15).
+        What each keeps.
     state
-        Whole turns, see `record_angle`; shape (n, 3).
+        Whole turns, see `record_angle`.
     """
 
-    table: Ints2
-    state: Floats2
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+
+    table: Records[SliderHingeEntry]
+    state: Records[AngleState]
 
 
 def pack(
@@ -87,9 +103,9 @@ def pack(
             book.direction(joint.body_b, joint.frame_b.axes[:, 0], at=joint.frame_b.point),
             book.direction(joint.body_b, joint.frame_b.axes[:, 1], at=joint.frame_b.point),
         )
-        recorded = (*angle_markers(book, joint, RECORD), *travel_markers(book, joint, RECORD))
-        rows.append((place.block, *point_markers(book, joint), *axes, place.column, *recorded))
-    return SliderHinges(np.array(rows, dtype=np.int64), np.zeros((len(rows), ANGLE_STATE)))
+        recorded = (angle_markers(book, joint, RECORD), travel_markers(book, joint, RECORD))
+        rows.append((place.block, *point_markers(book, joint), place.column, *axes, *recorded))
+    return SliderHinges(records(SliderHingeEntry, rows), records(AngleState, len(rows)))
 
 
 @implement(fill_rows, SliderHinges)
@@ -100,11 +116,11 @@ def fill_slider_hinge_rows(
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, point_a, point_b = entry[BLOCK], entry[POINT_A], entry[POINT_B]
-        m = travel_row(system, block, 0, work, point_a, point_b, entry[M_A])
-        n = travel_row(system, block, 1, work, point_a, point_b, entry[N_A])
-        zx = square_row(system, block, 2, work, entry[Z_A], entry[X_B])
-        zy = square_row(system, block, 3, work, entry[Z_A], entry[Y_B])
+        block, point_a, point_b = entry.block, entry.point_a, entry.point_b
+        m = travel_row(system, block, 0, work, point_a, point_b, entry.m_a)
+        n = travel_row(system, block, 1, work, point_a, point_b, entry.n_a)
+        zx = square_row(system, block, 2, work, entry.z_a, entry.x_b)
+        zy = square_row(system, block, 3, work, entry.z_a, entry.y_b)
         if with_residual:
             g = residuals(system, block)
             g[0], g[1], g[2], g[3] = m, n, zx, zy
@@ -116,11 +132,11 @@ def fill_slider_hinge_bias(kind: SliderHinges, time: float, work: Workspace, sys
     """Quadratic velocity terms."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        target = targets(system, entry[BLOCK])
-        target[0] = -travel_bias(work, entry[POINT_A], entry[POINT_B], entry[M_A])
-        target[1] = -travel_bias(work, entry[POINT_A], entry[POINT_B], entry[N_A])
-        target[2] = -square_bias(work, entry[Z_A], entry[X_B])
-        target[3] = -square_bias(work, entry[Z_A], entry[Y_B])
+        target = targets(system, entry.block)
+        target[0] = -travel_bias(work, entry.point_a, entry.point_b, entry.m_a)
+        target[1] = -travel_bias(work, entry.point_a, entry.point_b, entry.n_a)
+        target[2] = -square_bias(work, entry.z_a, entry.x_b)
+        target[3] = -square_bias(work, entry.z_a, entry.y_b)
 
 
 @implement(record_joints, SliderHinges)
@@ -131,13 +147,11 @@ def record_slider_hinges(
     """Reaction on b, angle, travel."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry[BLOCK], entry[COLUMN]
+        block, column = entry.block, entry.column
         clear_reaction(row, column)
-        add_force(system, block, 0, work, entry[M_A], row, column)
-        add_force(system, block, 1, work, entry[N_A], row, column)
-        add_moment(system, block, 2, work, entry[X_B], entry[Z_A], row, column)
-        add_moment(system, block, 3, work, entry[Y_B], entry[Z_A], row, column)
-        x_a, x_b, y_b = entry[ANGLE], entry[ANGLE + 1], entry[ANGLE + 2]
-        record_angle(work, x_a, x_b, y_b, kind.state[j], time, row, column + REACTION_WIDTH)
-        point_a, point_b, axis = entry[TRAVEL], entry[TRAVEL + 1], entry[TRAVEL + 2]
-        record_travel(work, point_a, point_b, axis, row, column + REACTION_WIDTH + 2)
+        add_force(system, block, 0, work, entry.m_a, row, column)
+        add_force(system, block, 1, work, entry.n_a, row, column)
+        add_moment(system, block, 2, work, entry.x_b, entry.z_a, row, column)
+        add_moment(system, block, 3, work, entry.y_b, entry.z_a, row, column)
+        record_angle(work, entry.angle, kind.state[j], time, row, column + REACTION_WIDTH)
+        record_travel(work, entry.travel, row, column + REACTION_WIDTH + 2)

@@ -10,14 +10,15 @@ This is what a row of compliance ``1/k`` and relaxation time ``c/k`` does, so sp
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record, Records
 from heavylift.solver.interface import (
-    DISSIPATED,
-    ELASTIC,
     Workspace,
     fill_rows,
     record_joints,
@@ -26,6 +27,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints.coordinate import (
     ANGLE,
     DISTANCE,
+    CoordinateEntry,
     coordinate_rate,
     coordinate_row,
     coordinate_value,
@@ -35,37 +37,50 @@ from heavylift.solver.joints.row_writing import near_angle
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import RowArrays
 
-__all__ = ["SpringRows"]
-
-COORDINATE, BLOCK, A, B, C, COLUMN = range(6)
-REST, STIFFNESS, DAMPING = range(3)
-VALUE, LOSS = range(2)
+__all__ = ["SpringRow", "SpringRowState", "SpringRows"]
 
 
-class SpringRows(Arrays):
-    """All linear springs and joint springs of a scene.
+class SpringRow(CoordinateEntry):
+    """A linear spring.
 
     Attributes
     ----------
-    table
-        Coordinate, block, three markers, first record column; shape (n, 6).
-    values
-        Value without load [m] or [rad], stiffness, damping; shape (n, 3).
-    state
-        Last value of an angle [rad], to count its turns, and energy lost in the damper [J]; shape (n, 2).
+    block
+        Number of its block of rows.
+    rest
+        Value without load [m] or [rad].
+    stiffness, damping
+        [N/m, N s/m] or [N m/rad, N m s/rad].
     """
 
-    table: Ints2
-    values: Floats2
-    state: Floats2
+    block: int
+    rest: float
+    stiffness: float
+    damping: float
+
+
+class SpringRowState(Record):
+    """Last value of an angle [rad], to count its turns, and energy lost in the damper [J]."""
+
+    value: float
+    loss: float
+
+
+class SpringRows(Arrays):
+    """All linear springs and joint springs of a scene."""
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+
+    table: Records[SpringRow]
+    state: Records[SpringRowState]
 
 
 @kernel(inline=True, internal=True)
 def _whole(kind: SpringRows, i: int, q: float) -> float:
     """The scalar with the whole turns of an angle."""
-    if kind.table[i, COORDINATE] == ANGLE:
-        q = near_angle(q, kind.state[i, VALUE])
-        kind.state[i, VALUE] = q
+    if kind.table[i].coordinate == ANGLE:
+        q = near_angle(q, kind.state[i].value)
+        kind.state[i].value = q
     return q
 
 
@@ -74,10 +89,10 @@ def _whole(kind: SpringRows, i: int, q: float) -> float:
 def fill_spring_rows(kind: SpringRows, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows; elongations as residuals."""
     for i in range(kind.table.shape[0]):
-        coordinate, block, a, b, c, _ = kind.table[i]
-        q = coordinate_row(system, block, work, coordinate, a, b, c)
+        spring = kind.table[i]
+        q = coordinate_row(system, spring.block, work, spring.coordinate, spring.a, spring.b, spring.c)
         if with_residual:
-            put_residual(system, block, _whole(kind, i, q) - kind.values[i, REST])
+            put_residual(system, spring.block, _whole(kind, i, q) - spring.rest)
 
 
 @implement(update_rows, SpringRows)
@@ -87,9 +102,9 @@ def update_spring_rows(
 ) -> None:
     """What the dampers take."""
     for i in range(kind.table.shape[0]):
-        block = kind.table[i, BLOCK]
+        block = kind.table[i].block
         u = row_rate(system, 2 * block, 2 * block + 2, work.velocity)
-        kind.state[i, LOSS] += step * kind.values[i, DAMPING] * u * u
+        kind.state[i].loss += step * kind.table[i].damping * u * u
 
 
 @implement(record_joints, SpringRows)
@@ -99,14 +114,15 @@ def record_spring_rows(
 ) -> None:
     """Force that resists the elongation, and the length of springs between points."""
     for i in range(kind.table.shape[0]):
-        coordinate, _, a, b, c, column = kind.table[i]
-        k, d = kind.values[i, STIFFNESS], kind.values[i, DAMPING]
+        spring = kind.table[i]
+        coordinate, a, b, c, column = spring.coordinate, spring.a, spring.b, spring.c, spring.column
+        k, d = spring.stiffness, spring.damping
         q = _whole(kind, i, coordinate_value(work, coordinate, a, b, c))
-        e = q - kind.values[i, REST]
+        e = q - spring.rest
         row[column] = k * e
         if d > 0.0:
             row[column] += d * coordinate_rate(work, coordinate, a, b, c)
         if coordinate == DISTANCE:
             row[column + 1] = q
-        work.sums[ELASTIC] += 0.5 * k * e * e
-        work.sums[DISSIPATED] += kind.state[i, LOSS]
+        work.sums.elastic += 0.5 * k * e * e
+        work.sums.dissipated += kind.state[i].loss

@@ -12,16 +12,18 @@ has three rows of rank two. The stretch ``|r'|`` stays free.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Records, records
 from heavylift.solver.connections import JointFrame
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.mesh_rows import SquareJoint
-from heavylift.solver.joints.packing import JointPlace, point_markers
+from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
 from heavylift.solver.joints.reactions import add_pull, write_reaction
 from heavylift.solver.joints.row_writing import (
     difference,
@@ -41,35 +43,44 @@ from heavylift.solver.rows import RowArrays
 __all__ = ["SquareJoints", "pack"]
 
 MOST = 4
-BLOCK, POINT_A, POINT_B, COLUMN, COUNT, PAIRS = range(6)
 
 
-class SquareJoints(Arrays):
-    """All such joints of a scene.
+class SquareEntry(JointEntry):
+    """A joint of points and pairs of vectors.
 
     Attributes
     ----------
-    table
-        Block, point markers of a and b, record column, number of pairs, markers of each pair; shape (n, 13).
+    count
+        How many pairs.
+    vectors_a, vectors_b
+        Markers of c and e of each pair.
     factors
-        Of each pair, shape (n, 4).
+        Of each pair.
     """
 
-    table: Ints2
-    factors: Floats2
+    count: int
+    vectors_a: Annotated[NDArray[np.int64], (MOST,)]
+    vectors_b: Annotated[NDArray[np.int64], (MOST,)]
+    factors: Annotated[NDArray[np.float64], (MOST,)]
+
+
+class SquareJoints(Arrays):
+    """All such joints of a scene."""
+
+    table: Records[SquareEntry]
 
 
 def pack(joints: Sequence[SquareJoint], places: Sequence[JointPlace], book: MarkerBook) -> SquareJoints:
     """Make the kind."""
-    table = np.full((len(joints), PAIRS + 2 * MOST), -1, dtype=np.int64)
-    factors = np.zeros((len(joints), MOST))
-    for row, joint, place, own in zip(table, joints, places, factors, strict=True):
-        row[:PAIRS] = (place.block, *point_markers(book, joint), place.column, len(joint.squares))
+    table = records(SquareEntry, len(joints))
+    for entry, joint, place in zip(table, joints, places, strict=True):
+        entry.block, entry.column, entry.count = place.block, place.column, len(joint.squares)
+        entry.point_a, entry.point_b = point_markers(book, joint)
         for k, square in enumerate(joint.squares):
-            row[PAIRS + 2 * k] = _marker(book, joint.body_a, joint.frame_a, square.a)
-            row[PAIRS + 2 * k + 1] = _marker(book, joint.body_b, joint.frame_b, square.b)
-            own[k] = square.factor
-    return SquareJoints(table, factors)
+            entry.vectors_a[k] = _marker(book, joint.body_a, joint.frame_a, square.a)
+            entry.vectors_b[k] = _marker(book, joint.body_b, joint.frame_b, square.b)
+            entry.factors[k] = square.factor
+    return SquareJoints(table)
 
 
 def _marker(book: MarkerBook, body: str, frame: JointFrame, vector: NDArray[np.float64] | int) -> int:
@@ -84,14 +95,14 @@ def fill_square_rows(kind: SquareJoints, with_residual: bool, work: Workspace, s
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, point_a, point_b = entry[BLOCK], entry[POINT_A], entry[POINT_B]
+        block, point_a, point_b = entry.block, entry.point_a, entry.point_b
         put_point_rows(system, 2 * block, 0, work, point_a, -1.0)
         put_point_rows(system, 2 * block + 1, 0, work, point_b, 1.0)
         g = residuals(system, block)
         if with_residual:
             g[0], g[1], g[2] = difference(work, point_a, point_b)
-        for k in range(entry[COUNT]):
-            a, b, f = entry[PAIRS + 2 * k], entry[PAIRS + 2 * k + 1], kind.factors[j, k]
+        for k in range(entry.count):
+            a, b, f = entry.vectors_a[k], entry.vectors_b[k], entry.factors[k]
             c, e = vector(work, a), vector(work, b)
             put_direction_row(system, 2 * block, 3 + k, work, a, (f * e[0], f * e[1], f * e[2]))
             put_direction_row(system, 2 * block + 1, 3 + k, work, b, (f * c[0], f * c[1], f * c[2]))
@@ -105,11 +116,11 @@ def fill_square_bias(kind: SquareJoints, time: float, work: Workspace, system: R
     """Quadratic velocity terms."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        write_point_bias(system, entry[BLOCK], work, entry[POINT_A], entry[POINT_B])
-        target = targets(system, entry[BLOCK])
-        for k in range(entry[COUNT]):
-            a, b = entry[PAIRS + 2 * k], entry[PAIRS + 2 * k + 1]
-            target[3 + k] = -kind.factors[j, k] * square_bias(work, a, b)
+        write_point_bias(system, entry.block, work, entry.point_a, entry.point_b)
+        target = targets(system, entry.block)
+        for k in range(entry.count):
+            a, b = entry.vectors_a[k], entry.vectors_b[k]
+            target[3 + k] = -entry.factors[k] * square_bias(work, a, b)
 
 
 @implement(record_joints, SquareJoints)
@@ -120,9 +131,9 @@ def record_square_joints(
     """Reaction on b."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry[BLOCK], entry[COLUMN]
+        block, column = entry.block, entry.column
         write_reaction(system, block, row, column)
-        for k in range(entry[COUNT]):
-            c = vector(work, entry[PAIRS + 2 * k])
-            e = vector(work, entry[PAIRS + 2 * k + 1])
-            add_pull(system, block, 3 + k, kind.factors[j, k], e, c, row, column)
+        for k in range(entry.count):
+            c = vector(work, entry.vectors_a[k])
+            e = vector(work, entry.vectors_b[k])
+            add_pull(system, block, 3 + k, entry.factors[k], e, c, row, column)

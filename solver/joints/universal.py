@@ -10,12 +10,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Ints2
+from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Records, records
 from heavylift.solver.connections import Universal
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints.packing import JointPlace, point_markers
+from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
 from heavylift.solver.joints.reactions import add_moment, write_reaction
 from heavylift.solver.joints.row_writing import (
     difference,
@@ -38,10 +39,17 @@ LARGEST_COSINE = 0.9
 """Of the angle between the two axes at the start: the row vanishes when they are parallel."""
 
 
-class UniversalJoints(Arrays):
-    """Block, point markers of a and b, direction markers z of a and of b, record column; shape (n, 6)."""
+class UniversalEntry(JointEntry):
+    """A universal joint, with direction markers z of a and of b."""
 
-    table: Ints2
+    z_a: int
+    z_b: int
+
+
+class UniversalJoints(Arrays):
+    """All universal joints of a scene."""
+
+    table: Records[UniversalEntry]
 
 
 def pack(joints: Sequence[Universal], places: Sequence[JointPlace], book: MarkerBook) -> UniversalJoints:
@@ -64,8 +72,8 @@ def pack(joints: Sequence[Universal], places: Sequence[JointPlace], book: Marker
             )
         z_a = book.direction(joint.body_a, joint.frame_a.axes[:, 2], at=joint.frame_a.point)
         z_b = book.direction(joint.body_b, joint.frame_b.axes[:, 2], at=joint.frame_b.point)
-        rows.append((place.block, *point_markers(book, joint), z_a, z_b, place.column))
-    return UniversalJoints(np.array(rows, dtype=np.int64))
+        rows.append((place.block, *point_markers(book, joint), place.column, z_a, z_b))
+    return UniversalJoints(records(UniversalEntry, rows))
 
 
 @implement(fill_rows, UniversalJoints)
@@ -75,10 +83,11 @@ def fill_universal_rows(
 ) -> None:
     """Rows from the markers."""
     for j in range(kind.table.shape[0]):
-        block, point_a, point_b, z_a, z_b, _ = kind.table[j]
+        entry = kind.table[j]
+        block, point_a, point_b = entry.block, entry.point_a, entry.point_b
         put_point_rows(system, 2 * block, 0, work, point_a, -1.0)
         put_point_rows(system, 2 * block + 1, 0, work, point_b, 1.0)
-        zz = square_row(system, block, 3, work, z_a, z_b)
+        zz = square_row(system, block, 3, work, entry.z_a, entry.z_b)
         if with_residual:
             g = residuals(system, block)
             g[0], g[1], g[2] = difference(work, point_a, point_b)
@@ -90,9 +99,10 @@ def fill_universal_rows(
 def fill_universal_bias(kind: UniversalJoints, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms."""
     for j in range(kind.table.shape[0]):
-        block, point_a, point_b, z_a, z_b, _ = kind.table[j]
+        entry = kind.table[j]
+        block, point_a, point_b = entry.block, entry.point_a, entry.point_b
         write_point_bias(system, block, work, point_a, point_b)
-        targets(system, block)[3] = -square_bias(work, z_a, z_b)
+        targets(system, block)[3] = -square_bias(work, entry.z_a, entry.z_b)
 
 
 @implement(record_joints, UniversalJoints)
@@ -102,6 +112,7 @@ def record_universal_joints(
 ) -> None:
     """Reaction on b."""
     for j in range(kind.table.shape[0]):
-        block, _, _, z_a, z_b, column = kind.table[j]
+        entry = kind.table[j]
+        block, column = entry.block, entry.column
         write_reaction(system, block, row, column)
-        add_moment(system, block, 3, work, z_b, z_a, row, column)
+        add_moment(system, block, 3, work, entry.z_b, entry.z_a, row, column)

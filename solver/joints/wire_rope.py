@@ -14,18 +14,15 @@ shorter one slowly.
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record, Records
 from heavylift.solver.interface import (
-    DISSIPATED,
-    DRIVE_WORK,
-    ELASTIC,
-    POINT,
-    POINT_VELOCITY,
     Workspace,
     fill_rows,
     record_joints,
@@ -35,18 +32,94 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.joints.law_forces import pull
 from heavylift.solver.joints.law_rows import RETURN, fit_law, put_law, put_residual, row_rate
-from heavylift.solver.joints.rope_path import path_length
+from heavylift.solver.joints.rope_path import PlaceGradient, RopePlace, path_length
 from heavylift.solver.joints.row_writing import add_direction_row
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import PANEL, WIDTH, RowArrays
+from heavylift.solver.rows import RowArrays
 
-__all__ = ["Ropes"]
+__all__ = ["PlaceMarkers", "RopeEntry", "RopeState", "Ropes", "WinchRow"]
 
-BLOCK, ATTACHMENTS, FIRST, PLACES, WINCH, WINCH_ROWS, COLUMN = range(7)
-MARKER, AXIS_MARKER, ATTACHMENT = range(3)
-EA, STIFFNESS, DAMPING, START_LENGTH = range(4)
-TIME, SPEED, HAULED = range(3)
-FRESH, STRETCHED, REST, RATE, DRIFT, WINCH_WORK, LOSS, STATE_WIDTH = range(8)
+
+class RopeEntry(Record):
+    """A rope.
+
+    Attributes
+    ----------
+    block
+        Number of its first block of rows.
+    attachments
+        How many sides of blocks it has.
+    first, places
+        Its first place, and how many.
+    winch, winch_rows
+        First row of its winch, and how many.
+    column
+        First record column.
+    axial_stiffness
+        EA of a wire rope [N], or 0.
+    stiffness
+        Of a spring rope [N/m], or 0.
+    damping
+        [N s/m].
+    start_length
+        Unstretched length at the start [m].
+    """
+
+    block: int
+    attachments: int
+    first: int
+    places: int
+    winch: int
+    winch_rows: int
+    column: int
+    axial_stiffness: float
+    stiffness: float
+    damping: float
+    start_length: float
+
+
+class PlaceMarkers(Record):
+    """Marker of a place, marker of its axis or -1, attachment or -1 on the ground."""
+
+    marker: int
+    axis: int
+    attachment: int
+
+
+class WinchRow(Record):
+    """Time [s], speed [m/s] and length hauled in since t = 0 [m]."""
+
+    time: float
+    speed: float
+    hauled: float
+
+
+class RopeState(Record):
+    """What a rope carries.
+
+    Attributes
+    ----------
+    fresh
+        Whether no step has been made yet.
+    stretched
+        Path length as carried [m].
+    rest
+        Unstretched length [m].
+    rate
+        Of the path in the last step [m/s].
+    drift
+        Geometry less carried length [m].
+    winch_work, loss
+        Work of the winch, and what the damper took [J].
+    """
+
+    fresh: bool
+    stretched: float
+    rest: float
+    rate: float
+    drift: float
+    winch_work: float
+    loss: float
 
 
 class Ropes(Arrays):
@@ -55,95 +128,93 @@ class Ropes(Arrays):
     Attributes
     ----------
     table
-        First block, attachments, first place, number of places, first row and rows of the winch, first record
-        column; shape (n, 7).
+        The ropes.
     places
-        Marker, marker of the axis or -1, attachment or -1 on the ground, of each place; shape (m, 3).
-    values
-        EA [N], stiffness [N/m] of a spring rope or 0, damping [N s/m], length at the start [m]; shape (n, 4).
+        Markers of the places of all ropes.
     winches
-        Time [s], speed [m/s] and length hauled in since t = 0 [m], rows of all winches; shape (w, 3).
+        Rows of all winches.
     path
-        Places as `path_length` takes them, shape (m, 7).
+        Places as `path_length` takes them.
     gradient
-        Derivatives of the length, shape (m, 6).
+        Derivatives of the length by them.
     state
-        Of each rope: 1 until the first step, path length as carried [m], unstretched length [m], rate of the
-        path in the last step [m/s], geometry less carried length [m], work of the winch and loss [J]; then the
-        wraps of all places [rad]; flat.
+        What the ropes carry.
+    wraps
+        Wrap of the rope about each place [rad], shape (m,).
     """
 
-    table: Ints2
-    places: Ints2
-    values: Floats2
-    winches: Floats2
-    path: Floats2
-    gradient: Floats2
-    state: Floats1
+    carried_fields: ClassVar[tuple[str, ...]] = (
+        "state",
+        "wraps",
+    )
+
+    table: Records[RopeEntry]
+    places: Records[PlaceMarkers]
+    winches: Records[WinchRow]
+    path: Records[RopePlace]
+    gradient: Records[PlaceGradient]
+    state: Records[RopeState]
+    wraps: Floats1
 
 
 @kernel(internal=True)
 def winch_state(kind: Ropes, i: int, time: float) -> tuple[float, float]:
     """Length hauled in since t = 0 [m] and speed [m/s]; exact for speeds that are linear in between."""
-    first, count = kind.table[i, WINCH], kind.table[i, WINCH_ROWS]
+    first, count = kind.table[i].winch, kind.table[i].winch_rows
     if count == 0:
         return 0.0, 0.0
     low, high = first - 1, first + count
     while high - low > 1:
         middle = (low + high) // 2
-        if kind.winches[middle, TIME] <= time:
+        if kind.winches[middle].time <= time:
             low = middle
         else:
             high = middle
     if low < first or high == first + count:  # held at its ends
         end = kind.winches[max(low, first)]
-        return end[HAULED] + end[SPEED] * (time - end[TIME]), end[SPEED]
+        return end.hauled + end.speed * (time - end.time), end.speed
     a, b = kind.winches[low], kind.winches[high]
-    t = time - a[TIME]
-    slope = (b[SPEED] - a[SPEED]) / (b[TIME] - a[TIME])
-    return a[HAULED] + t * (a[SPEED] + 0.5 * slope * t), a[SPEED] + slope * t
+    t = time - a.time
+    slope = (b.speed - a.speed) / (b.time - a.time)
+    return a.hauled + t * (a.speed + 0.5 * slope * t), a.speed + slope * t
 
 
 @kernel(internal=True)
 def rest_length(kind: Ropes, i: int, time: float) -> float:
     """Unstretched length in play [m]; not a number once all of it is hauled in."""
-    length = kind.values[i, START_LENGTH] - winch_state(kind, i, time)[0]
-    return length if length > 0.0 or kind.values[i, STIFFNESS] > 0.0 else math.nan
+    length = kind.table[i].start_length - winch_state(kind, i, time)[0]
+    return length if length > 0.0 or kind.table[i].stiffness > 0.0 else math.nan
 
 
 @kernel(inline=True, internal=True)
 def _stiffness(kind: Ropes, i: int, inverse_length: float) -> float:
-    k = kind.values[i, STIFFNESS]
-    return k if k > 0.0 else kind.values[i, EA] * inverse_length
+    k = kind.table[i].stiffness
+    return k if k > 0.0 else kind.table[i].axial_stiffness * inverse_length
 
 
 @kernel(internal=True)
 def _find_path(kind: Ropes, i: int, work: Workspace) -> float:
     """Length of the path from the markers [m]; its derivatives and wraps are kept."""
-    first = kind.table[i, FIRST]
-    last = first + kind.table[i, PLACES]
+    first = kind.table[i].first
+    last = first + kind.table[i].places
     for p in range(first, last):
-        marker, axis = kind.places[p, MARKER], kind.places[p, AXIS_MARKER]
+        marker, axis = kind.places[p].marker, kind.places[p].axis
         for k in range(3):
-            kind.path[p, k] = work.markers[marker, POINT + k]
+            kind.path[p].centre[k] = work.markers[marker].point[k]
             if axis >= 0:
-                kind.path[p, 3 + k] = work.markers[axis, POINT + k]
-    wraps = kind.table.shape[0] * STATE_WIDTH
-    return path_length(
-        kind.path[first:last], kind.gradient[first:last], kind.state[wraps + first : wraps + last]
-    )
+                kind.path[p].axis[k] = work.markers[axis].point[k]
+    return path_length(kind.path[first:last], kind.gradient[first:last], kind.wraps[first:last])
 
 
 @kernel(internal=True)
 def _compare(kind: Ropes, i: int, length: float) -> None:
     """Take the geometry while the rope is slack and before the first step; measure the drift."""
-    at = i * STATE_WIDTH
-    state = kind.state
-    if state[at + FRESH] > 0.0:
-        state[at + STRETCHED] = length
-    elif state[at + STRETCHED] <= state[at + REST]:
-        state[at + STRETCHED] = min(length, state[at + REST])  # a drift must not make tension
-    state[at + DRIFT] = length - state[at + STRETCHED]
+    state = kind.state[i]
+    if state.fresh:
+        state.stretched = length
+    elif state.stretched <= state.rest:
+        state.stretched = min(length, state.rest)  # a drift must not make tension
+    state.drift = length - state.stretched
 
 
 @implement(fill_rows, Ropes)
@@ -153,22 +224,22 @@ def fill_rope_rows(kind: Ropes, with_residual: bool, work: Workspace, system: Ro
     lanes = system.lanes
     for i in range(kind.table.shape[0]):
         length = _find_path(kind, i, work)
-        block, count, first = kind.table[i, BLOCK], kind.table[i, ATTACHMENTS], kind.table[i, FIRST]
+        block, count, first = kind.table[i].block, kind.table[i].attachments, kind.table[i].first
         for side in range(2 * block, 2 * block + count):
-            panel = system.attachments[side, PANEL]
-            for k in range(system.attachments[side, WIDTH]):
+            panel = system.attachments[side].panel
+            for k in range(system.attachments[side].width):
                 system.panels[panel + k * lanes] = 0.0
-        for p in range(first, first + kind.table[i, PLACES]):
-            marker, axis, side = kind.places[p]
+        for p in range(first, first + kind.table[i].places):
+            marker, axis, side = kind.places[p].marker, kind.places[p].axis, kind.places[p].attachment
             if side < 0:
                 continue
             g = kind.gradient[p]
-            add_direction_row(system, side, 0, work, marker, (g[0], g[1], g[2]))
+            add_direction_row(system, side, 0, work, marker, (g.centre[0], g.centre[1], g.centre[2]))
             if axis >= 0:
-                add_direction_row(system, side, 0, work, axis, (g[3], g[4], g[5]))
+                add_direction_row(system, side, 0, work, axis, (g.axis[0], g.axis[1], g.axis[2]))
         if with_residual:
             _compare(kind, i, length)
-            put_residual(system, block, length - kind.state[i * STATE_WIDTH + REST])
+            put_residual(system, block, length - kind.state[i].rest)
 
 
 @kernel(internal=True)
@@ -176,13 +247,12 @@ def _tension(
     kind: Ropes, i: int, u: float, time: float, h: float
 ) -> tuple[float, float, float, float, float, float]:
     """Elastic tension, tension, its derivative by the rate u; elongations before and after, length after."""
-    at = i * STATE_WIDTH
-    l0 = kind.state[at + REST]
+    l0 = kind.state[i].rest
     l1 = rest_length(kind, i, time + h)
     k = _stiffness(kind, i, 0.5 / l0 + 0.5 / l1)
-    e0 = kind.state[at + STRETCHED] - l0
+    e0 = kind.state[i].stretched - l0
     e1 = e0 - (l1 - l0) + h * u  # in this order: the last term alone changes in the iteration
-    elastic, tension, slope = pull(e0, e1, k, kind.values[i, DAMPING], h)
+    elastic, tension, slope = pull(e0, e1, k, kind.table[i].damping, h)
     return elastic, tension, h * slope, e0, e1, l1
 
 
@@ -195,16 +265,16 @@ def set_rope_targets(
     if not at_midpoint:
         return
     for i in range(kind.table.shape[0]):
-        u = kind.state[i * STATE_WIDTH + RATE]
+        u = kind.state[i].rate
         _, tension, slope, _, _, _ = _tension(kind, i, u, time, step)
-        put_law(system, kind.table[i, BLOCK], step, u, tension, slope)
+        put_law(system, kind.table[i].block, step, u, tension, slope)
 
 
 @kernel(inline=True, internal=True)
 def _rate(kind: Ropes, i: int, work: Workspace, system: RowArrays) -> float:
     """Rate of the path in the middle of the step [m/s]."""
-    first = 2 * kind.table[i, BLOCK]
-    return row_rate(system, first, first + kind.table[i, ATTACHMENTS], work.velocity)
+    first = 2 * kind.table[i].block
+    return row_rate(system, first, first + kind.table[i].attachments, work.velocity)
 
 
 @implement(relinearise, Ropes)
@@ -214,7 +284,7 @@ def relinearise_ropes(kind: Ropes, time: float, step: float, work: Workspace, sy
     for i in range(kind.table.shape[0]):
         u = _rate(kind, i, work, system)
         _, tension, slope, _, _, _ = _tension(kind, i, u, time, step)
-        fit_law(system, kind.table[i, BLOCK], step, u, tension, slope, work)
+        fit_law(system, kind.table[i].block, step, u, tension, slope, work)
 
 
 @implement(update_rows, Ropes)
@@ -222,34 +292,33 @@ def relinearise_ropes(kind: Ropes, time: float, step: float, work: Workspace, sy
 def update_ropes(kind: Ropes, time: float, step: float, work: Workspace, system: RowArrays) -> None:
     """Carry the stretch over the step; works of winch and damper."""
     for i in range(kind.table.shape[0]):
-        at = i * STATE_WIDTH
-        state = kind.state
+        state = kind.state[i]
         u = _rate(kind, i, work, system)
         elastic, tension, _, e0, e1, l1 = _tension(kind, i, u, time, step)
-        l0 = state[at + REST]
+        l0 = state.rest
         if l1 != l0:
             squares = max(0.0, e0) ** 2 + max(0.0, e1) ** 2
-            state[at + WINCH_WORK] -= tension * (l1 - l0)
-            if kind.values[i, STIFFNESS] == 0.0:
-                state[at + WINCH_WORK] += 0.25 * kind.values[i, EA] * squares * (1.0 / l1 - 1.0 / l0)
-        state[at + LOSS] += (tension - elastic) * (e1 - e0)
-        state[at + STRETCHED] += step * u + RETURN * min(0.0, state[at + DRIFT])
-        state[at + REST] = l1
-        state[at + RATE] = u
-        state[at + FRESH] = 0.0
+            state.winch_work -= tension * (l1 - l0)
+            if kind.table[i].stiffness == 0.0:
+                state.winch_work += 0.25 * kind.table[i].axial_stiffness * squares * (1.0 / l1 - 1.0 / l0)
+        state.loss += (tension - elastic) * (e1 - e0)
+        state.stretched += step * u + RETURN * min(0.0, state.drift)
+        state.rest = l1
+        state.rate = u
+        state.fresh = False
 
 
 @kernel(internal=True)
 def _path_rate(kind: Ropes, i: int, work: Workspace) -> float:
     """Rate of the path from the rates of the markers [m/s]."""
     rate = 0.0
-    first = kind.table[i, FIRST]
-    for p in range(first, first + kind.table[i, PLACES]):
-        marker, axis, _ = kind.places[p]
+    first = kind.table[i].first
+    for p in range(first, first + kind.table[i].places):
+        marker, axis = kind.places[p].marker, kind.places[p].axis
         for k in range(3):
-            rate += kind.gradient[p, k] * work.markers[marker, POINT_VELOCITY + k]
+            rate += kind.gradient[p].centre[k] * work.markers[marker].velocity[k]
             if axis >= 0:
-                rate += kind.gradient[p, 3 + k] * work.markers[axis, POINT_VELOCITY + k]
+                rate += kind.gradient[p].axis[k] * work.markers[axis].velocity[k]
     return rate
 
 
@@ -260,24 +329,23 @@ def record_ropes(
 ) -> None:
     """Tension, length of the path, unstretched length, drift, tension of each straight part."""
     for i in range(kind.table.shape[0]):
-        at, column = i * STATE_WIDTH, kind.table[i, COLUMN]
-        state = kind.state
+        state, column = kind.state[i], kind.table[i].column
         length = _find_path(kind, i, work)
         _compare(kind, i, length)
-        e = state[at + STRETCHED] - state[at + REST]
-        k = _stiffness(kind, i, 1.0 / state[at + REST])
+        e = state.stretched - state.rest
+        k = _stiffness(kind, i, 1.0 / state.rest)
         tension = 0.0
         if e > 0.0:
             tension = k * e
-            work.sums[ELASTIC] += 0.5 * k * e * e
-            if kind.values[i, DAMPING] > 0.0:
+            work.sums.elastic += 0.5 * k * e * e
+            if kind.table[i].damping > 0.0:
                 stretching = _path_rate(kind, i, work) + winch_state(kind, i, time)[1]
-                tension = max(0.0, tension + kind.values[i, DAMPING] * stretching)
+                tension = max(0.0, tension + kind.table[i].damping * stretching)
         row[column] = tension
         row[column + 1] = length
-        row[column + 2] = state[at + REST]
-        row[column + 3] = state[at + DRIFT]
-        for part in range(kind.table[i, PLACES] - 1):
+        row[column + 2] = state.rest
+        row[column + 3] = state.drift
+        for part in range(kind.table[i].places - 1):
             row[column + 4 + part] = tension
-        work.sums[DRIVE_WORK] += state[at + WINCH_WORK]
-        work.sums[DISSIPATED] += state[at + LOSS]
+        work.sums.drive_work += state.winch_work
+        work.sums.dissipated += state.loss

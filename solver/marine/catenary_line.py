@@ -9,15 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.marine.catenary import (
-    BRANCH,
-    FAILED,
-    HORIZONTAL,
-    STATE_WIDTH,
-    STIFFNESS,
-    VERTICAL,
-    solve_lines,
-)
+from heavylift.numerics.records import Records, records
+from heavylift.solver.marine.catenary import FAILED, LineData, LineEnds, LineState, solve_lines
+from heavylift.solver.marine.catenary_walk import SectionData
 from heavylift.solver.marine.moorings import LineSection, check_sections
 
 if TYPE_CHECKING:
@@ -98,7 +92,7 @@ class LineProfile:
 
 def pack_sections(
     sections: Sequence[LineSection], clumps: Sequence[float] = (), *, on_seabed: bool, friction: float = 0.0
-) -> tuple[NDArray[np.float64], int, NDArray[np.float64]]:
+) -> tuple[Records[SectionData], Records[LineData]]:
     """Numbers of a line for the kernels.
 
     Parameters
@@ -113,26 +107,28 @@ def pack_sections(
     Returns
     -------
     sections
-        From the upper end: length, weight, flexibility, clump below; shape (n, 4).
-    tail
-        First of them that may lie on the seabed: those below the last one that floats, and the last buoy.
-    line
-        Length [m], weight [N], sum of the flexibilities [m/N], friction; shape (4,).
+        From the upper end.
+    lines
+        The line, one record. Its tail are the sections below the last one that floats, and the last buoy.
     """
     below = list(clumps) if clumps else [0.0] * (len(sections) - 1)
-    rows = np.array(
+    rows = records(
+        SectionData,
         [
             (section.length, section.weight, 1.0 / section.axial_stiffness, clump)
             for section, clump in zip(sections, [0.0, *below], strict=True)
-        ]
-    )[::-1].copy()
-    tail = len(rows)
+        ][::-1],
+    )
+    lines = records(LineData, 1)
+    line = lines[0]
+    line.count = line.tail = len(rows)
     if on_seabed:
-        while tail > 0 and rows[tail - 1, 1] > 0.0 and rows[tail - 1, 3] >= 0.0:
-            tail -= 1
-    weight = rows[:, 0] @ rows[:, 1] + rows[:, 3].sum()
-    line = np.array([rows[:, 0].sum(), weight, rows[:, 0] @ rows[:, 2], friction])
-    return rows, tail, line
+        while line.tail > 0 and rows[line.tail - 1].weight > 0.0 and rows[line.tail - 1].clump >= 0.0:
+            line.tail -= 1
+    length = rows["length"]
+    line.length, line.stretch = length.sum(), length @ rows["flexibility"]
+    line.weight, line.friction = length @ rows["weight"] + rows["clump"].sum(), friction
+    return rows, lines
 
 
 def solve_catenary(
@@ -168,33 +164,34 @@ def solve_catenary(
         raise InputError(
             f"span {x:g} m and height {z:g} m", source="line", expected="finite, the span 0 or more"
         )
-    rows, tail, line = pack_sections(sections, clumps, on_seabed=seabed, friction=friction)
-    chord, length = math.hypot(x, z), float(line[0])
-    if line[2] == 0.0 and chord >= length:
+    rows, lines = pack_sections(sections, clumps, on_seabed=seabed, friction=friction)
+    line = lines[0]
+    chord, length = math.hypot(x, z), float(line.length)
+    if line.stretch == 0.0 and chord >= length:
         raise InputError(
             f"an inextensible line of {length:g} m is shorter than its span of {chord:g} m",
             source="line",
             key="length",
             expected="a longer line, or a finite axial stiffness",
         )
-    table = np.array([[0, len(rows), tail]], dtype=np.int64)
-    state, ends = np.zeros((1, STATE_WIDTH)), np.zeros((1, 4))
-    solve_lines(rows, table, line[None], np.array([[x, z]], dtype=float), state, ends)
-    if state[0, BRANCH] == FAILED:
+    states, ends = records(LineState, 1), records(LineEnds, 1)
+    solve_lines(rows, lines, np.array([[x, z]], dtype=float), states, ends)
+    state, end = states[0], ends[0]
+    if state.branch == FAILED:
         raise InputError(
             f"no equilibrium of {length:g} m of line found for a span of {x:g} m and a height of {z:g} m",
             source="line",
             expected="lengths [m], weights [N/m] and stiffnesses [N] of a line",
         )
     return Catenary(
-        float(state[0, HORIZONTAL]),
-        float(state[0, VERTICAL]),
-        float(ends[0, 0]),
-        float(ends[0, 1]),
-        float(ends[0, 2]),
-        state[0, STIFFNESS : STIFFNESS + 4].reshape(2, 2).copy(),
-        float(ends[0, 3]),
-        int(state[0, BRANCH]),
+        float(state.horizontal),
+        float(state.vertical),
+        float(end.anchor_horizontal),
+        float(end.anchor_vertical),
+        float(end.lying),
+        state.stiffness.copy(),
+        float(end.energy),
+        int(state.branch),
     )
 
 
@@ -270,7 +267,8 @@ def line_profile(
     points
         On each section, at least; ends and the touch-down point are among them.
     """
-    rows, tail, _ = pack_sections(sections, clumps, on_seabed=seabed, friction=friction)
+    rows, lines = pack_sections(sections, clumps, on_seabed=seabed, friction=friction)
+    tail = lines[0].tail
     s, dx, dz, tensions = [0.0], [0.0], [0.0], [math.hypot(horizontal, vertical)]
     v, along = vertical, horizontal
 
@@ -283,7 +281,8 @@ def line_profile(
         dz.extend(dz[-1] + z[1:])
         tensions.extend(tension[1:])
 
-    for i, (length, w, c, clump) in enumerate(rows):
+    for i, section in enumerate(rows):
+        length, w, c, clump = section.length, section.weight, section.flexibility, section.clump
         hung = min(length, max(v, 0.0) / w) if i >= tail else length
         if hung > 0.0:
             part = np.linspace(0.0, hung, points)

@@ -15,53 +15,69 @@ seabed from there on, and friction takes up tension along the way (Jonkman, NREL
 from __future__ import annotations
 
 import math
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import NamedTuple
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record, Records
 
-__all__ = [
-    "ANCHOR_HORIZONTAL",
-    "ANCHOR_VERTICAL",
-    "CLUMP",
-    "FLEXIBILITY",
-    "LENGTH",
-    "LYING",
-    "WEIGHT",
-    "line_energy",
-    "line_response",
-    "vertical_hang",
-]
+__all__ = ["LineResponse", "SectionData", "line_energy", "line_response", "vertical_hang"]
 
-LENGTH, WEIGHT, FLEXIBILITY, CLUMP = range(4)
-"""Columns of a section: unstretched length [m], weight [N/m], 1 / EA [1/N], weight of a clump at its lower end [N]."""
 
-ANCHOR_HORIZONTAL, ANCHOR_VERTICAL, LYING = 6, 7, 8
-"""Places in what `line_response` returns, behind x, z and their four derivatives."""
+class SectionData(Record):
+    """Unstretched length [m], weight [N/m], 1 / EA [1/N], and weight of a clump at its lower end [N]."""
+
+    length: float
+    weight: float
+    flexibility: float
+    clump: float
+
+
+class LineResponse(NamedTuple):
+    """What spans a line under a force on its upper end.
+
+    Attributes
+    ----------
+    x, z
+        Span and height [m].
+    x_h, x_v, z_h, z_v
+        dx/dH, dx/dV, dz/dH, dz/dV [m/N].
+    anchor_horizontal, anchor_vertical
+        Force of the lower end on the line above it [N].
+    lying
+        Length that lies on the seabed [m].
+    """
+
+    x: float
+    z: float
+    x_h: float
+    x_v: float
+    z_h: float
+    z_v: float
+    anchor_horizontal: float
+    anchor_vertical: float
+    lying: float
+
 
 SERIES_LIMIT = 0.05
 """Of the argument of artanh: five terms are then exact to rounding."""
 
-Response = tuple[float, float, float, float, float, float, float, float, float]
-
 
 @kernel(internal=True)
 def line_response(
-    sections: NDArray[np.float64],
+    sections: Records[SectionData],
     first: int,
     count: int,
     tail: int,
     friction: float,
     H: float,
     V: float,
-) -> Response:
+) -> LineResponse:
     """Span and height of a line under the force ``(H, V)`` on its upper end, with derivatives.
 
     Parameters
     ----------
     sections
-        Of all lines, from the upper end down, shape (n, 4).
+        Of all lines, from the upper end down.
     first, count
         Sections of this line.
     tail
@@ -70,23 +86,13 @@ def line_response(
         Coefficient of the seabed along the line.
     H, V
         Force that pulls the upper end outwards and upwards [N]; H > 0.
-
-    Returns
-    -------
-    tuple
-        x, z [m]; dx/dH, dx/dV, dz/dH, dz/dV [m/N]; horizontal and vertical force of the lower end on the line
-        above it [N]; length that lies on the seabed [m].
     """
     x = z = x_h = x_v = z_v = lying = drag_v = 0.0
     along, along_v = H, 0.0  # tension along the seabed, and its derivative by V
     v = V
     for i in range(first, first + count):
-        length, w, c, clump = (
-            sections[i, LENGTH],
-            sections[i, WEIGHT],
-            sections[i, FLEXIBILITY],
-            sections[i, CLUMP],
-        )
+        section = sections[i]
+        length, w, c, clump = section.length, section.weight, section.flexibility, section.clump
         on_seabed = i - first >= tail
         hung = length
         below = v - w * length
@@ -151,12 +157,12 @@ def line_response(
                 else:
                     along = along_v = 0.0
                 v = 0.0
-    return x, z, x_h, x_v + drag_v, x_v, z_v, along, v, lying
+    return LineResponse(x, z, x_h, x_v + drag_v, x_v, z_v, along, v, lying)
 
 
 @kernel(internal=True)
 def line_energy(
-    sections: NDArray[np.float64],
+    sections: Records[SectionData],
     first: int,
     count: int,
     tail: int,
@@ -181,12 +187,8 @@ def line_energy(
     """
     energy, along, v = V * rise, H, V
     for i in range(first, first + count):
-        length, w, c, clump = (
-            sections[i, LENGTH],
-            sections[i, WEIGHT],
-            sections[i, FLEXIBILITY],
-            sections[i, CLUMP],
-        )
+        section = sections[i]
+        length, w, c, clump = section.length, section.weight, section.flexibility, section.clump
         on_seabed = i - first >= tail
         hung = length
         below = v - w * length
@@ -223,7 +225,7 @@ def line_energy(
 
 @kernel(internal=True)
 def vertical_hang(
-    sections: NDArray[np.float64], first: int, count: int, tail: int, z: float, lowest: float, highest: float
+    sections: Records[SectionData], first: int, count: int, tail: int, z: float, lowest: float, highest: float
 ) -> tuple[float, float, float]:
     """Force, length on the seabed and height derivative of a line that hangs straight down from a height.
 
@@ -246,7 +248,8 @@ def vertical_hang(
     for _ in range(200):
         height, z_v, lying, v = 0.0, 0.0, 0.0, V
         for i in range(first, first + count):
-            length, w, c = sections[i, LENGTH], sections[i, WEIGHT], sections[i, FLEXIBILITY]
+            section = sections[i]
+            length, w, c = section.length, section.weight, section.flexibility
             on_seabed = i - first >= tail
             hung = length
             below = v - w * length
@@ -260,7 +263,7 @@ def vertical_hang(
                 if v * below < 0.0 or (on_seabed and hung < length):
                     z_v += (2.0 if v * below < 0.0 else 1.0) / abs(w)
             lying += length - hung
-            v = below - sections[i, CLUMP]
+            v = below - section.clump
             if on_seabed and v < 0.0:
                 v = 0.0
         if height > z:

@@ -14,57 +14,48 @@ import numpy as np
 from heavylift.numerics.arrays import Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
+from heavylift.numerics.records import Record, Records, Vector
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = [
-    "CLIP_WIDTH",
-    "CROSSING",
-    "PLANE_AREA",
-    "PLANE_X",
-    "PLANE_XX",
-    "PLANE_XY",
-    "PLANE_Y",
-    "PLANE_YY",
-    "VOLUME",
-    "VOLUME_X",
-    "VOLUME_Y",
-    "VOLUME_Z",
-    "WETTED_AREA",
-    "buoyancy_stiffness",
-    "clip_surface",
-    "clip_surface_now",
-]
+__all__ = ["Clip", "buoyancy_stiffness", "clip_surface", "clip_surface_now"]
 
-VOLUME = 0
-"""Submerged volume [m^3]."""
 
-VOLUME_X = 1
-VOLUME_Y = 2
-VOLUME_Z = 3
-"""First moments of the submerged volume [m^4]; z from the water plane, hence negative."""
+class Clip(Record):
+    """What is below the water plane, in axes parallel to those of the world.
 
-PLANE_AREA = 4
-"""Area of the water plane [m^2]."""
+    About the point of the water plane that is vertically above or below the origin of the body.
 
-PLANE_X = 5
-PLANE_Y = 6
-"""Integrals of x and of y over the water plane [m^3]."""
+    Attributes
+    ----------
+    volume
+        Submerged [m^3].
+    moment
+        First moments of the submerged volume [m^4]; z from the water plane, hence negative.
+    plane_area
+        Of the water plane [m^2].
+    plane_x, plane_y
+        Integrals of x and of y over the water plane [m^3].
+    plane_xx, plane_yy, plane_xy
+        Integrals of x^2, y^2 and x y over the water plane [m^4].
+    wetted_area
+        Of the surface below the water plane [m^2].
+    crossing
+        Number of triangles that the water plane cuts.
+    """
 
-PLANE_XX = 7
-PLANE_YY = 8
-PLANE_XY = 9
-"""Integrals of x^2, y^2 and x y over the water plane [m^4]."""
+    volume: float
+    moment: Vector
+    plane_area: float
+    plane_x: float
+    plane_y: float
+    plane_xx: float
+    plane_yy: float
+    plane_xy: float
+    wetted_area: float
+    crossing: int
 
-WETTED_AREA = 10
-"""Area of the surface below the water plane [m^2]."""
-
-CROSSING = 11
-"""Number of triangles that the water plane cuts."""
-
-CLIP_WIDTH = 12
-"""Numbers that `clip_surface` writes."""
 
 Triangle = tuple[float, float, float, float, float]
 
@@ -94,7 +85,7 @@ def clip_surface(
     rotation: NDArray[np.float64],
     height: float,
     placed: NDArray[np.float64],
-    out: NDArray[np.float64],
+    out: Clip,
 ) -> None:
     """Clip a surface at the water plane and integrate what is below.
 
@@ -112,8 +103,7 @@ def clip_surface(
     placed
         Scratch for the vertices in world directions, shape (nv, 3).
     out
-        `VOLUME` ... `CROSSING`, shape (`CLIP_WIDTH`,): in axes parallel to those of the world, about the point of
-        the water plane that is vertically above or below the origin of the body.
+        Written.
 
     Notes
     -----
@@ -178,18 +168,18 @@ def clip_surface(
         v, vx, vy, vz, w = triangle_sums(ax, ay, az, bx, by, bz, cx, cy, cz)
         volume, wetted = volume + v, wetted + w
         moment_x, moment_y, moment_z = moment_x + vx, moment_y + vy, moment_z + vz
-    out[VOLUME] = volume / 6.0
-    out[VOLUME_X] = moment_x / 24.0
-    out[VOLUME_Y] = moment_y / 24.0
-    out[VOLUME_Z] = moment_z / 24.0
-    out[PLANE_AREA] = area / 2.0
-    out[PLANE_X] = plane_x / 6.0
-    out[PLANE_Y] = plane_y / 6.0
-    out[PLANE_XX] = plane_xx / 12.0
-    out[PLANE_YY] = plane_yy / 12.0
-    out[PLANE_XY] = plane_xy / 24.0
-    out[WETTED_AREA] = wetted / 2.0
-    out[CROSSING] = crossing
+    out.volume = volume / 6.0
+    out.moment[0] = moment_x / 24.0
+    out.moment[1] = moment_y / 24.0
+    out.moment[2] = moment_z / 24.0
+    out.plane_area = area / 2.0
+    out.plane_x = plane_x / 6.0
+    out.plane_y = plane_y / 6.0
+    out.plane_xx = plane_xx / 12.0
+    out.plane_yy = plane_yy / 12.0
+    out.plane_xy = plane_xy / 24.0
+    out.wetted_area = wetted / 2.0
+    out.crossing = crossing
 
 
 @entry
@@ -199,21 +189,19 @@ def clip_surface_now(
     rotation: Floats1,
     height: float,
     placed: Floats2,
-    out: Floats1,
+    out: Records[Clip],
 ) -> None:
-    """Call `clip_surface` from Python."""
-    clip_surface(points, triangles, rotation, height, placed, out)
+    """Call `clip_surface` from Python, with an array of one record."""
+    clip_surface(points, triangles, rotation, height, placed, out[0])
 
 
-def buoyancy_stiffness(
-    out: NDArray[np.float64], height: float, density: float, gravity: float
-) -> NDArray[np.float64]:
+def buoyancy_stiffness(clip: Clip, height: float, density: float, gravity: float) -> NDArray[np.float64]:
     """Tangent stiffness of buoyancy about the origin of the body, in axes parallel to those of the world.
 
     Parameters
     ----------
-    out
-        Of `clip_surface`, shape (12,).
+    clip
+        Of `clip_surface`.
     height
         Of the origin of the body above the water plane [m].
     density, gravity
@@ -240,10 +228,11 @@ def buoyancy_stiffness(
     unsymmetric, and vanishes together with the weight in equilibrium. Weight has its own stiffness, about the centre of
     gravity.
     """
-    v, vx, vy, vz, a, sx, sy, ixx, iyy, ixy = out[: PLANE_XY + 1]
-    b = vz - height * v
+    vx, vy, vz = clip.moment
+    a, sx, sy, ixy = clip.plane_area, clip.plane_x, clip.plane_y, clip.plane_xy
+    b = vz - height * clip.volume
     k = np.zeros((6, 6))
     k[2, 2:5] = a, sy, -sx
-    k[3, 2:] = sy, iyy + b, -ixy, -vx
-    k[4, 2:] = -sx, -ixy, ixx + b, -vy
+    k[3, 2:] = sy, clip.plane_yy + b, -ixy, -vx
+    k[4, 2:] = -sx, -ixy, clip.plane_xx + b, -vy
     return density * gravity * k

@@ -19,10 +19,12 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
+from heavylift.numerics.records import Record, Records
 
 __all__ = [
     "SeriesExcitation",
     "SummedExcitation",
+    "YawTable",
     "catmull_rom",
     "fill_series",
     "interpolate_series",
@@ -30,8 +32,26 @@ __all__ = [
     "sum_excitation",
 ]
 
-_OMEGA, _KX, _KY, _PHASE, _AMPLITUDE = range(5)
-_FIRST, _INVERSE_SPACING, _CELLS, _PERIODIC = range(4)
+
+class YawTable(Record):
+    """Pieces of a table over the yaw of a hull.
+
+    Attributes
+    ----------
+    first
+        Yaw at which it begins [rad].
+    inverse_spacing
+        Pieces a radian [1/rad].
+    cells
+        Number of pieces.
+    periodic
+        Whether the yaw goes round.
+    """
+
+    first: float
+    inverse_spacing: float
+    cells: int
+    periodic: bool
 
 
 class SummedExcitation(Arrays):
@@ -39,8 +59,8 @@ class SummedExcitation(Arrays):
 
     Attributes
     ----------
-    components
-        omega [rad/s], kx, ky [1/m], eps [rad], amplitude [m]: shape (5, m).
+    omega, kx, ky, phase, amplitude
+        Of the components: circular frequency [rad/s], wave number along x and y [1/m], eps [rad], [m]; shape (m,).
     table
         Amplitude times excitation at yaw angles of the hull: real and imaginary part of six coordinates, then their
         slopes over the yaw per spacing. Row (hull (cells + 1) + node) 24 + quantity, shape (N (cells + 1) 24, m): the
@@ -48,19 +68,25 @@ class SummedExcitation(Arrays):
     drift
         Amplitude times mean drift per amplitude squared, and slopes, twelve rows a node; no row without drift.
     yaws
-        First yaw [rad], 1 / spacing [1/rad], cells, 1 if the yaw goes round: shape (N, 4).
-    ramp
-        Start and length of the ramp [s], shape (2,).
-    waves
-        Work space: cosine and sine of the components at one hull, shape (2, m).
+        Pieces of the table of each hull, as many for all.
+    ramp_start, ramp_length
+        Of the ramp [s].
+    cosine, sine
+        Work space: of the components at one hull, shape (m,).
     """
 
-    components: Floats2
+    omega: Floats1
+    kx: Floats1
+    ky: Floats1
+    phase: Floats1
+    amplitude: Floats1
     table: Floats2
     drift: Floats2
-    yaws: Floats2
-    ramp: Floats1
-    waves: Floats2
+    yaws: Records[YawTable]
+    ramp_start: float
+    ramp_length: float
+    cosine: Floats1
+    sine: Floats1
 
 
 class SeriesExcitation(Arrays):
@@ -70,12 +96,15 @@ class SeriesExcitation(Arrays):
     ----------
     values
         Forces [N, N m] including the ramp, shape (rows, 6 N).
-    settings
-        Time of the first row [s], 1 / step [1/s]: shape (2,).
+    begin
+        Time of the first row [s].
+    rate
+        Rows a second [1/s].
     """
 
     values: Floats2
-    settings: Floats1
+    begin: float
+    rate: float
 
 
 @kernel(inline=True, internal=True)
@@ -104,27 +133,23 @@ def _sine_cosine(angle: float) -> tuple[float, float]:
 @kernel(internal=True)
 def _waves_at(excitation: SummedExcitation, time: float, x: float, y: float) -> None:
     """Cosine and sine of the phase of every component at a place."""
-    components, waves = excitation.components, excitation.waves
-    for m in range(components.shape[1]):
-        s, c = _sine_cosine(
-            components[_KX, m] * x
-            + components[_KY, m] * y
-            - components[_OMEGA, m] * time
-            - components[_PHASE, m]
-        )
-        waves[0, m] = c
-        waves[1, m] = s
+    omega, kx, ky, phase = excitation.omega, excitation.kx, excitation.ky, excitation.phase
+    cosine, sine = excitation.cosine, excitation.sine
+    for m in range(omega.shape[0]):
+        s, c = _sine_cosine(kx[m] * x + ky[m] * y - omega[m] * time - phase[m])
+        cosine[m] = c
+        sine[m] = s
 
 
 @kernel(inline=True, internal=True)
-def _yaw_cell(yaws: NDArray[np.float64], hull: int, yaw: float) -> tuple[int, float]:
+def _yaw_cell(yaws: YawTable, yaw: float) -> tuple[int, float]:
     """Piece of the table in which a yaw lies and the place in it, 0 to 1; NaN where the table has none."""
-    offset = yaw - yaws[hull, _FIRST]
-    if yaws[hull, _PERIODIC] > 0.0:
+    offset = yaw - yaws.first
+    if yaws.periodic:
         turn = 6.283185307179586
         offset -= turn * np.floor(offset / turn)
-    place = offset * yaws[hull, _INVERSE_SPACING]
-    last = yaws[hull, _CELLS]
+    place = offset * yaws.inverse_spacing
+    last = yaws.cells
     if not (place > -1e-9 and place < last + 1e-9):  # also if the yaw is no number
         return 0, math.nan
     cell = min(max(np.floor(place), 0.0), last - 1.0)
@@ -134,7 +159,8 @@ def _yaw_cell(yaws: NDArray[np.float64], hull: int, yaw: float) -> tuple[int, fl
 @kernel(internal=True, reassociate=True)
 def _sum_coordinate(
     table: NDArray[np.float64],
-    waves: NDArray[np.float64],
+    cosine: NDArray[np.float64],
+    sine: NDArray[np.float64],
     row: int,
     after: int,
     weights: tuple[float, float, float, float],
@@ -145,7 +171,7 @@ def _sum_coordinate(
     """
     v0, d0, v1, d1 = weights
     total = 0.0
-    for m in range(waves.shape[1]):
+    for m in range(cosine.shape[0]):
         re = v0 * table[row, m] + d0 * table[row + 12, m] + v1 * table[after, m] + d1 * table[after + 12, m]
         im = (
             v0 * table[row + 6, m]
@@ -153,24 +179,27 @@ def _sum_coordinate(
             + v1 * table[after + 6, m]
             + d1 * table[after + 18, m]
         )
-        total += re * waves[0, m] - im * waves[1, m]
+        total += re * cosine[m] - im * sine[m]
     return total
 
 
 @kernel(internal=True, reassociate=True)
-def _sum_envelope(components: NDArray[np.float64], waves: NDArray[np.float64]) -> tuple[float, float]:
+def _sum_envelope(
+    amplitude: NDArray[np.float64], cosine: NDArray[np.float64], sine: NDArray[np.float64]
+) -> tuple[float, float]:
     """Sum of amplitude times cosine, and times sine."""
     c = s = 0.0
-    for m in range(waves.shape[1]):
-        c += components[_AMPLITUDE, m] * waves[0, m]
-        s += components[_AMPLITUDE, m] * waves[1, m]
+    for m in range(cosine.shape[0]):
+        c += amplitude[m] * cosine[m]
+        s += amplitude[m] * sine[m]
     return c, s
 
 
 @kernel(internal=True, reassociate=True)
 def _sum_drift(
     drift: NDArray[np.float64],
-    waves: NDArray[np.float64],
+    cosine: NDArray[np.float64],
+    sine: NDArray[np.float64],
     row: int,
     after: int,
     weights: tuple[float, float, float, float],
@@ -188,9 +217,9 @@ def _sum_drift(
     v0, d0, v1, d1 = weights
     c, s = envelope
     total = 0.0
-    for m in range(waves.shape[1]):
+    for m in range(cosine.shape[0]):
         D = v0 * drift[row, m] + d0 * drift[row + 6, m] + v1 * drift[after, m] + d1 * drift[after + 6, m]
-        total += D * (c * waves[0, m] + s * waves[1, m])
+        total += D * (c * cosine[m] + s * sine[m])
     return total
 
 
@@ -212,26 +241,23 @@ def sum_excitation(
         Overwritten: forces [N] and moments [N m] about the reference points in the heading frames, shape (6 N,).
         NaN if a hull has turned to where the database has no headings, or if a place is not finite.
     """
-    ramp = ramp_factor(time, excitation.ramp[0], excitation.ramp[1])
+    ramp = ramp_factor(time, excitation.ramp_start, excitation.ramp_length)
+    cosine, sine = excitation.cosine, excitation.sine
     for hull in range(place.shape[0]):
-        cell, s = _yaw_cell(excitation.yaws, hull, place[hull, 2])
+        cell, s = _yaw_cell(excitation.yaws[hull], place[hull, 2])
         _waves_at(excitation, time, place[hull, 0], place[hull, 1])
         a = 1.0 - s
         weights = (1.0 + 2.0 * s) * a * a, s * a * a, s * s * (3.0 - 2.0 * s), -s * s * a
-        node = hull * (int(excitation.yaws[hull, _CELLS]) + 1) + cell
+        node = hull * (excitation.yaws[hull].cells + 1) + cell
         for j in range(6):
             row = 24 * node + j
-            out[6 * hull + j] = ramp * _sum_coordinate(
-                excitation.table, excitation.waves, row, row + 24, weights
-            )
+            out[6 * hull + j] = ramp * _sum_coordinate(excitation.table, cosine, sine, row, row + 24, weights)
         if excitation.drift.shape[0] > 0:
-            envelope = _sum_envelope(excitation.components, excitation.waves)
+            envelope = _sum_envelope(excitation.amplitude, cosine, sine)
             for j in range(6):
                 row = 12 * node + j
                 out[6 * hull + j] += (
-                    ramp
-                    * ramp
-                    * _sum_drift(excitation.drift, excitation.waves, row, row + 12, weights, envelope)
+                    ramp * ramp * _sum_drift(excitation.drift, cosine, sine, row, row + 12, weights, envelope)
                 )
 
 
@@ -284,7 +310,7 @@ def interpolate_series(excitation: SeriesExcitation, time: float, out: NDArray[n
         Overwritten: forces [N] and moments [N m], shape (6 N,); NaN outside the series.
     """
     values = excitation.values
-    place = (time - excitation.settings[0]) * excitation.settings[1]
+    place = (time - excitation.begin) * excitation.rate
     if not (place >= 1.0 and place < values.shape[0] - 2.0):
         for j in range(values.shape[1]):
             out[j] = math.nan

@@ -9,9 +9,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from heavylift.numerics.jit import in_python
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
 from heavylift.numerics.small import aligned
 from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
-from heavylift.solver.marine.excitation import SeriesExcitation, SummedExcitation, catmull_rom, fill_series
+from heavylift.solver.marine.excitation import (
+    SeriesExcitation,
+    SummedExcitation,
+    YawTable,
+    catmull_rom,
+    fill_series,
+)
 from heavylift.solver.marine.wave_trains import WaveTrains
 from heavylift.solver.marine.wave_transfer import (
     HEADING_HOLD,
@@ -99,23 +106,21 @@ def pack_summed(
             )
         values, slopes = _over_yaws(over_heading, direction, amplitude, yaw_rows)
         drift = np.concatenate([values.real, slopes.real], axis=2).reshape(-1, len(omega))
-    components = np.stack(
-        [
-            trains.omega[inside],
-            trains.wavenumber[inside] * np.cos(direction),
-            trains.wavenumber[inside] * np.sin(direction),
-            trains.phase[inside],
-            amplitude,
-        ]
-    )
+    wavenumber = trains.wavenumber[inside]
     yaw_rows[:, 1] = 1.0 / yaw_rows[:, 1]
     return SummedExcitation(
-        components=_aligned_copy(components),
+        omega=_aligned_copy(trains.omega[inside]),
+        kx=_aligned_copy(wavenumber * np.cos(direction)),
+        ky=_aligned_copy(wavenumber * np.sin(direction)),
+        phase=_aligned_copy(trains.phase[inside]),
+        amplitude=_aligned_copy(amplitude),
         table=_aligned_copy(packed.reshape(-1, len(omega))),
         drift=_aligned_copy(drift),
-        yaws=yaw_rows,
-        ramp=np.array([ramp_start, ramp], dtype=np.float64),
-        waves=aligned((2, len(omega))),
+        yaws=records(YawTable, yaw_rows),
+        ramp_start=ramp_start,
+        ramp_length=ramp,
+        cosine=aligned((len(omega),)),
+        sine=aligned((len(omega),)),
     )
 
 
@@ -162,7 +167,7 @@ def pack_series(
     rows = math.ceil(duration / interval) + 6
     values = aligned((rows, 6 * database.body_count))
     fill_series(summed, place, first, interval, np.zeros(values.shape[1]), values)
-    return SeriesExcitation(values, np.array([first, 1.0 / interval]))
+    return SeriesExcitation(values, first, 1.0 / interval)
 
 
 def series_step(trains: WaveTrains, database: HydrodynamicDatabase, yaws: ArrayLike) -> float:

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.interface import (
-    ELASTIC,
-    EXTERNAL_WORK,
     FORCES,
-    POINT,
-    POINT_FORCE,
-    POINT_VELOCITY,
     Workspace,
     add_forces,
     record_forces,
@@ -31,8 +28,39 @@ __all__ = ["FENDER_CHANNELS", "Fenders", "fender_markers", "pack_fenders"]
 FENDER_CHANNELS = (("force", "N", ("force",)), ("compression", "m", ("compression",)))
 """Channels of a fender; the compression is 0 while nothing touches it."""
 
-POINT_A, NORMAL, POINT_B, COLUMN, FIRST, COUNT = range(6)
-START_ENERGY, STARTED = range(2)
+
+class FenderData(Record):
+    """A fender.
+
+    Attributes
+    ----------
+    tip, normal, point
+        Markers of the tip, the normal and the point that presses.
+    column
+        First record column.
+    first, count
+        First row and rows of the curve.
+    stiffness
+        [N/m].
+    damping
+        [N s/m].
+    """
+
+    tip: int
+    normal: int
+    point: int
+    column: int
+    first: int
+    count: int
+    stiffness: float
+    damping: float
+
+
+class FenderState(Record):
+    """Energy at the start [J], and whether that is known."""
+
+    start_energy: float
+    started: bool
 
 
 class Fenders(Arrays):
@@ -41,23 +69,21 @@ class Fenders(Arrays):
     Attributes
     ----------
     table
-        Markers of the tip, the normal and the point that presses, first record column, first row and rows of the
-        curve; shape (n, 6).
-    values
-        Stiffness [N/m] and damping [N s/m], shape (n, 2).
+        Fenders.
     curves
         Rows (compression, force) of all tables, shape (m, 2).
     state
-        Energy at the start [J], 1 once that is known; shape (n, 2).
+        Carried, of each.
     tangents, rate_tangents
         Stiffness [N/m] and damping [N s/m] of the force on b against the displacement and velocity of its point
         relative to the tip, world axes, row by row, symmetric and positive semidefinite; shape (n, 9).
     """
 
-    table: Ints2
-    values: Floats2
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+
+    table: Records[FenderData]
     curves: Floats2
-    state: Floats2
+    state: Records[FenderState]
     tangents: Floats2
     rate_tangents: Floats2
 
@@ -106,15 +132,14 @@ def pack_fenders(
     first = 0
     for fender, places, column in zip(fenders, markers, columns, strict=True):
         curve = _check_law(fender)
-        table.append((*places, column, first, len(curve)))
+        table.append((*places, column, first, len(curve), fender.stiffness, fender.damping))
         curves.append(curve)
         first += len(curve)
     count = len(table)
     return Fenders(
-        np.array(table, dtype=np.int64).reshape(-1, 6),
-        np.array([(fender.stiffness, fender.damping) for fender in fenders], dtype=np.float64).reshape(-1, 2),
+        records(FenderData, table),
         np.vstack([np.zeros((0, 2)), *curves]),
-        np.zeros((count, 2)),
+        records(FenderState, count),
         np.zeros((count, 9)),
         np.zeros((count, 9)),
     )
@@ -161,13 +186,14 @@ def _check_law(fender: Fender) -> NDArray[np.float64]:
 @kernel(internal=True)
 def _compression(kind: Fenders, i: int, work: Workspace) -> tuple[float, float]:
     """How far the point of b is behind the tip [m], and how fast it goes there [m/s]."""
-    a, n, b = kind.table[i, POINT_A], kind.table[i, NORMAL], kind.table[i, POINT_B]
+    fender = kind.table[i]
+    a, n, b = fender.tip, fender.normal, fender.point
     depth = rate = 0.0
     for k in range(3):
-        r = work.markers[b, POINT + k] - work.markers[a, POINT + k]
-        v = work.markers[b, POINT_VELOCITY + k] - work.markers[a, POINT_VELOCITY + k]
-        depth -= r * work.markers[n, POINT + k]
-        rate -= v * work.markers[n, POINT + k] + r * work.markers[n, POINT_VELOCITY + k]
+        r = work.markers[b].point[k] - work.markers[a].point[k]
+        v = work.markers[b].velocity[k] - work.markers[a].velocity[k]
+        depth -= r * work.markers[n].point[k]
+        rate -= v * work.markers[n].point[k] + r * work.markers[n].velocity[k]
     return depth, rate
 
 
@@ -176,12 +202,8 @@ def _push(kind: Fenders, i: int, depth: float, rate: float) -> tuple[float, floa
     """Force of a fender [N], its stiffness [N/m] and damping [N s/m] at present."""
     if not depth > 0.0:
         return 0.0, 0.0, 0.0
-    first, count, stiffness, damping = (
-        kind.table[i, FIRST],
-        kind.table[i, COUNT],
-        kind.values[i, 0],
-        kind.values[i, 1],
-    )
+    fender = kind.table[i]
+    first, count, stiffness, damping = fender.first, fender.count, fender.stiffness, fender.damping
     force = spring_force(kind.curves, first, count, stiffness, depth)
     if count > 0:  # half the mean over nothing is the slope
         stiffness = 2.0 * mean_force(kind.curves, first, count, stiffness, depth, depth)[1]
@@ -201,10 +223,10 @@ def add_fenders(kind: Fenders, time: float, work: Workspace) -> None:
     direction n, which moves the force on a from the tip to where b presses.
     """
     for i in range(kind.table.shape[0]):
-        a, n, b = kind.table[i, POINT_A], kind.table[i, NORMAL], kind.table[i, POINT_B]
+        a, n, b = kind.table[i].tip, kind.table[i].normal, kind.table[i].point
         depth, rate = _compression(kind, i, work)
         force, stiffness, damping = _push(kind, i, depth, rate)
-        n1, n2, n3 = work.markers[n, POINT], work.markers[n, POINT + 1], work.markers[n, POINT + 2]
+        n1, n2, n3 = work.markers[n].point[0], work.markers[n].point[1], work.markers[n].point[2]
         normal = (n1, n2, n3)
         for j in range(3):
             for k in range(3):
@@ -212,10 +234,10 @@ def add_fenders(kind: Fenders, time: float, work: Workspace) -> None:
                 kind.rate_tangents[i, 3 * j + k] = damping * normal[j] * normal[k]
         if force > 0.0:
             for k in range(3):
-                r = work.markers[b, POINT + k] - work.markers[a, POINT + k]
-                work.markers[b, POINT_FORCE + k] += force * normal[k]
-                work.markers[a, POINT_FORCE + k] -= force * normal[k]
-                work.markers[n, POINT_FORCE + k] += force * r
+                r = work.markers[b].point[k] - work.markers[a].point[k]
+                work.markers[b].force[k] += force * normal[k]
+                work.markers[a].force[k] -= force * normal[k]
+                work.markers[n].force[k] += force * r
 
 
 @implement(record_forces, Fenders)
@@ -223,13 +245,14 @@ def add_fenders(kind: Fenders, time: float, work: Workspace) -> None:
 def record_fenders(kind: Fenders, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
     """Force and compression; the stored energy moves from the work of outer forces to its own."""
     for i in range(kind.table.shape[0]):
-        column, first, count = kind.table[i, COLUMN], kind.table[i, FIRST], kind.table[i, COUNT]
+        fender, state = kind.table[i], kind.state[i]
+        column, first, count = fender.column, fender.first, fender.count
         depth, rate = _compression(kind, i, work)
         row[column] = _push(kind, i, depth, rate)[0]
         depth = max(depth, 0.0)
         row[column + 1] = depth
-        energy = depth * mean_force(kind.curves, first, count, kind.values[i, 0], 0.0, depth)[0]
-        if kind.state[i, STARTED] == 0.0:
-            kind.state[i, START_ENERGY], kind.state[i, STARTED] = energy, 1.0
-        work.sums[ELASTIC] += energy
-        work.sums[EXTERNAL_WORK] += energy - kind.state[i, START_ENERGY]
+        energy = depth * mean_force(kind.curves, first, count, fender.stiffness, 0.0, depth)[0]
+        if not state.started:
+            state.start_energy, state.started = energy, True
+        work.sums.elastic += energy
+        work.sums.external_work += energy - state.start_energy

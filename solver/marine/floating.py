@@ -13,12 +13,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
 from heavylift.solver.marine.clipping import (
-    CLIP_WIDTH,
-    VOLUME,
-    VOLUME_X,
-    VOLUME_Y,
-    VOLUME_Z,
+    Clip,
     buoyancy_stiffness,
     clip_surface_now,
 )
@@ -181,16 +178,17 @@ class FloatingHull:
         self.centre_of_gravity = moment / self.mass
         self.free_surface = np.array([tank.free_surface for tank in tanks]).reshape(-1, 2).sum(axis=0)
         self.size = float(np.ptp(hull.surface.bounds, axis=0).max())
-        self.out = np.zeros(CLIP_WIDTH)
+        self._clips = records(Clip, 1)
+        self.out = self._clips[0]
         self._placed = np.zeros_like(hull.covered.points)
 
     def volume(self, pose: Pose) -> float:
         """Submerged volume [m^3]; fills `out`."""
         surface = self.hull.covered
         clip_surface_now(
-            surface.points, surface.triangles, pose.rotation.ravel(), pose.height, self._placed, self.out
+            surface.points, surface.triangles, pose.rotation.ravel(), pose.height, self._placed, self._clips
         )
-        return float(self.out[VOLUME])
+        return float(self.out.volume)
 
     def evaluate(self, pose: Pose) -> tuple[float, NDArray[np.float64]]:
         """Potential [J] and force [N] along z, moments [N m] about x and y of the world at the body's origin.
@@ -201,12 +199,13 @@ class FloatingHull:
         weight = self.mass * self.gravity
         buoyancy = self.density * self.gravity
         x, y, z = pose.rotation @ self.centre_of_gravity
-        energy = weight * (z + pose.height) - buoyancy * self.out[VOLUME_Z]
+        volume, (moment_x, moment_y, moment_z) = self.out.volume, self.out.moment.tolist()
+        energy = weight * (z + pose.height) - buoyancy * moment_z
         free_energy, free_moment = self._free_surface(pose)
         force = np.array([
-            buoyancy * self.out[VOLUME] - weight,
-            buoyancy * self.out[VOLUME_Y] - weight * y + free_moment[0],
-            -buoyancy * self.out[VOLUME_X] + weight * x + free_moment[1],
+            buoyancy * volume - weight,
+            buoyancy * moment_y - weight * y + free_moment[0],
+            -buoyancy * moment_x + weight * x + free_moment[1],
         ])  # fmt: skip
         return energy + free_energy, force
 

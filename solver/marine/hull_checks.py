@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.marine.clipping import CLIP_WIDTH, VOLUME, clip_surface_now
+from heavylift.solver.marine.clipping import Clip, clip_surface_now
 
 if TYPE_CHECKING:
     from heavylift.solver.seas import FloatingBody, Hull, Radiation, Sea, Tank, Water
@@ -206,12 +207,12 @@ def check_volume(
     database = radiation.database
     if database.volumes is None:
         return
-    out, height = np.zeros(CLIP_WIDTH), float(database.reference_points[row, 2] - (to_body @ reference)[2])
+    out, height = records(Clip, 1), float(database.reference_points[row, 2] - (to_body @ reference)[2])
     clip_surface_now(points, triangles, np.ravel(to_body), height, np.zeros_like(points), out)
     wanted = float(database.volumes[row])
-    if abs(out[VOLUME] - wanted) > VOLUME_TOLERANCE * wanted:
+    if abs(out[0].volume - wanted) > VOLUME_TOLERANCE * wanted:
         raise InputError(
-            f"{body.name!r} displaces {out[VOLUME]:.5g} m3 with its reference point at the height of the database",
+            f"{body.name!r} displaces {out[0].volume:.5g} m3 with its reference point at the height of the database",
             source=database.source,
             key="reference",
             expected=f"about {wanted:.5g} m3: the reference point and draught of the database",

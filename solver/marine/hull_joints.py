@@ -7,8 +7,6 @@ import math
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.small import cholesky_factor
-from heavylift.solver.bodies.rigid import DOF as BODY_DOF
-from heavylift.solver.bodies.rigid import NUMBER
 from heavylift.solver.bodies.rigid_step import (
     check_rigid_bodies,
     end_velocity_rigid_bodies,
@@ -17,8 +15,6 @@ from heavylift.solver.bodies.rigid_step import (
     write_rigid_velocities,
 )
 from heavylift.solver.interface import (
-    STATUS_BODY,
-    STATUS_OUTCOME,
     Workspace,
     apply_inverse,
     check,
@@ -28,21 +24,12 @@ from heavylift.solver.interface import (
     write_velocity,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.marine.clipping import PLANE_AREA, VOLUME
 from heavylift.solver.marine.hull_matrix import assemble_mass
 from heavylift.solver.marine.hull_step import put_end
 from heavylift.solver.marine.hulls import (
-    CLIP,
-    COUNT,
-    END_TRANSFORM,
-    GROUP_DOF,
-    HEADING,
-    LEAST_VOLUME,
-    MATRIX,
-    WAVE,
     Hulls,
 )
-from heavylift.solver.rows import DOF, PANEL, RowArrays
+from heavylift.solver.rows import RowArrays
 
 __all__: list[str] = []
 
@@ -63,37 +50,37 @@ def check_hulls(kind: Hulls, step: float, work: Workspace) -> None:
     for hull in range(kind.table.shape[0]):
         total = 0.0
         for i in range(6 * hull, 6 * hull + 6):
-            total += kind.vectors[WAVE, i]
-        least = kind.hull[hull, LEAST_VOLUME]
-        clip = kind.stage[hull, CLIP : CLIP + 12]
-        left = least > 0.0 and (clip[VOLUME] < least or not clip[PLANE_AREA] > 0.0)
+            total += kind.vectors.wave[i]
+        least = kind.hulls[hull].least_volume
+        clip = kind.stage[hull].clip
+        left = least > 0.0 and (clip.volume < least or not clip.plane_area > 0.0)
         if left or math.isnan(total):
-            work.status[STATUS_OUTCOME] = OUTSIDE_DATABASE
-            work.status[STATUS_BODY] = kind.table[hull, NUMBER]
+            work.status.outcome = OUTSIDE_DATABASE
+            work.status.body = kind.table[hull].number
 
 
 @implement(apply_inverse, Hulls)
 @kernel(internal=True)
 def apply_inverse_of_hulls(kind: Hulls, at_midpoint: bool, system: RowArrays) -> None:
     """Of the attachments on these bodies; at the end of the step by the mass alone, which is factored here."""
-    last = kind.table[kind.table.shape[0] - 1, BODY_DOF]
+    last = kind.table[kind.table.shape[0] - 1].dof
     if not at_midpoint:
         for hull in range(kind.table.shape[0]):
-            put_end(kind, hull, kind.stage[hull, HEADING])
+            put_end(kind, hull, kind.stage[hull].heading)
         for group in range(kind.groups.shape[0]):
-            n = 6 * kind.groups[group, COUNT]
-            base = kind.groups[group, MATRIX] + n * n
-            assemble_mass(kind, group, base, END_TRANSFORM, True, 0.0)
+            n = 6 * kind.groups[group].count
+            base = kind.groups[group].matrix + n * n
+            assemble_mass(kind, group, base, True, 0.0)
             cholesky_factor(kind.matrices[base : base + n * n], n)
     for i in range(system.attachments.shape[0]):
-        dof = system.attachments[i, DOF]
-        if dof < kind.table[0, BODY_DOF] or dof > last:
+        dof = system.attachments[i].dof
+        if dof < kind.table[0].dof or dof > last:
             continue
         for group in range(kind.groups.shape[0]):
-            if kind.groups[group, GROUP_DOF] == dof:
-                n = 6 * kind.groups[group, COUNT]
-                base = kind.groups[group, MATRIX] + (0 if at_midpoint else n * n)
-                _solve_panel(kind, base, n, system, system.attachments[i, PANEL])
+            if kind.groups[group].dof == dof:
+                n = 6 * kind.groups[group].count
+                base = kind.groups[group].matrix + (0 if at_midpoint else n * n)
+                _solve_panel(kind, base, n, system, system.attachments[i].panel)
 
 
 @kernel(internal=True)

@@ -4,42 +4,12 @@ from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
-from heavylift.solver.bodies.rigid import (
-    ANGULAR_MOMENTUM,
-    DOF,
-    FORCE,
-    MASS,
-    MID_ROTATION,
-    PRINCIPAL,
-    VELOCITY,
-)
 from heavylift.solver.bodies.rigid_stage import stage_rotation
 from heavylift.solver.interface import (
-    FIELD,
     Workspace,
 )
 from heavylift.solver.marine.hull_restoring import restore
 from heavylift.solver.marine.hulls import (
-    COUNT,
-    FIRST,
-    FIRST_TANK,
-    FORESEEN,
-    KNOWN,
-    LAST_TANK,
-    LEAD,
-    LIFT,
-    LOAD,
-    OFFSET,
-    PREDICTED,
-    QUADRATIC,
-    ROTATION,
-    SPEED,
-    STIFFNESS,
-    TANK_MASS,
-    TANK_POINT,
-    TANK_START,
-    TRANSFORM,
-    WAVE,
     Hulls,
 )
 
@@ -47,12 +17,12 @@ __all__ = ["assemble", "assemble_mass", "moved_on"]
 
 
 @kernel(internal=True)
-def assemble_mass(kind: Hulls, group: int, base: int, transform: int, at_end: bool, step: float) -> None:
+def assemble_mass(kind: Hulls, group: int, base: int, at_end: bool, step: float) -> None:
     """Mass with that of the water, ``M + T^T (A_inf + h/2 (B + D)) T``, into a matrix of a group.
 
-    At the end of a step the mass alone, with the rotation that stands there (in `stage`, see `put_transform`).
+    At the end of a step the mass alone, with the rotation that stands there (in `stage`, see `put_end`).
     """
-    first, count = kind.groups[group, FIRST], kind.groups[group, COUNT]
+    first, count = kind.groups[group].first, kind.groups[group].count
     n = 6 * count
     matrix = kind.matrices
     half = 0.0 if at_end else 0.5 * step
@@ -61,6 +31,8 @@ def assemble_mass(kind: Hulls, group: int, base: int, transform: int, at_end: bo
     for p in range(count):
         for q in range(p + 1):
             left, right = first + p, first + q
+            T_left = kind.stage[left].end_transform if at_end else kind.stage[left].transform
+            T_right = kind.stage[right].end_transform if at_end else kind.stage[right].transform
             for i in range(6):
                 for j in range(6):
                     # rows of H T, then T^T of them
@@ -72,34 +44,30 @@ def assemble_mass(kind: Hulls, group: int, base: int, transform: int, at_end: bo
                             kind.implicit[row, column] + kind.damping[row, column]
                         )
                         if p == q and i == k:
-                            value += half * kind.hull[left, QUADRATIC + i] * abs(kind.vectors[SPEED, row])
-                        total += value * kind.stage[right, transform + 6 * k + j]
+                            value += (
+                                half * kind.hulls[left].quadratic_damping[i] * abs(kind.vectors.speed[row])
+                            )
+                        total += value * T_right[k, j]
                     for k in range(6):
-                        matrix[base + (6 * p + k) * n + 6 * q + j] += (
-                            kind.stage[left, transform + 6 * i + k] * total
-                        )
+                        matrix[base + (6 * p + k) * n + 6 * q + j] += T_left[i, k] * total
     for p in range(count):
         hull = first + p
         frame = kind.frame[hull]
         for k in range(3):
-            matrix[base + (6 * p + k) * (n + 1)] += frame[MASS]
-            matrix[base + (6 * p + 3 + k) * (n + 1)] += frame[PRINCIPAL + k]
-        for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
+            matrix[base + (6 * p + k) * (n + 1)] += frame.mass
+            matrix[base + (6 * p + 3 + k) * (n + 1)] += frame.principal_inertia[k]
+        for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
             _add_tank_mass(kind, hull, tank, base + 6 * p * (n + 1), n, at_end)
 
 
 @kernel(internal=True)
 def _add_tank_mass(kind: Hulls, hull: int, tank: int, base: int, n: int, at_end: bool) -> None:
     """``m [1, -R r~]^T [1, -R r~]``, lower triangle."""
-    m = kind.tanks[tank, TANK_MASS]
-    r1 = kind.tanks[tank, TANK_POINT]
-    r2 = kind.tanks[tank, TANK_POINT + 1]
-    r3 = kind.tanks[tank, TANK_POINT + 2]
-    R = (
-        kind.stage[hull, ROTATION : ROTATION + 9]
-        if at_end
-        else kind.frame[hull, MID_ROTATION : MID_ROTATION + 9]
-    )
+    m = kind.tanks[tank].mass
+    r1 = kind.tanks[tank].point[0]
+    r2 = kind.tanks[tank].point[1]
+    r3 = kind.tanks[tank].point[2]
+    R = kind.stage[hull].rotation if at_end else kind.frame[hull].mid_rotation
     matrix = kind.matrices
     for k in range(3):
         matrix[base + k * (n + 1)] += m
@@ -119,26 +87,26 @@ def _add_tank_mass(kind: Hulls, hull: int, tank: int, base: int, n: int, at_end:
 def _add_stiffness(kind: Hulls, hull: int, base: int, n: int, step: float) -> None:
     """``h^2/4 K`` of the buoyancy, and ``h/2 K`` times the predicted displacement to the right-hand side."""
     stage = kind.stage[hull]
-    R = kind.frame[hull, MID_ROTATION : MID_ROTATION + 9]
-    zz, zx, zy = stage[STIFFNESS], stage[STIFFNESS + 1], stage[STIFFNESS + 2]
-    xx, yy, xy = stage[STIFFNESS + 3], stage[STIFFNESS + 4], stage[STIFFNESS + 5]
+    R = kind.frame[hull].mid_rotation
+    zz, zx, zy = stage.stiffness[0], stage.stiffness[1], stage.stiffness[2]
+    xx, yy, xy = stage.stiffness[3], stage.stiffness[4], stage.stiffness[5]
     quarter = 0.25 * step * step
-    d = stage[PREDICTED + 2]
+    d = stage.predicted[2]
     ahead = zz * d
     out = 6 * hull
     for i in range(3):
-        spin = stage[PREDICTED + 3 + i]
+        spin = stage.predicted[3 + i]
         lift = zx * R[i] + zy * R[3 + i]
         ahead += lift * spin
-        kind.vectors[LOAD, out + 3 + i] += 0.5 * step * lift * d
+        kind.vectors.load[out + 3 + i] += 0.5 * step * lift * d
         kind.matrices[base + (3 + i) * n + 2] += quarter * lift
         for j in range(3):
             tilt = xx * R[i] * R[j] + yy * R[3 + i] * R[3 + j] + xy * (R[i] * R[3 + j] + R[3 + i] * R[j])
-            kind.vectors[LOAD, out + 3 + i] += 0.5 * step * tilt * stage[PREDICTED + 3 + j]
+            kind.vectors.load[out + 3 + i] += 0.5 * step * tilt * stage.predicted[3 + j]
             if j <= i:
                 kind.matrices[base + (3 + i) * n + 3 + j] += quarter * tilt
     kind.matrices[base + 2 * n + 2] += quarter * zz
-    kind.vectors[LOAD, out + 2] += 0.5 * step * ahead
+    kind.vectors.load[out + 2] += 0.5 * step * ahead
 
 
 @kernel(internal=True)
@@ -160,8 +128,9 @@ def line_force(
     -----
     A displacement d of the middle of the step belongs to a velocity 2/h d, as both begin with those of the start.
     """
-    hull, marker, line = kind.line_ends[end, 0], kind.line_ends[end, 1], kind.line_ends[end, 2]
-    offset = kind.hulls[hull, OFFSET]
+    at = kind.line_ends[end]
+    hull, marker, line = at.hull, at.marker, at.line
+    offset = kind.hulls[hull].offset
     J, K, D = work.jacobian[marker], kind.tangents[line], kind.rate_tangents[line]
     x = d1 + J[0, offset + 3] * d4 + J[0, offset + 4] * d5 + J[0, offset + 5] * d6
     y = d2 + J[1, offset + 3] * d4 + J[1, offset + 4] * d5 + J[1, offset + 5] * d6
@@ -182,7 +151,7 @@ def _add_line(kind: Hulls, work: Workspace, end: int, base: int, n: int, step: f
 
     With velocities that were found before, also what the other end of the line, on another hull, has moved since.
     """
-    hull = kind.line_ends[end, 0]
+    hull = kind.line_ends[end].hull
     quarter = 0.25 * step * step
     for column in range(7):
         if column < 6:
@@ -191,22 +160,22 @@ def _add_line(kind: Hulls, work: Workspace, end: int, base: int, n: int, step: f
                 1.0 * (column == 3), 1.0 * (column == 4), 1.0 * (column == 5),
             )  # fmt: skip
         else:
-            d = kind.stage[hull, FORESEEN : FORESEEN + 6]
+            d = kind.stage[hull].foreseen
             f = line_force(kind, work, end, step, d[0], d[1], d[2], d[3], d[4], d[5])
         J, offset = work.jacobian[f[3]], f[4]
         for i in range(6):
             value = J[0, offset + i] * f[0] + J[1, offset + i] * f[1] + J[2, offset + i] * f[2]
             if column == 6:
-                kind.vectors[LOAD, 6 * hull + i] += 0.5 * step * value
+                kind.vectors.load[6 * hull + i] += 0.5 * step * value
             elif column <= i:
                 kind.matrices[base + i * n + column] += quarter * value
-    other = kind.line_ends[end, 3]
+    other = kind.line_ends[end].other
     if again and other >= 0:
         x, y, z = moved_on(kind, work, other, step)
-        marker = kind.line_ends[end, 1]
-        J, offset = work.jacobian[marker], kind.hulls[hull, OFFSET]
+        marker = kind.line_ends[end].marker
+        J, offset = work.jacobian[marker], kind.hulls[hull].offset
         for i in range(6):
-            kind.vectors[LOAD, 6 * hull + i] += (
+            kind.vectors.load[6 * hull + i] += (
                 0.5 * step * (J[0, offset + i] * x + J[1, offset + i] * y + J[2, offset + i] * z)
             )
 
@@ -214,8 +183,8 @@ def _add_line(kind: Hulls, work: Workspace, end: int, base: int, n: int, step: f
 @kernel(internal=True)
 def moved_on(kind: Hulls, work: Workspace, end: int, step: float) -> tuple[float, float, float]:
     """``(K + 2/h D)`` times how far the middle of one end, as found, lies from where the line was evaluated [N]."""
-    hull = kind.line_ends[end, 0]
-    dof, d, half = kind.table[hull, DOF], kind.stage[hull, FORESEEN : FORESEEN + 6], 0.5 * step
+    hull = kind.line_ends[end].hull
+    dof, d, half = kind.table[hull].dof, kind.stage[hull].foreseen, 0.5 * step
     U = work.velocity[dof : dof + 6]
     f = line_force(
         kind, work, end, step,
@@ -230,51 +199,51 @@ def _load_hull(kind: Hulls, hull: int, step: float, work: Workspace) -> None:
     """Momentum of body, ballast and water at the start, half impulses of forces of markers, waves and weight."""
     frame, vectors = kind.frame[hull], kind.vectors
     h, R, out = step, stage_rotation(kind, hull), 6 * hull
-    L = rotate_back(R, frame[ANGULAR_MOMENTUM], frame[ANGULAR_MOMENTUM + 1], frame[ANGULAR_MOMENTUM + 2])
+    L = rotate_back(R, frame.angular_momentum[0], frame.angular_momentum[1], frame.angular_momentum[2])
     for k in range(3):
-        vectors[LOAD, out + k] = frame[MASS] * (frame[VELOCITY + k] + 0.5 * h * work.sums[FIELD + k])
-        vectors[LOAD, out + 3 + k] = L[k]
+        vectors.load[out + k] = frame.mass * (frame.velocity[k] + 0.5 * h * work.sums.gravity[k])
+        vectors.load[out + 3 + k] = L[k]
     for k in range(6):
-        vectors[LOAD, out + k] += 0.5 * h * frame[FORCE + k]
+        vectors.load[out + k] += 0.5 * h * frame.wrench[k]
     for i in range(6):
-        force = 0.5 * h * (vectors[WAVE, out + i] + vectors[KNOWN, out + i])
+        force = 0.5 * h * (vectors.wave[out + i] + vectors.known[out + i])
         for j in range(kind.added_mass.shape[1]):
-            force += kind.added_mass[out + i, j] * vectors[LEAD, j]
+            force += kind.added_mass[out + i, j] * vectors.lead[j]
         for k in range(6):
-            vectors[LOAD, out + k] += kind.stage[hull, TRANSFORM + 6 * i + k] * force
-    for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
-        m = kind.tanks[tank, TANK_MASS]
-        f1 = m * (kind.tanks[tank, TANK_START] + 0.5 * h * work.sums[FIELD])
-        f2 = m * (kind.tanks[tank, TANK_START + 1] + 0.5 * h * work.sums[FIELD + 1])
-        f3 = m * (kind.tanks[tank, TANK_START + 2] + 0.5 * h * work.sums[FIELD + 2])
+            vectors.load[out + k] += kind.stage[hull].transform[i, k] * force
+    for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
+        m = kind.tanks[tank].mass
+        f1 = m * (kind.tanks[tank].start_velocity[0] + 0.5 * h * work.sums.gravity[0])
+        f2 = m * (kind.tanks[tank].start_velocity[1] + 0.5 * h * work.sums.gravity[1])
+        f3 = m * (kind.tanks[tank].start_velocity[2] + 0.5 * h * work.sums.gravity[2])
         b1, b2, b3 = rotate_back(R, f1, f2, f3)
         r1, r2, r3 = (
-            kind.tanks[tank, TANK_POINT],
-            kind.tanks[tank, TANK_POINT + 1],
-            kind.tanks[tank, TANK_POINT + 2],
+            kind.tanks[tank].point[0],
+            kind.tanks[tank].point[1],
+            kind.tanks[tank].point[2],
         )
-        vectors[LOAD, out] += f1
-        vectors[LOAD, out + 1] += f2
-        vectors[LOAD, out + 2] += f3
-        vectors[LOAD, out + 3] += r2 * b3 - r3 * b2
-        vectors[LOAD, out + 4] += r3 * b1 - r1 * b3
-        vectors[LOAD, out + 5] += r1 * b2 - r2 * b1
+        vectors.load[out] += f1
+        vectors.load[out + 1] += f2
+        vectors.load[out + 2] += f3
+        vectors.load[out + 3] += r2 * b3 - r3 * b2
+        vectors.load[out + 4] += r3 * b1 - r1 * b3
+        vectors.load[out + 5] += r1 * b2 - r2 * b1
 
 
 @kernel(internal=True)
 def assemble(kind: Hulls, group: int, base: int, step: float, work: Workspace, again: bool) -> None:
     """Matrix and right-hand side of a group at the pose of the stage."""
-    first, count = kind.groups[group, FIRST], kind.groups[group, COUNT]
+    first, count = kind.groups[group].first, kind.groups[group].count
     n = 6 * count
     for p in range(count):
         _load_hull(kind, first + p, step, work)
-    assemble_mass(kind, group, base, TRANSFORM, False, step)
+    assemble_mass(kind, group, base, False, step)
     for p in range(count):
         restore(kind, first + p)
         for i in range(6):
-            kind.vectors[LOAD, 6 * (first + p) + i] += 0.5 * step * kind.stage[first + p, LIFT + i]
+            kind.vectors.load[6 * (first + p) + i] += 0.5 * step * kind.stage[first + p].lift[i]
         _add_stiffness(kind, first + p, base + 6 * p * (n + 1), n, step)
     for end in range(kind.line_ends.shape[0]):
-        p = kind.line_ends[end, 0] - first
+        p = kind.line_ends[end].hull - first
         if 0 <= p < count:
             _add_line(kind, work, end, base + 6 * p * (n + 1), n, step, again)

@@ -8,40 +8,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Records, records
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid import AXES, CENTRE, COLUMN, pack_rigid_bodies
-from heavylift.solver.marine.clipping import CLIP_WIDTH, VOLUME, clip_surface_now
+from heavylift.solver.bodies.rigid import RigidFrame, pack_rigid_bodies
+from heavylift.solver.marine.clipping import Clip, clip_surface_now
 from heavylift.solver.marine.hull_checks import check_hull_numbers, check_tank, check_volume
 from heavylift.solver.marine.hulls import (
-    AXIS_X,
-    AXIS_Y,
-    BUOYANCY,
     CLIPPED,
-    CUT_OFF,
-    DISPLACED,
-    FIRST_POINT,
-    FIRST_TANK,
-    FLOAT_PLANE,
-    GROUP,
-    HULL_COLUMNS,
-    HULL_WIDTH,
-    LAST_TANK,
-    LAST_TRIANGLE,
-    LEAST_VOLUME,
     LINEAR,
-    OFFSET,
-    QUADRATIC,
-    REFERENCE,
-    RESTORING,
-    STAGE_WIDTH,
-    STATE_WIDTH,
-    TANK_MASS,
-    TANK_POINT,
-    TANK_SURFACE,
-    TANK_WIDTH,
-    VECTORS,
-    WATERPLANE,
+    HullData,
+    HullGroup,
     Hulls,
+    HullStage,
+    HullState,
+    HullVectors,
+    LineEnd,
+    StillWater,
+    TankData,
+    TankLevel,
+    WaveComponent,
     start_filters,
 )
 from heavylift.solver.markers import BodyMarkers
@@ -95,36 +80,35 @@ def pack_hulls(
     rigid = pack_rigid_bodies(bodies, first_number, first_dof, first_column, markers, sensors)
     names = [body.name for body in bodies]
     count = len(bodies)
-    rigid.table[:, COLUMN] = first_column + np.arange(count) * _record_width()
+    rigid.table["column"] = first_column + np.arange(count) * _record_width()
     groups: list[tuple[str, ...]] = list(dict.fromkeys(body.group for body in bodies))
     group_rows, first_matrix = [], 0
     for group in groups:
         first = names.index(group[0])
         group_rows.append((first, len(group), first_dof + 6 * first, first_matrix))
         first_matrix += 3 * (6 * len(group)) ** 2
-    rows = np.zeros((count, HULL_COLUMNS), dtype=np.int64)
-    data = np.zeros((count, HULL_WIDTH))
+    rows = records(HullData, count)
     damping = np.zeros((6 * count, 6 * count))
     surfaces = _Surfaces()
     tanks = [tank for name in names for tank in sea.tanks if tank.body == name]
     for row, body in enumerate(bodies):
-        rows[row, GROUP] = groups.index(body.group)
-        rows[row, OFFSET] = 6 * body.group.index(body.name)
+        rows[row].group = groups.index(body.group)
+        rows[row].offset = 6 * body.group.index(body.name)
         of_body = [i for i, tank in enumerate(tanks) if tank.body == body.name]
-        rows[row, FIRST_TANK] = of_body[0] if of_body else 0
-        rows[row, LAST_TANK] = of_body[-1] + 1 if of_body else 0
-        axes = rotation_matrix(rigid.frame[row, AXES : AXES + 4]).T  # body to principal
-        centre = rigid.frame[row, CENTRE : CENTRE + 3]
+        rows[row].first_tank = of_body[0] if of_body else 0
+        rows[row].last_tank = of_body[-1] + 1 if of_body else 0
+        axes = rotation_matrix(rigid.frame[row].axes).T  # body to principal
+        centre = rigid.frame[row].centre
         check_hull_numbers(body.hull)
-        _fill_hull(data[row], rows[row], body, axes, centre, surfaces)
+        _fill_hull(rows[row], body, axes, centre, surfaces)
         at = slice(6 * row, 6 * row + 6)
         damping[at, at] = body.hull.damping
-        data[row, QUADRATIC : QUADRATIC + 6] = body.hull.quadratic_damping
-        data[row, CUT_OFF] = body.hull.low_pass
-    schedule, tank_rows, tank_data = _pack_tanks(tanks, names, rigid.frame)
+        rows[row].quadratic_damping[:] = body.hull.quadratic_damping
+        rows[row].cut_off = body.hull.low_pass
+    tank_rows, levels = _pack_tanks(tanks, names, rigid.frame)
     for entry in sea.radiation:
         for place, name in enumerate(entry.bodies):
-            _cover(entry, place, names.index(name), bodies, rows, data, surfaces, rigid.frame)
+            _cover(entry, place, names.index(name), bodies, rows, surfaces, rigid.frame)
     from heavylift.solver.marine.hull_parts import pack_parts
 
     added_mass, radiation, excitation, part_state = pack_parts(bodies, sea, step, notes)
@@ -135,25 +119,24 @@ def pack_hulls(
         markers=rigid.markers,
         sensors=rigid.sensors,
         hulls=rows,
-        groups=np.array(group_rows, dtype=np.int64),
-        water=np.array([sea.water.density * sea.water.gravity, sea.water.gravity, sea.water.level]),
-        hull=data,
-        stage=np.zeros((count, STAGE_WIDTH)),
+        groups=records(HullGroup, group_rows),
+        water=_still_water(sea),
+        stage=records(HullStage, count),
         points=surfaces.all_points,
         triangles=surfaces.all_triangles,
         placed=np.zeros((len(surfaces.all_points), 3)),
         added_mass=added_mass,
         damping=damping,
         implicit=np.zeros((6 * count, 6 * count)),
-        vectors=np.zeros((VECTORS, 6 * count)),
+        vectors=HullVectors.empty(6 * count),
         matrices=np.zeros(first_matrix),
-        tank_table=tank_rows,
-        tank_times=schedule,
-        tanks=tank_data,
+        tanks=tank_rows,
+        tank_levels=levels,
         tangents=tangents,
         rate_tangents=rate_tangents,
         line_ends=_line_ends(names, line_ends),
-        state=np.concatenate([np.zeros(STATE_WIDTH * count + 3 * len(tanks)), part_state]),
+        state=records(HullState, count),
+        memory_state=part_state,
         radiation=radiation,
         excitation=excitation,
         gauge=_gauge(sea),
@@ -167,21 +150,21 @@ def _cover(
     place: int,
     row: int,
     bodies: Sequence[FloatingBody],
-    rows: NDArray[np.int64],
-    data: NDArray[np.float64],
+    rows: Records[HullData],
     surfaces: _Surfaces,
-    frame: NDArray[np.float64],
+    frame: Records[RigidFrame],
 ) -> None:
     """What a hull displaces must fit its database, at the reference point and as long as it floats."""
-    if rows[row, RESTORING] != CLIPPED:
+    hull = rows[row]
+    if hull.restoring != CLIPPED:
         return
-    first, last, triangle, end = rows[row, FIRST_POINT : LAST_TRIANGLE + 1]
-    points, triangles = surfaces.all_points[first:last], surfaces.all_triangles[triangle:end]
-    axes = rotation_matrix(frame[row, AXES : AXES + 4])
-    check_volume(radiation, place, bodies[row], points, triangles, axes, data[row, REFERENCE : REFERENCE + 3])
-    out, deep = np.zeros(CLIP_WIDTH), -2.0 * float(np.abs(points).max())
+    points = surfaces.all_points[hull.first_point : hull.last_point]
+    triangles = surfaces.all_triangles[hull.first_triangle : hull.last_triangle]
+    axes = rotation_matrix(frame[row].axes)
+    check_volume(radiation, place, bodies[row], points, triangles, axes, hull.reference)
+    out, deep = records(Clip, 1), -2.0 * float(np.abs(points).max())
     clip_surface_now(points, triangles, np.eye(3).ravel(), deep * 2.0, np.zeros_like(points), out)
-    data[row, LEAST_VOLUME] = LEAST_SHARE * out[VOLUME]
+    hull.least_volume = LEAST_SHARE * out[0].volume
 
 
 def _record_width() -> int:
@@ -215,8 +198,7 @@ class _Surfaces:
 
 
 def _fill_hull(
-    data: NDArray[np.float64],
-    row: NDArray[np.int64],
+    data: HullData,
     body: FloatingBody,
     axes: NDArray[np.float64],
     centre: NDArray[np.float64],
@@ -224,12 +206,12 @@ def _fill_hull(
 ) -> None:
     """Points in principal axes through the centre of mass, and what buoyancy needs."""
     hull = body.hull
-    data[REFERENCE : REFERENCE + 3] = axes @ (np.asarray(hull.reference, dtype=np.float64) - centre)
-    data[AXIS_X : AXIS_X + 3] = axes[:, 0]
-    data[AXIS_Y : AXIS_Y + 3] = axes[:, 1]
+    data.reference[:] = axes @ (np.asarray(hull.reference, dtype=np.float64) - centre)
+    data.axis_x[:] = axes[:, 0]
+    data.axis_y[:] = axes[:, 1]
     if isinstance(hull.restoring, LinearRestoring):
         linear = hull.restoring
-        row[RESTORING] = LINEAR
+        data.restoring = LINEAR
         for key in ("centre_of_buoyancy", "reference", "waterplane"):
             given = np.asarray(getattr(linear, key), dtype=np.float64)
             size = 6 if key == "waterplane" else 3
@@ -246,55 +228,60 @@ def _fill_hull(
                 key="restoring",
                 expected="a positive volume, and area and moments that a water plane can have",
             )
-        data[BUOYANCY : BUOYANCY + 3] = axes @ (np.asarray(linear.centre_of_buoyancy) - centre)
-        data[FLOAT_PLANE : FLOAT_PLANE + 3] = axes @ (np.asarray(linear.reference) - centre)
-        data[WATERPLANE : WATERPLANE + 6] = linear.waterplane
-        data[DISPLACED] = linear.volume
+        data.buoyancy_centre[:] = axes @ (np.asarray(linear.centre_of_buoyancy) - centre)
+        data.float_plane[:] = axes @ (np.asarray(linear.reference) - centre)
+        data.waterplane[:] = linear.waterplane
+        data.displaced_volume = linear.volume
     elif hull.restoring is not None:
         from heavylift.preprocess.hull_surface import check_hull
 
         welded = check_hull(hull.restoring, open_deck=hull.open_deck).surface
-        row[RESTORING] = CLIPPED
+        data.restoring = CLIPPED
         points = (welded.points - centre) @ axes.T
-        row[FIRST_POINT : LAST_TRIANGLE + 1] = surfaces.add(points, welded.triangles)
+        data.first_point, data.last_point, data.first_triangle, data.last_triangle = surfaces.add(
+            points, welded.triangles
+        )
 
 
 def _pack_tanks(
-    tanks: Sequence[Tank], names: Sequence[str], frame: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
-    """Schedules, their places, and the numbers of each tank."""
-    schedule, table = [np.zeros((0, 2))], []
-    data = np.zeros((len(tanks), TANK_WIDTH))
-    first = 0
-    for i, tank in enumerate(tanks):
+    tanks: Sequence[Tank], names: Sequence[str], frame: Records[RigidFrame]
+) -> tuple[Records[TankData], Records[TankLevel]]:
+    """Tanks, and the rows of their schedules."""
+    levels: list[tuple[float, float]] = []
+    rows = records(TankData, len(tanks))
+    for row, tank in zip(rows, tanks, strict=True):
         check_tank(tank)
         times, masses = np.atleast_1d(tank.times).astype(float), np.atleast_1d(tank.masses).astype(float)
-        body = names.index(tank.body)
-        axes = rotation_matrix(frame[body, AXES : AXES + 4]).T
-        data[i, TANK_POINT : TANK_POINT + 3] = axes @ (
-            np.asarray(tank.point) - frame[body, CENTRE : CENTRE + 3]
-        )
-        data[i, TANK_SURFACE : TANK_SURFACE + 2] = tank.free_surface
-        data[i, TANK_MASS] = np.interp(0.0, times, masses)
-        table.append((body, first, len(times)))
-        schedule.append(np.column_stack([times, masses]))
-        first += len(times)
-    return np.vstack(schedule), np.array(table, dtype=np.int64).reshape(-1, 3), data
+        row.hull, row.first, row.count = names.index(tank.body), len(levels), len(times)
+        axes = rotation_matrix(frame[row.hull].axes).T
+        row.point[:] = axes @ (np.asarray(tank.point) - frame[row.hull].centre)
+        row.free_surface[:] = tank.free_surface
+        row.mass = np.interp(0.0, times, masses)
+        levels.extend(zip(times, masses, strict=True))
+    return rows, records(TankLevel, levels)
 
 
-def _line_ends(names: Sequence[str], ends: Sequence[tuple[str, int, int]]) -> NDArray[np.int64]:
+def _line_ends(names: Sequence[str], ends: Sequence[tuple[str, int, int]]) -> Records[LineEnd]:
     """Hull, marker, line and the other end of each end of a line on a hull, -1 if that is on no hull."""
     rows = []
     for i, (name, marker, line) in enumerate(ends):
         others = [j for j, end in enumerate(ends) if end[2] == line and j != i]
         rows.append((names.index(name), marker, line, others[0] if others else -1))
-    return np.array(rows, dtype=np.int64).reshape(-1, 4)
+    return records(LineEnd, rows)
 
 
-def _gauge(sea: Sea) -> NDArray[np.float64]:
+def _still_water(sea: Sea) -> StillWater:
+    """Its numbers."""
+    water = StillWater.one()
+    water.weight, water.gravity = sea.water.density * sea.water.gravity, sea.water.gravity
+    water.level = sea.water.level
+    return water
+
+
+def _gauge(sea: Sea) -> Records[WaveComponent]:
     """Components of the waves."""
     if sea.waves is None:
-        return np.zeros((5, 0))
+        return records(WaveComponent, 0)
     w = sea.waves
     kx, ky = w.wavenumber * np.cos(w.direction), w.wavenumber * np.sin(w.direction)
-    return np.ascontiguousarray(np.stack([w.omega, kx, ky, w.phase, w.amplitude]))
+    return records(WaveComponent, zip(w.omega, kx, ky, w.phase, w.amplitude, strict=True))

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats2, Ints1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Records
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.kinds import implement, optional
 from heavylift.solver.marine.excitation import (
@@ -24,13 +25,8 @@ from heavylift.solver.marine.excitation import (
 )
 from heavylift.solver.marine.hull_checks import check_places
 from heavylift.solver.marine.hulls import (
-    FINISH,
-    HEADING,
-    KNOWN,
-    PLACE,
-    START,
-    STATE_WIDTH,
-    WAVE,
+    HullStage,
+    HullVectors,
     Parts,
 )
 from heavylift.solver.marine.memory import (
@@ -100,48 +96,46 @@ class SeriesPart(Arrays):
 
 
 @optional()
-def begin_memory(parts: Parts, step: float, implicit: Floats2, vectors: Floats2) -> None:
+def begin_memory(parts: Parts, step: float, implicit: Floats2, vectors: HullVectors) -> None:
     """Memory: its force at the middle of the step, without the part of the velocity there, and that part."""
 
 
 @optional()
-def keep_memory(parts: Parts, vectors: Floats2) -> None:
+def keep_memory(parts: Parts, vectors: HullVectors) -> None:
     """Memory: to the end of the step."""
 
 
 @optional("record")
-def memory_now(parts: Parts, vectors: Floats2) -> None:
-    """Memory: its force at the carried state and the velocities in `FINISH`."""
+def memory_now(parts: Parts, vectors: HullVectors) -> None:
+    """Memory: its force at the carried state and the velocities in `finish`."""
 
 
 @optional()
-def add_waves(parts: Parts, time: float, stage: Floats2, vectors: Floats2) -> None:
+def add_waves(parts: Parts, time: float, stage: Records[HullStage], vectors: HullVectors) -> None:
     """Waves: their forces at a time, at the places and headings of the stage."""
 
 
 @implement(begin_memory, ExponentialPart)
 @kernel(internal=True)
 def begin_exponential(
-    part: ExponentialPart, step: float, implicit: NDArray[np.float64], vectors: NDArray[np.float64]
+    part: ExponentialPart, step: float, implicit: NDArray[np.float64], vectors: HullVectors
 ) -> None:
     """Coefficients are made anew when the step changes."""
     prepare_memory_exponential(part.memory, step)
     _put_implicit(part.first[0], part.memory.implicit, implicit)
     first = part.first[0]
     last = first + part.memory.damping.shape[0]
-    memory_force_exponential(part.memory, vectors[START, first:last], vectors[KNOWN, first:last])
+    memory_force_exponential(part.memory, vectors.start[first:last], vectors.known[first:last])
 
 
 @implement(begin_memory, DirectPart)
 @kernel(internal=True)
-def begin_direct(
-    part: DirectPart, step: float, implicit: NDArray[np.float64], vectors: NDArray[np.float64]
-) -> None:
+def begin_direct(part: DirectPart, step: float, implicit: NDArray[np.float64], vectors: HullVectors) -> None:
     """Weights hold for one length of step."""
     _put_implicit(part.first[0], part.memory.implicit, implicit)
     first = part.first[0]
     last = first + part.memory.damping.shape[0]
-    memory_force_direct(part.memory, vectors[START, first:last], vectors[KNOWN, first:last])
+    memory_force_direct(part.memory, vectors.start[first:last], vectors.known[first:last])
 
 
 @kernel(internal=True)
@@ -154,63 +148,59 @@ def _put_implicit(first: int, block: NDArray[np.float64], implicit: NDArray[np.f
 
 @implement(keep_memory, ExponentialPart)
 @kernel(internal=True)
-def keep_exponential(part: ExponentialPart, vectors: NDArray[np.float64]) -> None:
+def keep_exponential(part: ExponentialPart, vectors: HullVectors) -> None:
     """Velocities are linear between start and end."""
     first = part.first[0]
     last = first + part.memory.damping.shape[0]
-    advance_memory_exponential(part.memory, vectors[START, first:last], vectors[FINISH, first:last])
+    advance_memory_exponential(part.memory, vectors.start[first:last], vectors.finish[first:last])
 
 
 @implement(keep_memory, DirectPart)
 @kernel(internal=True)
-def keep_direct(part: DirectPart, vectors: NDArray[np.float64]) -> None:
+def keep_direct(part: DirectPart, vectors: HullVectors) -> None:
     """Velocities are linear between start and end."""
     first = part.first[0]
     last = first + part.memory.damping.shape[0]
-    advance_memory_direct(part.memory, vectors[START, first:last], vectors[FINISH, first:last])
+    advance_memory_direct(part.memory, vectors.start[first:last], vectors.finish[first:last])
 
 
 @implement(memory_now, ExponentialPart)
 @kernel(internal=True)
-def exponential_now(part: ExponentialPart, vectors: NDArray[np.float64]) -> None:
+def exponential_now(part: ExponentialPart, vectors: HullVectors) -> None:
     """At the carried state."""
     first = part.first[0]
     last = first + part.memory.damping.shape[0]
-    memory_force_now_exponential(part.memory, vectors[FINISH, first:last], vectors[KNOWN, first:last])
+    memory_force_now_exponential(part.memory, vectors.finish[first:last], vectors.known[first:last])
 
 
 @implement(memory_now, DirectPart)
 @kernel(internal=True)
-def direct_now(part: DirectPart, vectors: NDArray[np.float64]) -> None:
+def direct_now(part: DirectPart, vectors: HullVectors) -> None:
     """At the carried state."""
     first = part.first[0]
     last = first + part.memory.damping.shape[0]
-    memory_force_now_direct(part.memory, vectors[FINISH, first:last], vectors[KNOWN, first:last])
+    memory_force_now_direct(part.memory, vectors.finish[first:last], vectors.known[first:last])
 
 
 @implement(add_waves, SummedPart)
 @kernel(internal=True)
-def add_summed_waves(
-    part: SummedPart, time: float, stage: NDArray[np.float64], vectors: NDArray[np.float64]
-) -> None:
+def add_summed_waves(part: SummedPart, time: float, stage: Records[HullStage], vectors: HullVectors) -> None:
     """Every component at the low-passed places."""
     first, count = part.first[0], part.place.shape[0]
     for hull in range(count):
-        part.place[hull, 0] = stage[first + hull, PLACE]
-        part.place[hull, 1] = stage[first + hull, PLACE + 1]
-        part.place[hull, 2] = stage[first + hull, HEADING]
-    sum_excitation(part.excitation, time, part.place, vectors[WAVE, 6 * first : 6 * (first + count)])
+        part.place[hull, 0] = stage[first + hull].place[0]
+        part.place[hull, 1] = stage[first + hull].place[1]
+        part.place[hull, 2] = stage[first + hull].heading
+    sum_excitation(part.excitation, time, part.place, vectors.wave[6 * first : 6 * (first + count)])
 
 
 @implement(add_waves, SeriesPart)
 @kernel(internal=True)
-def add_series_waves(
-    part: SeriesPart, time: float, stage: NDArray[np.float64], vectors: NDArray[np.float64]
-) -> None:
+def add_series_waves(part: SeriesPart, time: float, stage: Records[HullStage], vectors: HullVectors) -> None:
     """Interpolated."""
     first = 6 * part.first[0]
     count = part.excitation.values.shape[1]
-    interpolate_series(part.excitation, time, vectors[WAVE, first : first + count])
+    interpolate_series(part.excitation, time, vectors.wave[first : first + count])
 
 
 def pack_parts(
@@ -346,8 +336,7 @@ def check_series(bodies: Iterable[Any]) -> None:
             if not isinstance(part, SeriesPart):
                 continue
             for i, held in enumerate(part.held):
-                at = STATE_WIDTH * (int(part.first[0]) + i)
-                moved = kind.state[[at, at + 2, at + 4]] - held
+                moved = kind.state[int(part.first[0]) + i].low_pass[::2] - held
                 if np.abs(moved[:2]).max() > SERIES_MOVED or abs(moved[2]) > SERIES_TURNED:
                     raise InputError(
                         f"the start moves a hull by {np.linalg.norm(moved[:2]):.3g} m and"

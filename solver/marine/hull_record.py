@@ -9,23 +9,14 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate
-from heavylift.solver.bodies.rigid import COLUMN, MID_POSITION, POSITION, VELOCITY
 from heavylift.solver.bodies.rigid_record import add_rigid_totals, record_rigid_bodies
 from heavylift.solver.bodies.rigid_stage import stage_at_state, stage_rotation
 from heavylift.solver.interface import (
-    ANGULAR_MOMENTUM,
-    DISSIPATED,
-    EXTERNAL_WORK,
-    FIELD,
-    KINETIC,
-    LINEAR_MOMENTUM,
-    POTENTIAL,
     Workspace,
     add_totals,
     record,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.marine.clipping import VOLUME, VOLUME_X, VOLUME_Y, VOLUME_Z
 from heavylift.solver.marine.hull_parts import memory_now
 from heavylift.solver.marine.hull_restoring import restore, restoring_potential
 from heavylift.solver.marine.hull_stage import (
@@ -36,28 +27,8 @@ from heavylift.solver.marine.hull_stage import (
     to_hydrodynamic,
 )
 from heavylift.solver.marine.hulls import (
-    BUOYANCY,
-    CLIP,
     CLIPPED,
-    FINISH,
-    FIRST_TANK,
-    HEADING,
-    KNOWN,
-    LAST_TANK,
-    LIFT,
     LINEAR,
-    LOST,
-    LOW_PASS,
-    PLACE,
-    QUADRATIC,
-    RESTORING,
-    STATE_WIDTH,
-    SUPPLIED,
-    TANK_MASS,
-    TANK_POINT,
-    TANK_VELOCITY,
-    TRANSFORM,
-    WAVE,
     Hulls,
 )
 
@@ -71,16 +42,11 @@ def _set_stage(kind: Hulls, time: float) -> None:
     fill_tanks(kind, time)
     for hull in range(kind.table.shape[0]):
         R = stage_rotation(kind, hull)
-        at = STATE_WIDTH * hull + LOW_PASS
-        stage = kind.stage[hull]
-        stage[PLACE], stage[PLACE + 1], stage[HEADING] = (
-            kind.state[at],
-            kind.state[at + 2],
-            kind.state[at + 4],
-        )
-        put_transform(kind, hull, TRANSFORM, stage[HEADING], R)
-        to_hydrodynamic(kind, hull, TRANSFORM, FINISH, kind.frame[hull, VELOCITY : VELOCITY + 6])
-        for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
+        stage, seen = kind.stage[hull], kind.state[hull].low_pass
+        stage.place[0], stage.place[1], stage.heading = seen[0], seen[2], seen[4]
+        put_transform(kind, hull, stage.heading, R, stage.transform)
+        to_hydrodynamic(stage.transform, hull, kind.frame[hull].twist, kind.vectors.finish)
+        for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
             put_tank_velocity(kind, hull, tank, R)
 
 
@@ -92,55 +58,56 @@ def record_hulls(kind: Hulls, time: float, work: Workspace, row: NDArray[np.floa
     _set_stage(kind, time)
     find_waves(kind, time)
     vectors = kind.vectors
-    for i in range(vectors.shape[1]):
-        vectors[KNOWN, i] = 0.0
+    for i in range(vectors.known.shape[0]):
+        vectors.known[i] = 0.0
     memory_now(kind.radiation, vectors)
     for hull in range(kind.table.shape[0]):
         restore(kind, hull)
-        out = kind.table[hull, COLUMN] + 13
+        out = kind.table[hull].column + 13
         volume, x, y, z = _displaced(kind, hull)
         row[out], row[out + 1], row[out + 2], row[out + 3] = volume, x, y, z
         ballast = 0.0
-        for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
-            ballast += kind.tanks[tank, TANK_MASS]
+        for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
+            ballast += kind.tanks[tank].mass
         row[out + 4] = ballast
         row[out + 5] = wave_elevation(kind, hull, time)
         for i in range(6):
             at = 6 * hull + i
-            row[out + 6 + i] = vectors[WAVE, at]
-            force = vectors[KNOWN, at]
-            for j in range(vectors.shape[1]):
-                force -= kind.damping[at, j] * vectors[FINISH, j]
-            force -= kind.hull[hull, QUADRATIC + i] * abs(vectors[FINISH, at]) * vectors[FINISH, at]
+            row[out + 6 + i] = vectors.wave[at]
+            force = vectors.known[at]
+            for j in range(vectors.known.shape[0]):
+                force -= kind.damping[at, j] * vectors.finish[j]
+            force -= kind.hulls[hull].quadratic_damping[i] * abs(vectors.finish[at]) * vectors.finish[at]
             row[out + 12 + i] = force
 
 
 @kernel(internal=True)
 def wave_elevation(kind: Hulls, hull: int, time: float) -> float:
     """Of the undisturbed waves at the low-passed place of the reference point [m]."""
-    x, y = kind.stage[hull, PLACE], kind.stage[hull, PLACE + 1]
-    gauge, total = kind.gauge, 0.0
-    for m in range(gauge.shape[1]):
-        total += gauge[4, m] * math.cos(gauge[1, m] * x + gauge[2, m] * y - gauge[0, m] * time - gauge[3, m])
+    x, y = kind.stage[hull].place[0], kind.stage[hull].place[1]
+    total = 0.0
+    for m in range(kind.gauge.shape[0]):
+        wave = kind.gauge[m]
+        total += wave.amplitude * math.cos(wave.kx * x + wave.ky * y - wave.omega * time - wave.phase)
     return total
 
 
 @kernel(internal=True)
 def _displaced(kind: Hulls, hull: int) -> tuple[float, float, float, float]:
     """Volume and its centre in the world; the place of the hull if there is none."""
-    sort = kind.hulls[hull, RESTORING]
+    sort = kind.hulls[hull].restoring
     frame = kind.frame[hull]
-    x, y, z = frame[POSITION], frame[POSITION + 1], frame[POSITION + 2]
+    x, y, z = frame.position[0], frame.position[1], frame.position[2]
     if sort == CLIPPED:
-        clip = kind.stage[hull, CLIP : CLIP + 12]
-        V = clip[VOLUME]
+        clip = kind.stage[hull].clip
+        V = clip.volume
         if V > 0.0:
-            return V, x + clip[VOLUME_X] / V, y + clip[VOLUME_Y] / V, kind.water[2] + clip[VOLUME_Z] / V
+            return V, x + clip.moment[0] / V, y + clip.moment[1] / V, kind.water.level + clip.moment[2] / V
         return 0.0, x, y, z
     if sort == LINEAR:
-        data = kind.hull[hull]
-        b = rotate(stage_rotation(kind, hull), data[BUOYANCY], data[BUOYANCY + 1], data[BUOYANCY + 2])
-        return kind.stage[hull, LIFT + 2] / kind.water[0], x + b[0], y + b[1], z + b[2]
+        centre = kind.hulls[hull].buoyancy_centre
+        b = rotate(stage_rotation(kind, hull), centre[0], centre[1], centre[2])
+        return kind.stage[hull].lift[2] / kind.water.weight, x + b[0], y + b[1], z + b[2]
     return 0.0, x, y, z
 
 
@@ -150,35 +117,35 @@ def add_hull_totals(kind: Hulls, work: Workspace) -> None:
     """Those of rigid bodies, ballast, kinetic energy of the added mass, potential of the buoyancy."""
     add_rigid_totals(kind, work)
     totals, vectors = work.sums, kind.vectors
-    for i in range(vectors.shape[1]):
-        for j in range(vectors.shape[1]):
-            totals[KINETIC] += 0.5 * vectors[FINISH, i] * kind.added_mass[i, j] * vectors[FINISH, j]
+    for i in range(vectors.known.shape[0]):
+        for j in range(vectors.known.shape[0]):
+            totals.kinetic += 0.5 * vectors.finish[i] * kind.added_mass[i, j] * vectors.finish[j]
     for hull in range(kind.table.shape[0]):
-        totals[POTENTIAL] += restoring_potential(kind, hull)
-        totals[EXTERNAL_WORK] += kind.state[STATE_WIDTH * hull + SUPPLIED]
-        totals[DISSIPATED] += kind.state[STATE_WIDTH * hull + LOST]
+        totals.potential += restoring_potential(kind, hull)
+        totals.external_work += kind.state[hull].supplied
+        totals.dissipated += kind.state[hull].lost
         R = stage_rotation(kind, hull)
-        for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
-            m = kind.tanks[tank, TANK_MASS]
+        for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
+            m = kind.tanks[tank].mass
             arm = rotate(
                 R,
-                kind.tanks[tank, TANK_POINT],
-                kind.tanks[tank, TANK_POINT + 1],
-                kind.tanks[tank, TANK_POINT + 2],
+                kind.tanks[tank].point[0],
+                kind.tanks[tank].point[1],
+                kind.tanks[tank].point[2],
             )
             l1, l2, l3 = cross(
-                kind.frame[hull, MID_POSITION] + arm[0],
-                kind.frame[hull, MID_POSITION + 1] + arm[1],
-                kind.frame[hull, MID_POSITION + 2] + arm[2],
-                m * kind.tanks[tank, TANK_VELOCITY],
-                m * kind.tanks[tank, TANK_VELOCITY + 1],
-                m * kind.tanks[tank, TANK_VELOCITY + 2],
+                kind.frame[hull].mid_position[0] + arm[0],
+                kind.frame[hull].mid_position[1] + arm[1],
+                kind.frame[hull].mid_position[2] + arm[2],
+                m * kind.tanks[tank].velocity[0],
+                m * kind.tanks[tank].velocity[1],
+                m * kind.tanks[tank].velocity[2],
             )
-            totals[ANGULAR_MOMENTUM] += l1
-            totals[ANGULAR_MOMENTUM + 1] += l2
-            totals[ANGULAR_MOMENTUM + 2] += l3
+            totals.angular_momentum[0] += l1
+            totals.angular_momentum[1] += l2
+            totals.angular_momentum[2] += l3
             for k in range(3):
-                v = kind.tanks[tank, TANK_VELOCITY + k]
-                totals[KINETIC] += 0.5 * m * v * v
-                totals[LINEAR_MOMENTUM + k] += m * v
-                totals[POTENTIAL] -= m * work.sums[FIELD + k] * (kind.frame[hull, MID_POSITION + k] + arm[k])
+                v = kind.tanks[tank].velocity[k]
+                totals.kinetic += 0.5 * m * v * v
+                totals.linear_momentum[k] += m * v
+                totals.potential -= m * work.sums.gravity[k] * (kind.frame[hull].mid_position[k] + arm[k])

@@ -10,15 +10,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import write_rotation_matrix
 from heavylift.numerics.small import cross, rotate
-from heavylift.solver.bodies.rigid import (
-    ARC,
-    FORCE,
-    MID_POSITION,
-    POSITION,
-    SPIN,
-    SPIN_RATE,
-    VELOCITY,
-)
 from heavylift.solver.bodies.rigid_stage import (
     fill_rigid_markers,
     orientation_of,
@@ -26,37 +17,10 @@ from heavylift.solver.bodies.rigid_stage import (
     start_rigid_bodies,
 )
 from heavylift.solver.bodies.rigid_step import predict_rigid_bodies
-from heavylift.solver.interface import POINT_FORCE, RECORD, ROWS, Workspace, fill_markers, predict, start
+from heavylift.solver.interface import RECORD, ROWS, Workspace, fill_markers, predict, start
 from heavylift.solver.kinds import implement
 from heavylift.solver.marine.hull_parts import add_waves
 from heavylift.solver.marine.hulls import (
-    AXIS_X,
-    CUT_OFF,
-    FIRST_TANK,
-    FORESEEN,
-    HEADING,
-    LAG,
-    LAST_TANK,
-    LEAD,
-    LOW_PASS,
-    OFFSET,
-    PLACE,
-    PREDICTED,
-    REFERENCE,
-    ROTATION,
-    SCRATCH,
-    SPEED,
-    START,
-    STATE_WIDTH,
-    TANK_MASS,
-    TANK_POINT,
-    TANK_START,
-    TANK_VELOCITY,
-    TARGET,
-    TRANSFORM,
-    TURNED,
-    WAVE,
-    YAW,
     Hulls,
 )
 
@@ -64,17 +28,17 @@ __all__ = ["advance_filter", "filtered", "gather_hull_forces", "hull_yaw", "put_
 
 
 @kernel(internal=True)
-def put_transform(kind: Hulls, hull: int, at: int, heading: float, R: NDArray[np.float64]) -> None:
+def put_transform(
+    kind: Hulls, hull: int, heading: float, R: NDArray[np.float64], out: NDArray[np.float64]
+) -> None:
     """``u = T U`` at an orientation: velocities of the reference point in heading axes, from those of the body.
 
-    With ``P = Rz(-heading) R`` and the reference point r, ``T = ((Rz(-heading), -P r~), (0, P))``; written row by row
-    into columns `at` and following of the stage.
+    With ``P = Rz(-heading) R`` and the reference point r, ``T = ((Rz(-heading), -P r~), (0, P))``; shape (6, 6).
     """
-    stage = kind.stage[hull]
     c, s = math.cos(heading), math.sin(heading)
-    r1 = kind.hull[hull, REFERENCE]
-    r2 = kind.hull[hull, REFERENCE + 1]
-    r3 = kind.hull[hull, REFERENCE + 2]
+    r1 = kind.hulls[hull].reference[0]
+    r2 = kind.hulls[hull].reference[1]
+    r3 = kind.hulls[hull].reference[2]
     for i in range(3):
         if i == 0:
             a, b, e = c, s, 0.0
@@ -85,38 +49,38 @@ def put_transform(kind: Hulls, hull: int, at: int, heading: float, R: NDArray[np
         p1 = a * R[0] + b * R[3] + e * R[6]
         p2 = a * R[1] + b * R[4] + e * R[7]
         p3 = a * R[2] + b * R[5] + e * R[8]
-        row, spin = at + 6 * i, at + 6 * (i + 3)
-        stage[row], stage[row + 1], stage[row + 2] = a, b, e
-        stage[row + 3] = p3 * r2 - p2 * r3
-        stage[row + 4] = p1 * r3 - p3 * r1
-        stage[row + 5] = p2 * r1 - p1 * r2
-        stage[spin] = stage[spin + 1] = stage[spin + 2] = 0.0
-        stage[spin + 3], stage[spin + 4], stage[spin + 5] = p1, p2, p3
+        out[i, 0], out[i, 1], out[i, 2] = a, b, e
+        out[i, 3] = p3 * r2 - p2 * r3
+        out[i, 4] = p1 * r3 - p3 * r1
+        out[i, 5] = p2 * r1 - p1 * r2
+        out[3 + i, 0] = out[3 + i, 1] = out[3 + i, 2] = 0.0
+        out[3 + i, 3], out[3 + i, 4], out[3 + i, 5] = p1, p2, p3
 
 
 @kernel(internal=True)
-def to_hydrodynamic(kind: Hulls, hull: int, at: int, row: int, U: NDArray[np.float64]) -> None:
-    """``u = T U`` into a row of the vectors."""
-    stage = kind.stage[hull]
+def to_hydrodynamic(
+    transform: NDArray[np.float64], hull: int, U: NDArray[np.float64], out: NDArray[np.float64]
+) -> None:
+    """``u = T U`` into the place of a hull in a vector of all."""
     for i in range(6):
         total = 0.0
         for k in range(6):
-            total += stage[at + 6 * i + k] * U[k]
-        kind.vectors[row, 6 * hull + i] = total
+            total += transform[i, k] * U[k]
+        out[6 * hull + i] = total
 
 
 @kernel(inline=True, internal=True)
 def hull_yaw(kind: Hulls, hull: int, R: NDArray[np.float64], near: float) -> float:
     """Heading of the x axis of a hull, the turn that is nearest to a given one [rad]."""
     x = (
-        R[0] * kind.hull[hull, AXIS_X]
-        + R[1] * kind.hull[hull, AXIS_X + 1]
-        + R[2] * kind.hull[hull, AXIS_X + 2]
+        R[0] * kind.hulls[hull].axis_x[0]
+        + R[1] * kind.hulls[hull].axis_x[1]
+        + R[2] * kind.hulls[hull].axis_x[2]
     )
     y = (
-        R[3] * kind.hull[hull, AXIS_X]
-        + R[4] * kind.hull[hull, AXIS_X + 1]
-        + R[5] * kind.hull[hull, AXIS_X + 2]
+        R[3] * kind.hulls[hull].axis_x[0]
+        + R[4] * kind.hulls[hull].axis_x[1]
+        + R[5] * kind.hulls[hull].axis_x[2]
     )
     yaw = math.atan2(y, x)
     return yaw + 2.0 * math.pi * math.floor((near - yaw) / (2.0 * math.pi) + 0.5)
@@ -134,17 +98,16 @@ def filtered(value: float, rate: float, target: float, frequency: float, time: f
 @kernel(internal=True)
 def advance_filter(kind: Hulls, hull: int, time: float, keep: bool) -> None:
     """Place and heading that the waves see, a time after the start of the step; into the stage, or kept."""
-    at = STATE_WIDTH * hull + LOW_PASS
-    stage, cut = kind.stage[hull], kind.hull[hull, CUT_OFF]
-    x0, x1 = filtered(kind.state[at], kind.state[at + 1], stage[TARGET], cut, time)
-    y0, y1 = filtered(kind.state[at + 2], kind.state[at + 3], stage[TARGET + 1], cut, time)
-    p0, p1 = filtered(kind.state[at + 4], kind.state[at + 5], stage[TARGET + 2], cut, time)
+    stage, state, cut = kind.stage[hull], kind.state[hull], kind.hulls[hull].cut_off
+    seen = state.low_pass
+    x0, x1 = filtered(seen[0], seen[1], stage.target[0], cut, time)
+    y0, y1 = filtered(seen[2], seen[3], stage.target[1], cut, time)
+    p0, p1 = filtered(seen[4], seen[5], stage.target[2], cut, time)
     if keep:
-        kind.state[at], kind.state[at + 1], kind.state[at + 2] = x0, x1, y0
-        kind.state[at + 3], kind.state[at + 4], kind.state[at + 5] = y1, p0, p1
-        kind.state[STATE_WIDTH * hull + YAW] = stage[TARGET + 2]
+        seen[0], seen[1], seen[2], seen[3], seen[4], seen[5] = x0, x1, y0, y1, p0, p1
+        state.yaw = stage.target[2]
     else:
-        kind.stage[hull, PLACE], kind.stage[hull, PLACE + 1], kind.stage[hull, HEADING] = x0, y0, p0
+        stage.place[0], stage.place[1], stage.heading = x0, y0, p0
 
 
 @implement(start, Hulls)
@@ -153,12 +116,16 @@ def start_hulls(kind: Hulls, time: float, work: Workspace) -> None:
     """Momenta; markers of the second and later hulls of a group see their own six of its velocities."""
     start_rigid_bodies(kind, time, work)
     for marker in range(kind.markers.shape[0]):
-        number, body, direction = kind.markers[marker, 0], kind.markers[marker, 1], kind.markers[marker, 3]
-        offset = kind.hulls[body, OFFSET]
+        number, body, direction = (
+            kind.markers[marker].number,
+            kind.markers[marker].body,
+            kind.markers[marker].direction,
+        )
+        offset = kind.hulls[body].offset
         if offset > 0:
             for k in range(3):
                 work.jacobian[number, k, k] = 0.0
-                work.jacobian[number, k, offset + k] = 1.0 - direction
+                work.jacobian[number, k, offset + k] = 0.0 if direction else 1.0
 
 
 @implement(predict, Hulls)
@@ -171,70 +138,68 @@ def predict_hulls(kind: Hulls, time: float, step: float) -> None:
         frame, stage = kind.frame[hull], kind.stage[hull]
         R = stage_rotation(kind, hull)
         x, y, _ = rotate(
-            R, kind.hull[hull, REFERENCE], kind.hull[hull, REFERENCE + 1], kind.hull[hull, REFERENCE + 2]
+            R, kind.hulls[hull].reference[0], kind.hulls[hull].reference[1], kind.hulls[hull].reference[2]
         )
-        stage[TARGET], stage[TARGET + 1] = frame[MID_POSITION] + x, frame[MID_POSITION + 1] + y
-        stage[TARGET + 2] = hull_yaw(kind, hull, R, kind.state[STATE_WIDTH * hull + YAW])
+        stage.target[0], stage.target[1] = frame.mid_position[0] + x, frame.mid_position[1] + y
+        stage.target[2] = hull_yaw(kind, hull, R, kind.state[hull].yaw)
         advance_filter(kind, hull, 0.5 * step, False)
-        heading = stage[HEADING]
-        before = kind.stage[hull, ROTATION : ROTATION + 9]
+        heading = stage.heading
+        before = kind.stage[hull].rotation
         write_rotation_matrix(orientation_of(kind, hull), before)
-        put_transform(kind, hull, TRANSFORM, heading, before)
-        to_hydrodynamic(kind, hull, TRANSFORM, START, kind.frame[hull, VELOCITY : VELOCITY + 6])
+        put_transform(kind, hull, heading, before, stage.transform)
+        to_hydrodynamic(stage.transform, hull, kind.frame[hull].twist, kind.vectors.start)
         for k in range(6):
-            lag = kind.state[STATE_WIDTH * hull + LAG + k]
-            kind.vectors[LEAD, 6 * hull + k] = kind.vectors[START, 6 * hull + k] + 0.5 * step * step * lag
-            kind.vectors[SPEED, 6 * hull + k] = kind.vectors[START, 6 * hull + k]
-        for tank in range(kind.hulls[hull, FIRST_TANK], kind.hulls[hull, LAST_TANK]):
+            lag = kind.state[hull].lag[k]
+            kind.vectors.lead[6 * hull + k] = kind.vectors.start[6 * hull + k] + 0.5 * step * step * lag
+            kind.vectors.speed[6 * hull + k] = kind.vectors.start[6 * hull + k]
+        for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
             put_tank_velocity(kind, hull, tank, before)
             for k in range(3):
-                lag = kind.state[STATE_WIDTH * kind.table.shape[0] + 3 * tank + k]
-                kind.tanks[tank, TANK_START + k] = (
-                    kind.tanks[tank, TANK_VELOCITY + k] + 0.5 * step * step * lag
-                )
-        put_transform(kind, hull, TRANSFORM, heading, R)
-        a = frame[ARC] * step * step
+                lag = kind.tanks[tank].lag[k]
+                kind.tanks[tank].start_velocity[k] = kind.tanks[tank].velocity[k] + 0.5 * step * step * lag
+        put_transform(kind, hull, heading, R, stage.transform)
+        a = frame.arc * step * step
         for k in range(3):
-            stage[PREDICTED + k] = frame[MID_POSITION + k] - frame[POSITION + k]
-            stage[PREDICTED + 3 + k] = 0.5 * step * frame[SPIN + k] + a * frame[SPIN_RATE + k]
-            stage[FORESEEN + k], stage[FORESEEN + 3 + k] = stage[PREDICTED + k], stage[PREDICTED + 3 + k]
+            stage.predicted[k] = frame.mid_position[k] - frame.position[k]
+            stage.predicted[3 + k] = 0.5 * step * frame.spin[k] + a * frame.spin_rate[k]
+            stage.foreseen[k], stage.foreseen[3 + k] = stage.predicted[k], stage.predicted[3 + k]
     # in the axes of this step the water has another energy than in those that its state was recorded in
-    kind.stage[0, TURNED] = water_energy(kind, START) - turned_energy(kind, START)
+    kind.stage[0].turned = water_energy(kind, kind.vectors.start) - turned_energy(kind, kind.vectors.start)
     find_waves(kind, time + 0.5 * step)
 
 
 @kernel(internal=True)
-def water_energy(kind: Hulls, row: int) -> float:
-    """``1/2 u^T A_inf u`` of a row of velocities [J]."""
+def water_energy(kind: Hulls, u: NDArray[np.float64]) -> float:
+    """``1/2 u^T A_inf u`` of velocities [J]."""
     total = 0.0
     for i in range(kind.added_mass.shape[0]):
         along = 0.0
         for j in range(kind.added_mass.shape[0]):
-            along += kind.added_mass[i, j] * kind.vectors[row, j]
-        total += 0.5 * kind.vectors[row, i] * along
+            along += kind.added_mass[i, j] * u[j]
+        total += 0.5 * u[i] * along
     return total
 
 
 @kernel(internal=True)
-def turned_energy(kind: Hulls, row: int) -> float:
+def turned_energy(kind: Hulls, u: NDArray[np.float64]) -> float:
     """The same in the axes of the low-passed headings that are carried, from those of the step."""
     for hull in range(kind.table.shape[0]):
-        angle = kind.stage[hull, HEADING] - kind.state[STATE_WIDTH * hull + LOW_PASS + 4]
+        angle = kind.stage[hull].heading - kind.state[hull].low_pass[4]
         c, s = math.cos(angle), math.sin(angle)
         for k in range(0, 6, 3):
             at = 6 * hull + k
-            x, y = kind.vectors[row, at], kind.vectors[row, at + 1]
-            kind.vectors[SCRATCH, at] = c * x - s * y
-            kind.vectors[SCRATCH, at + 1] = s * x + c * y
-            kind.vectors[SCRATCH, at + 2] = kind.vectors[row, at + 2]
-    return water_energy(kind, SCRATCH)
+            x, y = u[at], u[at + 1]
+            kind.vectors.scratch[at] = c * x - s * y
+            kind.vectors.scratch[at + 1] = s * x + c * y
+            kind.vectors.scratch[at + 2] = u[at + 2]
+    return water_energy(kind, kind.vectors.scratch)
 
 
 @kernel(internal=True)
 def find_waves(kind: Hulls, time: float) -> None:
     """Forces of the waves at a time, at the places and headings of the stage."""
-    for i in range(kind.vectors.shape[1]):
-        kind.vectors[WAVE, i] = 0.0
+    for i in range(kind.vectors.wave.shape[0]):
+        kind.vectors.wave[i] = 0.0
     add_waves(kind.excitation, time, kind.stage, kind.vectors)
 
 
@@ -243,35 +208,35 @@ def put_tank_velocity(kind: Hulls, hull: int, tank: int, R: NDArray[np.float64])
     """Velocity of the water in a tank at the carried velocities."""
     frame = kind.frame[hull]
     c = cross(
-        frame[SPIN], frame[SPIN + 1], frame[SPIN + 2],
-        kind.tanks[tank, TANK_POINT], kind.tanks[tank, TANK_POINT + 1], kind.tanks[tank, TANK_POINT + 2],
+        frame.spin[0], frame.spin[1], frame.spin[2],
+        kind.tanks[tank].point[0], kind.tanks[tank].point[1], kind.tanks[tank].point[2],
     )  # fmt: skip
     rate = rotate(R, c[0], c[1], c[2])
     for k in range(3):
-        kind.tanks[tank, TANK_VELOCITY + k] = frame[VELOCITY + k] + rate[k]
+        kind.tanks[tank].velocity[k] = frame.velocity[k] + rate[k]
 
 
 @kernel(internal=True)
 def tank_mass(kind: Hulls, tank: int, time: float) -> float:
     """Of the schedule, linear between its rows and held at the ends [kg]."""
-    first, count = kind.tank_table[tank, 1], kind.tank_table[tank, 2]
+    levels, first, count = kind.tank_levels, kind.tanks[tank].first, kind.tanks[tank].count
     low, high = first, first + count - 1
     while high - low > 1:
         middle = (low + high) // 2
-        if kind.tank_times[middle, 0] <= time:
+        if levels[middle].time <= time:
             low = middle
         else:
             high = middle
-    span = kind.tank_times[high, 0] - kind.tank_times[low, 0]
-    part = min(max((time - kind.tank_times[low, 0]) / span, 0.0), 1.0) if span > 0.0 else 0.0
-    return kind.tank_times[low, 1] + part * (kind.tank_times[high, 1] - kind.tank_times[low, 1])
+    span = levels[high].time - levels[low].time
+    part = min(max((time - levels[low].time) / span, 0.0), 1.0) if span > 0.0 else 0.0
+    return levels[low].mass + part * (levels[high].mass - levels[low].mass)
 
 
 @kernel(internal=True)
 def fill_tanks(kind: Hulls, time: float) -> None:
     """Masses at a time."""
-    for tank in range(kind.tank_table.shape[0]):
-        kind.tanks[tank, TANK_MASS] = tank_mass(kind, tank, time)
+    for tank in range(kind.tanks.shape[0]):
+        kind.tanks[tank].mass = tank_mass(kind, tank, time)
 
 
 @implement(fill_markers, Hulls)
@@ -280,11 +245,11 @@ def fill_hull_markers(kind: Hulls, at_midpoint: bool, level: int, work: Workspac
     """As rigid bodies; windows of the second and later hulls of a group are shifted."""
     fill_rigid_markers(kind, at_midpoint, level, work)
     for marker in range(kind.markers.shape[0]):
-        if kind.markers[marker, 4] > level:
+        if kind.markers[marker].level > level:
             break
-        offset = kind.hulls[kind.markers[marker, 1], OFFSET]
+        offset = kind.hulls[kind.markers[marker].body].offset
         if offset > 0:
-            jacobian = work.jacobian[kind.markers[marker, 0]]
+            jacobian = work.jacobian[kind.markers[marker].number]
             for k in range(3):
                 for j in range(3, 6):
                     jacobian[k, offset + j] = jacobian[k, j]
@@ -296,18 +261,18 @@ def gather_hull_forces(kind: Hulls, work: Workspace) -> None:
     """Resultants (world axes) and moments about the centres of mass (body axes) of all marker forces."""
     for hull in range(kind.table.shape[0]):
         for j in range(6):
-            kind.frame[hull, FORCE + j] = 0.0
+            kind.frame[hull].wrench[j] = 0.0
     for marker in range(kind.markers.shape[0] - 1, -1, -1):
-        if kind.markers[marker, 4] == RECORD:
+        if kind.markers[marker].level == RECORD:
             continue
-        if kind.markers[marker, 4] == ROWS:
+        if kind.markers[marker].level == ROWS:
             break
-        number, hull = kind.markers[marker, 0], kind.markers[marker, 1]
-        offset = kind.hulls[hull, OFFSET]
+        number, hull = kind.markers[marker].number, kind.markers[marker].body
+        offset = kind.hulls[hull].offset
         jacobian = work.jacobian[number]
         for j in range(6):
-            kind.frame[hull, FORCE + j] += (
-                jacobian[0, offset + j] * work.markers[number, POINT_FORCE]
-                + jacobian[1, offset + j] * work.markers[number, POINT_FORCE + 1]
-                + jacobian[2, offset + j] * work.markers[number, POINT_FORCE + 2]
+            kind.frame[hull].wrench[j] += (
+                jacobian[0, offset + j] * work.markers[number].force[0]
+                + jacobian[1, offset + j] * work.markers[number].force[1]
+                + jacobian[2, offset + j] * work.markers[number].force[2]
             )

@@ -6,10 +6,7 @@ import math
 
 import numpy as np
 
-from heavylift.solver.bodies.rigid import NUMBER
 from heavylift.solver.interface import Bodies
-from heavylift.solver.marine.clipping import VOLUME
-from heavylift.solver.marine.hulls import CLIP, HEADING, LEAST_VOLUME, WAVE
 
 __all__ = ["left_because"]
 
@@ -27,10 +24,10 @@ def left_because(bodies: Bodies, number: int) -> tuple[str, str]:
     for kind in bodies:
         if "hulls" not in kind._fields:
             continue
-        for row in np.flatnonzero(kind.table[:, NUMBER] == number):
-            volume, least = kind.stage[row, CLIP + VOLUME], kind.hull[row, LEAST_VOLUME]
-            if np.isnan(kind.vectors[WAVE, 6 * row : 6 * row + 6]).any():
-                turned = math.degrees(kind.stage[row, HEADING])
+        for row in np.flatnonzero(kind.table["number"] == number):
+            volume, least = kind.stage[row].clip.volume, kind.hulls[row].least_volume
+            if np.isnan(kind.vectors.wave[6 * row : 6 * row + 6]).any():
+                turned = math.degrees(kind.stage[row].heading)
                 return (
                     f"no wave force is known at a heading of {turned:.3g} deg at this time",
                     "a database with more headings, or a longer series of waves",

@@ -13,61 +13,269 @@ joints see them as one body with 6 N velocities.
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
+from heavylift.numerics.records import Matrix6, Record, Records, Vector, Vector6
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid import ORIENTATION, POSITION
+from heavylift.solver.bodies.rigid import RigidFrame, RigidIndex
 from heavylift.solver.kinds import Table
-from heavylift.solver.marine.clipping import CLIP_WIDTH
+from heavylift.solver.marine.clipping import Clip
+from heavylift.solver.markers import PackedMarker
 
-__all__ = ["Hulls", "start_filters"]
+__all__ = [
+    "CLIPPED",
+    "LINEAR",
+    "HullData",
+    "HullGroup",
+    "HullStage",
+    "HullState",
+    "HullVectors",
+    "Hulls",
+    "LineEnd",
+    "Parts",
+    "StillWater",
+    "TankData",
+    "TankLevel",
+    "WaveComponent",
+    "start_filters",
+]
 
-# columns of `hulls`
-GROUP, OFFSET, RESTORING, FIRST_POINT, LAST_POINT, FIRST_TRIANGLE, LAST_TRIANGLE, FIRST_TANK, LAST_TANK = (
-    range(9)
-)
-HULL_COLUMNS = 9
 UNDER_WATER, CLIPPED, LINEAR = range(3)
-"""Values of `RESTORING`."""
+"""Values of `HullData.restoring`."""
 
-# columns of `groups`: first hull, number of hulls, first velocity, first number of its matrices
-FIRST, COUNT, GROUP_DOF, MATRIX = range(4)
+Flat9 = Annotated[NDArray[np.float64], (9,)]
+Pair = Annotated[NDArray[np.float64], (2,)]
 
-# columns of `hull`: reference point, x and y axes of the body, in principal axes; linear restoring; damping;
-# cut-off of the filter; volume below which a database does not hold
-REFERENCE, AXIS_X, AXIS_Y, BUOYANCY, FLOAT_PLANE, WATERPLANE, DISPLACED = 0, 3, 6, 9, 12, 15, 21
-QUADRATIC, CUT_OFF, LEAST_VOLUME = 22, 28, 29
-HULL_WIDTH = 32
 
-# columns of `stage`, scratch of a step: T of the middle and of the end, heading and place that the waves see, clip,
-# displacement to the pose of the stage in coordinates of the body, buoyancy in them, its stiffness (z, x, y), rotation
-# at the start or end, predicted displacement, at which lines were evaluated; place and heading of the middle; energy of
-# the water by the turn of its axes before the step
-TRANSFORM, END_TRANSFORM, HEADING, PLACE, CLIP, PREDICTED, LIFT, STIFFNESS, ROTATION, FORESEEN, TARGET, TURNED = (
-    0, 36, 72, 73, 75, 75 + CLIP_WIDTH, 81 + CLIP_WIDTH, 87 + CLIP_WIDTH, 93 + CLIP_WIDTH, 102 + CLIP_WIDTH,
-    108 + CLIP_WIDTH,
-    111 + CLIP_WIDTH,
-)  # fmt: skip
-STAGE_WIDTH = 128
+class HullData(Record):
+    """Constants of a hull; vectors in principal axes.
 
-# rows of `vectors`: velocities in hydrodynamic coordinates at start, middle and end of the step; memory force without
-# the part of the middle velocity; force of the waves; of memory and damping; right-hand side of the step, its change,
-# scratch; velocities at the start as the mass of the water needs them; what is known of those of the middle
-START, MIDDLE, FINISH, KNOWN, WAVE, RADIATED, LOAD, CHANGE, SCRATCH, LEAD, SPEED = range(11)
-VECTORS = 11
+    Attributes
+    ----------
+    group, offset
+        Of interacting hulls; where its velocities begin among theirs.
+    restoring
+        How it floats.
+    first_point, last_point, first_triangle, last_triangle
+        Rows of its surface.
+    first_tank, last_tank
+        Rows of its tanks.
+    reference
+        Reference point from the centre of mass [m].
+    axis_x, axis_y
+        Unit vectors of the axes of the body.
+    buoyancy_centre, float_plane, waterplane, displaced_volume
+        Of a linear one: centre of buoyancy and reference point of the float plane from the centre of mass [m]; area,
+        first moments x, y and second moments xx, yy, xy of the plane [m2, m3, m4]; volume [m3].
+    quadratic_damping
+        Force over the square of each velocity, in hydrodynamic coordinates.
+    cut_off
+        Frequency of the filter through which the waves see it [rad/s].
+    least_volume
+        Displaced volume [m3] below which its database does not hold; 0 if it has none.
+    """
 
-# columns of `state` for each hull: low-passed x, y, heading and rates; energy dissipated; work of waves and ballast;
-# by how much twice the velocities of the middle exceed the sum of those of both ends, over the square of the step;
-# heading with all its turns
-LOW_PASS, LOST, SUPPLIED, LAG, YAW = 0, 6, 7, 8, 14
-STATE_WIDTH = 15
+    group: int
+    offset: int
+    restoring: int
+    first_point: int
+    last_point: int
+    first_triangle: int
+    last_triangle: int
+    first_tank: int
+    last_tank: int
+    reference: Vector
+    axis_x: Vector
+    axis_y: Vector
+    buoyancy_centre: Vector
+    float_plane: Vector
+    waterplane: Vector6
+    displaced_volume: float
+    quadratic_damping: Vector6
+    cut_off: float
+    least_volume: float
 
-# columns of `tanks`: point in principal axes, mass, velocity, free surfaces, velocity at the start that its mass needs
-TANK_POINT, TANK_MASS, TANK_VELOCITY, TANK_SURFACE, TANK_START = 0, 3, 4, 7, 9
-TANK_WIDTH = 12
+
+class HullGroup(Record):
+    """Interacting hulls: the first of them, how many, their first velocity, first number of their matrices."""
+
+    first: int
+    count: int
+    dof: int
+    matrix: int
+
+
+class HullStage(Record, whole_lines=True):
+    """Scratch of a step of a hull.
+
+    Attributes
+    ----------
+    transform, end_transform
+        T of the middle and of the end of the step.
+    heading, place
+        That the waves see [rad], [m].
+    clip
+        What of it is under water.
+    predicted
+        Displacement to the pose of the stage in coordinates of the body [m, rad].
+    lift
+        Buoyancy in these coordinates [N, N m].
+    stiffness
+        Of the buoyancy against height and the world rotations x and y: zz, zx, zy, xx, yy, xy.
+    rotation
+        Of the principal axes at the start or end, row by row.
+    foreseen
+        The predicted displacement at which lines were evaluated [m, rad].
+    target
+        Place [m] and heading [rad] of the middle, which the filter follows.
+    turned
+        Energy of the water by the turn of its axes before the step [J].
+    """
+
+    transform: Matrix6
+    end_transform: Matrix6
+    heading: float
+    place: Pair
+    clip: Clip
+    predicted: Vector6
+    lift: Vector6
+    stiffness: Vector6
+    rotation: Flat9
+    foreseen: Vector6
+    target: Vector
+    turned: float
+
+
+class HullState(Record):
+    """What a hull carries beside its frame.
+
+    Attributes
+    ----------
+    low_pass
+        Low-passed x, y [m] and heading [rad] of the reference point, each followed by its rate.
+    lost, supplied
+        Energy dissipated; work of waves and ballast [J].
+    lag
+        By how much twice the velocities of the middle exceed the sum of those of both ends, over the square of the
+        step, in hydrodynamic coordinates.
+    yaw
+        Heading with all its turns [rad].
+    """
+
+    low_pass: Vector6
+    lost: float
+    supplied: float
+    lag: Vector6
+    yaw: float
+
+
+class TankData(Record):
+    """A tank.
+
+    Attributes
+    ----------
+    hull
+        That it is in.
+    first, count
+        Rows of its schedule.
+    point
+        In principal axes [m].
+    mass
+        In the middle of the step, or at the carried state [kg].
+    velocity
+        Of the water in it [m/s].
+    free_surface
+        Density times second moments about x and y of the body [kg m].
+    start_velocity
+        At the start, as its mass needs it; after that the one of the middle [m/s].
+    lag
+        As that of a hull, of the velocity; carried.
+    """
+
+    hull: int
+    first: int
+    count: int
+    point: Vector
+    mass: float
+    velocity: Vector
+    free_surface: Pair
+    start_velocity: Vector
+    lag: Vector
+
+
+class TankLevel(Record):
+    """Row of a schedule: time [s] and mass [kg]."""
+
+    time: float
+    mass: float
+
+
+class LineEnd(Record):
+    """End of a line or fender on a hull: hull, marker, row of the tangents, the other end on a hull or -1."""
+
+    hull: int
+    marker: int
+    line: int
+    other: int
+
+
+class StillWater(Record):
+    """Density times gravity [N/m3], gravity [m/s2], height of the surface [m]."""
+
+    weight: float
+    gravity: float
+    level: float
+
+
+class WaveComponent(Record):
+    """Of the undisturbed waves: circular frequency [rad/s], wave number along x and y [1/m], phase, amplitude [m]."""
+
+    omega: float
+    kx: float
+    ky: float
+    phase: float
+    amplitude: float
+
+
+class HullVectors(Arrays):
+    """Forces and velocities of all hulls in hydrodynamic coordinates, each of shape (6 nb,).
+
+    Attributes
+    ----------
+    start, middle, finish
+        Velocities in the step.
+    known
+        Memory force without the part of the velocity of the middle.
+    wave, radiated
+        Force of the waves; of memory and damping.
+    load, change, scratch
+        Right-hand side of the step in coordinates of the bodies, its change, scratch.
+    lead
+        Velocities at the start as the mass of the water needs them.
+    speed
+        What is known of those of the middle.
+    """
+
+    start: Floats1
+    middle: Floats1
+    finish: Floats1
+    known: Floats1
+    wave: Floats1
+    radiated: Floats1
+    load: Floats1
+    change: Floats1
+    scratch: Floats1
+    lead: Floats1
+    speed: Floats1
+
+    @classmethod
+    def empty(cls, size: int) -> HullVectors:
+        """All zeros."""
+        return cls(*(np.zeros(size) for _ in cls._fields))
 
 
 class Parts(Table):
@@ -75,38 +283,39 @@ class Parts(Table):
 
 
 class Hulls(Arrays):
-    """All hulls of a scene; columns are named at the top of this file.
+    """All hulls of a scene.
 
     Attributes
     ----------
     table, constants, frame, markers, sensors
         As in the kind of rigid bodies.
     hulls, groups
-        Where the data of each hull and of each group of interacting hulls are; shapes (nb, 9), (ng, 4).
+        Constants of each hull and of each group of interacting hulls.
     water
-        Density times gravity [N/m3], gravity [m/s2], level [m]; shape (3,).
-    hull, stage
-        Constants and scratch of each hull, shapes (nb, 32), (nb, 128).
+        Still water.
+    stage
+        Scratch of each hull.
     points, triangles, placed
         Surfaces in principal axes through the centres of mass, and their vertices in world directions.
     added_mass, damping, implicit
         At infinite frequency; constant; of the memory at the velocity of the middle: shapes (6 nb, 6 nb).
     vectors
-        Forces and velocities in hydrodynamic coordinates, shape (11, 6 nb).
+        Forces and velocities in hydrodynamic coordinates.
     matrices
         Of each group: factor of the step, factor of its end or matrix of the corrected middle, matrix of the step;
         flat.
-    tank_table, tank_times, tanks
-        Hull, first row and rows of the schedule; schedule: time [s], mass [kg]; what the step needs of each.
+    tanks, tank_levels
+        Tanks; rows of their schedules.
     tangents, rate_tangents, line_ends
-        Stiffness and damping matrices of lines and fenders, shared with them, shapes (n, 9); hull, marker, line
-        and other end, or -1, of each end.
+        Stiffness and damping matrices of lines and fenders, shared with them, shapes (n, 9); their ends.
     state
-        Carried, flat: `STATE_WIDTH` numbers a hull, the lag of the velocity of each tank (3), the states of the parts.
+        Carried, of each hull.
+    memory_state
+        Carried, the states of the parts one after another.
     radiation, excitation
         Parts that a database brings; empty without one.
     gauge
-        Undisturbed waves, for records: omega, kx, ky, phase, amplitude; shape (5, m).
+        Undisturbed waves, for records.
     """
 
     kernel_modules: ClassVar[tuple[str, ...]] = (
@@ -118,42 +327,49 @@ class Hulls(Arrays):
         "heavylift.solver.marine.hull_step",
     )
 
-    table: Ints2
+    carried_fields: ClassVar[tuple[str, ...]] = (
+        "frame",
+        "state",
+        "placed",
+        "tanks",
+        "memory_state",
+    )
+
+    table: Records[RigidIndex]
     constants: Floats1
-    frame: Floats2
-    markers: Ints2
-    sensors: Ints2
-    hulls: Ints2
-    groups: Ints2
-    water: Floats1
-    hull: Floats2
-    stage: Floats2
+    frame: Records[RigidFrame]
+    markers: Records[PackedMarker]
+    sensors: Records[PackedMarker]
+    hulls: Records[HullData]
+    groups: Records[HullGroup]
+    water: StillWater
+    stage: Records[HullStage]
     points: Floats2
     triangles: Ints2
     placed: Floats2
     added_mass: Floats2
     damping: Floats2
     implicit: Floats2
-    vectors: Floats2
+    vectors: HullVectors
     matrices: Floats1
-    tank_table: Ints2
-    tank_times: Floats2
-    tanks: Floats2
+    tanks: Records[TankData]
+    tank_levels: Records[TankLevel]
     tangents: Floats2
     rate_tangents: Floats2
-    line_ends: Ints2
-    state: Floats1
+    line_ends: Records[LineEnd]
+    state: Records[HullState]
+    memory_state: Floats1
     radiation: Parts
     excitation: Parts
-    gauge: Floats2
+    gauge: Records[WaveComponent]
 
     def sharing_state(self) -> Hulls:
         """The same with the states of its parts as views of its own, which has been replaced."""
-        at = STATE_WIDTH * len(self.table) + 3 * len(self.tank_table)
+        at = 0
         parts = []
         for part in self.radiation:
             old = part.memory.state
-            view = self.state[at : at + old.size].reshape(old.shape)
+            view = self.memory_state[at : at + old.size].reshape(old.shape)
             parts.append(part._replace(memory=part.memory._replace(state=view)))
             at += old.size
         return self._replace(radiation=Parts(parts))
@@ -162,10 +378,10 @@ class Hulls(Arrays):
 def start_filters(kind: Hulls) -> None:
     """Position and heading that the waves see start at those of the hulls."""
     for row in range(len(kind.table)):
-        R = rotation_matrix(kind.frame[row, ORIENTATION : ORIENTATION + 4])
-        place = kind.frame[row, POSITION : POSITION + 3] + R @ kind.hull[row, REFERENCE : REFERENCE + 3]
-        forward = R @ kind.hull[row, AXIS_X : AXIS_X + 3]
-        at = STATE_WIDTH * row + LOW_PASS
+        R = rotation_matrix(kind.frame[row].orientation)
+        hull, state = kind.hulls[row], kind.state[row]
+        place = kind.frame[row].position + R @ hull.reference
+        forward = R @ hull.axis_x
         heading = np.arctan2(forward[1], forward[0])
-        kind.state[at : at + 6] = place[0], 0.0, place[1], 0.0, heading, 0.0
-        kind.state[STATE_WIDTH * row + YAW] = heading
+        state.low_pass[:] = place[0], 0.0, place[1], 0.0, heading, 0.0
+        state.yaw = heading

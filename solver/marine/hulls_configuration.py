@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.objects import entry
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid import DOF, MASS, ORIENTATION
 from heavylift.solver.bodies.rigid_configuration import (
     move_rigid_bodies,
     put_rigid_velocity,
@@ -15,9 +14,7 @@ from heavylift.solver.bodies.rigid_configuration import (
 )
 from heavylift.solver.bodies.rigid_stage import stage_at_state
 from heavylift.solver.interface import (
-    FIELD,
     FORCES,
-    POINT_FORCE,
     Workspace,
     collect_load,
     move,
@@ -27,7 +24,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.marine.hull_restoring import restore
 from heavylift.solver.marine.hull_stage import fill_tanks
-from heavylift.solver.marine.hulls import LIFT, OFFSET, TANK_MASS, TANK_POINT, Hulls, start_filters
+from heavylift.solver.marine.hulls import Hulls, start_filters
 
 __all__: list[str] = []
 
@@ -61,17 +58,18 @@ def restore_at_rest(kind: Hulls) -> None:
 def collect_hull_load(kind: Hulls, work: Workspace, load: NDArray[np.float64]) -> None:
     """``J^T f`` of the markers that forces act on, buoyancy, weight of body and ballast."""
     restore_at_rest(kind)
-    dofs = kind.table[:, DOF, None] + np.arange(6)
-    for number, body, _, _, level in kind.markers:
-        if level == FORCES:
-            at = kind.hulls[body, OFFSET]
+    dofs = kind.table["dof"][:, None] + np.arange(6)
+    for marker in kind.markers:
+        if marker.level == FORCES:
+            number, body = marker.number, marker.body
+            at = kind.hulls[body].offset
             J = work.jacobian[number][:, at : at + 6]
-            load[dofs[body]] += J.T @ work.markers[number, POINT_FORCE : POINT_FORCE + 3]
-    load[dofs] += kind.stage[:, LIFT : LIFT + 6]
-    gravity = work.sums[FIELD : FIELD + 3]
-    load[dofs[:, :3]] += kind.frame[:, MASS, None] * gravity
-    for tank, (body, _, _) in enumerate(kind.tank_table):
-        weight = kind.tanks[tank, TANK_MASS] * gravity
-        R = rotation_matrix(kind.frame[body, ORIENTATION : ORIENTATION + 4])
+            load[dofs[body]] += J.T @ work.markers[number].force
+    load[dofs] += kind.stage["lift"]
+    gravity = work.sums.gravity
+    load[dofs[:, :3]] += kind.frame["mass"][:, None] * gravity
+    for tank in kind.tanks:
+        body, weight = tank.hull, tank.mass * gravity
+        R = rotation_matrix(kind.frame[body].orientation)
         load[dofs[body, :3]] += weight
-        load[dofs[body, 3:]] += np.cross(kind.tanks[tank, TANK_POINT : TANK_POINT + 3], R.T @ weight)
+        load[dofs[body, 3:]] += np.cross(tank.point, R.T @ weight)

@@ -9,17 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.marine.clipping import (
-    PLANE_AREA,
-    PLANE_X,
-    PLANE_XX,
-    PLANE_Y,
-    PLANE_YY,
-    VOLUME,
-    VOLUME_X,
-    VOLUME_Z,
-    WETTED_AREA,
-)
 from heavylift.solver.marine.floating import FloatingHull, Pose, Tank, settle
 
 if TYPE_CHECKING:
@@ -201,15 +190,15 @@ def figures_at(
         To be noted [m].
     """
     volume = floating.volume(pose)
-    out, rotation = floating.out.copy(), pose.rotation
+    out, rotation = floating.out, pose.rotation
     # below or above the origin, on the water plane, world axes -> body axes
     origin = np.array([0.0, 0.0, -pose.height])
-    buoyancy = rotation.T @ (out[VOLUME_X : VOLUME_Z + 1] / volume + origin)
-    area = out[PLANE_AREA]
-    cx, cy = (out[PLANE_X] / area, out[PLANE_Y] / area) if area > 0.0 else (0.0, 0.0)
+    buoyancy = rotation.T @ (out.moment / volume + origin)
+    area = out.plane_area
+    cx, cy = (out.plane_x / area, out.plane_y / area) if area > 0.0 else (0.0, 0.0)
     flotation = rotation.T @ (np.array([cx, cy, 0.0]) + origin)
-    radius_T = (out[PLANE_YY] - out[PLANE_Y] * cy) / volume
-    radius_L = (out[PLANE_XX] - out[PLANE_X] * cx) / volume
+    radius_T = (out.plane_yy - out.plane_y * cy) / volume
+    radius_L = (out.plane_xx - out.plane_x * cx) / volume
     lever = float(rotation[2] @ (floating.centre_of_gravity - buoyancy))
     loss = floating.free_surface / floating.mass
     loss_T, loss_L = loss[0] * math.cos(pose.list), loss[1] * math.cos(pose.trim)
@@ -222,7 +211,7 @@ def figures_at(
         pose=pose,
         level=level,
         mass=floating.mass,
-        volume=float(out[VOLUME]),
+        volume=float(out.volume),
         keel=keel,
         marks=marks,
         draft=drafts[2],
@@ -233,7 +222,7 @@ def figures_at(
         centre_of_buoyancy=buoyancy,
         centre_of_flotation=flotation,
         waterplane_area=float(area),
-        wetted_area=float(out[WETTED_AREA]),
+        wetted_area=float(out.wetted_area),
         BM_T=float(radius_T),
         BM_L=float(radius_L),
         GM_T_loss=float(loss_T),

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid import DOF, MASS, NUMBER, ORIENTATION, POSITION, PRINCIPAL
 from heavylift.solver.marine.frequency_domain import LinearHulls, linear_hulls, rigid_body_mass
 from heavylift.solver.marine.joined_database import joined_database
 from heavylift.solver.scene import RigidBody, Scene
@@ -240,65 +239,61 @@ def _without_waves(sea: Sea) -> Sea:
 
 def _parts(layout: Any, scene: Scene) -> list[_Part]:
     """Free bodies in the order of the coordinates."""
-    from heavylift.solver.bodies.rigid import MOTION, RigidBodies
+    from heavylift.solver.bodies.rigid import RigidBodies, RigidFrame
     from heavylift.solver.drive import FREE
 
     sea = scene.sea
     assert sea is not None
     hulls: dict[str, _Part] = {}
-    others: list[tuple[str, int, NDArray[np.float64]]] = []
+    others: list[tuple[str, int, RigidFrame]] = []
     for kind in layout.bodies:
         floats = type(kind).__name__ == "Hulls"
         if not floats and not isinstance(kind, RigidBodies):
             continue  # fixed ones
         for row, table in enumerate(kind.table):
-            name = layout.body_names[table[NUMBER]]
+            name = layout.body_names[table.number]
             if floats:
                 hulls[name] = _hull_part(kind, row, name, sea)
-            elif table[MOTION] == FREE:
-                others.append((name, int(table[DOF]), kind.frame[row]))
+            elif table.motion == FREE:
+                others.append((name, int(table.dof), kind.frame[row]))
     with_water = [name for one in sea.radiation for name in one.bodies]
     order = [*with_water, *(name for name in hulls if name not in with_water)]
     parts = [hulls[name] for name in order]
     heading = parts[0].heading
     for name, dof, frame in others:
-        R = rotation_matrix(frame[ORIENTATION : ORIENTATION + 4])
+        R = rotation_matrix(frame.orientation)
         T = hull_transform(R, np.zeros(3), heading)
         P = T[3:, 3:]
-        inertia = P @ np.diag(frame[PRINCIPAL : PRINCIPAL + 3]) @ P.T
-        point = frame[POSITION : POSITION + 3].copy()
-        mass = rigid_body_mass(frame[MASS], np.zeros(3), inertia)
+        inertia = P @ np.diag(frame.principal_inertia) @ P.T
+        point = frame.position.copy()
+        mass = rigid_body_mass(frame.mass, np.zeros(3), inertia)
         parts.append(_Part(name, dof, heading, point, T, mass, np.zeros((6, 6))))
     return parts
 
 
 def _hull_part(kind: Any, row: int, name: str, sea: Sea) -> _Part:
-    from heavylift.solver.marine.hulls import AXIS_X, FIRST_TANK, LAST_TANK, REFERENCE, TANK_MASS, TANK_POINT
-
-    frame = kind.frame[row]
-    R = rotation_matrix(frame[ORIENTATION : ORIENTATION + 4])
-    forward = R @ kind.hull[row, AXIS_X : AXIS_X + 3]
+    frame, hull = kind.frame[row], kind.hulls[row]
+    R = rotation_matrix(frame.orientation)
+    forward = R @ hull.axis_x
     heading = math.atan2(forward[1], forward[0])
-    reference = kind.hull[row, REFERENCE : REFERENCE + 3].copy()
+    reference = hull.reference.copy()
     T = hull_transform(R, reference, heading)
     P = T[3:, 3:]
-    inertia = P @ np.diag(frame[PRINCIPAL : PRINCIPAL + 3]) @ P.T
-    mass = rigid_body_mass(frame[MASS], -P @ reference, inertia)
-    for tank in range(kind.hulls[row, FIRST_TANK], kind.hulls[row, LAST_TANK]):
-        arm = P @ (kind.tanks[tank, TANK_POINT : TANK_POINT + 3] - reference)
-        mass = mass + rigid_body_mass(kind.tanks[tank, TANK_MASS], arm, np.zeros((3, 3)))
-    damping = next(hull.damping for hull in sea.hulls if hull.body == name)
-    point = frame[POSITION : POSITION + 3] + R @ reference
+    inertia = P @ np.diag(frame.principal_inertia) @ P.T
+    mass = rigid_body_mass(frame.mass, -P @ reference, inertia)
+    for tank in kind.tanks[hull.first_tank : hull.last_tank]:
+        arm = P @ (tank.point - reference)
+        mass = mass + rigid_body_mass(tank.mass, arm, np.zeros((3, 3)))
+    damping = next(one.damping for one in sea.hulls if one.body == name)
+    point = frame.position + R @ reference
     return _Part(
-        name, int(kind.table[row, DOF]), heading, point, T, mass, np.asarray(damping, dtype=np.float64)
+        name, int(kind.table[row].dof), heading, point, T, mass, np.asarray(damping, dtype=np.float64)
     )
 
 
 def _spring_damping(rows: Any, jacobian: NDArray[np.float64]) -> NDArray[np.float64]:
     """Of rows with a compliance 1/k and a relaxation time c/k: ``G^T c G``."""
-    from heavylift.solver.rows import COMPLIANCE, RELAXATION
-
-    compliance, relaxation = rows.column(COMPLIANCE), rows.column(RELAXATION)
+    compliance, relaxation = rows.column("compliance"), rows.column("relaxation")
     c = np.where(compliance > 0.0, relaxation / np.where(compliance > 0.0, compliance, 1.0), 0.0)
     return np.asarray(jacobian.T @ (c[:, None] * jacobian))
 

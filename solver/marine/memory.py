@@ -22,6 +22,7 @@ brings its own velocities at its start and its end.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,9 +45,6 @@ __all__ = [
     "pack_exponential_memory",
     "prepare_memory_exponential",
 ]
-
-DECAY, START, END, HALVES = 0, 1, 2, 3
-"""Rows of the coefficients: of the whole step, of its two velocities, and the first of the half step's channels."""
 
 PIECE = 0.0125
 """Longest pieces [s] in which the weights of the direct convolution are integrated; four or more in a step."""
@@ -73,8 +71,11 @@ class ExponentialMemory(Arrays):
         D, of velocities at the same time, shape (n, n).
     state
         z_jp = int exp(s_p (t - s)) u_j(s) ds, shape (n, 2 P). All that outlives a step.
-    coefficients
-        Of the recursion for the step length in `step`, shape (3 + c, 2 P).
+    decay, of_start, of_end
+        Coefficients of the recursion for the step length in `step`, of the whole step: of the state and of the
+        velocities at its start and end, shape (2 P,).
+    halves
+        Coefficients of the half step, of the channels, shape (c, 2 P).
     step
         Length for which the coefficients hold [s], shape (1,); negative: none yet.
     implicit
@@ -83,12 +84,17 @@ class ExponentialMemory(Arrays):
         Coefficient of the velocity at the start of the step, shape (n, n).
     """
 
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+
     poles: Floats1
     channels: Ints2
     residues: Floats2
     damping: Floats2
     state: Floats2
-    coefficients: Floats2
+    decay: Floats1
+    of_start: Floats1
+    of_end: Floats1
+    halves: Floats2
     step: Floats1
     implicit: Floats2
     explicit: Floats2
@@ -114,6 +120,8 @@ class DirectMemory(Arrays):
     implicit, explicit
         As in `ExponentialMemory`.
     """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
     channels: Ints2
     middle: Floats2
@@ -172,7 +180,10 @@ def pack_exponential_memory(
         residues=_copied(np.hstack([of_channels.real, -of_channels.imag])),
         damping=_copied(D),
         state=_copied(np.zeros((n, 2 * len(s)))),
-        coefficients=_copied(np.zeros((HALVES + len(channels), 2 * len(s)))),
+        decay=aligned((2 * len(s),)),
+        of_start=aligned((2 * len(s),)),
+        of_end=aligned((2 * len(s),)),
+        halves=aligned((len(channels), 2 * len(s))),
         step=np.array([-1.0]),
         implicit=_copied(D),
         explicit=_copied(np.zeros((n, n))),
@@ -307,16 +318,16 @@ def prepare_memory_exponential(memory: ExponentialMemory, h: float) -> None:
     for p in range(count):
         real, imaginary = memory.poles[p], memory.poles[count + p]
         e, a, b = hold_integrals(real, imaginary, h)
-        memory.coefficients[DECAY, p], memory.coefficients[DECAY, count + p] = e.real, e.imag
-        memory.coefficients[START, p], memory.coefficients[START, count + p] = a.real, a.imag
-        memory.coefficients[END, p], memory.coefficients[END, count + p] = b.real, b.imag
+        memory.decay[p], memory.decay[count + p] = e.real, e.imag
+        memory.of_start[p], memory.of_start[count + p] = a.real, a.imag
+        memory.of_end[p], memory.of_end[count + p] = b.real, b.imag
         e, a, b = hold_integrals(real, imaginary, 0.5 * h)
         for c in range(memory.channels.shape[0]):
             i, j = memory.channels[c, 0], memory.channels[c, 1]
             R = complex(memory.residues[c, p], -memory.residues[c, count + p])
             turned = R * e
-            memory.coefficients[HALVES + c, p] = turned.real
-            memory.coefficients[HALVES + c, count + p] = -turned.imag
+            memory.halves[c, p] = turned.real
+            memory.halves[c, count + p] = -turned.imag
             memory.explicit[i, j] += (R * a).real
             memory.implicit[i, j] += (R * b).real
     memory.step[0] = h
@@ -344,7 +355,7 @@ def memory_force_exponential(
         i, j = memory.channels[c, 0], memory.channels[c, 1]
         total = memory.explicit[i, j] * u_start[j]
         for k in range(width):
-            total += memory.coefficients[HALVES + c, k] * memory.state[j, k]
+            total += memory.halves[c, k] * memory.state[j, k]
         out[i] -= total
 
 
@@ -358,10 +369,10 @@ def advance_memory_exponential(
         u0, u1 = u_start[j], u_end[j]
         for p in range(count):
             q = count + p
-            e, f = memory.coefficients[DECAY, p], memory.coefficients[DECAY, q]
+            e, f = memory.decay[p], memory.decay[q]
             x, y = memory.state[j, p], memory.state[j, q]
-            added = memory.coefficients[START, p] * u0 + memory.coefficients[END, p] * u1
-            turned = memory.coefficients[START, q] * u0 + memory.coefficients[END, q] * u1
+            added = memory.of_start[p] * u0 + memory.of_end[p] * u1
+            turned = memory.of_start[q] * u0 + memory.of_end[q] * u1
             memory.state[j, p] = e * x - f * y + added
             memory.state[j, q] = e * y + f * x + turned
 

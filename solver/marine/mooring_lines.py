@@ -4,49 +4,37 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.numerics.records import Records, Vector, records
 from heavylift.solver.connections import GROUND
 from heavylift.solver.interface import (
-    ELASTIC,
-    EXTERNAL_WORK,
     FORCES,
-    POINT,
-    POINT_FORCE,
-    STATUS_BODY,
-    STATUS_OUTCOME,
     Workspace,
     add_forces,
     begin_record,
     record_forces,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.marine.catenary import (
-    BRANCH,
-    FAILED,
-    HORIZONTAL,
-    STATE_WIDTH,
-    STIFFNESS,
-    TOTAL_LENGTH,
-    TOTAL_WEIGHT,
-    VERTICAL,
-    read_ends,
-    solve_line,
-)
+from heavylift.solver.marine.catenary import FAILED, LineData, LineEnds, LineState, read_ends, solve_line
 from heavylift.solver.marine.catenary_line import pack_sections
+from heavylift.solver.marine.catenary_walk import SectionData
 from heavylift.solver.marine.moorings import MooringLine, check_sections
 from heavylift.solver.markers import MarkerBook
 
 __all__ = [
-    "EXTRA",
     "LINE_CHANNELS",
     "LINE_OVERSTRETCHED",
+    "MooringData",
     "MooringLines",
+    "MooringScratch",
+    "MooringState",
     "line_markers",
     "pack_mooring_lines",
 ]
@@ -65,13 +53,44 @@ LINE_OVERSTRETCHED = int(Outcome.LINE_OVERSTRETCHED)
 START_STRAIN = 0.05
 """By which a line may be stretched at the start: more is most often a wrong length."""
 
-MARKER_A, MARKER_B, COLUMN = range(3)
-START_ENERGY, STARTED, EXTRA = STATE_WIDTH, STATE_WIDTH + 1, STATE_WIDTH + 2
-"""Places of the state behind those of `solve_line`; a force that is held on the fairlead beside the catenary's [N]."""
 ANCHOR_TOLERANCE = 0.01
 """Of the length: how far from the seabed an anchor may be given."""
 LEAST_SPAN = 1e-7
 """Of the length: horizontal distance of the ends below which a line hangs straight down."""
+
+
+class MooringData(LineData):
+    """Markers of anchor and fairlead, first record column, distance of the ends that is too much for it [m]."""
+
+    anchor: int
+    fairlead: int
+    column: int
+    limit: float
+
+
+class MooringState(LineState):
+    """Last solution of a mooring line, and what else it carries.
+
+    Attributes
+    ----------
+    start_energy
+        Energy at the start [J].
+    started
+        Whether that is known.
+    extra
+        Force [N] that acts on the fairlead beside that of the catenary, world axes: zero, unless a model of dynamic
+        lines writes it.
+    """
+
+    start_energy: float
+    started: bool
+    extra: Vector
+
+
+class MooringScratch(LineEnds):
+    """Lower end of a mooring line for a record, and the solution that the steps go on from."""
+
+    solution: LineState
 
 
 class MooringLines(Arrays):
@@ -79,31 +98,24 @@ class MooringLines(Arrays):
 
     Attributes
     ----------
-    ends
-        Marker of the anchor, marker of the fairlead, first record column; shape (n, 3).
-    table, line, sections
+    lines, sections
         As in `heavylift.solver.marine.catenary.solve_line`.
-    limits
-        Distance of the ends [m] that overstretches the line, shape (n,).
     state
-        Last solution, energy at the start [J], 1 once that is known, and a force [N] that acts on the fairlead beside
-        that of the catenary, world axes: zero, unless a model of dynamic lines writes it; shape (n, 14).
+        Carried, of each line.
     tangents
         Stiffness of the force on the fairlead against its displacement relative to the anchor [N/m], world axes,
         row by row, symmetric and positive semidefinite, at the last evaluation; shape (n, 9).
     scratch
-        Lower end, length on the seabed and energy for a record, and the solution that the steps go on from, shape
-        (n, 4 + the width of a solution).
+        Of each line, for a record.
     """
 
-    ends: Ints2
-    table: Ints2
-    line: Floats2
-    sections: Floats2
-    limits: Floats1
-    state: Floats2
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+
+    lines: Records[MooringData]
+    sections: Records[SectionData]
+    state: Records[MooringState]
     tangents: Floats2
-    scratch: Floats2
+    scratch: Records[MooringScratch]
 
 
 def line_markers(book: MarkerBook, lines: Sequence[MooringLine]) -> list[tuple[int, int]]:
@@ -139,30 +151,29 @@ def pack_mooring_lines(
         If a line is not a line, its anchor is not fixed to the seabed that it has, its fairlead is below that, or it
         is shorter than its span at the start.
     """
-    ends, table, numbers, sections, limits = [], [], [], [], []
-    first = 0
-    for line, (a, b), column, (anchor, fairlead) in zip(lines, markers, columns, places, strict=True):
+    packed = records(MooringData, len(lines))
+    sections: list[Any] = []
+    for row, line, (a, b), column, (anchor, fairlead) in zip(
+        packed, lines, markers, columns, places, strict=True
+    ):
         check_sections(line.sections, line.clumps, friction=line.friction, source=line.name)
         _check_seabed(line, anchor, fairlead)
-        rows, tail, values = pack_sections(
+        rows, of_line = pack_sections(
             line.sections, line.clumps, on_seabed=line.seabed is not None, friction=line.friction
         )
-        limits.append(_check_span(line, float(values[0]), float(values[2]), anchor, fairlead))
-        ends.append((a, b, column))
-        table.append((first, len(rows), tail))
-        numbers.append(values)
-        sections.append(rows)
-        first += len(rows)
-    count = len(ends)
+        for name in LineData.fields_of:
+            row[name] = of_line[0][name]
+        row.first = len(sections)
+        row.anchor, row.fairlead, row.column = a, b, column
+        row.limit = _check_span(line, float(row.length), float(row.stretch), anchor, fairlead)
+        sections.extend(rows)
+    count = len(packed)
     return MooringLines(
-        np.array(ends, dtype=np.int64).reshape(-1, 3),
-        np.array(table, dtype=np.int64).reshape(-1, 3),
-        np.array(numbers).reshape(-1, 4),
-        np.vstack([np.zeros((0, 4)), *sections]),
-        np.array(limits),
-        np.zeros((count, STATE_WIDTH + 5)),
+        packed,
+        records(SectionData, sections),
+        records(MooringState, count),
         np.zeros((count, 9)),
-        np.zeros((count, 4 + STATE_WIDTH)),
+        records(MooringScratch, count),
     )
 
 
@@ -218,16 +229,17 @@ def _check_span(
 @kernel(internal=True)
 def _hang(kind: MooringLines, i: int, work: Workspace) -> tuple[float, float, float]:
     """Solve a line for its ends; direction of its plane, and its span [m], not less than a hanging one has."""
-    a, b = kind.ends[i, MARKER_A], kind.ends[i, MARKER_B]
-    x = work.markers[b, POINT] - work.markers[a, POINT]
-    y = work.markers[b, POINT + 1] - work.markers[a, POINT + 1]
-    z = work.markers[b, POINT + 2] - work.markers[a, POINT + 2]
+    line, state = kind.lines[i], kind.state[i]
+    a, b = line.anchor, line.fairlead
+    x = work.markers[b].point[0] - work.markers[a].point[0]
+    y = work.markers[b].point[1] - work.markers[a].point[1]
+    z = work.markers[b].point[2] - work.markers[a].point[2]
     span = math.sqrt(x * x + y * y)
-    solve_line(kind.sections, kind.table, kind.line, i, span, z, kind.state)
-    bad = not (span * span + z * z < kind.limits[i] * kind.limits[i]) or kind.state[i, BRANCH] == FAILED
-    if bad and work.status[STATUS_OUTCOME] == 0:
-        work.status[STATUS_OUTCOME], work.status[STATUS_BODY] = LINE_OVERSTRETCHED, i
-    span = max(span, LEAST_SPAN * kind.line[i, TOTAL_LENGTH])
+    solve_line(kind.sections, line, span, z, state)
+    bad = not (span * span + z * z < line.limit * line.limit) or state.branch == FAILED
+    if bad and work.status.outcome == 0:
+        work.status.outcome, work.status.body = LINE_OVERSTRETCHED, i
+    span = max(span, LEAST_SPAN * line.length)
     return x / span, y / span, span
 
 
@@ -245,23 +257,22 @@ def add_mooring_lines(kind: MooringLines, time: float, work: Workspace) -> None:
     Only friction of the seabed makes the 2x2 part unsymmetric, and could make the symmetric part indefinite; then
     the coupling is reduced until that is singular.
     """
-    for i in range(kind.ends.shape[0]):
-        a, b = kind.ends[i, MARKER_A], kind.ends[i, MARKER_B]
+    for i in range(kind.lines.shape[0]):
+        line, state = kind.lines[i], kind.state[i]
+        a, b = line.anchor, line.fairlead
         ex, ey, span = _hang(kind, i, work)
-        H, V = kind.state[i, HORIZONTAL], kind.state[i, VERTICAL]
-        work.markers[b, POINT_FORCE] -= H * ex
-        work.markers[b, POINT_FORCE + 1] -= H * ey
-        work.markers[b, POINT_FORCE + 2] -= V
+        H, V = state.horizontal, state.vertical
+        work.markers[b].force[0] -= H * ex
+        work.markers[b].force[1] -= H * ey
+        work.markers[b].force[2] -= V
         for k in range(3):
-            work.markers[b, POINT_FORCE + k] += kind.state[i, EXTRA + k]
-        if (
-            kind.table[i, 2] == kind.table[i, 1]
-        ):  # the lower end of a line on the seabed is an anchor in the ground
-            work.markers[a, POINT_FORCE] += H * ex
-            work.markers[a, POINT_FORCE + 1] += H * ey
-            work.markers[a, POINT_FORCE + 2] += V - kind.line[i, TOTAL_WEIGHT]
-        kxx, kzz = kind.state[i, STIFFNESS], kind.state[i, STIFFNESS + 3]
-        kxz = 0.5 * (kind.state[i, STIFFNESS + 1] + kind.state[i, STIFFNESS + 2])
+            work.markers[b].force[k] += state.extra[k]
+        if line.tail == line.count:  # the lower end of a line on the seabed is an anchor in the ground
+            work.markers[a].force[0] += H * ex
+            work.markers[a].force[1] += H * ey
+            work.markers[a].force[2] += V - line.weight
+        kxx, kzz = state.stiffness[0, 0], state.stiffness[1, 1]
+        kxz = 0.5 * (state.stiffness[0, 1] + state.stiffness[1, 0])
         bound = math.sqrt(max(kxx * kzz, 0.0))
         kxz = min(max(kxz, -bound), bound)
         across = H / span
@@ -275,13 +286,22 @@ def add_mooring_lines(kind: MooringLines, time: float, work: Workspace) -> None:
         kind.tangents[i, 8] = kzz
 
 
+@kernel(internal=True)
+def _copy_solution(given: LineState, out: LineState) -> None:
+    out.horizontal, out.vertical = given.horizontal, given.vertical
+    out.span, out.rise = given.span, given.rise
+    for i in range(2):
+        for j in range(2):
+            out.stiffness[i, j] = given.stiffness[i, j]
+    out.branch = given.branch
+
+
 @implement(begin_record, MooringLines)
 @kernel(internal=True)
 def begin_line_records(kind: MooringLines) -> None:
     """Steps go on from what they found themselves: a record does not change the run, not in its last bits."""
-    for i in range(kind.ends.shape[0]):
-        for k in range(STATE_WIDTH):
-            kind.scratch[i, 4 + k] = kind.state[i, k]
+    for i in range(kind.lines.shape[0]):
+        _copy_solution(kind.state[i], kind.scratch[i].solution)
 
 
 @implement(record_forces, MooringLines)
@@ -292,27 +312,23 @@ def record_mooring_lines(kind: MooringLines, time: float, work: Workspace, row: 
     Forces were added at the same state just before. What the held force does, and what friction of the seabed takes,
     stays in that work.
     """
-    for i in range(kind.ends.shape[0]):
-        a, b, column = kind.ends[i, MARKER_A], kind.ends[i, MARKER_B], kind.ends[i, COLUMN]
-        H, V = kind.state[i, HORIZONTAL], kind.state[i, VERTICAL]
-        read_ends(kind.sections, kind.table, kind.line, i, kind.state, kind.scratch)
-        low_h, low_v = kind.scratch[i, 0], kind.scratch[i, 1]
-        x = work.markers[b, POINT] - work.markers[a, POINT]
-        y = work.markers[b, POINT + 1] - work.markers[a, POINT + 1]
-        share = H / max(math.sqrt(x * x + y * y), LEAST_SPAN * kind.line[i, TOTAL_LENGTH])
-        x, y, z = (
-            share * x - kind.state[i, EXTRA],
-            share * y - kind.state[i, EXTRA + 1],
-            V - kind.state[i, EXTRA + 2],
-        )
+    for i in range(kind.lines.shape[0]):
+        line, state, ends = kind.lines[i], kind.state[i], kind.scratch[i]
+        a, b, column = line.anchor, line.fairlead, line.column
+        H, V = state.horizontal, state.vertical
+        read_ends(kind.sections, line, state, ends)
+        low_h, low_v = ends.anchor_horizontal, ends.anchor_vertical
+        x = work.markers[b].point[0] - work.markers[a].point[0]
+        y = work.markers[b].point[1] - work.markers[a].point[1]
+        share = H / max(math.sqrt(x * x + y * y), LEAST_SPAN * line.length)
+        x, y, z = share * x - state.extra[0], share * y - state.extra[1], V - state.extra[2]
         row[column] = math.sqrt(x * x + y * y + z * z)
         row[column + 1] = math.sqrt(low_h * low_h + low_v * low_v)
         row[column + 2] = H
-        row[column + 3] = kind.scratch[i, 2]
-        energy = kind.scratch[i, 3] + kind.line[i, TOTAL_WEIGHT] * work.markers[a, POINT + 2]
-        if kind.state[i, STARTED] == 0.0:
-            kind.state[i, START_ENERGY], kind.state[i, STARTED] = energy, 1.0
-        work.sums[ELASTIC] += energy - kind.state[i, START_ENERGY]
-        work.sums[EXTERNAL_WORK] += energy - kind.state[i, START_ENERGY]
-        for k in range(STATE_WIDTH):
-            kind.state[i, k] = kind.scratch[i, 4 + k]
+        row[column + 3] = ends.lying
+        energy = ends.energy + line.weight * work.markers[a].point[2]
+        if not state.started:
+            state.start_energy, state.started = energy, True
+        work.sums.elastic += energy - state.start_energy
+        work.sums.external_work += energy - state.start_energy
+        _copy_solution(ends.solution, state)

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.marine.wind import CURVE_WIDTH
 from heavylift.solver.marine.wind_loads import CoefficientLoad
 
 __all__ = ["SMALL_ANGLE", "coefficient_curves"]
@@ -22,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 def coefficient_curves(load: CoefficientLoad) -> Array:
-    """Rows of `heavylift.solver.marine.wind.FluidLoads.curves`: periodic cubic splines through the table.
+    """Rows of `heavylift.solver.marine.wind.CurvePiece`, shape (n, 13): periodic cubic splines through the table.
 
     Raises
     ------
@@ -34,7 +33,7 @@ def coefficient_curves(load: CoefficientLoad) -> Array:
     angles, values = _closed_table(load)
     sizes = np.array([load.area_x, load.area_y, load.area_y * load.length])
     spline = CubicSpline(angles, values * sizes, bc_type="periodic")
-    rows = np.zeros((len(angles), CURVE_WIDTH))
+    rows = np.zeros((len(angles), 13))
     rows[:, 0] = angles
     for k in range(3):
         rows[:-1, 1 + 4 * k : 5 + 4 * k] = spline.c[:, :, k].T

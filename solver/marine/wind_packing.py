@@ -9,34 +9,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
 from heavylift.solver.marine.wind import (
-    AREA_X,
-    AREA_Z,
     BOX,
     COEFFICIENTS,
-    CURVE_WIDTH,
-    DENSITY,
-    EXTENT,
-    FIELD_COLUMNS,
-    FIELD_VALUES,
-    FLOW_WIDTH,
-    GUST,
-    GUST_EXPONENT,
-    LEVEL,
-    LOAD_COLUMNS,
-    LOAD_VALUES,
     LOG,
     POWER,
-    RAMP,
-    RECORD_STEP,
-    REFERENCE,
     SAME_ALL_ROUND,
-    SHAPE,
-    SIDE,
-    SPEED,
     TABLE,
-    VERTICAL,
+    CurvePiece,
+    FieldData,
     FluidLoads,
+    LoadData,
+    PresentFlow,
+    TablePoint,
 )
 from heavylift.solver.marine.wind_coefficients import SMALL_ANGLE, coefficient_curves
 from heavylift.solver.marine.wind_loads import (
@@ -109,46 +95,40 @@ def pack_fluid_loads(
         (owner, name): column
         for (owner, name, _, _), column in zip(fluid_channels(fields, loads), columns, strict=True)
     }
-    profiles, turns, records, curves = _Rows(2), _Rows(2), _Rows(1), _Rows(CURVE_WIDTH)
+    profiles, turns, fluctuations, curves = _Rows(2), _Rows(2), _Rows(1), _Rows(13)
     _check_water(level, ramp, water_density)
-    field_rows = np.zeros((len(fields), FIELD_COLUMNS), dtype=np.int64)
-    field_values = np.zeros((len(fields), FIELD_VALUES))
-    for i, one in enumerate(fields):
-        turn = turns.add(_direction(one))
-        sort, values, profile, record = _wind(one) if isinstance(one, WindField) else _current(one)
-        column = column_of[one.name, "speed"]
-        field_rows[i] = (sort, *profiles.add(profile), *turn, *records.add(record), column)
-        field_values[i] = values
-        field_values[i, LEVEL], field_values[i, RAMP] = level, ramp
+    field_rows, load_rows = records(FieldData, len(fields)), records(LoadData, len(loads))
+    for data, one in zip(field_rows, fields, strict=True):
+        data.turn_first, data.turn_count = turns.add(_direction(one))
+        profile, record = _wind(one, data) if isinstance(one, WindField) else _current(one, data)
+        data.profile_first, data.profile_count = profiles.add(profile)
+        data.record_first, data.record_count = fluctuations.add(record)
+        data.speed_column = column_of[one.name, "speed"]
+        data.level, data.ramp = level, ramp
         if isinstance(one, CurrentField):
-            field_values[i, DENSITY] = water_density
-    load_rows = np.zeros((len(loads), LOAD_COLUMNS), dtype=np.int64)
-    load_values = np.zeros((len(loads), LOAD_VALUES))
-    for i, (load, (point, heading)) in enumerate(zip(loads, markers, strict=True)):
+            data.density = water_density
+    for row, load, (point, heading) in zip(load_rows, loads, markers, strict=True):
         _check_load(load, names)
-        curve = (0, 0)
+        row.field, row.marker, row.heading = names.index(load.fluid), point, heading
+        row.force_column = column_of[load.name, "force"]
         if isinstance(load, CoefficientLoad):
-            sort = COEFFICIENTS
-            curve = curves.add(coefficient_curves(load))
-            moment = column_of[load.name, "yaw_moment"]
+            row.sort = COEFFICIENTS
+            row.curve_first, row.curve_count = curves.add(coefficient_curves(load))
+            row.moment_column = column_of[load.name, "yaw_moment"]
         else:
-            sort, moment = SAME_ALL_ROUND if heading < 0 else BOX, -1
+            row.sort, row.moment_column = SAME_ALL_ROUND if heading < 0 else BOX, -1
             areas = np.zeros(3)
             areas[: np.size(load.area)] = load.area
-            load_values[i, AREA_X : AREA_Z + 1] = load.coefficient * areas
-            load_values[i, EXTENT], load_values[i, VERTICAL] = load.extent, float(load.vertical)
-        force = column_of[load.name, "force"]
-        load_rows[i] = (names.index(load.fluid), sort, point, heading, *curve, force, moment)
+            row.area[:] = load.coefficient * areas
+            row.extent, row.vertical = load.extent, load.vertical
     return FluidLoads(
         field_rows,
-        field_values,
-        profiles.table(),
-        turns.table(),
-        records.table().ravel(),
-        np.zeros((len(fields), FLOW_WIDTH)),
+        records(TablePoint, profiles.table()),
+        records(TablePoint, turns.table()),
+        fluctuations.table().ravel(),
+        records(PresentFlow, len(fields)),
         load_rows,
-        load_values,
-        curves.table(),
+        records(CurvePiece, ((row[0], row[1:5], row[5:9], row[9:]) for row in curves.table())),
     )
 
 
@@ -169,8 +149,8 @@ class _Rows:
         return np.ascontiguousarray(np.vstack(self._blocks))
 
 
-def _wind(wind: WindField) -> tuple[int, Array, Array, Array]:
-    """Sort of profile, row of values, rows of the profile and of the fluctuation."""
+def _wind(wind: WindField, data: FieldData) -> tuple[Array, Array]:
+    """Fill the numbers of a field; rows of the profile and of the fluctuation."""
     check_speed(wind.speed, source=wind.name, key="speed")
     _positive(wind.averaging_time, wind.name, "averaging_time", "s", HOUR)
     speed = hourly_mean(wind.speed, wind.averaging_time) if wind.averaging_time < HOUR else wind.speed
@@ -199,14 +179,14 @@ def _wind(wind: WindField) -> tuple[int, Array, Array, Array]:
         record, step = _record(wind.fluctuation, wind.name), wind.fluctuation.step
     _positive(wind.density, wind.name, "density", "kg/m3")
     exponent = 0.0 if sort == TABLE else INTENSITY_EXPONENT
-    values = np.zeros(FIELD_VALUES)
-    values[[DENSITY, SIDE, SPEED, SHAPE]] = wind.density, 1.0, speed, shape
-    values[[GUST, GUST_EXPONENT, RECORD_STEP, REFERENCE]] = gust, exponent, step, REFERENCE_HEIGHT
+    data.profile, data.density, data.side, data.speed, data.shape = sort, wind.density, 1.0, speed, shape
+    data.gust, data.gust_exponent = gust, exponent
+    data.record_step, data.recorded_height = step, REFERENCE_HEIGHT
     profile = np.array([[0.0, speed]]) if sort == TABLE else np.zeros((0, 2))
-    return sort, values, profile, record
+    return profile, record
 
 
-def _current(current: CurrentField) -> tuple[int, Array, Array, Array]:
+def _current(current: CurrentField, data: FieldData) -> tuple[Array, Array]:
     """As `_wind`."""
     rows = np.asarray(current.speed, dtype=np.float64)
     if rows.ndim == 0:
@@ -223,9 +203,8 @@ def _current(current: CurrentField) -> tuple[int, Array, Array, Array]:
         )
     for speed in rows[:, 1]:
         check_speed(speed, source=current.name, key="speed", largest=LARGEST_CURRENT)
-    values = np.zeros(FIELD_VALUES)
-    values[SIDE], values[RECORD_STEP] = -1.0, 1.0
-    return TABLE, values, rows, np.zeros((0, 1))
+    data.profile, data.side, data.record_step = TABLE, -1.0, 1.0
+    return rows, np.zeros((0, 1))
 
 
 def _check_water(level: float, ramp: float, density: float) -> None:

@@ -6,13 +6,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from heavylift.contours.feature_gap import contact_gap, feature_gap
+from heavylift.contours.feature_gap import FeatureTouch, contact_gap, feature_gap
 from heavylift.contours.feature_pairs import SWEPT, contacts_of_pairs, find_contacts
+from heavylift.contours.feature_report import make_contact_list
 from heavylift.contours.pair_list import make_pair_lists
 from heavylift.contours.pair_search import refresh_pairs
-from heavylift.contours.surface_layout import PAIR_FIRST, PAIR_SURFACE_A, PAIR_SURFACE_B
+from heavylift.contours.surface_layout import RelativeMotion, RelativePose
 from heavylift.contours.surface_pack import pack_surfaces
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import record_at, records
 from heavylift.preprocess.surfaces import TriangleSurface
 
 if TYPE_CHECKING:
@@ -21,47 +23,51 @@ if TYPE_CHECKING:
     from heavylift.contours.surface_pack import CollisionSurfaces
 
 
+motion_at = record_at(RelativeMotion)
+pose_at = record_at(RelativePose)
+
+
 @kernel
 def gap_kernel(surfaces, kind, feature_a, feature_b, radius, side, pose, at, out):
-    return feature_gap(surfaces, kind, feature_a, feature_b, radius, side, pose, at, out)
+    return feature_gap(surfaces, kind, feature_a, feature_b, radius, side, pose_at(pose, at), out)
 
 
 @kernel
-def gaps_kernel(surfaces, features, numbers, radius, pose, repeats, out):
+def gaps_kernel(surfaces, contacts, radius, pose, repeats, out):
     """Gaps of all contacts, many times: for clocks."""
     total = 0.0
     for _ in range(repeats):
-        for k in range(features.shape[0]):
+        for k in range(contacts.shape[0]):
+            found = contacts[k]
             total += contact_gap(
-                surfaces, features[k, 0], features[k, 1], features[k, 2], radius, numbers[k, 1], pose, 0, out
+                surfaces, found.kind, found.first, found.second, radius, found.side, pose_at(pose, 0), out
             )
     return total
 
 
 @kernel
-def contacts_kernel(surfaces, lists, pair, motion, reach, method, features, numbers):
-    return find_contacts(surfaces, lists, pair, motion, reach, method, features, numbers)
+def contacts_kernel(surfaces, lists, pair, motion, reach, method, out):
+    return find_contacts(surfaces, lists, pair, motion_at(motion, 0), reach, method, out)
 
 
 @kernel
-def hits_kernel(surfaces, lists, pair, motion, reach, method, features, numbers):
+def hits_kernel(surfaces, lists, pair, motion, reach, method, out):
     """All that the swept tests report."""
-    count = refresh_pairs(surfaces, lists, pair, motion, reach)
+    count = refresh_pairs(surfaces, lists, pair, motion_at(motion, 0), reach)
     if count <= 0:
         return count
     return contacts_of_pairs(
         surfaces,
-        lists.table[pair, PAIR_SURFACE_A],
-        lists.table[pair, PAIR_SURFACE_B],
+        lists.table[pair].surface_a,
+        lists.table[pair].surface_b,
         lists.pairs,
-        lists.table[pair, PAIR_FIRST],
+        lists.table[pair].first,
         count,
-        motion,
+        motion_at(motion, 0),
         reach,
         method,
         False,
-        features,
-        numbers,
+        out,
     )
 
 
@@ -90,27 +96,35 @@ def contacts_of(
     surfaces: CollisionSurfaces, motion: NDArray[np.float64], reach: float = 0.0, method: int = SWEPT
 ) -> Contacts:
     """Contacts of surfaces 0 and 1."""
-    features, numbers = np.zeros((8192, 4), dtype=np.int64), np.zeros((8192, 3))
+    out = make_contact_list(8192)
     lists = make_pair_lists(surfaces, [(0, 1)])
-    count = contacts_kernel(surfaces, lists, 0, motion, reach, method, features, numbers)
+    count = contacts_kernel(surfaces, lists, 0, motion, reach, method, out)
     assert count >= 0
-    features, numbers = features[:count], numbers[:count]
-    geometry = np.zeros((count, 10))
+    found = out.contacts[:count]
+    geometry = records(FeatureTouch, count)
     for k in range(count):
         gap = gap_kernel(
-            surfaces, *features[k, :3], surfaces.radii[:2].sum(), numbers[k, 1], motion, 12, geometry[k]
+            surfaces,
+            found[k].kind,
+            found[k].first,
+            found[k].second,
+            surfaces.radii[:2].sum(),
+            found[k].side,
+            motion,
+            12,
+            geometry[k],
         )
-        assert gap == numbers[k, 2] or abs(gap - numbers[k, 2]) < 1e-9
+        assert gap == found[k].gap or abs(gap - found[k].gap) < 1e-9
     return Contacts(
-        features[:, 0],
-        features[:, 1:3],
-        features[:, 3] == 1,
-        numbers[:, 0],
-        numbers[:, 1],
-        numbers[:, 2],
-        geometry[:, :3],
-        geometry[:, 3:6],
-        geometry[:, 6:9],
+        found["kind"],
+        np.column_stack([found["first"], found["second"]]),
+        found["hit"] == 1,
+        found["time"],
+        found["side"],
+        found["gap"],
+        geometry["normal"],
+        geometry["point_a"],
+        geometry["point_b"],
     )
 
 
@@ -118,11 +132,11 @@ def hits_of(
     surfaces: CollisionSurfaces, motion: NDArray[np.float64], method: int = SWEPT
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Kinds and times of all hits of the swept tests."""
-    features, numbers = np.zeros((8192, 4), dtype=np.int64), np.zeros((8192, 3))
+    out = make_contact_list(8192)
     lists = make_pair_lists(surfaces, [(0, 1)])
-    count = hits_kernel(surfaces, lists, 0, motion, 0.0, method, features, numbers)
+    count = hits_kernel(surfaces, lists, 0, motion, 0.0, method, out)
     assert count >= 0
-    return features[:count, 0], numbers[:count, 0]
+    return out.contacts["kind"][:count], out.contacts["time"][:count]
 
 
 def box(x: float, y: float, z: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

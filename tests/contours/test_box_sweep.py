@@ -7,14 +7,19 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from heavylift.contours.box_sweep import near, squared_gap, swept_box, swept_triangle
+from heavylift.contours.surface_layout import RelativeMotion, Triangle
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import record_at, records
+
+motion_at = record_at(RelativeMotion)
 
 
 @kernel
 def boxes_of(path, box, points, triangles, distance, out):
     b = (box[0], box[1], box[2], box[3], box[4], box[5])
-    s = swept_box(path, b)
-    t = swept_triangle(path, points, triangles, 0)
+    motion = motion_at(path, 0)
+    s = swept_box(motion, b)
+    t = swept_triangle(motion, points, triangles, 0)
     for k in range(6):
         out[k] = s[k]
         out[6 + k] = t[k]
@@ -28,9 +33,11 @@ def test_swept_boxes_hold_all_points_at_all_times_and_touch_the_outermost(seed):
     path = np.concatenate([np.concatenate([turn.as_matrix().ravel(), place]) for turn, place in poses])
     points = rng.normal(size=(3, 3))
     box = np.concatenate([rng.normal(size=3), rng.uniform(0.0, 2.0, 3)])
+    triangles = records(Triangle, 1)
+    triangles[0].corners[:] = [0, 1, 2]
     out = np.zeros(12)
     distance = 1.0
-    is_near, gap2 = boxes_of(path, box, points, np.array([[0, 1, 2]]), distance, out)
+    is_near, gap2 = boxes_of(path, box, points, triangles, distance, out)
 
     signs = np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T
     for swept, start in ((out[:6], box[:3] + signs * box[3:]), (out[6:], points)):

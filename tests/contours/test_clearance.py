@@ -9,8 +9,10 @@ import pytest
 from collision_scenes import query
 from scipy.spatial.transform import Rotation
 
-from heavylift.contours.clearance import clearance_stack_size, find_clearance, measure_clearance
+from heavylift.contours.clearance import WaitingNodes, clearance_stack_size, find_clearance, measure_clearance
+from heavylift.contours.surface_layout import RelativePose
 from heavylift.contours.surface_pack import pack_surfaces
+from heavylift.numerics.records import record_at, records
 from heavylift.preprocess.primitive_surfaces import (
     box_surface,
     capsule_surface,
@@ -206,10 +208,11 @@ def test_a_prism_within_a_prism():
 
 def test_places_in_longer_arrays_and_surfaces_of_a_scene():
     scene = pack_surfaces([box_surface(1.0), sphere_surface(0.25), box_surface(2.0), sphere_surface(0.5)])
-    stack, out = np.zeros(clearance_stack_size(scene)), np.zeros(6)
+    stack, out = records(WaitingNodes, clearance_stack_size(scene)), np.zeros(6)
     poses = np.concatenate([np.full(7, np.nan), np.eye(3).ravel(), [0.0, 0.0, 3.0], np.full(3, np.nan)])
+    pose = record_at(RelativePose)(poses, 7)
     measured = {
-        pair: measure_clearance(scene, *pair, poses, 7, math.inf, stack, out)
+        pair: measure_clearance(scene, *pair, pose, math.inf, stack, out)
         for pair in ((0, 1), (1, 2), (2, 0), (3, 1), (0, 3))
     }
     expected = {(0, 1): 2.25, (1, 2): 1.75, (2, 0): 1.5, (3, 1): 2.25, (0, 3): 2.0}

@@ -8,8 +8,8 @@ from scipy.interpolate import BSpline, NdBSpline
 
 from heavylift.contours.basis import wrap
 from heavylift.contours.evaluate import (
-    EVALUATION,
     SCRATCH,
+    Evaluation,
     curve_point,
     curve_weights,
     surface_point,
@@ -19,6 +19,7 @@ from heavylift.contours.imported import imported_contour
 from heavylift.contours.neutral import NeutralContour, packed
 from heavylift.contours.spaces import SplineSpace, clamped_space, closed_space
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import records
 
 EPS = 1e-12
 
@@ -72,16 +73,17 @@ def surface_of(spaces: tuple[SplineSpace, SplineSpace], rational: bool, seed: in
 def evaluate_surface(contour: NeutralContour, uv: np.ndarray) -> np.ndarray:
     # second in the packed arrays, so that every offset counts
     table, knots, weights, net = packed([surface_of((space_of(2, 4, False),) * 2, True), contour])
-    out = np.full((len(uv), EVALUATION), np.nan)
+    out = records(Evaluation, len(uv))
+    out.view(np.float64)[:] = np.nan
     surface_points(table[1], knots, weights, net, uv, np.zeros(SCRATCH), out)
-    return out.reshape(-1, 6, 3)
+    return out.view(np.float64).reshape(-1, 6, 3)
 
 
 def evaluate_curve(contour: NeutralContour, u: np.ndarray) -> np.ndarray:
     table, knots, weights, net = packed([contour])
-    out = np.zeros((len(u), EVALUATION))
+    out = records(Evaluation, len(u))
     curve_points(table[0], knots, weights, net, u, np.zeros(SCRATCH), out)
-    return out[:, [0, 1, 2, 3, 4, 5, 9, 10, 11]].reshape(-1, 3, 3)
+    return np.stack([out["position"], out["tangent_u"], out["derivative_uu"]], axis=1)
 
 
 def control_of_functions(space: SplineSpace, control: np.ndarray, axis: int) -> np.ndarray:

@@ -14,6 +14,7 @@ from heavylift.contours.feature_gap import (
     VERTEX_EDGE,
     VERTEX_FACE,
     VERTEX_VERTEX,
+    FeatureTouch,
 )
 
 KINDS = (VERTEX_FACE, FACE_VERTEX, EDGE_EDGE, VERTEX_EDGE, EDGE_VERTEX, VERTEX_VERTEX)
@@ -39,7 +40,7 @@ def rows(kind):
 
 
 def gap_of(surfaces, kind, R, p, side=1.0, radius=0.0):
-    out = np.zeros(10)
+    out = FeatureTouch.one()
     gap = gap_kernel(surfaces, kind, *rows(kind), radius, side, poses(R, p), 0, out)
     return gap, out
 
@@ -62,26 +63,26 @@ def test_gap_is_the_distance_of_the_flats_through_the_features(kind):
         points = surfaces.points.copy()
         points[3:] = points[3:] @ R.T + p
         corners = {
-            VERTEX_FACE: (surfaces.triangles[0, :3], [b]),
-            FACE_VERTEX: ([a], surfaces.triangles[1, :3]),
-            EDGE_EDGE: (surfaces.edges[a, :2], surfaces.edges[b, :2]),
-            VERTEX_EDGE: (surfaces.edges[a, :2], [b]),
-            EDGE_VERTEX: ([a], surfaces.edges[b, :2]),
+            VERTEX_FACE: (surfaces.triangles[0].corners, [b]),
+            FACE_VERTEX: ([a], surfaces.triangles[1].corners),
+            EDGE_EDGE: (surfaces.edges[a].ends, surfaces.edges[b].ends),
+            VERTEX_EDGE: (surfaces.edges[a].ends, [b]),
+            EDGE_VERTEX: ([a], surfaces.edges[b].ends),
             VERTEX_VERTEX: ([a], [b]),
         }[kind]
         x, y = (points[list(c)] for c in corners)
         expected = distance_of_flats(x[0], (x[1:] - x[0]).T, y[0], (y[1:] - y[0]).T)
         gap, out = gap_of(surfaces, kind, R, p)
         assert abs(gap) == pytest.approx(expected, abs=1e-9)
-        assert np.linalg.norm(out[:3]) == pytest.approx(1.0, abs=1e-12)
+        assert np.linalg.norm(out.normal) == pytest.approx(1.0, abs=1e-12)
         # the nearest points are that far apart along the normal
-        np.testing.assert_allclose(out[6:9] - out[3:6], gap * out[:3], atol=1e-9)
+        np.testing.assert_allclose(out.point_b - out.point_a, gap * out.normal, atol=1e-9)
         # rounding takes its radius away, the other side turns normal and sign of the separation
         assert gap_of(surfaces, kind, R, p, radius=0.3)[0] == pytest.approx(gap - 0.3, abs=1e-12)
         if kind <= EDGE_EDGE:
             other, turned = gap_of(surfaces, kind, R, p, side=-1.0)
             assert other == -gap
-            np.testing.assert_array_equal(turned[:3], -out[:3])
+            np.testing.assert_array_equal(turned.normal, -out.normal)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -96,8 +97,8 @@ def test_rate_of_the_gap_is_the_velocity_along_the_normal(kind):
             gap_of(surfaces, kind, rotation(w, s * h * np.linalg.norm(w)) @ R, p + s * h * v)[0]
             for s in (-1, 1)
         ]
-        velocity = v + np.cross(w, out[6:9] - p)
-        assert (gaps[1] - gaps[0]) / (2.0 * h) == pytest.approx(out[:3] @ velocity, rel=1e-5, abs=1e-7)
+        velocity = v + np.cross(w, out.point_b - p)
+        assert (gaps[1] - gaps[0]) / (2.0 * h) == pytest.approx(out.normal @ velocity, rel=1e-5, abs=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -112,9 +113,9 @@ def test_rate_of_the_gap_is_the_velocity_along_the_normal(kind):
 def test_overshoot_of_a_vertex_beyond_the_borders_of_a_face(place, expected):
     point = surface((np.zeros((1, 3)), np.array([[0, 0, 0]])), radius=0.1)
     surfaces = packed(surface(OVER_EDGE), point)
-    out = np.zeros(10)
+    out = FeatureTouch.one()
     gap_kernel(surfaces, VERTEX_FACE, 0, 3, 0.0, 1.0, poses(np.eye(3), place), 0, out)
-    assert out[9] == pytest.approx(expected, abs=1e-14)
+    assert out.beyond == pytest.approx(expected, abs=1e-14)
     # seen from the face it is the same
     gap_kernel(
         packed(point, surface(OVER_EDGE)),
@@ -127,7 +128,7 @@ def test_overshoot_of_a_vertex_beyond_the_borders_of_a_face(place, expected):
         0,
         out,
     )
-    assert out[9] == pytest.approx(expected, abs=1e-14)
+    assert out.beyond == pytest.approx(expected, abs=1e-14)
 
 
 def test_overshoot_of_edges_is_the_largest_beyond_an_end():
@@ -135,21 +136,21 @@ def test_overshoot_of_edges_is_the_largest_beyond_an_end():
     b = surface((np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]]), np.array([[0, 1, 1]])), radius=0.1)
     surfaces = packed(a, b)
     for x, y, expected in ((0.5, 0.0, -0.5), (2.3, 0.0, 0.3), (-0.2, 0.0, 0.2), (1.0, 1.7, 0.7)):
-        out = np.zeros(10)
+        out = FeatureTouch.one()
         gap = gap_kernel(surfaces, EDGE_EDGE, 0, 1, 0.2, 1.0, poses(np.eye(3), [x, y, 0.5]), 0, out)
         assert gap == pytest.approx(0.3)
-        assert out[9] == pytest.approx(expected, abs=1e-14)
+        assert out.beyond == pytest.approx(expected, abs=1e-14)
 
 
 def test_parallel_edges_and_points_in_one_place_stay_finite():
     line = (np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.array([[0, 1, 1]]))
     surfaces = packed(surface(line, radius=0.1), surface(line, radius=0.1))
     for p, expected in (([0.1, 0.0, 0.5], 0.5), ([0.0, 0.0, 0.0], 0.0)):
-        out = np.zeros(10)
+        out = FeatureTouch.one()
         assert gap_kernel(surfaces, EDGE_EDGE, 0, 1, 0.0, 1.0, poses(np.eye(3), p), 0, out) == pytest.approx(
             expected
         )
-        assert np.isfinite(out).all()
-    out = np.zeros(10)
+        assert np.isfinite(out.words).all()
+    out = FeatureTouch.one()
     assert gap_kernel(surfaces, VERTEX_VERTEX, 0, 2, 0.2, 1.0, poses(np.eye(3), np.zeros(3)), 0, out) == -0.2
-    assert np.linalg.norm(out[:3]) == 1.0
+    assert np.linalg.norm(out.normal) == 1.0

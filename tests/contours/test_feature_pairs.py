@@ -9,6 +9,7 @@ from collision_scenes import query, rotation
 
 from heavylift.contours.feature_gap import EDGE_EDGE, FACE_VERTEX, VERTEX_FACE
 from heavylift.contours.feature_pairs import POSITION_DIFFERENCE
+from heavylift.contours.feature_report import make_contact_list
 from heavylift.contours.overlap import find_overlap
 from heavylift.contours.pair_list import make_pair_lists
 
@@ -216,9 +217,9 @@ def test_surfaces_meet_no_earlier_than_the_first_contact():
     for surfaces, motion in throws(40, 4):
         contacts = contacts_of(surfaces, motion)
         first = contacts.times[contacts.hit].min() if contacts.hit.any() else np.inf
-        n = surfaces.surfaces[1, 0]
-        split = surfaces.surfaces[1, 1]
-        of_b = surfaces.edges[:, 0] >= n
+        n = surfaces.surfaces[1].first_point
+        split = surfaces.surfaces[1].first_triangle
+        of_b = surfaces.edges["ends"][:, 0] >= n
         for t in np.linspace(0.0, 1.0, 101):
             x = surfaces.points.copy()
             ends = [
@@ -226,7 +227,7 @@ def test_surfaces_meet_no_earlier_than_the_first_contact():
                 for k in (0, 12)
             ]
             x[n:] = (1.0 - t) * ends[0] + t * ends[1]
-            edges, faces = x[surfaces.edges[:, :2]], x[surfaces.triangles[:, :3]]
+            edges, faces = x[surfaces.edges["ends"]], x[surfaces.triangles["corners"]]
             if edges_through(edges[of_b], faces[:split]) or edges_through(edges[~of_b], faces[split:]):
                 assert first <= t
                 met += 1
@@ -324,7 +325,7 @@ def test_more_contacts_than_there_is_room_for_are_said():
     surfaces = packed(surface(plate(6.0, 6.0, 12, 12)), surface(plate(5.0, 5.0, 20, 20)))
     lists = make_pair_lists(surfaces, [(0, 1)])
     motion = poses(ONE, [0.01, 0.02, 0.01], ONE, [0.01, 0.02, -0.01])
-    features, numbers = np.full((64, 4), -7, dtype=np.int64), np.zeros((64, 3))
-    assert contacts_kernel(surfaces, lists, 0, motion, 0.0, 0, features, numbers) == -2
+    found = make_contact_list(64)
+    assert contacts_kernel(surfaces, lists, 0, motion, 0.0, 0, found) == -2
     few = make_pair_lists(surfaces, [(0, 1)], capacity=1)
-    assert contacts_kernel(surfaces, few, 0, motion, 0.0, 0, features, numbers) == -1
+    assert contacts_kernel(surfaces, few, 0, motion, 0.0, 0, found) == -1

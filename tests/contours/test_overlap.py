@@ -22,8 +22,8 @@ def test_tilted_box_in_a_plane_is_as_deep_as_its_lowest_corner():
         assert found.depth == pytest.approx(depth, rel=1e-6)
         assert abs(found.place[2]) < 1e-12
         np.testing.assert_allclose(found.place[:2], p[:2], atol=1.0)
-        assert surfaces.triangles[found.triangle_a, 7] == 0
-        assert surfaces.triangles[found.triangle_b, 7] == 1
+        assert surfaces.triangles[found.triangle_a].surface == 0
+        assert surfaces.triangles[found.triangle_b].surface == 1
 
 
 @pytest.mark.parametrize("height", [1.0, 1.001, 5.0])

@@ -10,19 +10,22 @@ from scipy.optimize import brentq
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from heavylift.contours.pair_list import LIST_SLACK, make_pair_lists
+from heavylift.contours.pair_list import make_pair_lists
 from heavylift.contours.pair_search import refresh_pairs
-from heavylift.contours.surface_layout import FIRST_TRIANGLE, PAIR_FIRST, PAIR_TRAVERSALS, TRIANGLE_COUNT
+from heavylift.contours.surface_layout import RelativeMotion
 from heavylift.contours.surface_pack import pack_surfaces
 from heavylift.contours.surface_refit import refit_surface
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import record_at
 from heavylift.preprocess.surfaces import TriangleSurface
+
+motion_at = record_at(RelativeMotion)
 
 
 @kernel
 def refresh(surfaces, lists, pair, motion, reach):
-    return refresh_pairs(surfaces, lists, pair, motion, reach)
+    return refresh_pairs(surfaces, lists, pair, motion_at(motion, 0), reach)
 
 
 @kernel
@@ -54,8 +57,8 @@ def random_pose(rng, angle, distance):
 
 def corners_of(surfaces, s):
     row = surfaces.surfaces[s]
-    rows = surfaces.triangles[row[FIRST_TRIANGLE] : row[FIRST_TRIANGLE] + row[TRIANGLE_COUNT], :3]
-    return surfaces.points[rows]
+    rows = surfaces.triangles[row.first_triangle : row.first_triangle + row.triangle_count]
+    return surfaces.points[rows["corners"]]
 
 
 def ends(motion, x):
@@ -64,10 +67,10 @@ def ends(motion, x):
 
 
 def listed(surfaces, lists, count, pair=0):
-    a, b = lists.table[pair, :2]
-    first = lists.table[pair, PAIR_FIRST]
-    rows = lists.pairs[first : first + count] - surfaces.surfaces[[a, b], FIRST_TRIANGLE]
-    found = np.zeros(tuple(surfaces.surfaces[[a, b], TRIANGLE_COUNT]), dtype=int)
+    a, b = lists.table[pair].surface_a, lists.table[pair].surface_b
+    first = lists.table[pair].first
+    rows = lists.pairs[first : first + count] - surfaces.surfaces["first_triangle"][[a, b]]
+    found = np.zeros(tuple(surfaces.surfaces["triangle_count"][[a, b]]), dtype=int)
     np.add.at(found, (rows[:, 0], rows[:, 1]), 1)
     assert found.max(initial=0) <= 1  # no pair twice
     return found > 0
@@ -150,9 +153,9 @@ def test_a_list_that_is_kept_has_all_pairs_that_come_within_reach(seed):
         turned = (Rotation.from_rotvec(spin) * Rotation.from_rotvec(turn)).as_rotvec()
         motion = motion_between((turn, place), (turned, place + speed))
         turn, place = turned, place + speed
-        before = lists.table[0, PAIR_TRAVERSALS]
+        before = lists.table[0].traversals
         count = refresh(surfaces, lists, 0, motion, 0.03)
-        kept += before == lists.table[0, PAIR_TRAVERSALS]
+        kept += before == lists.table[0].traversals
         needed = pairs_of_samples(surfaces, motion, 0.03 + 0.05)
         assert needed.any()
         assert not (needed & ~listed(surfaces, lists, count)).any()
@@ -195,9 +198,9 @@ def test_lists_of_points_have_all_that_come_within_reach(kind, distance):
         turned = (Rotation.from_rotvec(spin) * Rotation.from_rotvec(turn)).as_rotvec()
         motion = motion_between((turn, place), (turned, place + speed))
         turn, place = turned, place + speed
-        before = lists.table[0, PAIR_TRAVERSALS]
+        before = lists.table[0].traversals
         count = refresh(surfaces, lists, 0, motion, 0.01)
-        kept += before == lists.table[0, PAIR_TRAVERSALS]
+        kept += before == lists.table[0].traversals
         found = listed(surfaces, lists, count)
         start, end = ends(motion, moving)
         for t in (0.0, 0.5, 1.0):
@@ -232,13 +235,13 @@ def test_a_list_is_kept_until_a_corner_of_the_box_has_used_up_the_margin(seed):
 
     lists = make_pair_lists(surfaces, [(0, 1)])
     refresh(surfaces, lists, 0, at_rest, 0.01)
-    margin = lists.values[0, LIST_SLACK] - 0.01
+    margin = lists.values[0].slack - 0.01
     assert 0.001 < margin < 0.1
     for part, searches in ((0.999, 1), (1.001, 2)):
         size = brentq(lambda size, part=part: moved(size)[0] - part * margin, 0.0, 1.0)
         pose = moved(size)[1]
         refresh(surfaces, lists, 0, motion_between(pose, pose), 0.01)
-        assert lists.table[0, PAIR_TRAVERSALS] == searches
+        assert lists.table[0].traversals == searches
 
 
 @pytest.mark.parametrize("gap", [0.005, 0.015, 0.03, 0.05, 0.1])
@@ -273,9 +276,9 @@ def test_a_list_allows_for_points_that_move_in_the_axes_of_their_body(seed):
         surfaces.points[...] = rest + np.sin(phase) * modes[0] + np.sin(2.0 * phase) * modes[1]
         refit(surfaces, 0)
         refit(surfaces, 1)
-        before = lists.table[0, PAIR_TRAVERSALS]
+        before = lists.table[0].traversals
         count = refresh(surfaces, lists, 0, still, 0.08)
-        kept += before == lists.table[0, PAIR_TRAVERSALS]
+        kept += before == lists.table[0].traversals
         needed = pairs_of_samples(surfaces, still, 0.08, times=1)
         assert needed.any()
         assert not (needed & ~listed(surfaces, lists, count)).any()
@@ -292,12 +295,12 @@ def test_far_surfaces_are_compared_once_and_never_searched_before_they_are_near(
         # the slack cannot exceed the distance in which nothing is
         lowest = ends(motion, corners_of(surfaces, 1))[1][..., 2].min()
         highest = corners_of(surfaces, 0)[..., 2].max()
-        assert lists.values[0, LIST_SLACK] <= 1000.0
+        assert lists.values[0].slack <= 1000.0
         assert lowest - highest > 0.1
-    assert lists.table[0, PAIR_TRAVERSALS] == 0
+    assert lists.table[0].traversals == 0
     motion = motion_between((np.zeros(3), np.array([0.0, 0.0, 20.0])), (np.zeros(3), np.zeros(3)))
     count = refresh(surfaces, lists, 0, motion, 0.1)
-    assert lists.table[0, PAIR_TRAVERSALS] == 1
+    assert lists.table[0].traversals == 1
     assert not (pairs_of_boxes(surfaces, motion, 0.1) & ~listed(surfaces, lists, count)).any()
 
 
@@ -308,7 +311,7 @@ def test_a_body_at_rest_is_searched_once():
     counts = {refresh(surfaces, lists, 0, motion, 0.01) for _ in range(20)}
     assert len(counts) == 1
     assert counts.pop() > 0
-    assert lists.table[0, PAIR_TRAVERSALS] == 1
+    assert lists.table[0].traversals == 1
 
 
 def test_a_longer_reach_needs_a_new_list_and_a_shorter_one_does_not():
@@ -317,9 +320,9 @@ def test_a_longer_reach_needs_a_new_list_and_a_shorter_one_does_not():
     motion = motion_between((np.ones(3), np.ones(3)), (np.ones(3), np.ones(3)))
     refresh(surfaces, lists, 0, motion, 0.1)
     refresh(surfaces, lists, 0, motion, 0.01)
-    assert lists.table[0, PAIR_TRAVERSALS] == 1
+    assert lists.table[0].traversals == 1
     count = refresh(surfaces, lists, 0, motion, 0.5)
-    assert lists.table[0, PAIR_TRAVERSALS] == 2
+    assert lists.table[0].traversals == 2
     assert not (pairs_of_boxes(surfaces, motion, 0.5) & ~listed(surfaces, lists, count)).any()
 
 

@@ -9,6 +9,7 @@ import pytest
 from scipy.interpolate import BSpline
 
 from heavylift.contours.evaluate import SCRATCH
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.contours.samples import sample_grid, sample_points
 from heavylift.contours.search import closest_on_curve, closest_on_surface, signed_gap
 from heavylift.contours.search_cold import closest_point_cold
@@ -20,23 +21,15 @@ from heavylift.contours.search_step import (
     BORDER,
     CONVERGED,
     DEGENERATE,
-    DISTANCE_SQUARED,
-    FLAGS,
-    ITERATIONS,
     NEED_SPAN,
     NOT_FINITE,
-    OTHER_DISTANCE,
-    OTHER_U,
-    RESULT_WIDTH,
-    SPAN_U,
-    SPAN_V,
     TWIN,
-    U,
-    V,
+    ContourSearch,
     start_search,
 )
 from heavylift.contours.spaces import clamped_space, closed_space
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import records
 
 
 @kernel
@@ -44,7 +37,7 @@ def windowed(contour, knots, weights, net, point, fresh, start, span, scratch, r
     if fresh:
         start_search(contour, start[0], start[1], result)
     x, y, z = point[0], point[1], point[2]
-    if contour[4] == 0:
+    if contour.v.degree == 0:
         return closest_on_curve(contour, knots, weights, net, x, y, z, span[0], scratch, result)
     return closest_on_surface(contour, knots, weights, net, x, y, z, span[0], span[1], scratch, result)
 
@@ -85,13 +78,12 @@ class Patch:
         self.net = self.control.reshape(-1, 3).copy()
         u = spaces[0]
         self.knots = np.concatenate([space.knots for space in spaces])
-        across = (spaces[1].degree, spaces[1].count, int(spaces[1].closed), u.knots.size)
+        along = u.degree, u.count, u.closed, 0
+        across = (spaces[1].degree, spaces[1].count, spaces[1].closed, u.knots.size)
         self.weights = np.zeros(0) if weights is None else np.ascontiguousarray(weights, dtype=float).ravel()
-        self.contour = np.array(
-            [u.degree, u.count, int(u.closed), 0, *across, 0, -1 if weights is None else 0]
-        )
+        self.contour = records(PackedContour, [(along, across, 0, -1 if weights is None else 0)])[0]
         self.scratch = np.zeros(SCRATCH)
-        self.result = np.zeros(RESULT_WIDTH)
+        self.result = ContourSearch.one()
         self.grid = sample_grid(spaces)
         self.points = np.zeros((3, self.grid.count))
         grid = self.grid
@@ -171,22 +163,22 @@ def test_cold_search_finds_the_global_minimum(make):
     for point in generator.uniform(low, high, (20, 3)):
         distance, at = patch.nearest(point)
         assert patch.cold(point) == CONVERGED
-        found = math.sqrt(patch.result[DISTANCE_SQUARED])
+        found = math.sqrt(patch.result.squared_distance)
         # the finest samples are 1e-8 apart; ours may only be nearer
         assert found == pytest.approx(distance, abs=1e-7)
         assert found <= distance + 1e-12
-        here = patch(patch.result[U], patch.result[V])[0, 0]
+        here = patch(patch.result.u, patch.result.v)[0, 0]
         assert np.linalg.norm(here - point) == pytest.approx(found, abs=1e-12)
-        assert patch.result[:3] == pytest.approx(here, abs=1e-12)
-        w, tangents = here - point, patch.result[3:9].reshape(2, 3)
+        assert patch.result.position == pytest.approx(here, abs=1e-12)
+        w, tangents = here - point, np.stack([patch.result.tangent_u, patch.result.tangent_v])
         slope = tangents @ w
-        flags = int(patch.result[FLAGS])
+        flags = patch.result.flags
         held = np.array([flags & (BELOW_U | ABOVE_U), flags & (BELOW_V | ABOVE_V)]) != 0
         assert np.all(np.abs(slope[~held]) < 1e-11 * np.sum(tangents**2, axis=1)[~held])
         inward = np.where([flags & BELOW_U, flags & BELOW_V], 1.0, -1.0)
         assert np.all((slope * inward)[held] > 0.0)
-        if np.linalg.norm(patch.result[:2] - at) < 1e-3:
-            assert patch.result[[U, V]] == pytest.approx(at, abs=1e-6)
+        if np.linalg.norm(patch.result.position[:2] - at) < 1e-3:
+            assert [patch.result.u, patch.result.v] == pytest.approx(at, abs=1e-6)
 
 
 def test_points_over_borders_and_corners_are_held_there():
@@ -212,8 +204,8 @@ def test_points_over_borders_and_corners_are_held_there():
             away = over - along * (along @ over) / (along @ along)
             away *= (outwards[0] or outwards[1]) / np.linalg.norm(away)
         assert patch.cold(edge + 0.1 * away) == CONVERGED
-        assert int(patch.result[FLAGS]) & BORDER == flags
-        assert patch.result[[U, V]] == pytest.approx([u, v], abs=2e-2 if not corner else 1e-15)
+        assert patch.result.flags & BORDER == flags
+        assert [patch.result.u, patch.result.v] == pytest.approx([u, v], abs=2e-2 if not corner else 1e-15)
 
 
 def test_a_warm_start_far_away_still_ends_at_a_minimum():
@@ -222,11 +214,11 @@ def test_a_warm_start_far_away_still_ends_at_a_minimum():
     for point in generator.uniform(-2.5, 2.5, (60, 3)):
         u, v = generator.random(2)
         assert patch.warm(point, u, v) == CONVERGED
-        w = patch.result[:3] - point
-        assert np.abs(patch.result[3:9].reshape(2, 3) @ w).max() < 1e-9
+        w = patch.result.position - point
+        assert np.abs(np.stack([patch.result.tangent_u, patch.result.tangent_v]) @ w).max() < 1e-9
         around = patch(
-            np.mod(patch.result[U] + np.array([-1e-3, 0, 1e-3]), 1.0),
-            np.mod(patch.result[V] + np.array([-1e-3, 0, 1e-3]), 1.0),
+            np.mod(patch.result.u + np.array([-1e-3, 0, 1e-3]), 1.0),
+            np.mod(patch.result.v + np.array([-1e-3, 0, 1e-3]), 1.0),
         )
         assert np.min(np.linalg.norm(around - point, axis=2)) >= np.linalg.norm(w) - 1e-12
 
@@ -236,12 +228,12 @@ def test_a_window_of_control_points_gives_the_same_result():
     for patch, start in [(cylinder(3), (0.97, 0.5)), (wavy(1), (0.2, 0.2)), (curve(), (0.1, 0.0))]:
         for _ in range(10):
             point = patch.net.mean(axis=0) + generator.uniform(-1.5, 1.5, 3)
-            whole = patch.result.copy()
+            whole = ContourSearch.one()
             free = np.array([-1, -1])
             args = (np.array(start), free, patch.scratch, whole)
             assert windowed(*patch.arrays, point, True, *args) == CONVERGED
             net = np.full_like(patch.net, np.nan)
-            part = patch.result.copy()
+            part = ContourSearch.one()
             spans = np.array([0, 0])
             calls = 0
             fresh = True
@@ -253,7 +245,7 @@ def test_a_window_of_control_points_gives_the_same_result():
                 if status != NEED_SPAN:
                     break
                 calls += 1
-                spans = part[[SPAN_U, SPAN_V]].astype(np.int64)
+                spans = np.array([part.span_u, part.span_v])
                 net[:] = np.nan  # only the control points asked for are there
                 rows = []
                 for space, span in zip(patch.spaces, spans, strict=True):
@@ -262,10 +254,9 @@ def test_a_window_of_control_points_gives_the_same_result():
                 net[wanted] = patch.net[wanted]
             assert status == CONVERGED
             assert calls >= 1
-            assert part[:3] == pytest.approx(whole[:3], abs=0.0)
-            assert part[[U, V, DISTANCE_SQUARED, FLAGS, ITERATIONS]] == pytest.approx(
-                whole[[U, V, DISTANCE_SQUARED, FLAGS, ITERATIONS]], abs=0.0
-            )
+            np.testing.assert_array_equal(part.position, whole.position)
+            for name in ("u", "v", "squared_distance", "flags", "iterations"):
+                assert part[name] == whole[name]
 
 
 class Line:
@@ -293,10 +284,10 @@ def test_closest_point_of_a_curve(closed):
     for point in generator.uniform(-2, 2, (40, 3)):
         distance, _ = patch.nearest(point)
         assert patch.cold(point) == CONVERGED
-        assert math.sqrt(patch.result[DISTANCE_SQUARED]) == pytest.approx(distance, abs=3e-7)
-        if int(patch.result[FLAGS]) & BORDER == 0:
-            assert abs(patch.result[3:6] @ (patch.result[:3] - point)) < 1e-11 * np.sum(
-                patch.result[3:6] ** 2
+        assert math.sqrt(patch.result.squared_distance) == pytest.approx(distance, abs=3e-7)
+        if patch.result.flags & BORDER == 0:
+            assert abs(patch.result.tangent_u @ (patch.result.position - point)) < 1e-11 * np.sum(
+                patch.result.tangent_u**2
             )
 
 
@@ -319,7 +310,7 @@ def test_a_rational_sphere_against_its_closed_form():
         direction /= np.linalg.norm(direction)
         radius = generator.uniform(0.5, 2.0)
         assert patch.cold(radius * direction) == CONVERGED
-        assert patch.result[:3] == pytest.approx(direction, abs=1e-11)
+        assert patch.result.position == pytest.approx(direction, abs=1e-11)
         gap(radius * direction, patch.result, out)
         assert out == pytest.approx([radius - 1.0, *direction], abs=1e-11)
 
@@ -327,8 +318,8 @@ def test_a_rational_sphere_against_its_closed_form():
 def test_the_centre_of_a_sphere_has_no_definite_closest_point_and_says_so():
     patch = quarter_sphere()
     assert patch.cold(np.zeros(3)) == CONVERGED
-    assert int(patch.result[FLAGS]) & DEGENERATE
-    assert patch.result[DISTANCE_SQUARED] == pytest.approx(1.0, abs=1e-12)
+    assert patch.result.flags & DEGENERATE
+    assert patch.result.squared_distance == pytest.approx(1.0, abs=1e-12)
     assert patch.warm(1e-9 * np.ones(3), 0.4, 0.4) == CONVERGED  # and close to the centre it ends
 
 
@@ -339,13 +330,13 @@ def test_two_places_at_equal_distance_are_reported():
     patch = Patch((su, sv), np.stack([x, y, 2.0 * x**2], -1))
     point = np.array([0.0, 0.5, 1.2])
     assert patch.cold(point, separation=1e-3) == CONVERGED
-    flags = int(patch.result[FLAGS])
+    flags = patch.result.flags
     assert flags & TWIN
-    assert patch.result[U] + patch.result[OTHER_U] == pytest.approx(1.0, abs=1e-9)
-    assert patch.result[OTHER_DISTANCE] == pytest.approx(math.sqrt(patch.result[DISTANCE_SQUARED]), abs=1e-12)
+    assert patch.result.u + patch.result.other_u == pytest.approx(1.0, abs=1e-9)
+    assert patch.result.other_distance == pytest.approx(math.sqrt(patch.result.squared_distance), abs=1e-12)
     assert patch.cold([0.1, 0.5, 1.2], separation=1e-3) == CONVERGED
-    assert not int(patch.result[FLAGS]) & TWIN
-    assert patch.result[U] > 0.5
+    assert not patch.result.flags & TWIN
+    assert patch.result.u > 0.5
 
 
 def test_the_gap_is_positive_outside():
@@ -355,7 +346,7 @@ def test_the_gap_is_positive_outside():
         point = factor * np.array([0.6, 0.8, 0.0]) + np.array([0.0, 0.0, 1.5])
         assert patch.cold(point) == CONVERGED
         gap(point, patch.result, out)
-        assert out[0] * sign == pytest.approx(math.sqrt(patch.result[DISTANCE_SQUARED]), rel=1e-12)
+        assert out[0] * sign == pytest.approx(math.sqrt(patch.result.squared_distance), rel=1e-12)
         assert out[1:] @ point > 0.0
 
 

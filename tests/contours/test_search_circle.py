@@ -9,29 +9,18 @@ import pytest
 from scipy.interpolate import BSpline
 from scipy.spatial.transform import Rotation
 
-from heavylift.contours.convex import RING, SHAPE_AXES, shape_row
+from heavylift.contours.convex import RING, shape_row
 from heavylift.contours.evaluate import SCRATCH
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.contours.samples import sample_grid, sample_points
-from heavylift.contours.search_circle import RING_GAP, RING_ITERATIONS, RING_PHI, ring_on_surface, start_ring
+from heavylift.contours.search_circle import ring_on_surface, start_ring
 from heavylift.contours.search_circle_cold import RING_ANGLES, ring_cold
 from heavylift.contours.search_cold import closest_shape_cold
 from heavylift.contours.search_shape import shape_gap
-from heavylift.contours.search_step import (
-    BORDER,
-    CONVERGED,
-    DEGENERATE,
-    FLAGS,
-    NEED_SPAN,
-    OTHER_DISTANCE,
-    RESULT_WIDTH,
-    SPAN_U,
-    SPAN_V,
-    TWIN,
-    U,
-    V,
-)
+from heavylift.contours.search_step import BORDER, CONVERGED, DEGENERATE, NEED_SPAN, TWIN, ContourSearch
 from heavylift.contours.spaces import clamped_space, closed_space
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import records
 
 pytestmark = pytest.mark.slow
 
@@ -57,7 +46,7 @@ def search(
     out,
 ):
     # one kernel for all searches compiles once: start holds the task, (u, v, phi) and the window
-    if contour[4] == 0:
+    if contour.v.degree == 0:
         status = closest_shape_cold(
             contour, knots, weights, net, RING, shape, su, sv, points, reach, 0.0, distances, scratch, result
         )
@@ -94,14 +83,14 @@ class Surface:
         self.knots = np.concatenate([space.knots for space in spaces])
         self.net = control.reshape(-1, 3).copy()
         u = spaces[0]
-        across = (0, 1, 0, 0)
+        along, across = (u.degree, u.count, u.closed, 0), (0, 1, False, 0)
         if len(spaces) == 2:
-            across = (spaces[1].degree, spaces[1].count, int(spaces[1].closed), u.knots.size)
-        self.contour = np.array([u.degree, u.count, int(u.closed), 0, *across, 0, -1])
+            across = (spaces[1].degree, spaces[1].count, spaces[1].closed, u.knots.size)
+        self.contour = records(PackedContour, [(along, across, 0, -1)])[0]
         self.arrays = (self.contour, self.knots, np.zeros(0), self.net)
         self.scratch, self.result, self.out = (
             np.zeros(SCRATCH),
-            np.zeros(RESULT_WIDTH),
+            ContourSearch.one(),
             np.zeros(4 * RING_ANGLES),
         )
         self.grid = grid = sample_grid(spaces)
@@ -123,6 +112,11 @@ class Surface:
             spline = BSpline(space.knots, wide, space.degree, axis=axis)
             control = spline(at, nu=derivative[axis])
         return control
+
+    def place(self):
+        """Parameters and angle of the last search, and the gap."""
+        result = self.result
+        return result.u, result.v, result.ring.angle, result.ring.gap
 
     def cold(self, row, separation=0.0, start=(COLD, 0.0, 0.0, 0.0, 0.0, 0.0), net=None):
         grid = self.grid
@@ -146,14 +140,14 @@ class Surface:
 
 
 def on_ring(row, phi):
-    axes = row[SHAPE_AXES : SHAPE_AXES + 9].reshape(3, 3)
-    return row[:3] + row[12] * (math.cos(phi) * axes[:, 0] + math.sin(phi) * axes[:, 1])
+    axes = row.axes
+    return row.centre + row.sizes[0] * (math.cos(phi) * axes[:, 0] + math.sin(phi) * axes[:, 1])
 
 
 def ring(radius, centre, rotation, thickness=0.0):
     row = shape_row(RING, (radius,), thickness)
-    row[:3] = centre
-    row[SHAPE_AXES : SHAPE_AXES + 9] = rotation.ravel()
+    row.centre[:] = centre
+    row.axes[:] = rotation
     return row
 
 
@@ -180,18 +174,18 @@ def test_a_tilted_ring_over_a_plane(height):
     row = ring(0.25, np.array([0.1, -0.2, height]), rotation, thickness=0.01)
     assert surface.cold(row) == CONVERGED
     # the lowest point, below the plane if the centre is low: gap c_z - R sin(tilt) - thickness
-    assert surface.result[RING_GAP] == pytest.approx(height - 0.25 * math.sin(tilt) - 0.01, abs=1e-13)
-    assert on_ring(row, surface.result[RING_PHI])[2] == pytest.approx(
+    assert surface.result.ring.gap == pytest.approx(height - 0.25 * math.sin(tilt) - 0.01, abs=1e-13)
+    assert on_ring(row, surface.result.ring.angle)[2] == pytest.approx(
         height - 0.25 * math.sin(tilt), abs=1e-13
     )
-    assert int(surface.result[FLAGS]) == 0
+    assert surface.result.flags == 0
 
 
 def test_a_ring_flat_over_a_plane_is_degenerate():
     surface = field(0, 0.0)
     assert surface.cold(ring(0.25, np.array([0.0, 0.0, 0.1]), np.eye(3))) == CONVERGED
-    assert surface.result[RING_GAP] == pytest.approx(0.1, abs=1e-13)
-    assert int(surface.result[FLAGS]) & DEGENERATE
+    assert surface.result.ring.gap == pytest.approx(0.1, abs=1e-13)
+    assert surface.result.flags & DEGENERATE
 
 
 @pytest.mark.parametrize("shift", [0.05, 0.25])
@@ -200,8 +194,8 @@ def test_an_eyelet_about_a_tube(shift):
     surface = tube(0.3)
     direction = np.array([math.cos(0.3), math.sin(0.3), 0.0])
     assert surface.cold(ring(0.5, shift * direction, np.eye(3))) == CONVERGED
-    assert surface.result[RING_GAP] == pytest.approx(0.5 - shift - 0.3, abs=5e-6)
-    assert on_ring(ring(0.5, shift * direction, np.eye(3)), surface.result[RING_PHI]) == pytest.approx(
+    assert surface.result.ring.gap == pytest.approx(0.5 - shift - 0.3, abs=5e-6)
+    assert on_ring(ring(0.5, shift * direction, np.eye(3)), surface.result.ring.angle) == pytest.approx(
         (shift - 0.5) * direction, abs=1e-4
     )
 
@@ -217,13 +211,13 @@ def test_random_rings_over_a_wavy_field():
         expected = surface.least_gap(row)
         penetrating += expected < 0.0
         # heights of samples 2 cm apart: off by their distance squared
-        assert surface.result[RING_GAP] == pytest.approx(expected, abs=6e-4)
-        if int(surface.result[FLAGS]) & BORDER == 0:
+        assert surface.result.ring.gap == pytest.approx(expected, abs=6e-4)
+        if surface.result.flags & BORDER == 0:
             # stationary: x - S along the normal, and the normal across the ring
-            phi = surface.result[RING_PHI]
-            w = on_ring(row, phi) - surface.result[:3]
-            assert np.abs(surface.result[3:9].reshape(2, 3) @ w).max() < 1e-10
-            n = np.cross(surface.result[3:6], surface.result[6:9])
+            phi = surface.result.ring.angle
+            w = on_ring(row, phi) - surface.result.position
+            assert np.abs(np.stack([surface.result.tangent_u, surface.result.tangent_v]) @ w).max() < 1e-10
+            n = np.cross(surface.result.tangent_u, surface.result.tangent_v)
             n /= np.linalg.norm(n)
             along = on_ring(row, phi + 1e-4) - on_ring(row, phi - 1e-4)
             assert abs(n @ along) < 1e-9 * 2e-4
@@ -234,22 +228,21 @@ def test_a_warm_ring_is_short_and_keeps_to_its_window():
     surface = field(3, 0.06)
     row = ring(0.35, np.array([0.1, 0.1, 0.3]), Rotation.from_euler("xy", [1.3, 0.2]).as_matrix())
     assert surface.cold(row) == CONVERGED
-    u, v, phi = surface.result[[U, V, RING_PHI]]
-    row[:2] += 1e-3
+    u, v, phi = surface.place()[:3]
+    row.centre[:2] += 1e-3
     assert surface.cold(row, start=(WARM, u, v, phi, -1, -1)) == CONVERGED
-    assert surface.result[RING_ITERATIONS] <= 14
-    kept = [U, V, RING_PHI, RING_GAP]
-    whole = surface.result[kept]
+    assert surface.result.ring.evaluations <= 14
+    whole = surface.place()
     net = np.full_like(surface.net, np.nan)
     task, span = WARM, (0, 0)
     while surface.cold(row, start=(task, u, v, phi, *span), net=net) == NEED_SPAN:
-        task, span = GO_ON, surface.result[[SPAN_U, SPAN_V]].astype(int)
+        task, span = GO_ON, (surface.result.span_u, surface.result.span_v)
         rows = [np.arange(s - 3, s + 1) for s in span]
         wanted = (rows[0][:, None] * surface.spaces[1].count + rows[1]).ravel()
         net[:] = np.nan
         net[wanted] = surface.net[wanted]
     assert task == GO_ON
-    assert surface.result[kept] == pytest.approx(whole, abs=0.0)
+    assert surface.place() == whole
 
 
 def test_two_contacts_of_a_ring_are_reported():
@@ -260,9 +253,9 @@ def test_two_contacts_of_a_ring_are_reported():
     surface = Surface((su, sv), np.stack([x, y, 2.0 * x**2], -1))
     row = ring(0.4, np.array([0.0, 0.0, 0.45]), Rotation.from_euler("x", math.pi / 2).as_matrix())
     assert surface.cold(row, separation=1e-6) == CONVERGED
-    assert int(surface.result[FLAGS]) & TWIN
-    assert surface.result[OTHER_DISTANCE] == pytest.approx(surface.result[RING_GAP], abs=1e-9)
-    assert abs(surface.result[0]) > 0.1
+    assert surface.result.flags & TWIN
+    assert surface.result.other_distance == pytest.approx(surface.result.ring.gap, abs=1e-9)
+    assert abs(surface.result.position[0]) > 0.1
 
 
 def test_distance_of_a_ring_to_a_curve():
@@ -276,7 +269,7 @@ def test_distance_of_a_ring_to_a_curve():
         rotation = Rotation.random(random_state=generator.integers(1 << 30)).as_matrix()
         row = ring(0.3, generator.uniform(-0.6, 0.6, 3), rotation)
         assert surface.cold(row) == CONVERGED
-        local = (line - row[:3]) @ row[SHAPE_AXES : SHAPE_AXES + 9].reshape(3, 3)
+        local = (line - row.centre) @ row.axes
         expected = np.min(np.hypot(np.hypot(local[:, 0], local[:, 1]) - 0.3, local[:, 2]))
         assert surface.out[0] <= expected + 1e-12
         assert surface.out[0] == pytest.approx(expected, abs=1e-4)

@@ -16,13 +16,11 @@ from heavylift.contours.convex import (
     CYLINDER,
     ELLIPSOID,
     RING,
-    SHAPE_AXES,
-    SHAPE_RADIUS,
-    SHAPE_SHIFT,
     core_distance,
     shape_row,
 )
 from heavylift.contours.evaluate import SCRATCH
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.contours.samples import sample_grid, sample_points
 from heavylift.contours.search_cold import closest_shape_cold
 from heavylift.contours.search_shape import closest_shape_on_surface, shape_gap
@@ -32,17 +30,14 @@ from heavylift.contours.search_step import (
     CONVERGED,
     DEEP,
     DEGENERATE,
-    FLAGS,
-    ITERATIONS,
     NEED_SPAN,
-    RESULT_WIDTH,
-    U,
-    V,
+    ContourSearch,
     start_search,
 )
 from heavylift.contours.spaces import clamped_space
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
 
 
 @kernel
@@ -146,7 +141,7 @@ def test_the_distance_to_a_core_is_that_of_its_support_function(name):
     expected = signed_distance(name, points)
     if kind in (BALL, CAPSULE):  # the distance to a thin core ends at zero
         expected = np.maximum(expected, -radius)
-    assert out[:, 0] - row[SHAPE_SHIFT] - radius == pytest.approx(expected, abs=1e-6)
+    assert out[:, 0] - row.shift - radius == pytest.approx(expected, abs=1e-6)
 
 
 @pytest.mark.parametrize("name", [*SHAPES, "ring"])
@@ -181,17 +176,17 @@ class Surface:
         x, y = np.meshgrid(np.linspace(0, 2, su.count), np.linspace(0, 1.5, sv.count), indexing="ij")
         z = height * np.random.default_rng(seed).standard_normal(x.shape)
         control = np.stack([x, y, z], -1)
-        across = (3, sv.count, 0, su.knots.size)
+        across = (3, sv.count, False, su.knots.size)
         self.knots = np.concatenate([su.knots, sv.knots])
         if line:
             self.spaces = (su,)
             control = control[:, 4:5]
-            across = (0, 1, 0, 0)
+            across = (0, 1, False, 0)
         self.control = control
         self.net = control.reshape(-1, 3).copy()
-        self.contour = np.array([3, su.count, 0, 0, *across, 0, -1])
+        self.contour = records(PackedContour, [((3, su.count, False, 0), across, 0, -1)])[0]
         self.arrays = (self.contour, self.knots, np.zeros(0), self.net)
-        self.scratch, self.result, self.out = np.zeros(SCRATCH), np.zeros(RESULT_WIDTH), np.zeros(8)
+        self.scratch, self.result, self.out = np.zeros(SCRATCH), ContourSearch.one(), np.zeros(8)
         self.grid = grid = sample_grid(self.spaces, 5)
         self.points = np.zeros((3, grid.count))
         values = (
@@ -235,18 +230,18 @@ class Surface:
 def posed(name, centre, rotation):
     kind, sizes, radius = SHAPES[name]
     row = shape_row(kind, sizes, radius)
-    row[:3] = centre
-    row[SHAPE_AXES : SHAPE_AXES + 9] = rotation.ravel()
+    row.centre[:] = centre
+    row.axes[:] = rotation
     return kind, row
 
 
 def local_distance(name, row):
     """Signed distance to a primitive by closed forms of its own, vectorised."""
     kind, sizes, radius = SHAPES[name]
-    rotation = row[SHAPE_AXES : SHAPE_AXES + 9].reshape(3, 3)
+    rotation = row.axes
 
     def gap(points):
-        x = (points - row[:3]) @ rotation
+        x = (points - row.centre) @ rotation
         if kind == BALL:
             return np.linalg.norm(x, axis=1) - radius
         if kind == CAPSULE:
@@ -273,9 +268,9 @@ def test_least_gap_to_a_surface_open_and_penetrating(name):
             kind, row = posed(name, centre, rotation)
             assert surface.cold(kind, row) == CONVERGED
             expected = surface.least(local_distance(name, row))
-            assert (expected < -row[SHAPE_RADIUS] + 1e-4) >= bool(int(surface.result[FLAGS]) & DEEP)
+            assert (expected < -row.radius + 1e-4) >= bool(surface.result.flags & DEEP)
             penetrating += expected < 0.0
-            flags = int(surface.result[FLAGS])
+            flags = surface.result.flags
             if flags & DEEP:
                 deep += 1
                 continue
@@ -297,14 +292,14 @@ def test_an_ellipsoid_touches_at_its_support_point():
         rotation = Rotation.random(random_state=seed).as_matrix()
         kind, row = posed("ellipsoid", centre, rotation)
         assert surface.cold(kind, row) == CONVERGED
-        if int(surface.result[FLAGS]) & (BORDER | BEHIND | DEGENERATE):
+        if surface.result.flags & (BORDER | BEHIND | DEGENERATE):
             continue
         touched += 1
-        n = np.cross(surface.result[3:6], surface.result[6:9])
+        n = np.cross(surface.result.tangent_u, surface.result.tangent_v)
         d = -rotation.T @ n / np.linalg.norm(n)
         expected = centre + rotation @ (half**2 * d / np.linalg.norm(half * d))
         assert surface.out[4:7] == pytest.approx(expected, abs=1e-9)
-        assert surface.result[:3] == pytest.approx(
+        assert surface.result.position == pytest.approx(
             surface.out[4:7] + surface.out[0] * surface.out[1:4], abs=1e-12
         )
         assert surface.out[0] < 0.0 or surface.out[7] < 0.0
@@ -317,11 +312,11 @@ def test_the_gap_is_smooth_through_zero():
         "capsule", np.array([1.0, 0.75, 0.4]), Rotation.from_euler("y", 80, degrees=True).as_matrix()
     )
     assert surface.cold(kind, row) == CONVERGED
-    row[2] -= surface.out[0]
-    heights = row[2] + np.linspace(-0.02, 0.02, 9)
+    row.centre[2] -= surface.out[0]
+    heights = row.centre[2] + np.linspace(-0.02, 0.02, 9)
     gaps = []
     for height in heights:
-        row[2] = height
+        row.centre[2] = height
         assert surface.cold(kind, row) == CONVERGED
         gaps.append(surface.out[0])
     assert gaps[0] < 0.0 < gaps[-1]
@@ -334,7 +329,7 @@ def test_a_box_flat_on_a_plane():
     kind, row = posed("box", np.array([1.0, 0.75, 0.34]), np.eye(3))
     assert surface.cold(kind, row) == CONVERGED
     assert surface.out[0] == pytest.approx(0.34 - 0.25 - 0.1, abs=1e-12)
-    assert int(surface.result[FLAGS]) & DEGENERATE  # any point under the face is a minimum
+    assert surface.result.flags & DEGENERATE  # any point under the face is a minimum
     # slightly tilted: the lower edge, its rounding
     angle = 1e-3
     kind, row = posed("box", np.array([1.0, 0.75, 0.34]), Rotation.from_euler("y", angle).as_matrix())
@@ -342,7 +337,7 @@ def test_a_box_flat_on_a_plane():
     expected = 0.34 - 0.3 * math.sin(angle) - 0.25 * math.cos(angle) - 0.1
     assert surface.out[0] == pytest.approx(expected, abs=1e-12)
     # deeper than the rounding
-    row[2] = 0.3
+    row.centre[2] = 0.3
     assert surface.cold(kind, row) == CONVERGED
     assert surface.out[0] == pytest.approx(expected - 0.04, abs=5e-5)
 
@@ -351,7 +346,7 @@ def test_from_below_the_primitive_is_behind():
     surface = Surface(height=0.0)
     kind, row = posed("ball", np.array([1.0, 0.75, -0.2]), np.eye(3))
     assert surface.cold(kind, row) == CONVERGED
-    assert int(surface.result[FLAGS]) & BEHIND
+    assert surface.result.flags & BEHIND
 
 
 @pytest.mark.parametrize("name", ["capsule", "box", "cylinder"])
@@ -371,14 +366,14 @@ def test_a_warm_search_is_short_and_keeps_to_its_window():
     surface = Surface(5)
     kind, row = posed("ellipsoid", np.array([1.0, 0.7, 0.5]), Rotation.random(random_state=3).as_matrix())
     assert surface.cold(kind, row) == CONVERGED
-    u, v = surface.result[[U, V]]
-    row[0] += 2e-3
+    u, v = [surface.result.u, surface.result.v]
+    row.centre[0] += 2e-3
     assert surface.cold(kind, row, (WARM, u, v, -1.0)) == CONVERGED
-    assert surface.result[ITERATIONS] <= 6
-    whole = surface.result[[U, V]]
+    assert surface.result.iterations <= 6
+    whole = [surface.result.u, surface.result.v]
     assert surface.cold(kind, row, (WARM, u, v, 0.0)) == NEED_SPAN
     assert surface.cold(kind, row, (GO_ON, u, v, -1.0)) == CONVERGED
-    assert surface.result[[U, V]] == pytest.approx(whole, abs=0.0)
+    assert [surface.result.u, surface.result.v] == pytest.approx(whole, abs=0.0)
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.contours.search_step import (
     ABOVE_U,
     BELOW_U,
@@ -16,22 +17,18 @@ from heavylift.contours.search_step import (
     CONVERGED,
     DEGENERATE,
     EVALUATE,
-    FLAGS,
-    ITERATIONS,
     NOT_FINITE,
-    RESULT_WIDTH,
-    TRIAL_U,
-    TRIAL_V,
-    U,
-    V,
+    ContourSearch,
     least_quadratic,
     start_search,
     step_search,
 )
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import records
 
-OPEN = np.array([3, 11, 0, 0, 3, 11, 0, 0, 0, -1])
-CLOSED = np.array([3, 11, 1, 0, 3, 11, 0, 0, 0, -1])
+OPEN, CLOSED = records(
+    PackedContour, [((3, 11, closed, 0), (3, 11, False, 0), 0, -1) for closed in (False, True)]
+)
 
 
 @kernel
@@ -53,13 +50,13 @@ def step(contour, values, result):
 
 def search(function, contour, u, v):
     """Run the step on a function of (u, v) that gives f and derivatives; returns status, result, trials."""
-    result = np.zeros(RESULT_WIDTH)
-    result[3] = result[7] = 1.0  # unit tangents
+    result = ContourSearch.one()
+    result.tangent_u[0] = result.tangent_v[1] = 1.0
     begin(contour, u, v, result)
     trials = []
     status = EVALUATE
     while status == EVALUATE:
-        trials.append((result[TRIAL_U], result[TRIAL_V]))
+        trials.append((result.trial_u, result.trial_v))
         status = step(contour, np.array(function(*trials[-1]), dtype=float), result)
     return status, result, np.array(trials)
 
@@ -95,13 +92,13 @@ def test_convergence_is_quadratic():
     status, result, trials = search(valley, OPEN, 0.45, 0.62)
     errors = np.hypot(trials[:, 0] - 0.4, trials[:, 1] - 0.55)
     assert status == CONVERGED
-    assert int(result[FLAGS]) == 0
+    assert result.flags == 0
     assert errors[-1] < 1e-12
     seen = errors[errors > 1e-13]
     orders = np.log(seen[2:] / seen[1:-1]) / np.log(seen[1:-1] / seen[:-2])
     assert np.all(seen[1:] < 30.0 * seen[:-1] ** 2)
     assert orders[-1] > 1.7
-    assert result[ITERATIONS] == len(trials)
+    assert result.iterations == len(trials)
 
 
 def test_a_saddle_and_a_maximum_are_left():
@@ -120,7 +117,7 @@ def test_a_saddle_and_a_maximum_are_left():
 
     status, result, _ = search(waves, OPEN, 0.5, 0.5)
     assert status == CONVERGED
-    assert abs(abs(result[U] - 0.5) - 0.25) < 1e-11
+    assert abs(abs(result.u - 0.5) - 0.25) < 1e-11
 
 
 @pytest.mark.parametrize(
@@ -146,8 +143,8 @@ def test_borders_hold_where_the_gradient_points_outwards(centre, flags):
         tol=1e-14,
     )
     assert status == CONVERGED
-    assert result[[U, V]] == pytest.approx(reference.x, abs=1e-7)
-    assert int(result[FLAGS]) & BORDER == flags
+    assert [result.u, result.v] == pytest.approx(reference.x, abs=1e-7)
+    assert result.flags & BORDER == flags
 
 
 def test_a_closed_direction_is_crossed_at_its_seam():
@@ -157,7 +154,7 @@ def test_a_closed_direction_is_crossed_at_its_seam():
 
     status, result, trials = search(wave, CLOSED, 0.05, 0.5)
     assert status == CONVERGED
-    assert result[U] == pytest.approx(0.98, abs=1e-12)
+    assert result.u == pytest.approx(0.98, abs=1e-12)
     assert np.all((trials >= 0.0) & (trials < 1.0))
     assert len(trials) <= 7
 
@@ -165,7 +162,7 @@ def test_a_closed_direction_is_crossed_at_its_seam():
 def test_a_constant_is_called_degenerate_and_ends():
     status, result, trials = search(lambda *_: (0.5, 0.0, 0.0, 0.0, 0.0, 0.0), OPEN, 0.3, 0.3)
     assert status == CONVERGED
-    assert int(result[FLAGS]) & DEGENERATE
+    assert result.flags & DEGENERATE
     assert len(trials) == 1
 
 

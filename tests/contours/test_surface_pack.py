@@ -7,25 +7,7 @@ from collections import defaultdict
 import numpy as np
 import pytest
 
-from heavylift.contours.surface_layout import (
-    BOX_CENTRE,
-    BOX_HALF,
-    EDGE_AB,
-    EDGE_END,
-    EDGE_START,
-    EDGE_TRIANGLE,
-    FIRST_EDGE,
-    FIRST_POINT,
-    FIRST_TRIANGLE,
-    FLAGS,
-    IS_FACE,
-    OWNS_A,
-    OWNS_AB,
-    POINT_COUNT,
-    ROOT_NODE,
-    SURFACE,
-    TRIANGLE_COUNT,
-)
+from heavylift.contours.surface_layout import IS_FACE, OWNS_A, OWNS_AB
 from heavylift.contours.surface_pack import pack_surfaces
 from heavylift.preprocess.surfaces import TriangleSurface
 
@@ -77,19 +59,19 @@ def test_edges_join_the_points_of_their_triangles_and_are_those_of_the_mesh(scen
                 frozenset(pair) for pair in zip(row, np.roll(row, -1), strict=True) if len(set(pair)) == 2
             }
         offset += len(surface.points)
-    ends = packed.edges[:, [EDGE_START, EDGE_END]]
+    ends = packed.edges["ends"]
     assert len(ends) == len(expected)
     assert {frozenset(pair) for pair in ends.tolist()} == expected
     for row in packed.triangles:
         for side in range(3):
-            pair = {row[side], row[(side + 1) % 3]}
-            edge = row[EDGE_AB + side]
+            pair = {row.corners[side], row.corners[(side + 1) % 3]}
+            edge = row.edges[side]
             if edge >= 0:
                 assert set(ends[edge]) == pair
             else:
-                assert len(pair) == 1 or not row[FLAGS] & IS_FACE
+                assert len(pair) == 1 or not row.flags & IS_FACE
     for edge, row in enumerate(packed.edges):
-        assert edge in packed.triangles[row[EDGE_TRIANGLE], EDGE_AB:FLAGS]
+        assert edge in packed.triangles[row.triangle].edges
 
 
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
@@ -99,10 +81,10 @@ def test_every_point_and_every_edge_is_owned_once(scene):
     edges = np.zeros(len(packed.edges), dtype=int)
     for row in packed.triangles:
         for k in range(3):
-            points[row[k]] += bool(row[FLAGS] & (OWNS_A << k))
-            if row[FLAGS] & (OWNS_AB << k):
-                assert row[EDGE_AB + k] >= 0
-                edges[row[EDGE_AB + k]] += 1
+            points[row.corners[k]] += bool(row.flags & (OWNS_A << k))
+            if row.flags & (OWNS_AB << k):
+                assert row.edges[k] >= 0
+                edges[row.edges[k]] += 1
     assert (points == 1).all()
     assert (edges == 1).all()
 
@@ -112,7 +94,7 @@ def test_a_point_of_no_triangle_is_owned_by_none():
     packed = pack_surfaces(
         [TriangleSurface(np.vstack([[[9.0, 9.0, 9.0]], surface.points]), surface.triangles + 1)]
     )
-    assert not (packed.triangles[:, :3] == 0).any()
+    assert not (packed.triangles["corners"] == 0).any()
     assert packed.vertex_first[0] == packed.vertex_first[1]
     assert packed.reaches[0] < 9.0
 
@@ -121,7 +103,7 @@ def test_a_point_of_no_triangle_is_owned_by_none():
 def test_neighbours_are_the_other_ends_of_edges(scene):
     packed = pack_surfaces(scene)
     expected = defaultdict(set)
-    for a, b, _ in packed.edges:
+    for a, b in packed.edges["ends"]:
         expected[a].add(b)
         expected[b].add(a)
     for i in range(len(packed.points)):
@@ -136,10 +118,10 @@ def test_inward_directions_lie_in_the_faces_of_the_edge(scene):
     packed = pack_surfaces(scene)
     faces_at = defaultdict(list)
     for t, row in enumerate(packed.triangles):
-        if row[FLAGS] & IS_FACE:
+        if row.flags & IS_FACE:
             for k in range(3):
-                faces_at[row[EDGE_AB + k]].append((t, row[(k + 2) % 3]))
-    for e, (a, b, _) in enumerate(packed.edges):
+                faces_at[row.edges[k]].append((t, row.corners[(k + 2) % 3]))
+    for e, (a, b) in enumerate(packed.edges["ends"]):
         rows = range(packed.edge_first[e], packed.edge_first[e + 1])
         assert sorted(packed.edge_opposite[j] for j in rows) == sorted(c for _, c in faces_at[e])
         along = packed.points[b] - packed.points[a]
@@ -153,7 +135,7 @@ def test_inward_directions_lie_in_the_faces_of_the_edge(scene):
     assert (
         packed.edge_first[-1]
         == len(packed.edge_inward)
-        == 3 * (packed.triangles[:, FLAGS] & IS_FACE > 0).sum()
+        == 3 * (packed.triangles["flags"] & IS_FACE > 0).sum()
     )
 
 
@@ -161,35 +143,31 @@ def test_rows_of_a_surface_are_its_own_and_keep_their_geometry():
     scene = SCENES["all"]
     packed = pack_surfaces(scene)
     for s, (surface, row) in enumerate(zip(scene, packed.surfaces, strict=True)):
-        rows = slice(row[FIRST_TRIANGLE], row[FIRST_TRIANGLE] + row[TRIANGLE_COUNT])
+        rows = slice(row.first_triangle, row.first_triangle + row.triangle_count)
         triangles = packed.triangles[rows]
-        assert (triangles[:, SURFACE] == s).all()
-        assert row[POINT_COUNT] == len(surface.points)
+        assert (triangles["surface"] == s).all()
+        assert row.point_count == len(surface.points)
         assert sorted(packed.order[rows]) == list(range(len(surface.triangles)))
         given = surface.points[surface.triangles[packed.order[rows]]]
-        np.testing.assert_array_equal(packed.points[triangles[:, :3]], given)
+        np.testing.assert_array_equal(packed.points[triangles["corners"]], given)
         np.testing.assert_array_equal(
-            triangles[:, :3] - row[FIRST_POINT], surface.triangles[packed.order[rows]]
+            triangles["corners"] - row.first_point, surface.triangles[packed.order[rows]]
         )
-        np.testing.assert_array_equal(triangles[:, FLAGS] & IS_FACE > 0, surface.faces[packed.order[rows]])
+        np.testing.assert_array_equal(triangles["flags"] & IS_FACE > 0, surface.faces[packed.order[rows]])
         boxes = packed.triangle_boxes[rows]
-        np.testing.assert_allclose(
-            boxes[:, BOX_CENTRE:BOX_HALF] - boxes[:, BOX_HALF:], given.min(axis=1), atol=1e-14
-        )
-        np.testing.assert_allclose(
-            boxes[:, BOX_CENTRE:BOX_HALF] + boxes[:, BOX_HALF:], given.max(axis=1), atol=1e-14
-        )
+        np.testing.assert_allclose(boxes["centre"] - boxes["half"], given.min(axis=1), atol=1e-14)
+        np.testing.assert_allclose(boxes["centre"] + boxes["half"], given.max(axis=1), atol=1e-14)
         assert packed.radii[s] == surface.radius
         assert packed.reaches[s] == pytest.approx(np.linalg.norm(surface.points, axis=1).max(), rel=1e-15)
-        assert triangles[:, EDGE_AB:FLAGS].max() >= row[FIRST_EDGE] or not len(surface.points) > 1
-        assert packed.nodes[row[ROOT_NODE], 2] == len(surface.triangles)
+        assert triangles["edges"].max() >= row.first_edge or not len(surface.points) > 1
+        assert packed.nodes[row.root].count == len(surface.triangles)
 
 
 def test_normals_stand_on_faces_and_round_shapes_have_none():
     packed = pack_surfaces([grid(5), capsule(), sphere()])
     for row, normal in zip(packed.triangles, packed.normals, strict=True):
-        a, b, c = packed.points[row[:3]]
-        if row[FLAGS] & IS_FACE:
+        a, b, c = packed.points[row.corners]
+        if row.flags & IS_FACE:
             assert np.linalg.norm(normal) == pytest.approx(1.0, abs=1e-14)
             assert np.cross(b - a, c - a) @ normal == pytest.approx(np.linalg.norm(np.cross(b - a, c - a)))
         else:
@@ -199,17 +177,18 @@ def test_normals_stand_on_faces_and_round_shapes_have_none():
 def test_a_triangle_without_height_keeps_its_edges_but_is_no_face():
     points = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [3.0, 3.0, 3.0]])
     packed = pack_surfaces([TriangleSurface(points, np.array([[0, 1, 2]]))])
-    assert not packed.triangles[0, FLAGS] & IS_FACE
+    assert not packed.triangles[0].flags & IS_FACE
     assert len(packed.edges) == 3
     assert len(packed.edge_inward) == 0
 
 
 def test_lone_points_and_segments():
     packed = pack_surfaces([sphere(), capsule()])
-    np.testing.assert_array_equal(packed.triangles[0, EDGE_AB:FLAGS], -1)
-    np.testing.assert_array_equal(packed.triangles[1, EDGE_AB:FLAGS], [0, -1, -1])
-    assert packed.triangles[0, FLAGS] == OWNS_A
-    np.testing.assert_array_equal(packed.edges, [[1, 2, 1]])
+    np.testing.assert_array_equal(packed.triangles[0].edges, -1)
+    np.testing.assert_array_equal(packed.triangles[1].edges, [0, -1, -1])
+    assert packed.triangles[0].flags == OWNS_A
+    np.testing.assert_array_equal(packed.edges["ends"], [[1, 2]])
+    np.testing.assert_array_equal(packed.edges["triangle"], [1])
 
 
 def test_edges_of_a_closed_mesh_are_those_of_trimesh():
@@ -217,7 +196,7 @@ def test_edges_of_a_closed_mesh_are_those_of_trimesh():
 
     mesh = trimesh.creation.icosphere(subdivisions=3)
     packed = pack_surfaces([TriangleSurface(mesh.vertices, mesh.faces)])
-    mine = np.sort(packed.edges[:, :2], axis=1)
+    mine = np.sort(packed.edges["ends"], axis=1)
     theirs = np.sort(mesh.edges_unique, axis=1)
     np.testing.assert_array_equal(mine[np.lexsort(mine.T)], theirs[np.lexsort(theirs.T)])
     # Euler: a closed surface without holes
@@ -229,5 +208,5 @@ def test_edges_of_a_closed_mesh_are_those_of_trimesh():
 def test_a_scene_without_surfaces_has_empty_arrays():
     packed = pack_surfaces([])
     assert packed.points.shape == (0, 3)
-    assert packed.triangles.shape == (0, 8)
+    assert packed.triangles.shape == (0,)
     assert packed.edge_first.tolist() == [0]

@@ -5,14 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.contours.surface_layout import (
-    FIRST_EDGE,
-    FIRST_POINT,
-    NODE_COUNT,
-    NODE_FIRST,
-    POINT_COUNT,
-    ROOT_NODE,
-)
 from heavylift.contours.surface_pack import pack_surfaces
 from heavylift.contours.surface_refit import refit_surface
 from heavylift.numerics.jit import kernel
@@ -45,13 +37,17 @@ def bent(points):
     return np.stack([x + 0.1 * np.sin(y), y - 0.2 * np.cos(x), z + 0.05 * x * x - 0.1 * x * y], axis=1)
 
 
+def _numbers(rows):
+    return rows.view(np.float64).reshape(len(rows), -1)
+
+
 @pytest.mark.parametrize("surface", [0, 1, 2])
 def test_what_follows_from_points_is_what_packing_them_gives(surface):
     scene = [sheet(6), rope(20), sheet(3, shift=2.0)]
     packed = pack_surfaces(scene)
     before = pack_surfaces(scene)
     row = packed.surfaces[surface]
-    rows = slice(row[FIRST_POINT], row[FIRST_POINT] + row[POINT_COUNT])
+    rows = slice(row.first_point, row.first_point + row.point_count)
     packed.points[rows] = bent(packed.points[rows])
     way = refit(packed, surface)
 
@@ -62,15 +58,15 @@ def test_what_follows_from_points_is_what_packing_them_gives(surface):
     expected = pack_surfaces(scene)
     np.testing.assert_allclose(packed.reaches, expected.reaches, rtol=1e-15)
     # the tree keeps the old order of triangles: compare by the numbers that they were given
-    own = packed.triangles[:, 7] == surface
+    own = packed.triangles["surface"] == surface
     mine, theirs = np.argsort(packed.order[own]), np.argsort(expected.order[own])
     for name in ("normals", "triangle_boxes"):
-        a, b = getattr(packed, name), getattr(expected, name)
+        a, b, c = (_numbers(getattr(which, name)) for which in (packed, expected, before))
         np.testing.assert_allclose(a[own][mine], b[own][theirs], atol=1e-14)
-        np.testing.assert_array_equal(a[~own], getattr(before, name)[~own])
+        np.testing.assert_array_equal(a[~own], c[~own])
     inward = {}
     for which in (packed, expected):
-        for e, (a, b, _) in enumerate(which.edges):
+        for e, (a, b) in enumerate(which.edges["ends"]):
             for j in range(which.edge_first[e], which.edge_first[e + 1]):
                 inward.setdefault((min(a, b), max(a, b), which.edge_opposite[j]), []).append(
                     which.edge_inward[j]
@@ -78,14 +74,14 @@ def test_what_follows_from_points_is_what_packing_them_gives(surface):
     for two in inward.values():
         np.testing.assert_allclose(*two, atol=1e-14)
 
-    lower = packed.points[packed.triangles[:, :3]].min(axis=1)
-    upper = packed.points[packed.triangles[:, :3]].max(axis=1)
+    lower = packed.points[packed.triangles["corners"]].min(axis=1)
+    upper = packed.points[packed.triangles["corners"]].max(axis=1)
     for node, box in zip(packed.nodes, packed.boxes, strict=True):
-        inside = slice(node[NODE_FIRST], node[NODE_FIRST] + node[NODE_COUNT])
-        np.testing.assert_allclose(box[:3] - box[3:], lower[inside].min(axis=0), atol=1e-14)
-        np.testing.assert_allclose(box[:3] + box[3:], upper[inside].max(axis=0), atol=1e-14)
-    assert packed.surfaces[surface, ROOT_NODE] == expected.surfaces[surface, ROOT_NODE]
-    assert packed.surfaces[surface, FIRST_EDGE] == expected.surfaces[surface, FIRST_EDGE]
+        inside = slice(node.first, node.first + node.count)
+        np.testing.assert_allclose(box.centre - box.half, lower[inside].min(axis=0), atol=1e-14)
+        np.testing.assert_allclose(box.centre + box.half, upper[inside].max(axis=0), atol=1e-14)
+    assert packed.surfaces[surface].root == expected.surfaces[surface].root
+    assert packed.surfaces[surface].first_edge == expected.surfaces[surface].first_edge
 
 
 def test_ways_of_all_refits_add_up():

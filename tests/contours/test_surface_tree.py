@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.contours.surface_layout import NODE_COUNT, NODE_FIRST, NODE_LEFT
+from heavylift.contours.surface_layout import TreeNode
 from heavylift.contours.surface_tree import LEAF_TRIANGLES, build_tree, tree_depth
+from heavylift.numerics.records import records
 
 
 def soup(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -44,23 +45,23 @@ def test_each_triangle_is_in_one_leaf_and_all_boxes_are_tight(boxes):
     assert sorted(tree.order) == list(range(len(lower)))
     covered = np.zeros(len(lower), dtype=int)
     for node, row in enumerate(tree.nodes):
-        rows = slice(row[NODE_FIRST], row[NODE_FIRST] + row[NODE_COUNT])
+        rows = slice(row.first, row.first + row.count)
         inside = tree.order[rows]
         box = tree.boxes[node]
-        np.testing.assert_allclose(box[:3] - box[3:], lower[inside].min(axis=0), atol=1e-14)
-        np.testing.assert_allclose(box[:3] + box[3:], upper[inside].max(axis=0), atol=1e-14)
-        left = row[NODE_LEFT]
+        np.testing.assert_allclose(box.centre - box.half, lower[inside].min(axis=0), atol=1e-14)
+        np.testing.assert_allclose(box.centre + box.half, upper[inside].max(axis=0), atol=1e-14)
+        left = row.left
         if left < 0:
-            assert 1 <= row[NODE_COUNT] <= LEAF_TRIANGLES
+            assert 1 <= row.count <= LEAF_TRIANGLES
             covered[rows] += 1
         else:
             assert left > node
             halves = tree.nodes[[left, left + 1]]
-            assert halves[0, NODE_FIRST] == row[NODE_FIRST]
-            assert halves[1, NODE_FIRST] == halves[0, NODE_FIRST] + halves[0, NODE_COUNT]
-            assert halves[:, NODE_COUNT].sum() == row[NODE_COUNT]
+            assert halves[0].first == row.first
+            assert halves[1].first == halves[0].first + halves[0].count
+            assert halves["count"].sum() == row.count
     assert (covered == 1).all()
-    assert tree.nodes[0, NODE_COUNT] == len(lower)
+    assert tree.nodes[0].count == len(lower)
 
 
 def cheapest(lower: np.ndarray, upper: np.ndarray, inside: np.ndarray) -> float:
@@ -83,13 +84,13 @@ def test_every_split_is_the_cheapest_one():
     lower, upper = soup(200, 5)
     tree = build_tree(lower, upper)
     for row in tree.nodes:
-        left = row[NODE_LEFT]
+        left = row.left
         if left >= 0:
-            inside = tree.order[row[NODE_FIRST] : row[NODE_FIRST] + row[NODE_COUNT]]
+            inside = tree.order[row.first : row.first + row.count]
             cost = 0.0
             for child in (left, left + 1):
-                x, y, z = 2.0 * tree.boxes[child, 3:]
-                cost += tree.nodes[child, NODE_COUNT] * (x * y + y * z + z * x)
+                x, y, z = 2.0 * tree.boxes[child].half
+                cost += tree.nodes[child].count * (x * y + y * z + z * x)
             # edge lengths have a small share of the cost, for boxes without area
             assert cost <= cheapest(lower, upper, np.sort(inside)) * (1.0 + 1e-3)
 
@@ -101,7 +102,7 @@ def test_triangles_in_one_place_make_a_flat_tree():
 
 def test_depth_is_that_of_the_longest_branch():
     # 0 has children 1 and 2; 2 has 3 and 4
-    nodes = np.array([[1, 0, 30], [-1, 0, 8], [3, 8, 16], [-1, 8, 8], [-1, 16, 8]])
+    nodes = records(TreeNode, [(1, 0, 30), (-1, 0, 8), (3, 8, 16), (-1, 8, 8), (-1, 16, 8)])
     assert tree_depth(nodes) == 3
     assert tree_depth(nodes, 2) == 2
     assert tree_depth(nodes, 4) == 1

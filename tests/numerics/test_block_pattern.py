@@ -6,11 +6,6 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.block_pattern import (
-    LOWER,
-    LOWER_COUNT,
-    NODE,
-    PIVOT,
-    UPDATE,
     BlockPattern,
     pack_blocks,
 )
@@ -30,7 +25,7 @@ def sample() -> tuple[np.ndarray, BlockPattern]:
 def test_blocks_do_not_overlap_and_fill_the_set():
     _, pattern = sample()
     block = ROWS * len(pattern.shape[1])
-    used = np.concatenate([pattern.columns[:, PIVOT], pattern.lower[:, 1]])
+    used = np.concatenate([pattern.columns["pivot"], pattern.lower["place"]])
     base_base = [
         pattern.place(60, 4)[0],
         pattern.place(4, 4)[0],
@@ -50,7 +45,7 @@ def test_all_couplings_have_a_block_and_both_orders_name_the_same():
     diagonal = edges[:, 0] == edges[:, 1]
     np.testing.assert_array_equal(swap[~diagonal], ~swapped[~diagonal])
     assert not swap[diagonal].any()
-    place_in_order = {int(node): i for i, node in enumerate(pattern.columns[:, NODE])}
+    place_in_order = {int(node): i for i, node in enumerate(pattern.columns["node"])}
     for (a, b), earlier in zip(edges.tolist(), swap.tolist(), strict=True):
         if a != b:  # base nodes have no column: they come last
             assert earlier == (place_in_order.get(a, COUNT + a) < place_in_order.get(b, COUNT + b))
@@ -61,18 +56,18 @@ def test_groups_have_columns_of_their_own_and_base_nodes_none():
     assert pattern.ranges[0, 0] == 0
     assert pattern.ranges[-1, 1] == len(pattern.columns)
     for g, (first, last) in enumerate(pattern.ranges.tolist()):
-        nodes = pattern.columns[first:last, NODE]
+        nodes = pattern.columns["node"][first:last]
         expected = np.setdiff1d(np.arange(g, COUNT, 2), BASES[g])
         np.testing.assert_array_equal(np.sort(nodes), expected)
 
 
 def test_updates_are_the_blocks_of_pairs_of_lower_nodes():
     _, pattern = sample()
-    ends = np.flatnonzero(pattern.columns[:, UPDATE] >= 0)
+    ends = np.flatnonzero(pattern.columns["first_update"] >= 0)
     seen = 0
     for _, first, count, update, _ in pattern.columns[ends].tolist():
         assert update == seen
-        nodes = pattern.lower[first : first + count, 0]
+        nodes = pattern.lower["node"][first : first + count]
         for l in range(count):
             for k in range(l, count):
                 place, earlier = pattern.place(nodes[k], nodes[l])
@@ -88,14 +83,14 @@ def test_panels_have_the_rows_of_their_last_column_and_stand_row_by_row():
     column = wide = 0
     while column < len(pattern.columns):
         end = column
-        while pattern.columns[end, UPDATE] < 0:
+        while pattern.columns[end].first_update < 0:
             end += 1
         width = end + 1 - column
         wide += width > 1
-        start, count = pattern.columns[column, PIVOT], pattern.columns[end, LOWER_COUNT]
+        start, count = pattern.columns[column].pivot, pattern.columns[end].lower_count
         for m in range(width):
-            first = pattern.columns[column + m, LOWER]
-            rows = pattern.lower[first : first + pattern.columns[column + m, LOWER_COUNT]]
+            first = pattern.columns[column + m].first_lower
+            rows = pattern.lower[first : first + pattern.columns[column + m].lower_count]
             assert len(rows) == width - m - 1 + count
             for i, (_, place) in enumerate(rows.tolist(), start=m + 1):
                 before = i * (i + 1) // 2 if i < width else width * (width + 1) // 2 + (i - width) * width
@@ -107,7 +102,7 @@ def test_panels_have_the_rows_of_their_last_column_and_stand_row_by_row():
 def test_components_are_the_groups_if_none_are_given():
     chains = np.array([[5, 3], [3, 1], [0, 2], [2, 4]])
     pattern = pack_blocks(7, chains, ROWS)
-    assert [set(pattern.columns[a:b, NODE].tolist()) for a, b in pattern.ranges] == [
+    assert [set(pattern.columns["node"][a:b].tolist()) for a, b in pattern.ranges] == [
         {0, 2, 4},
         {1, 3, 5},
         {6},

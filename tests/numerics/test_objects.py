@@ -16,6 +16,7 @@ import pytest
 
 from heavylift.numerics import objects, sources
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Reference, described
+from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import Unit, build_unit, entry, load_unit
 from heavylift.solver import compiling
 from heavylift.solver.forces.gravity import UniformGravity
@@ -30,10 +31,9 @@ import numpy as np
 from heavylift.numerics import objects, sources
 from heavylift.solver.forces.gravity import UniformGravity
 from heavylift.solver.interface import Forces, Workspace, add_forces
-work = Workspace(np.zeros(6), np.zeros((0, 12)), np.zeros((0, 3, 6)), np.zeros(15), np.zeros(9), np.zeros(0),
-                 np.zeros(3, dtype=np.int64))
+work = Workspace.empty(6, 0)
 add_forces(Forces((UniformGravity(np.array([0.0, 0.0, -9.81])),)), 0.0, work)
-print(json.dumps([list(work.sums[:3]), sum(unit.seconds > 0.0 for unit in objects.compiled_units().values())]))
+print(json.dumps([list(work.sums.gravity), sum(unit.seconds > 0.0 for unit in objects.compiled_units().values())]))
 """
 
 
@@ -150,6 +150,28 @@ def test_an_index_out_of_bounds_is_told_where_bounds_are_checked(tmp_path: Path)
     )
     assert done.stdout == "2.0\n"
     assert "RuntimeError: __main__.overrun ended with an error" in done.stderr
+
+
+@kernel
+def made(count):
+    return np.zeros(count)
+
+
+@entry
+def sum_of_made(count: int) -> float:
+    total = 0.0
+    for value in made(count):
+        total += value
+    return total
+
+
+@compiled_only
+def test_a_kernel_that_allocates_is_refused_before_it_is_loaded() -> None:
+    """Loading it would end the process."""
+    with pytest.raises(
+        objects.CompileError, match=r"sum_of_made: a kernel makes, reshapes or returns arrays: NRT_"
+    ):
+        sum_of_made(3)
 
 
 @compiled_only

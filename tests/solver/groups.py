@@ -9,6 +9,7 @@ from numba.core import types
 from numba.np import numpy_support
 
 from heavylift.numerics.arrays import Arrays, Reference, layout
+from heavylift.numerics.records import RecordsType, records
 
 G = TypeVar("G", bound=Arrays)
 
@@ -21,6 +22,8 @@ def partly(group: type[G], **given: Any) -> G:
             fields[name] = np.zeros((0,) * of_type.ndim, dtype=numpy_support.as_dtype(of_type.dtype))
         elif isinstance(of_type, Reference):
             fields[name] = partly(of_type.group)
+        elif isinstance(of_type, RecordsType):
+            fields[name] = records(of_type.record, 0)
         else:
             fields[name] = () if not isinstance(of_type, types.Number) else 0
     return group(**(fields | given))

@@ -8,12 +8,7 @@ from point_masses import Cloud, System, make_cloud
 from scenarios import start_of
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.floating_frame import (
-    FIRST_MOMENT,
-    FRAME_WIDTH,
-    INERTIA,
-    FloatingFrameBodies,
-)
+from heavylift.solver.bodies.floating_frame import FloatingFrameBodies
 from heavylift.solver.bodies.floating_frame_inertia import (
     body_momenta,
     deformed_inertia,
@@ -27,31 +22,31 @@ from heavylift.solver.layout import pack_scene
 
 
 @kernel
-def inertia(kind, q, products, rate_products, qd, stage, I_tf):
+def inertia(kind, q, products, rate_products, qd, frame, I_tf):
     """Products of both vectors, then the inertia of the deformed body."""
     stacked_products(product_columns(kind, 0), q, qd, products, rate_products)
-    deformed_inertia(shape_of(kind, 0), q, products, stage, I_tf)
+    deformed_inertia(shape_of(kind, 0), q, products, frame, I_tf)
 
 
 @kernel
-def velocity_forces(kind, q, products, rate_products, qd, stage, w, modal):
+def velocity_forces(kind, q, products, rate_products, qd, frame, w, modal):
     """Velocity forces of the modal rows and of the frame rows."""
     shape = shape_of(kind, 0)
     quadratic_modal_force(shape, q, products, rate_products, w[0], w[1], w[2], modal)
-    return frame_velocity_forces(shape, q, products, stage, w[0], w[1], w[2], qd)
+    return frame_velocity_forces(shape, q, products, frame, w[0], w[1], w[2], qd)
 
 
 @kernel
-def momenta(kind, stage, I_tf, v, w, qd):
+def momenta(kind, frame, I_tf, v, w, qd):
     """Momenta in body axes."""
-    return body_momenta(shape_of(kind, 0), stage, I_tf, (v[0], v[1], v[2]), (w[0], w[1], w[2]), qd)
+    return body_momenta(shape_of(kind, 0), frame, I_tf, (v[0], v[1], v[2]), (w[0], w[1], w[2]), qd)
 
 
 @kernel
-def velocities(kind, stage, I_tf, p, l, qd):
+def velocities(kind, frame, I_tf, p, l, qd):
     """Frame velocities from the momenta."""
     return frame_velocity_from_momenta(
-        shape_of(kind, 0), stage, I_tf, (p[0], p[1], p[2]), (l[0], l[1], l[2]), qd
+        shape_of(kind, 0), frame, I_tf, (p[0], p[1], p[2]), (l[0], l[1], l[2]), qd
     )
 
 
@@ -65,10 +60,10 @@ class Body:
         rng = np.random.default_rng(modes)
         self.q, self.qd = 0.1 * rng.normal(size=modes), rng.normal(size=modes)
         self.v, self.w = rng.normal(size=3), 5.0 * rng.normal(size=3)
-        rows = self.kind.products.shape[1]
+        rows = len(self.kind.position_products)
         self.products, self.rate_products = np.empty(rows), np.empty(rows)
-        self.stage, self.I_tf = np.zeros(FRAME_WIDTH), np.empty((3, modes))
-        inertia(self.kind, self.q, self.products, self.rate_products, self.qd, self.stage, self.I_tf)
+        self.frame, self.I_tf = self.kind.frame[0], np.empty((3, modes))
+        inertia(self.kind, self.q, self.products, self.rate_products, self.qd, self.frame, self.I_tf)
 
     @property
     def mass_matrix(self) -> np.ndarray:
@@ -83,7 +78,7 @@ def body(request: pytest.FixtureRequest) -> Body:
 
 def test_mass_matrix_of_the_deformed_body(body: Body) -> None:
     M = body.mass_matrix
-    s, i = body.stage[FIRST_MOMENT : FIRST_MOMENT + 3], body.stage[INERTIA : INERTIA + 6]
+    s, i = body.frame.first_moment, body.frame.inertia
     S_tilde = np.array([[0.0, -s[2], s[1]], [s[2], 0.0, -s[0]], [-s[1], s[0], 0.0]])
     np.testing.assert_allclose(M[:3, 3:6], -S_tilde, atol=1e-12)
     I_tt = np.array([[i[0], i[3], i[4]], [i[3], i[1], i[5]], [i[4], i[5], i[2]]])
@@ -94,9 +89,9 @@ def test_mass_matrix_of_the_deformed_body(body: Body) -> None:
 
 def test_momenta_and_back(body: Body) -> None:
     expected = body.mass_matrix[:6] @ np.concatenate([body.v, body.w, body.qd])
-    p, l = momenta(body.kind, body.stage, body.I_tf, body.v, body.w, body.qd)
+    p, l = momenta(body.kind, body.frame, body.I_tf, body.v, body.w, body.qd)
     np.testing.assert_allclose(np.concatenate([p, l]), expected, rtol=1e-12, atol=1e-12)
-    v, w = velocities(body.kind, body.stage, body.I_tf, np.array(p), np.array(l), body.qd)
+    v, w = velocities(body.kind, body.frame, body.I_tf, np.array(p), np.array(l), body.qd)
     np.testing.assert_allclose(v, body.v, rtol=1e-9)
     np.testing.assert_allclose(w, body.w, rtol=1e-9)
 
@@ -108,6 +103,6 @@ def test_velocity_forces(body: Body) -> None:
     expected = -np.einsum("j,jai,ja->i", body.cloud.masses, J, accelerations)
     modal = np.empty(len(body.q))
     force, moment = velocity_forces(
-        body.kind, body.q, body.products, body.rate_products, body.qd, body.stage, body.w, modal
+        body.kind, body.q, body.products, body.rate_products, body.qd, body.frame, body.w, modal
     )
     np.testing.assert_allclose(np.concatenate([force, moment, modal]), expected, rtol=1e-11, atol=1e-11)

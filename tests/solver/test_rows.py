@@ -9,12 +9,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.integrate.row_solver import assemble, factor_rows, smallest_pivot, solve_rows
 from heavylift.solver.rows import (
     DIAGONAL,
-    IMPULSE,
     PRESCRIBED,
-    ROW_COLUMNS,
-    SCALE,
-    SOFTNESS,
-    TARGET,
     Attachment,
     pack_rows,
 )
@@ -53,7 +48,7 @@ def packed(edges, counts, body_count, rng, held=()):
     sides = [(attachment(a), attachment(b)) for a, b in edges]
     system = pack_rows(counts, sides, [np.ones(n) for n in counts], inverse_mass, 0)
     lanes = len(system.shape[1])
-    rows = system.rows.reshape(-1, ROW_COLUMNS, lanes)
+    rows = system.rows
     total = sum(counts)
     G, Z, target = np.zeros((total, 6 * body_count)), np.zeros(total), np.zeros(total)
     first = 0
@@ -62,18 +57,18 @@ def packed(edges, counts, body_count, rng, held=()):
             if body == GROUND:
                 continue
             panel = rng.normal(size=(6, n))
-            at = system.attachments[2 * block + side, 2]
+            at = system.attachments[2 * block + side].panel
             system.panels[at : at + 6 * lanes].reshape(6, lanes)[:, :n] = panel
             G[first : first + n, 6 * body : 6 * body + 6] += panel.T
-        Z[first : first + n] = rows[block, SOFTNESS, :n] = rng.uniform(0.01, 0.1, size=n)
-        target[first : first + n] = rows[block, TARGET, :n] = rng.normal(size=n)
+        Z[first : first + n] = rows[block].softness[:n] = rng.uniform(0.01, 0.1, size=n)
+        target[first : first + n] = rows[block].target[:n] = rng.normal(size=n)
         first += n
     return system, G, np.diag(inverse_mass), Z, target
 
 
 def impulses(system, counts):
-    rows = system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))
-    return np.concatenate([rows[block, IMPULSE, :n] for block, n in enumerate(counts)])
+    rows = system.rows
+    return np.concatenate([rows[block].impulse[:n] for block, n in enumerate(counts)])
 
 
 SCENES = {
@@ -140,11 +135,11 @@ def test_smallest_pivot_tells_a_redundant_row():
     rng = np.random.default_rng(3)
     system, *_ = packed([(GROUND, 0), (GROUND, 0)], [1, 1], 1, rng)
     lanes = len(system.shape[1])
-    rows = system.rows.reshape(-1, ROW_COLUMNS, lanes)
-    at = [int(system.attachments[i, 2]) for i in (1, 3)]
+    rows = system.rows
+    at = [int(system.attachments[i].panel) for i in (1, 3)]
     for k in range(6):
         system.panels[at[1] + k * lanes] = system.panels[at[0] + k * lanes]
-    rows[:, SOFTNESS] = 1e-7
-    rows[:, SCALE] = 1.0
+    rows["softness"] = 1e-7
+    rows["scale"] = 1.0
     solve(system, np.zeros(6))
     assert pivot_of(system) == pytest.approx(2e-7, rel=1e-3)

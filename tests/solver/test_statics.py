@@ -14,7 +14,6 @@ from start_scenes import DOWN, G, linkage, parallelograms, place, quaternion, ro
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.connections import GROUND, Ball, JointFrame, Rope, RopePoint, Spring
 from heavylift.solver.integrate.statics import find_equilibrium
-from heavylift.solver.rows import REACTION
 from heavylift.solver.scene import Fixed, FlexibleBody, PointForce, RigidBody, Scene
 
 
@@ -31,7 +30,7 @@ def test_pendulum_hangs_down(degrees: float) -> None:
     assert found.residual < 1e-8
     assert found.stable is True
     assert place(rows, "r0") == pytest.approx([0.0, -0.5, 0.0], abs=1e-8)
-    assert np.linalg.norm(rows.column(REACTION)[:3]) == pytest.approx(G, rel=1e-9)
+    assert np.linalg.norm(rows.column("reaction")[:3]) == pytest.approx(G, rel=1e-9)
     assert rows.survey()[2] == pytest.approx(np.zeros(6), abs=1e-12)
 
 
@@ -79,7 +78,7 @@ def test_chain_between_two_points_hangs_in_the_discrete_catenary() -> None:
     places = np.array([place(rows, f"r{i}") for i in range(count)])
     assert np.abs(places - (ends[1:] + ends[:-1]) / 2.0).max() < 1e-7
     first = rows.names.index("h0")
-    on_rod = rows.column(REACTION)[rows.block == first][:2]
+    on_rod = rows.column("reaction")[rows.block == first][:2]
     assert on_rod == pytest.approx([-along, -across], rel=1e-7)
 
 
@@ -135,7 +134,7 @@ def test_modes_of_a_fixed_flexible_body_sag() -> None:
     find_equilibrium(rows)
     translation = np.einsum("n,mnk->mk", cloud.masses, cloud.shapes)
     expected = translation @ turn.inv().apply([0.0, -G, 0.0]) / cloud.stiffness
-    assert rows.layout.bodies[0].modal[0] == pytest.approx(expected, rel=1e-7)
+    assert rows.layout.bodies[0].modal_position == pytest.approx(expected, rel=1e-7)
 
 
 def test_flexible_body_on_a_ball_joint_hangs_and_bends() -> None:
@@ -152,7 +151,7 @@ def test_flexible_body_on_a_ball_joint_hangs_and_bends() -> None:
     found = find_equilibrium(rows)
     assert found.residual < 1e-8
     assert found.stable is True
-    pose, q = rows.survey()[0][0, 1:], rows.layout.bodies[0].modal[0]
+    pose, q = rows.survey()[0][0, 1:], rows.layout.bodies[0].modal_position
     turn = Rotation.from_quat(pose[[4, 5, 6, 3]])
     points = pose[:3] + turn.apply(cloud.deformed(q))
     centre = cloud.masses @ points / cloud.masses.sum()

@@ -28,7 +28,6 @@ from mechanisms import (
 from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
 from heavylift.solver.connections import Limits
-from heavylift.solver.rows import HOLD, ROW_COLUMNS
 from heavylift.solver.scene import Scene
 from heavylift.solver.simulation import Simulation
 
@@ -95,7 +94,7 @@ def run(scene: Scene, step: float, duration: float, records: int = 100, softness
     simulation = Simulation(scene, step, record_every=max(1, count // records))
     if softness != 1.0:
         system = simulation._layout.systems[0]
-        system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))[:, HOLD] *= softness
+        system.rows["hold"] *= softness
     first = simulation.record()
     times, rows = simulation.advance(count)
     return Run(simulation, np.r_[0.0, times], np.vstack([first, rows]))

@@ -1,7 +1,7 @@
 """Frames and shells in the accurate integrator: ``M q'' = f - B^T C e(q) - K_b q``, M factored once.
 
-Coordinates and velocities of a kind stand in the state vector as in a row of `nodal`, one row after the other, from
-`STATE_PLACE` on. Among the velocities of all bodies a mesh has those of its bases, whose accelerations the joints
+Coordinates and velocities of a kind stand in the state vector as in nodal vectors, one after the other, from
+`state_place` on. Among the velocities of all bodies a mesh has those of its bases, whose accelerations the joints
 see and change; the impulses of the rows then go to all nodes by the same factor that gave the bases their
 compliance. Losses and the work of loads are integrated with the motion.
 """
@@ -22,30 +22,7 @@ from heavylift.solver.bodies.ancf.elements import (
     find_strains,
 )
 from heavylift.solver.bodies.ancf.joints import take_impulses
-from heavylift.solver.bodies.ancf.kind import (
-    BASE_NODES,
-    FIRST_STRAIN,
-    FORWARD,
-    FREE,
-    LOAD,
-    MASS_SET,
-    MID_Q,
-    MID_V,
-    NUMBER,
-    RIGHT,
-    SHAPE_STRAIN,
-    STATE_PLACE,
-    STIFFNESS_DAMPING,
-    STRAIN,
-    STRAINS,
-    TIME,
-    VISCOUS,
-    FrameMeshes,
-    Meshes,
-    Q,
-    ShellMeshes,
-    V,
-)
+from heavylift.solver.bodies.ancf.kind import MASS_SET, FrameMeshes, Meshes, ShellMeshes
 from heavylift.solver.bodies.ancf.loads import gather_loads
 from heavylift.solver.bodies.ancf.second_rates import write_second_rates
 from heavylift.solver.bodies.ancf.stage import fill_mesh_markers, write_bases
@@ -53,11 +30,7 @@ from heavylift.solver.bodies.ancf.step import add_gravity, write_free_bases
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
 from heavylift.solver.combination import PART, combine_part
 from heavylift.solver.interface import (
-    DISSIPATED,
-    ERROR,
-    EXTERNAL_WORK,
     FORCES,
-    STATUS_BODY,
     Systems,
     Workspace,
     begin_stage,
@@ -87,11 +60,11 @@ def _copy(source: NDArray[np.float64], at: int, to: NDArray[np.float64], to_at: 
 @kernel(internal=True)
 def load_mesh_state(kind: Meshes, values: NDArray[np.float64], at: int, work: Workspace) -> None:
     """Coordinates, then velocities; those of the bases too."""
-    place, count = at + kind.table[0, STATE_PLACE], kind.nodal.shape[1]
+    place, count = at + kind.table[0].state_place, kind.position.shape[0]
     for i in range(count):
-        values[place + i] = kind.nodal[Q, i]
-        values[place + count + i] = kind.nodal[V, i]
-    write_bases(kind, V, values[at : at + work.velocity.shape[0]])
+        values[place + i] = kind.position[i]
+        values[place + count + i] = kind.velocity[i]
+    write_bases(kind, kind.velocity, values[at : at + work.velocity.shape[0]])
 
 
 @implement(begin_stage, FrameMeshes)
@@ -100,15 +73,15 @@ def load_mesh_state(kind: Meshes, values: NDArray[np.float64], at: int, work: Wo
 def begin_mesh_stage(
     kind: Meshes, time: float, values: NDArray[np.float64], at: int, rate: int, work: Workspace
 ) -> None:
-    """Coordinates into the rows of the midpoint, then markers from these."""
-    place, count = kind.table[0, STATE_PLACE], kind.nodal.shape[1]
-    _copy(values, at + place, kind.nodal[MID_Q], 0, count)
-    _copy(values, at + place + count, kind.nodal[MID_V], 0, count)
+    """Coordinates into those of the midpoint, then markers from these."""
+    place, count = kind.table[0].state_place, kind.position.shape[0]
+    _copy(values, at + place, kind.mid_position, 0, count)
+    _copy(values, at + place + count, kind.mid_velocity, 0, count)
     _copy(values, at + place + count, values, rate + place, count)
     for body in range(kind.table.shape[0]):
-        kind.body[body, TIME] = time
+        kind.body[body].time = time
     if kind.bases.shape[0] > 0:
-        write_bases(kind, MID_V, values[at : at + work.velocity.shape[0]])
+        write_bases(kind, kind.mid_velocity, values[at : at + work.velocity.shape[0]])
         fill_mesh_markers(kind, True, FORCES, work)
         write_second_rates(kind, FORCES, work)
 
@@ -120,8 +93,8 @@ def free_mesh_acceleration(kind: Meshes, values: NDArray[np.float64], at: int, w
     """All forces, and forward substitution; the bases get their accelerations, the nodes later."""
     loaded = kind.loads.shape[0] > 0 or kind.bases.shape[0] > 0
     if loaded:
-        gather_loads(kind, MID_Q, work)
-    right = kind.nodal[RIGHT]
+        gather_loads(kind, kind.mid_position, work)
+    right = kind.right_hand_side
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         for i in range(first, last):
@@ -129,47 +102,47 @@ def free_mesh_acceleration(kind: Meshes, values: NDArray[np.float64], at: int, w
         if loaded:
             _add_loads(kind, body, work)
         add_gravity(kind, body, work, 1.0)
-        add_elastic_forces(kind, body, MID_Q, RIGHT, -1.0)
-        if kind.body[body, VISCOUS] > 0.0 or kind.body[body, STIFFNESS_DAMPING] > 0.0:
+        add_elastic_forces(kind, body, kind.mid_position, right, -1.0)
+        if kind.body[body].viscous_damping > 0.0 or kind.body[body].stiffness_damping > 0.0:
             _add_damping(kind, body, work)
         solve_forward(kind, body, MASS_SET)
-        write_free_bases(kind, body, V, 0.0, work)
+        write_free_bases(kind, body, kind.velocity, 0.0, work)
 
 
 @kernel(internal=True, reassociate=True)
 def _add_loads(kind: Meshes, body: int, work: Workspace) -> None:
     """Loads and their power."""
     first, last = node_span(kind, body)
-    right, load, speed = kind.nodal[RIGHT], kind.nodal[LOAD], kind.nodal[MID_V]
+    right, load, speed = kind.right_hand_side, kind.external_force, kind.mid_velocity
     power = 0.0
     for i in range(first, last):
         power += load[i] * speed[i]
     for i in range(first, last):
         right[i] += load[i]
-    work.sums[EXTERNAL_WORK] += power
+    work.sums.external_work += power
 
 
 @kernel(internal=True, reassociate=True)
 def _add_damping(kind: Meshes, body: int, work: Workspace) -> None:
     """``-a M v - b (B^T C B + K_b) v`` and the power that it takes."""
     first, last = node_span(kind, body)
-    viscous, stiff = kind.body[body, VISCOUS], kind.body[body, STIFFNESS_DAMPING]
-    right, force, speed = kind.nodal[RIGHT], kind.nodal[FORWARD], kind.nodal[MID_V]
+    viscous, stiff = kind.body[body].viscous_damping, kind.body[body].stiffness_damping
+    right, force, speed = kind.right_hand_side, kind.forward_solution, kind.mid_velocity
     for i in range(first, last):
         force[i] = 0.0
-    add_matrix_products(kind, body, MID_V, viscous, MID_V, stiff, FORWARD)
+    add_matrix_products(kind, body, speed, viscous, speed, stiff, force)
     if stiff > 0.0:
-        begin = kind.table[body, FIRST_STRAIN]
-        for i in range(begin, begin + kind.table[body, STRAINS]):
-            kind.strains[SHAPE_STRAIN, i] = 0.0
-        add_strain_rates(kind, body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
-        add_stress_forces(kind, body, MID_Q, SHAPE_STRAIN, FORWARD, 1.0)
+        begin = kind.table[body].first_strain
+        for i in range(begin, begin + kind.table[body].strain_count):
+            kind.shape_strain[i] = 0.0
+        add_strain_rates(kind, body, kind.mid_position, speed, kind.shape_strain, stiff)
+        add_stress_forces(kind, body, kind.mid_position, kind.shape_strain, force, 1.0)
     lost = 0.0
     for i in range(first, last):
         lost += force[i] * speed[i]
     for i in range(first, last):
         right[i] -= force[i]
-    work.sums[DISSIPATED] += lost
+    work.sums.dissipated += lost
 
 
 @implement(complete_accelerations, FrameMeshes)
@@ -179,8 +152,8 @@ def complete_mesh_accelerations(
     kind: Meshes, systems: Systems, values: NDArray[np.float64], rate: int, work: Workspace
 ) -> None:
     """Back substitution with the reactions on the bases."""
-    take_impulses(kind, systems, RIGHT)
-    place, right = rate + kind.table[0, STATE_PLACE] + kind.nodal.shape[1], kind.nodal[RIGHT]
+    take_impulses(kind, systems, kind.right_hand_side)
+    place, right = rate + kind.table[0].state_place + kind.position.shape[0], kind.right_hand_side
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         scatter_back(kind, body, MASS_SET)
@@ -196,12 +169,12 @@ def spread_mesh_impulses(
     """``M^-1 J^T P`` to coordinates or velocities."""
     if kind.bases.shape[0] == 0:
         return
-    take_impulses(kind, systems, RIGHT)
-    place, right = at + kind.table[0, STATE_PLACE], kind.nodal[RIGHT]
+    take_impulses(kind, systems, kind.right_hand_side)
+    place, right = at + kind.table[0].state_place, kind.right_hand_side
     if of_velocity:
-        place += kind.nodal.shape[1]
+        place += kind.position.shape[0]
     for body in range(kind.table.shape[0]):
-        if kind.table[body, BASE_NODES] > 0:
+        if kind.table[body].base_node_count > 0:
             first, last = node_span(kind, body)
             for i in range(first, last):
                 right[i] = 0.0
@@ -224,7 +197,7 @@ def complete_mesh_rates(
     kind: Meshes, values: NDArray[np.float64], at: int, rate: int, second: int, work: Workspace
 ) -> None:
     """``q' = v``, ``q'' = v'``; velocities are interpolated as rates of the coordinates only."""
-    place, count = kind.table[0, STATE_PLACE], kind.nodal.shape[1]
+    place, count = kind.table[0].state_place, kind.position.shape[0]
     for i in range(place, place + count):
         values[rate + i] = values[at + count + i]
         values[second + i] = values[rate + count + i]
@@ -238,7 +211,7 @@ def measure_mesh_error(
     kind: Meshes, values: NDArray[np.float64], fifth: int, third: int, work: Workspace
 ) -> None:
     """Of the nodes: ``e5^2 / sqrt(e5^2 + e3^2/100)``, as of DOP853."""
-    place, lanes = kind.table[0, STATE_PLACE] + kind.nodal.shape[1], len(kind.shape[1])
+    place, lanes = kind.table[0].state_place + kind.position.shape[0], len(kind.shape[1])
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         largest = 0.0
@@ -251,9 +224,9 @@ def measure_mesh_error(
             if error > largest or math.isnan(error):  # which stays
                 largest = error
         largest = math.sqrt(largest)
-        if largest > work.control[ERROR] or math.isnan(largest):
-            work.control[ERROR] = largest
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+        if largest > work.control.error or math.isnan(largest):
+            work.control.error = largest
+            work.status.body = kind.table[body].number
 
 
 @implement(store_state, FrameMeshes)
@@ -263,11 +236,11 @@ def store_mesh_state(
     kind: Meshes, time: float, values: NDArray[np.float64], at: int, rate: int, work: Workspace
 ) -> None:
     """Velocities are the rates of the coordinates; strains those of the shape."""
-    place, count = kind.table[0, STATE_PLACE], kind.nodal.shape[1]
+    place, count = kind.table[0].state_place, kind.position.shape[0]
     for i in range(count):
-        speed = values[rate + place + i] * kind.nodal[FREE, i]
+        speed = values[rate + place + i] * kind.free[i]
         values[at + place + count + i] = speed
-        kind.nodal[Q, i] = values[at + place + i]
-        kind.nodal[V, i] = speed
+        kind.position[i] = values[at + place + i]
+        kind.velocity[i] = speed
     for body in range(kind.table.shape[0]):
-        find_strains(kind, body, Q, STRAIN)
+        find_strains(kind, body, kind.position, kind.strain)

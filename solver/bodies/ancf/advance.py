@@ -11,33 +11,7 @@ from heavylift.solver.bodies.ancf.elements import (
     measure_drift,
     measure_strain_energy,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    ACCELERATION,
-    CHANGED_OVER,
-    DISSIPATED_WORK,
-    ELASTIC_ENERGY,
-    EXPLICIT,
-    EXTERNAL,
-    FIRST_STRAIN,
-    LOAD,
-    MID_Q,
-    MID_V,
-    OLD_STRAIN,
-    RIGHT,
-    SCHEME,
-    SHAPE_STRAIN,
-    START_STRAIN,
-    STIFFNESS_DAMPING,
-    STRAIN,
-    STRAINS,
-    TRIAL,
-    VISCOUS,
-    FrameMeshes,
-    Meshes,
-    Q,
-    ShellMeshes,
-    V,
-)
+from heavylift.solver.bodies.ancf.kind import EXPLICIT, FrameMeshes, Meshes, ShellMeshes
 from heavylift.solver.bodies.ancf.moving import release_points
 from heavylift.solver.bodies.ancf.step import is_iterated
 from heavylift.solver.bodies.ancf.substitution import copy_strains, node_span
@@ -52,14 +26,14 @@ DECAY = 1.0 / 256.0
 
 @kernel(internal=True)
 def find_drift(kind: Meshes, body: int, step: float) -> None:
-    """Strains at the end of the step if they are carried, into `OLD_STRAIN`, and their distance from the shape."""
+    """Strains at the end of the step if they are carried, into `stage_strain`, and their distance from the shape."""
     first, last = node_span(kind, body)
     for i in range(first, last):
-        kind.nodal[TRIAL, i] = kind.nodal[Q, i] + step * kind.nodal[MID_V, i]
-    copy_strains(kind, body, STRAIN, OLD_STRAIN)
-    add_strain_rates(kind, body, MID_Q, MID_V, OLD_STRAIN, step)
-    find_strains(kind, body, TRIAL, SHAPE_STRAIN)
-    measure_drift(kind, body, OLD_STRAIN, SHAPE_STRAIN)
+        kind.trial_position[i] = kind.position[i] + step * kind.mid_velocity[i]
+    copy_strains(kind, body, kind.strain, kind.stage_strain)
+    add_strain_rates(kind, body, kind.mid_position, kind.mid_velocity, kind.stage_strain, step)
+    find_strains(kind, body, kind.trial_position, kind.shape_strain)
+    measure_drift(kind, body, kind.stage_strain, kind.shape_strain)
 
 
 @kernel(internal=True, reassociate=True)
@@ -70,33 +44,33 @@ def add_mesh_work(kind: Meshes, body: int, step: float, iterated: bool) -> None:
     quadratic in the coordinates.
     """
     first, last = node_span(kind, body)
-    speed, load, right = kind.nodal[MID_V], kind.nodal[LOAD], kind.nodal[RIGHT]
+    speed, load, right = kind.mid_velocity, kind.external_force, kind.right_hand_side
     external = 0.0
     for i in range(first, last):
         external += load[i] * speed[i]
-    kind.body[body, EXTERNAL] += step * external
-    viscous, stiff = kind.body[body, VISCOUS], kind.body[body, STIFFNESS_DAMPING]
+    kind.body[body].external_work += step * external
+    viscous, stiff = kind.body[body].viscous_damping, kind.body[body].stiffness_damping
     if viscous == 0.0 and stiff == 0.0:
         return
     for i in range(first, last):
         right[i] = 0.0
-    add_matrix_products(kind, body, MID_V, viscous, MID_V, stiff, RIGHT)
+    add_matrix_products(kind, body, speed, viscous, speed, stiff, right)
     lost = 0.0
-    begin = kind.table[body, FIRST_STRAIN]
+    begin = kind.table[body].first_strain
     if stiff > 0.0 and iterated:
-        for i in range(begin, begin + kind.table[body, STRAINS]):
-            kind.strains[SHAPE_STRAIN, i] -= kind.strains[START_STRAIN, i]
-        kind.body[body, ELASTIC_ENERGY] = 0.0
-        measure_strain_energy(kind, body, SHAPE_STRAIN)
-        lost = 2.0 * stiff * kind.body[body, ELASTIC_ENERGY] / (step * step)
+        for i in range(begin, begin + kind.table[body].strain_count):
+            kind.shape_strain[i] -= kind.start_strain[i]
+        kind.body[body].elastic_energy = 0.0
+        measure_strain_energy(kind, body, kind.shape_strain)
+        lost = 2.0 * stiff * kind.body[body].elastic_energy / (step * step)
     elif stiff > 0.0:
-        for i in range(begin, begin + kind.table[body, STRAINS]):
-            kind.strains[SHAPE_STRAIN, i] = 0.0
-        add_strain_rates(kind, body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
-        add_stress_forces(kind, body, MID_Q, SHAPE_STRAIN, RIGHT, 1.0)
+        for i in range(begin, begin + kind.table[body].strain_count):
+            kind.shape_strain[i] = 0.0
+        add_strain_rates(kind, body, kind.mid_position, speed, kind.shape_strain, stiff)
+        add_stress_forces(kind, body, kind.mid_position, kind.shape_strain, right, 1.0)
     for i in range(first, last):
         lost += right[i] * speed[i]
-    kind.body[body, DISSIPATED_WORK] += step * lost
+    kind.body[body].dissipated_work += step * lost
 
 
 @kernel(internal=True)
@@ -107,12 +81,12 @@ def _advance_shape_strains(kind: Meshes, body: int) -> None:
     -----
     Without a change-over the strains are those of the shape: they are taken from it, so that rounding does not add up.
     """
-    find_strains(kind, body, Q, SHAPE_STRAIN)
-    first = kind.table[body, FIRST_STRAIN]
-    keep = 1.0 - DECAY if kind.body[body, CHANGED_OVER] != 0.0 else 0.0
-    for i in range(first, first + kind.table[body, STRAINS]):
-        offset = kind.strains[STRAIN, i] - kind.strains[START_STRAIN, i]
-        kind.strains[STRAIN, i] = kind.strains[SHAPE_STRAIN, i] + keep * offset
+    find_strains(kind, body, kind.position, kind.shape_strain)
+    first = kind.table[body].first_strain
+    keep = 1.0 - DECAY if kind.body[body].changed_over else 0.0
+    for i in range(first, first + kind.table[body].strain_count):
+        offset = kind.strain[i] - kind.start_strain[i]
+        kind.strain[i] = kind.shape_strain[i] + keep * offset
 
 
 @implement(advance, FrameMeshes)
@@ -121,25 +95,25 @@ def _advance_shape_strains(kind: Meshes, body: int) -> None:
 def advance_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> None:
     """``q += h vb``, ``v := 2 vb - v``, strains."""
     q, v, acceleration, middle = (
-        kind.nodal[Q],
-        kind.nodal[V],
-        kind.nodal[ACCELERATION],
-        kind.nodal[MID_V],
+        kind.position,
+        kind.velocity,
+        kind.mean_acceleration,
+        kind.mid_velocity,
     )
     rate = 2.0 / step
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
-        iterated, scheme = is_iterated(kind, body), kind.table[body, SCHEME]
+        iterated, scheme = is_iterated(kind, body), kind.table[body].scheme
         release_points(kind.moving, kind, body)
         add_mesh_work(kind, body, step, iterated)
         if not iterated and scheme != EXPLICIT:
             # not those of the drift: joints to bodies that iterate have changed the velocities since
-            add_strain_rates(kind, body, MID_Q, MID_V, STRAIN, step)
+            add_strain_rates(kind, body, kind.mid_position, middle, kind.strain, step)
         for i in range(first, last):
             q[i] += step * middle[i]
             acceleration[i] = rate * (middle[i] - v[i])
             v[i] = 2.0 * middle[i] - v[i]
         if scheme == EXPLICIT:
-            find_strains(kind, body, Q, STRAIN)
+            find_strains(kind, body, kind.position, kind.strain)
         elif iterated:
             _advance_shape_strains(kind, body)

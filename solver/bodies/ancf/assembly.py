@@ -7,31 +7,11 @@ the nodes of the mesh leaves ``-J A^-1 J^T`` in the blocks of the bases.
 
 from __future__ import annotations
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.block_factor import factor_blocks
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.ancf.kind import (
-    BASE_BLOCKS,
-    BASE_PLACE,
-    BASE_SHAPE,
-    BASE_STEP,
-    BASES,
-    CLEARS,
-    CONSTANT_SET,
-    ELEMENT_BLOCKS,
-    ELEMENT_DATA,
-    ELEMENTS,
-    FIRST_BASE,
-    FIRST_BLOCK,
-    FIRST_CLEAR,
-    FIRST_COLUMN,
-    FIRST_ELEMENT,
-    LAST_BLOCK,
-    LAST_COLUMN,
-    MASS_SET,
-    STEP_SET,
-    WORK_PLACE,
-    Meshes,
-)
+from heavylift.numerics.small import nonnegative
+from heavylift.solver.bodies.ancf.kind import CLEAR_LANE, CLEAR_ROW, CONSTANT_SET, MASS_SET, STEP_SET, Meshes
 
 __all__ = [
     "add_matrix_products",
@@ -56,15 +36,15 @@ def _assemble_constant(kind: Meshes, body: int, to: int, mass: float, bending: f
     nodes = 2 if vectors == 2 else 4
     count = nodes * vectors
     begin = to * set_size(kind)
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        M = kind.elements[e, ELEMENT_DATA]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        M = kind.elements[e].data
         K = M + count * count
-        pair = ELEMENT_BLOCKS
+        pair = 0
         for i in range(nodes):
             for j in range(i + 1):
-                place, swap = begin + kind.elements[e, pair], kind.elements[e, pair + 1]
-                pair += 2
+                place, swap = begin + kind.elements[e].blocks[pair, 0], kind.elements[e].blocks[pair, 1]
+                pair += 1
                 for a in range(vectors):
                     for b in range(vectors):
                         at = (i * vectors + a) * count + j * vectors + b
@@ -74,12 +54,12 @@ def _assemble_constant(kind: Meshes, body: int, to: int, mass: float, bending: f
                             row, column = column, row
                         for k in range(3):
                             kind.blocks[place + (column + k) * lanes + row + k] += value
-    first = kind.table[body, FIRST_BASE]
-    for base in range(first, first + kind.table[body, BASES]):
-        slot = kind.bases[base, BASE_PLACE] % lanes
-        shape = kind.bases[base, BASE_SHAPE]
+    first = kind.table[body].first_base
+    for base in range(first, first + kind.table[body].base_count):
+        slot = kind.bases[base].place % lanes
+        shape = kind.bases[base].shape_values
         for i in range(nodes):
-            place = begin + kind.bases[base, BASE_BLOCKS + i]
+            place = begin + kind.bases[base].blocks[i]
             for a in range(vectors):
                 for k in range(3):
                     kind.blocks[place + (3 * a + k) * lanes + slot + k] = kind.constants[
@@ -92,13 +72,14 @@ def clear_fixed(kind: Meshes, body: int, to: int) -> None:
     """Unit rows and columns for fixed coordinates."""
     lanes, rows = len(kind.shape[1]), len(kind.shape[0])
     begin = to * set_size(kind)
-    first = kind.table[body, FIRST_CLEAR]
-    for i in range(first, first + kind.table[body, CLEARS]):
-        place, which, index = begin + kind.clears[i, 0], kind.clears[i, 1], kind.clears[i, 2]
-        if which == 0:
+    first = kind.table[body].first_clear
+    for i in range(first, first + kind.table[body].clear_count):
+        fixed = kind.clears[i]
+        place, index = begin + fixed.block, fixed.index
+        if fixed.part == CLEAR_ROW:
             for r in range(lanes):
                 kind.blocks[place + index * lanes + r] = 0.0
-        elif which == 1:
+        elif fixed.part == CLEAR_LANE:
             for c in range(rows):
                 kind.blocks[place + c * lanes + index] = 0.0
         else:
@@ -115,9 +96,9 @@ def factor_set(kind: Meshes, body: int, which: int) -> None:
         kind.updates,
         kind.blocks,
         which * size,
-        kind.table[body, FIRST_COLUMN],
-        kind.table[body, LAST_COLUMN],
-        kind.table[body, WORK_PLACE],
+        kind.table[body].first_column,
+        kind.table[body].last_column,
+        kind.table[body].work_place,
     )
 
 
@@ -131,7 +112,7 @@ def factor_mass(kind: Meshes) -> None:
         _assemble_constant(kind, body, MASS_SET, 1.0, 0.0)
         clear_fixed(kind, body, MASS_SET)
         factor_set(kind, body, MASS_SET)
-        kind.constants[kind.table[body, BASE_STEP]] = -1.0
+        kind.constants[kind.table[body].base_step] = -1.0
 
 
 @kernel(internal=True)
@@ -144,45 +125,43 @@ def start_step_matrix(kind: Meshes, body: int, mass: float, bending: float) -> N
     of the mass is a function of the other.
     """
     size = set_size(kind)
-    begin, end = kind.table[body, FIRST_BLOCK], kind.table[body, LAST_BLOCK]
-    if kind.constants[kind.table[body, BASE_STEP]] != bending:
+    begin, end = kind.table[body].first_block, kind.table[body].last_block
+    if kind.constants[kind.table[body].base_step] != bending:
         for i in range(CONSTANT_SET * size + begin, CONSTANT_SET * size + end):
             kind.blocks[i] = 0.0
         _assemble_constant(kind, body, CONSTANT_SET, mass, bending)
         clear_fixed(kind, body, CONSTANT_SET)
-        kind.constants[kind.table[body, BASE_STEP]] = bending
+        kind.constants[kind.table[body].base_step] = bending
     for i in range(begin, end):
         kind.blocks[STEP_SET * size + i] = kind.blocks[CONSTANT_SET * size + i]
 
 
 @kernel(internal=True)
 def add_matrix_products(
-    kind: Meshes, body: int, v: int, mass: float, q: int, bending: float, out: int
+    kind: Meshes, body: int, v: Floats1, mass: float, q: Floats1, bending: float, out: Floats1
 ) -> None:
-    """``nodal[out] += mass M nodal[v] + bending K_b nodal[q]``."""
+    """``out += mass M v + bending K_b q``."""
     vectors = len(kind.shape[0]) // 3
     nodes = 2 if vectors == 2 else 4
     count = nodes * vectors
-    first = kind.table[body, FIRST_ELEMENT]
-    V, Q = kind.nodal[v], kind.nodal[q]
-    R = kind.nodal[out]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        M = kind.elements[e, ELEMENT_DATA]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        M = kind.elements[e].data
         K = M + count * count
         for i in range(nodes):
             for a in range(vectors):
                 row = (i * vectors + a) * count
                 x = y = z = 0.0
                 for j in range(nodes):
-                    place = kind.elements[e, j]
+                    place = nonnegative(kind.elements[e].nodes[j])
                     for b in range(vectors):
                         m = mass * kind.constants[M + row + j * vectors + b]
                         k = bending * kind.constants[K + row + j * vectors + b]
                         at = place + 3 * b
-                        x += m * V[at] + k * Q[at]
-                        y += m * V[at + 1] + k * Q[at + 1]
-                        z += m * V[at + 2] + k * Q[at + 2]
-                at = kind.elements[e, i] + 3 * a
-                R[at] += x
-                R[at + 1] += y
-                R[at + 2] += z
+                        x += m * v[at] + k * q[at]
+                        y += m * v[at + 1] + k * q[at + 1]
+                        z += m * v[at + 2] + k * q[at + 2]
+                at = nonnegative(kind.elements[e].nodes[i] + 3 * a)
+                out[at] += x
+                out[at + 1] += y
+                out[at + 2] += z

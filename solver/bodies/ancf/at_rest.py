@@ -14,23 +14,7 @@ from heavylift.solver.bodies.ancf.elements import (
     add_stress_forces,
     find_strains,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    BASES,
-    FIRST_BASE,
-    LOAD,
-    LOAD_DATA,
-    LOAD_PLACE,
-    MASS_SET,
-    RIGHT,
-    SHAPE_STRAIN,
-    STEP_SET,
-    TIME,
-    TRIAL,
-    FrameMeshes,
-    Meshes,
-    Q,
-    ShellMeshes,
-)
+from heavylift.solver.bodies.ancf.kind import MASS_SET, STEP_SET, FrameMeshes, Meshes, ShellMeshes
 from heavylift.solver.bodies.ancf.loads import gather_loads
 from heavylift.solver.bodies.ancf.stage import base_value
 from heavylift.solver.bodies.ancf.step import add_gravity
@@ -58,13 +42,13 @@ def prepare_mass(kinds: Bodies) -> None:
 
 
 @optional("rest")
-def read_bases(kinds: Bodies, body: int, row: int, out: Floats1) -> None:
-    """Meshes: values of the bases of a body in a row of `nodal`, body axes, shape (3 bases,)."""
+def read_bases(kinds: Bodies, body: int, nodal: Floats1, out: Floats1) -> None:
+    """Meshes: values of a nodal vector at the bases of a body, body axes, shape (3 bases,)."""
 
 
 @optional("rest")
 def spread_base(kinds: Bodies, body: int) -> None:
-    """Meshes: row `RIGHT`, with minus the impulses in the places of the bases, becomes velocities of all nodes."""
+    """Meshes: `right_hand_side`, with minus the impulses in the places of the bases, becomes velocities of nodes."""
 
 
 @implement(prepare_mass, FrameMeshes)
@@ -77,10 +61,10 @@ def _prepare_mass(kind: Meshes) -> None:
 @implement(read_bases, FrameMeshes)
 @implement(read_bases, ShellMeshes)
 @kernel(internal=True)
-def _read_bases(kind: Meshes, body: int, row: int, out: Floats1) -> None:
-    first = kind.table[body, FIRST_BASE]
-    for i in range(kind.table[body, BASES]):
-        out[3 * i], out[3 * i + 1], out[3 * i + 2] = base_value(kind, first + i, row)
+def _read_bases(kind: Meshes, body: int, nodal: Floats1, out: Floats1) -> None:
+    first = kind.table[body].first_base
+    for i in range(kind.table[body].base_count):
+        out[3 * i], out[3 * i + 1], out[3 * i + 2] = base_value(kind, first + i, nodal)
 
 
 @implement(spread_base, FrameMeshes)
@@ -95,7 +79,7 @@ def _spread_base(kind: Meshes, body: int) -> None:
 
 @optional("static")
 def fill_stress_forces(kinds: Bodies) -> None:
-    """Meshes: ``B^T C e`` of the carried coordinates into row `RIGHT`."""
+    """Meshes: ``B^T C e`` of the carried coordinates into `right_hand_side`."""
 
 
 @optional("static")
@@ -105,7 +89,7 @@ def fill_stiffness(kinds: Bodies) -> None:
 
 @optional("static")
 def fill_weight_and_loads(kinds: Bodies, work: Workspace, time: float) -> None:
-    """Meshes: weight into row `RIGHT`, loads of the mesh and forces of the markers into row `LOAD`."""
+    """Meshes: weight into `right_hand_side`, loads of the mesh and forces of the markers into `external_force`."""
 
 
 @optional("static")
@@ -119,11 +103,11 @@ def difference_follower(
 @implement(fill_stress_forces, ShellMeshes)
 @kernel(internal=True)
 def _fill_stress_forces(kind: Meshes) -> None:
-    for i in range(kind.nodal.shape[1]):
-        kind.nodal[RIGHT, i] = 0.0
+    for i in range(kind.position.shape[0]):
+        kind.right_hand_side[i] = 0.0
     for body in range(kind.table.shape[0]):
-        find_strains(kind, body, Q, SHAPE_STRAIN)
-        add_stress_forces(kind, body, Q, SHAPE_STRAIN, RIGHT, 1.0)
+        find_strains(kind, body, kind.position, kind.shape_strain)
+        add_stress_forces(kind, body, kind.position, kind.shape_strain, kind.right_hand_side, 1.0)
 
 
 @implement(fill_stiffness, FrameMeshes)
@@ -133,23 +117,23 @@ def _fill_stiffness(kind: Meshes) -> None:
     size = set_size(kind)
     for i in range(STEP_SET * size, STEP_SET * size + size):
         kind.blocks[i] = 0.0
-    for i in range(kind.nodal.shape[1]):
-        kind.nodal[RIGHT, i] = 0.0
+    for i in range(kind.position.shape[0]):
+        kind.right_hand_side[i] = 0.0
     for body in range(kind.table.shape[0]):
-        find_strains(kind, body, Q, SHAPE_STRAIN)
-        add_stiffness(kind, body, Q, SHAPE_STRAIN, RIGHT, 1.0, 1.0, 1.0)
+        find_strains(kind, body, kind.position, kind.shape_strain)
+        add_stiffness(kind, body, kind.position, kind.shape_strain, kind.right_hand_side, 1.0, 1.0, 1.0)
 
 
 @implement(fill_weight_and_loads, FrameMeshes)
 @implement(fill_weight_and_loads, ShellMeshes)
 @kernel(internal=True)
 def _fill_weight_and_loads(kind: Meshes, work: Workspace, time: float) -> None:
-    for i in range(kind.nodal.shape[1]):
-        kind.nodal[RIGHT, i] = 0.0
+    for i in range(kind.position.shape[0]):
+        kind.right_hand_side[i] = 0.0
     for body in range(kind.table.shape[0]):
-        kind.body[body, TIME] = time
+        kind.body[body].time = time
         add_gravity(kind, body, work, 1.0)
-    gather_loads(kind, Q, work)
+    gather_loads(kind, kind.position, work)
 
 
 @implement(difference_follower, FrameMeshes)
@@ -158,20 +142,20 @@ def _fill_weight_and_loads(kind: Meshes, work: Workspace, time: float) -> None:
 def _difference_follower(
     kind: Meshes, body: int, load: int, factor: float, step: float, places: Ints1, out: Floats2
 ) -> None:
-    element, data = kind.loads[load, LOAD_PLACE], kind.loads[load, LOAD_DATA]
+    element, data = kind.loads[load].place, kind.loads[load].data
     count = places.shape[0]
     for i in range(count):
-        kind.nodal[TRIAL, places[i]] = kind.nodal[Q, places[i]]
+        kind.trial_position[places[i]] = kind.position[places[i]]
     for column in range(count):
         for side in range(2):
             sign = 1.0 - 2.0 * side
-            kind.nodal[TRIAL, places[column]] = kind.nodal[Q, places[column]] + sign * step
+            kind.trial_position[places[column]] = kind.position[places[column]] + sign * step
             for i in range(count):
-                kind.nodal[LOAD, places[i]] = 0.0
-            add_follower_load(kind, body, TRIAL, element, LOAD, data, factor)
+                kind.external_force[places[i]] = 0.0
+            add_follower_load(kind, body, kind.trial_position, element, kind.external_force, data, factor)
             for i in range(count):
                 if side == 0:
-                    out[i, column] = kind.nodal[LOAD, places[i]]
+                    out[i, column] = kind.external_force[places[i]]
                 else:
-                    out[i, column] = (out[i, column] - kind.nodal[LOAD, places[i]]) / (2.0 * step)
-        kind.nodal[TRIAL, places[column]] = kind.nodal[Q, places[column]]
+                    out[i, column] = (out[i, column] - kind.external_force[places[i]]) / (2.0 * step)
+        kind.trial_position[places[column]] = kind.position[places[column]]

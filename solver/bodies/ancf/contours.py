@@ -7,43 +7,26 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.contours.layout import COUNT_U, COUNT_V, NET
+from heavylift.contours.packed_contour import PackedContour
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.bodies.ancf.joints import apply_inverse_of_meshes, take_impulses
 from heavylift.solver.bodies.ancf.kind import (
-    ACCELERATION,
-    BASE_PLACE,
-    BASES,
-    CHANGE,
-    CHANGE_OF_V,
-    COMPLIANCE,
-    CURRENT,
-    DOF,
-    ENTRIES,
-    ENTRY_COUNT,
     EXPLICIT,
-    FIRST_BASE,
-    FIRST_CONTROL,
-    FIRST_NODE,
-    FIRST_POINT,
-    FORWARD,
-    LIVE,
     MASS_SET,
-    MID_Q,
-    MID_V,
-    MOVING,
-    SCHEME,
     STEP_SET,
-    VECTORS,
     FrameMeshes,
     Meshes,
     MovingPoints,
-    Q,
     ShellMeshes,
-    V,
 )
-from heavylift.solver.bodies.ancf.moving import point_response, point_value, prepare_points, vector_length
+from heavylift.solver.bodies.ancf.moving import (
+    point_response,
+    point_value,
+    prepare_points,
+    vector_length,
+)
 from heavylift.solver.bodies.ancf.step import is_iterated
 from heavylift.solver.bodies.ancf.substitution import node_span
 from heavylift.solver.contact.interface import (
@@ -56,25 +39,9 @@ from heavylift.solver.contact.interface import (
     put_contour_rows,
     settle_points,
 )
-from heavylift.solver.contact.kind import (
-    CONTOUR,
-    DIRECTIONS,
-    HAS_SLOPES,
-    LARGEST_CONTROLS,
-    OF_MESH,
-    OWNER,
-    RADIUS_OF,
-    SLOPES,
-    SLOT,
-    STEP_SHIFT,
-    WEIGHTS_AT,
-    WIDTH_OF,
-    ContactRows,
-)
-from heavylift.solver.contact.kind import DOF as CONTOUR_DOF
+from heavylift.solver.contact.kind import OF_MESH, ContactRows
 from heavylift.solver.interface import Systems, Workspace, joint_rows
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import PANEL, WIDTH
 
 __all__ = ["body_with_points"]
 
@@ -83,7 +50,7 @@ __all__ = ["body_with_points"]
 def body_with_points(kind: Meshes, dof: int) -> int:
     """Row of the body with moving points whose first velocity this is, -1 if it is not of this kind."""
     for body in range(kind.table.shape[0]):
-        if kind.table[body, DOF] == dof and kind.table[body, MOVING] > 0:
+        if kind.table[body].dof == dof and kind.table[body].moving_count > 0:
             return body
     return -1
 
@@ -96,20 +63,20 @@ def _form(
     moving: MovingPoints,
     kind: Meshes,
     dof: int,
-    row: int,
-    contour: NDArray[np.int64],
+    nodal: Floats1,
+    contour: PackedContour,
     first_u: int,
     last_u: int,
     first_v: int,
     last_v: int,
     net: NDArray[np.float64],
 ) -> None:
-    """`form_mesh_controls` of a row of `nodal`."""
+    """`form_mesh_controls` of a nodal vector."""
     body = body_with_points(kind, dof)
     if body < 0:
         return
-    count_u, count_v = contour[COUNT_U], contour[COUNT_V]
-    origin, q = moving.bodies[body, FIRST_CONTROL], kind.nodal[row]
+    count_u, count_v = contour.u.count, contour.v.count
+    origin, q = moving.bodies[body].first_control, nodal
     for i in range(first_u, last_u + 1):
         for j in range(first_v, last_v + 1):
             local = (i % count_u) * count_v + j % count_v
@@ -122,7 +89,7 @@ def _form(
                 x += factor * q[at]
                 y += factor * q[at + 1]
                 z += factor * q[at + 2]
-            to = contour[NET] + local
+            to = contour.first_control + local
             net[to, 0], net[to, 1], net[to, 2] = x, y, z
 
 
@@ -133,7 +100,7 @@ def form_controls_of_meshes(
     kind: Meshes,
     dof: int,
     at_midpoint: bool,
-    contour: NDArray[np.int64],
+    contour: PackedContour,
     first_u: int,
     last_u: int,
     first_v: int,
@@ -141,8 +108,8 @@ def form_controls_of_meshes(
     net: NDArray[np.float64],
 ) -> None:
     """Sums of nodal vectors."""
-    row = MID_Q if at_midpoint else Q
-    _form(kind.moving, kind, dof, row, contour, first_u, last_u, first_v, last_v, net)
+    nodal = kind.mid_position if at_midpoint else kind.position
+    _form(kind.moving, kind, dof, nodal, contour, first_u, last_u, first_v, last_v, net)
 
 
 @implement(form_controls, FrameMeshes)
@@ -153,8 +120,10 @@ def form_contour_controls(
 ) -> None:
     """Of the stage."""
     row = contacts.contours[contour]
-    if row[OWNER] == OF_MESH:
-        _form(kind.moving, kind, row[CONTOUR_DOF], MID_Q, row, first_u, last_u, first_v, last_v, contacts.net)
+    if row.owner == OF_MESH:
+        _form(
+            kind.moving, kind, row.dof, kind.mid_position, row, first_u, last_u, first_v, last_v, contacts.net
+        )
 
 
 @implement(pose_contours, FrameMeshes)
@@ -163,8 +132,8 @@ def form_contour_controls(
 def pose_mesh_contours(kind: Meshes, at_midpoint: bool, contacts: ContactRows) -> None:
     """The axes stand still; of the carried state the coordinates are those of the stage."""
     if not at_midpoint:
-        for i in range(kind.nodal.shape[1]):
-            kind.nodal[MID_Q, i] = kind.nodal[Q, i]
+        for i in range(kind.position.shape[0]):
+            kind.mid_position[i] = kind.position[i]
 
 
 # ---- moving points ----
@@ -185,8 +154,8 @@ def _aim(
     body = body_with_points(kind, dof)
     if body < 0:
         return
-    point = moving.bodies[body, FIRST_POINT] + slot
-    begin, origin = moving.points[point, ENTRIES], moving.bodies[body, FIRST_CONTROL]
+    point = moving.bodies[body].first_point + slot
+    begin, origin = moving.points[point].first_entry, moving.bodies[body].first_control
     end = begin
     for c in range(count):
         weight, row = weights[first + c], origin + controls[c]
@@ -204,9 +173,9 @@ def _aim(
                 end += 1
                 moving.entries[at], moving.factors[at] = place, 0.0
             moving.factors[at] += factor
-    moving.points[point, ENTRY_COUNT] = end - begin
-    moving.points[point, LIVE] = 1
-    moving.points[point, CURRENT] = -1
+    moving.points[point].entry_count = end - begin
+    moving.points[point].live = True
+    moving.points[point].current_set = -1
 
 
 @implement(aim_points, FrameMeshes)
@@ -222,21 +191,21 @@ def aim_points_of_meshes(
 @kernel(internal=True)
 def _settle(moving: MovingPoints, kind: Meshes, systems: Systems, at_midpoint: bool, work: Workspace) -> None:
     """`settle_points` of a kind."""
-    take_impulses(kind, systems, CHANGE_OF_V)
+    take_impulses(kind, systems, kind.velocity_change)
     for body in range(kind.table.shape[0]):
-        first, count = moving.bodies[body, FIRST_POINT], kind.table[body, MOVING]
-        stepped = at_midpoint and kind.table[body, SCHEME] != EXPLICIT
+        first, count = moving.bodies[body].first_point, kind.table[body].moving_count
+        stepped = at_midpoint and kind.table[body].scheme != EXPLICIT
         which = STEP_SET if stepped else MASS_SET
         prepare_points(moving, kind, body, which)
         # bodies that iterate contain all impulses in their velocities of the midpoint
-        solved = at_midpoint and is_iterated(kind, body) and kind.body[body, CHANGE] >= 0.0
-        dof = kind.table[body, DOF] + 3 * kind.table[body, BASES]
+        solved = at_midpoint and is_iterated(kind, body) and kind.body[body].change >= 0.0
+        dof = kind.table[body].dof + 3 * kind.table[body].base_count
         for i in range(count):
-            if moving.points[first + i, LIVE] == 0:
+            if not moving.points[first + i].live:
                 continue
-            x, y, z = point_value(moving, kind, first + i, MID_V if solved else V)
+            x, y, z = point_value(moving, kind, first + i, kind.mid_velocity if solved else kind.velocity)
             if at_midpoint and not solved:
-                a, b, c = point_response(moving, kind, first + i, body, which, FORWARD)
+                a, b, c = point_response(moving, kind, first + i, body, which, kind.forward_solution)
                 x, y, z = x + a, y + b, z + c
             at = dof + 3 * i
             work.velocity[at], work.velocity[at + 1], work.velocity[at + 2] = x, y, z
@@ -250,18 +219,18 @@ def _settle(moving: MovingPoints, kind: Meshes, systems: Systems, at_midpoint: b
 def _add_pushes(
     moving: MovingPoints, kind: Meshes, body: int, slot: int, velocity: NDArray[np.float64], at: int
 ) -> None:
-    """What impulses do to a moving point; minus them stands in row `CHANGE_OF_V`."""
-    bases, count = kind.table[body, BASES], kind.table[body, MOVING]
+    """What impulses do to a moving point; minus them stands in `velocity_change`."""
+    bases, count = kind.table[body].base_count, kind.table[body].moving_count
     length = vector_length(kind, body)
-    begin = moving.points[moving.bodies[body, FIRST_POINT] + slot, VECTORS]
-    begin -= kind.table[body, FIRST_NODE] * len(kind.shape[1])
-    first = kind.table[body, FIRST_BASE]
+    begin = moving.points[moving.bodies[body].first_point + slot].vectors
+    begin -= kind.table[body].first_node * len(kind.shape[1])
+    first = kind.table[body].first_base
     for base in range(first, first + bases + count):
-        place = kind.bases[base, BASE_PLACE]
+        place = kind.bases[base].place
         moves = base - first - bases
-        row = moving.bodies[body, COMPLIANCE] + 9 * slot * count + 3 * moves
+        row = moving.bodies[body].compliance + 9 * slot * count + 3 * moves
         for c in range(3):
-            push = kind.nodal[CHANGE_OF_V, place + c]
+            push = kind.velocity_change[place + c]
             if push == 0.0:
                 continue
             for k in range(3):
@@ -287,30 +256,30 @@ def settle_points_of_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, w
 @kernel(internal=True)
 def put_mesh_contour_rows(kind: Meshes, contacts: ContactRows, contact: int, count: int) -> None:
     """``-d`` into the columns of the moving point, ``-e`` into those of the tangent beside a curve."""
-    contour = contacts.table[contact, CONTOUR]
-    if contacts.contours[contour, OWNER] != OF_MESH:
+    contour = contacts.table[contact].contour
+    if contacts.contours[contour].owner != OF_MESH:
         return
-    dof, slot = contacts.contours[contour, CONTOUR_DOF], contacts.table[contact, SLOT]
+    dof, slot = contacts.contours[contour].dof, contacts.table[contact].slot
     body = body_with_points(kind, dof)
     if body < 0:
         return
     lanes, scratch, pose = len(contacts.shape[1]), contacts.scratch, contacts.poses[contour]
     side = 2 * contact
-    column = contacts.attachments[side, WIDTH] - 3 * kind.table[body, MOVING] + 3 * slot
-    panel = contacts.attachments[side, PANEL] + column * lanes
-    _aim(kind.moving, kind, dof, slot, contacts.places, scratch, WEIGHTS_AT, count)
-    beside, turning = pose[RADIUS_OF] > 0.0 or pose[WIDTH_OF] > 0.0, scratch[HAS_SLOPES] > 0.0
+    column = contacts.attachments[side].width - 3 * kind.table[body].moving_count + 3 * slot
+    panel = contacts.attachments[side].panel + column * lanes
+    _aim(kind.moving, kind, dof, slot, contacts.places, scratch.weights, 0, count)
+    beside, turning = pose.radius > 0.0 or pose.width > 0.0, scratch.has_slopes
     if turning:
-        _aim(kind.moving, kind, dof, slot + 1, contacts.places, scratch, WEIGHTS_AT + LARGEST_CONTROLS, count)
+        _aim(kind.moving, kind, dof, slot + 1, contacts.places, scratch.slope_weights, 0, count)
     for r in range(3):
-        at = DIRECTIONS + 3 * r
-        d1, d2, d3 = rotate_back(pose, scratch[at], scratch[at + 1], scratch[at + 2])
+        d = scratch.directions[r]
+        d1, d2, d3 = rotate_back(pose.rotation, d[0], d[1], d[2])
         contacts.panels[panel + r] = -d1
         contacts.panels[panel + lanes + r] = -d2
         contacts.panels[panel + 2 * lanes + r] = -d3
         if beside:
             for k in range(3):
-                slope = scratch[SLOPES + 3 * r + k] if turning else 0.0
+                slope = scratch.slopes[r, k] if turning else 0.0
                 contacts.panels[panel + (3 + k) * lanes + r] = -slope
 
 
@@ -319,12 +288,12 @@ def _bound(moving: MovingPoints, kind: Meshes, contacts: ContactRows, step: floa
     """`bound_motion` of a kind."""
     for contour in range(contacts.contours.shape[0]):
         row = contacts.contours[contour]
-        body = body_with_points(kind, row[CONTOUR_DOF]) if row[OWNER] == OF_MESH else -1
+        body = body_with_points(kind, row.dof) if row.owner == OF_MESH else -1
         if body < 0:
             continue
-        origin, speed = moving.bodies[body, FIRST_CONTROL], kind.nodal[MID_V]
+        origin, speed = moving.bodies[body].first_control, kind.mid_velocity
         largest = 0.0
-        for control in range(origin, origin + row[COUNT_U] * row[COUNT_V]):
+        for control in range(origin, origin + row.u.count * row.v.count):
             x = y = z = 0.0
             for k in range(4):
                 at, factor = moving.control_places[control, k], moving.control_factors[control, k]
@@ -332,7 +301,7 @@ def _bound(moving: MovingPoints, kind: Meshes, contacts: ContactRows, step: floa
                 y += factor * speed[at + 1]
                 z += factor * speed[at + 2]
             largest = max(largest, x * x + y * y + z * z)
-        contacts.poses[contour, STEP_SHIFT] = step * math.sqrt(largest)
+        contacts.poses[contour].step_shift = step * math.sqrt(largest)
 
 
 @implement(bound_motion, FrameMeshes)
@@ -351,4 +320,4 @@ def forget_mesh_accelerations(kind: Meshes) -> None:
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         for i in range(first, last):
-            kind.nodal[ACCELERATION, i] = 0.0
+            kind.mean_acceleration[i] = 0.0

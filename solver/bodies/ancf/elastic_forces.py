@@ -12,39 +12,24 @@ from __future__ import annotations
 
 import math
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.assembly import add_matrix_products
 from heavylift.solver.bodies.ancf.elements import add_elastic_forces, add_stress_forces, find_strains
 from heavylift.solver.bodies.ancf.frame_data import (
-    AXIAL,
-    AXIAL_COLUMNS,
     AXIAL_POINTS,
-    BENDING,
-    BENDING_COLUMNS,
     BENDING_POINTS,
-    CURVATURE,
-    CURVED,
     GREEN_LAGRANGE,
-    INITIAL_STRAIN,
-    SCALAR_BENDING,
-    SECOND,
-    SHAPE,
-    WEIGHT,
     add_vector,
+    axial_point,
+    bending_point,
     combine,
     dot,
+    frame_data,
     load_element,
     put_forces,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    CONSTANTS,
-    ELEMENT_DATA,
-    ELEMENTS,
-    FIRST_ELEMENT,
-    SHAPE_STRAIN,
-    FrameMeshes,
-    ShellMeshes,
-)
+from heavylift.solver.bodies.ancf.kind import FrameMeshes, ShellMeshes
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
@@ -52,25 +37,25 @@ __all__: list[str] = []
 
 @implement(add_elastic_forces, FrameMeshes)
 @kernel(internal=True)
-def add_frame_elastic_forces(kind: FrameMeshes, body: int, q: int, force: int, factor: float) -> None:
+def add_frame_elastic_forces(kind: FrameMeshes, body: int, q: Floats1, force: Floats1, factor: float) -> None:
     """By model."""
-    if kind.constants[kind.table[body, CONSTANTS]] == GREEN_LAGRANGE:
+    if kind.constants[kind.table[body].constants] == GREEN_LAGRANGE:
         _add_green_lagrange(kind, body, q, force, factor)
     else:
         _add_exact(kind, body, q, force, factor)
 
 
 @kernel(internal=True, reassociate=True)
-def _add_green_lagrange(kind: FrameMeshes, body: int, q: int, force: int, factor: float) -> None:
+def _add_green_lagrange(kind: FrameMeshes, body: int, q: Floats1, force: Floats1, factor: float) -> None:
     """The matrix of bending knows the difference of both positions only."""
     constants = kind.constants
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data = kind.elements[e, ELEMENT_DATA]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data = kind.elements[e].data
         x = load_element(kind, e, q)
-        K = data + SCALAR_BENDING
-        aa, ab, ac = factor * constants[K + 10], factor * constants[K + 9], factor * constants[K + 11]
-        bb, bc, cc = factor * constants[K + 5], factor * constants[K + 7], factor * constants[K + 15]
+        K = frame_data(constants, data).bending
+        aa, ab, ac = factor * K[2, 2], factor * K[2, 1], factor * K[2, 3]
+        bb, bc, cc = factor * K[1, 1], factor * K[1, 3], factor * K[3, 3]
         u, p, s = x
         fa = (
             aa * u[0] + ab * p[0] + ac * s[0],
@@ -87,58 +72,58 @@ def _add_green_lagrange(kind: FrameMeshes, body: int, q: int, force: int, factor
             ac * u[1] + bc * p[1] + cc * s[1],
             ac * u[2] + bc * p[2] + cc * s[2],
         )
-        rest = constants[data + INITIAL_STRAIN] - 0.5
+        rest = frame_data(constants, data).initial_strain - 0.5
         for g in range(AXIAL_POINTS):
-            at = data + AXIAL + g * AXIAL_COLUMNS
-            d = combine(constants, at + SHAPE, x)
-            stress = factor * constants[at + WEIGHT] * (0.5 * dot(d, d) + rest)
-            fa = add_vector(fa, stress * constants[at + SHAPE], d)
-            fb = add_vector(fb, stress * constants[at + SHAPE + 1], d)
-            fc = add_vector(fc, stress * constants[at + SHAPE + 2], d)
+            point = axial_point(constants, data, g)
+            d = combine(point.first, x)
+            stress = factor * point.stiffness * (0.5 * dot(d, d) + rest)
+            fa = add_vector(fa, stress * point.first[0], d)
+            fb = add_vector(fb, stress * point.first[1], d)
+            fc = add_vector(fc, stress * point.first[2], d)
         put_forces(kind, e, force, fa, fb, fc)
 
 
 @kernel(internal=True, reassociate=True)
-def _add_exact(kind: FrameMeshes, body: int, q: int, force: int, factor: float) -> None:
+def _add_exact(kind: FrameMeshes, body: int, q: Floats1, force: Floats1, factor: float) -> None:
     """Tension ``E A (|d| - 1 + e_0)`` along ``d/|d|``, and moments."""
     constants = kind.constants
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data = kind.elements[e, ELEMENT_DATA]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data = kind.elements[e].data
         x = load_element(kind, e, q)
         fa = fb = fc = (0.0, 0.0, 0.0)
-        rest = constants[data + INITIAL_STRAIN] - 1.0
+        rest = frame_data(constants, data).initial_strain - 1.0
         for g in range(AXIAL_POINTS):
-            at = data + AXIAL + g * AXIAL_COLUMNS
-            d = combine(constants, at + SHAPE, x)
-            tension = factor * constants[at + WEIGHT] * (1.0 + rest / math.sqrt(dot(d, d)))
-            fa = add_vector(fa, tension * constants[at + SHAPE], d)
-            fb = add_vector(fb, tension * constants[at + SHAPE + 1], d)
-            fc = add_vector(fc, tension * constants[at + SHAPE + 2], d)
-        curved = constants[data + CURVED] != 0.0
+            point = axial_point(constants, data, g)
+            d = combine(point.first, x)
+            tension = factor * point.stiffness * (1.0 + rest / math.sqrt(dot(d, d)))
+            fa = add_vector(fa, tension * point.first[0], d)
+            fb = add_vector(fb, tension * point.first[1], d)
+            fc = add_vector(fc, tension * point.first[2], d)
+        curved = frame_data(constants, data).curved
         for g in range(BENDING_POINTS):
-            at = data + BENDING + g * BENDING_COLUMNS
-            d, c = combine(constants, at + SHAPE, x), combine(constants, at + SECOND, x)
+            section = bending_point(constants, data, g)
+            d, c = combine(section.first, x), combine(section.second, x)
             i = 1.0 / dot(d, d)
             h = i * dot(c, d)
             cc = i * dot(c, c)
-            weight = factor * constants[at + WEIGHT] * i
+            weight = factor * section.stiffness * i
             if curved:
                 square = cc - h * h
-                weight *= 1.0 - constants[at + CURVATURE] / math.sqrt(square) if square > 0.0 else 0.0
+                weight *= 1.0 - section.curvature / math.sqrt(square) if square > 0.0 else 0.0
             a, b = weight * (2.0 * h * h - cc), -weight * h
             by_d = (a * d[0] + b * c[0], a * d[1] + b * c[1], a * d[2] + b * c[2])
             by_c = (weight * c[0] + b * d[0], weight * c[1] + b * d[1], weight * c[2] + b * d[2])
-            fa = add_vector(add_vector(fa, constants[at + SHAPE], by_d), constants[at + SECOND], by_c)
-            fb = add_vector(add_vector(fb, constants[at + SHAPE + 1], by_d), constants[at + SECOND + 1], by_c)
-            fc = add_vector(add_vector(fc, constants[at + SHAPE + 2], by_d), constants[at + SECOND + 2], by_c)
+            fa = add_vector(add_vector(fa, section.first[0], by_d), section.second[0], by_c)
+            fb = add_vector(add_vector(fb, section.first[1], by_d), section.second[1], by_c)
+            fc = add_vector(add_vector(fc, section.first[2], by_d), section.second[2], by_c)
         put_forces(kind, e, force, fa, fb, fc)
 
 
 @implement(add_elastic_forces, ShellMeshes)
 @kernel(internal=True)
-def add_shell_elastic_forces(kind: ShellMeshes, body: int, q: int, force: int, factor: float) -> None:
-    """Strains are left in row `SHAPE_STRAIN`."""
+def add_shell_elastic_forces(kind: ShellMeshes, body: int, q: Floats1, force: Floats1, factor: float) -> None:
+    """Strains are left in `shape_strain`."""
     add_matrix_products(kind, body, q, 0.0, q, factor, force)
-    find_strains(kind, body, q, SHAPE_STRAIN)
-    add_stress_forces(kind, body, q, SHAPE_STRAIN, force, factor)
+    find_strains(kind, body, q, kind.shape_strain)
+    add_stress_forces(kind, body, q, kind.shape_strain, force, factor)

@@ -1,8 +1,9 @@
 """What a type of ANCF element offers: verbs over all elements of one body.
 
-Rows are those of `nodal` and `strains`; the body is its row of `table`. Forces are added in the places of
-the nodes, stiffness to the blocks of the step matrix, both without regard to fixed coordinates. None of them but
-`add_elastic_forces` knows of bending matrices and mass matrices: these are constant, see `constants`.
+Coordinates `q`, velocities `v` and forces are nodal vectors, strains are vectors of strains; the body is its row of
+`table`. Forces are added in the places of the nodes, stiffness to the blocks of the step matrix, both without regard
+to fixed coordinates. None of them but `add_elastic_forces` knows of bending matrices and mass matrices: these are
+constant, see `constants`.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.solver.bodies.ancf.kind import Meshes
 from heavylift.solver.kinds import generic
 
@@ -28,34 +30,38 @@ __all__ = [
 
 
 @generic()
-def find_strains(kinds: Meshes, body: int, q: int, strain: int) -> None:
-    """``strains[strain] = e(q)`` with the coordinates of row `q`."""
+def find_strains(kinds: Meshes, body: int, q: Floats1, strain: Floats1) -> None:
+    """``strain = e(q)``."""
 
 
 @generic()
-def add_strain_rates(kinds: Meshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
-    """``strains[strain] += factor B(q) v``."""
+def add_strain_rates(
+    kinds: Meshes, body: int, q: Floats1, v: Floats1, strain: Floats1, factor: float
+) -> None:
+    """``strain += factor B(q) v``."""
 
 
 @generic()
-def add_stress_forces(kinds: Meshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
-    """``nodal[force] += factor B(q)^T C strains[strain]``."""
+def add_stress_forces(
+    kinds: Meshes, body: int, q: Floats1, strain: Floats1, force: Floats1, factor: float
+) -> None:
+    """``force += factor B(q)^T C strain``."""
 
 
 @generic()
 def add_mean_stress_forces(
     kinds: Meshes,
     body: int,
-    q_start: int,
-    q_end: int,
-    q_mid: int,
-    start_strain: int,
-    end_strain: int,
-    mean_strain: int,
-    force: int,
+    q_start: Floats1,
+    q_end: Floats1,
+    q_mid: Floats1,
+    start_strain: Floats1,
+    end_strain: Floats1,
+    mean_strain: Floats1,
+    force: Floats1,
     factor: float,
 ) -> None:
-    """``nodal[force] += factor Bm^T C strains[mean_strain]``, where ``Bm (q_end - q_start) = e_end - e_start``.
+    """``force += factor Bm^T C mean_strain``, where ``Bm (q_end - q_start) = e_end - e_start``.
 
     So the work of a step is that of the mean strain in the change of the strains of the shape, however long the step.
     `q_mid` is the mean of both ends; at strains that are quadratic in the coordinates ``Bm`` is ``B`` there.
@@ -63,28 +69,35 @@ def add_mean_stress_forces(
 
 
 @generic()
-def add_elastic_forces(kinds: Meshes, body: int, q: int, force: int, factor: float) -> None:
-    """``nodal[force] += factor (B^T C e(q) + K_b q)`` in one pass; row `SHAPE_STRAIN` is scratch."""
+def add_elastic_forces(kinds: Meshes, body: int, q: Floats1, force: Floats1, factor: float) -> None:
+    """``force += factor (B^T C e(q) + K_b q)`` in one pass; `shape_strain` is scratch."""
 
 
 @generic()
 def add_stiffness(
-    kinds: Meshes, body: int, q: int, strain: int, force: int, factor: float, scale: float, geometric: float
+    kinds: Meshes,
+    body: int,
+    q: Floats1,
+    strain: Floats1,
+    force: Floats1,
+    factor: float,
+    scale: float,
+    geometric: float,
 ) -> None:
     """Both in one pass: `add_stress_forces`, and ``scale (B^T C B + geometric G)`` into the blocks of the step set.
 
-    ``G`` is the derivative of ``B^T`` at the stress ``C strains[strain]``; at `geometric` 0 it costs nothing.
+    ``G`` is the derivative of ``B^T`` at the stress ``C strain``; at `geometric` 0 it costs nothing.
     """
 
 
 @generic()
-def measure_strain_energy(kinds: Meshes, body: int, strain: int) -> None:
-    """``body[ELASTIC_ENERGY] += e^T C e / 2`` with the strains of a row."""
+def measure_strain_energy(kinds: Meshes, body: int, strain: Floats1) -> None:
+    """``body[ELASTIC_ENERGY] += e^T C e / 2`` with some strains."""
 
 
 @generic()
-def measure_drift(kinds: Meshes, body: int, first: int, second: int) -> None:
-    """Largest difference of the strains [1] of two rows into `DRIFT`, its element of the body into `DRIFT_ELEMENT`.
+def measure_drift(kinds: Meshes, body: int, first: Floats1, second: Floats1) -> None:
+    """Largest difference [1] of two vectors of strains into `drift`, its element of the body into `drift_element`.
 
     Curvatures count with half the height of the section.
     """
@@ -92,9 +105,9 @@ def measure_drift(kinds: Meshes, body: int, first: int, second: int) -> None:
 
 @generic()
 def add_follower_load(
-    kinds: Meshes, body: int, q: int, element: int, load: int, data: int, factor: float
+    kinds: Meshes, body: int, q: Floats1, element: int, load: Floats1, data: int, factor: float
 ) -> None:
-    """``nodal[load] += factor`` times the load of an element at the coordinates `q`, data from `constants[data]` on."""
+    """``load += factor`` times the load of an element at the coordinates `q`, data from `constants[data]` on."""
 
 
 @generic()

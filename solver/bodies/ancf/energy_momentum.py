@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.bodies.ancf.advance import find_drift
@@ -31,53 +32,12 @@ from heavylift.solver.bodies.ancf.assembly import (
 from heavylift.solver.bodies.ancf.elements import add_mean_stress_forces, add_stiffness, find_strains
 from heavylift.solver.bodies.ancf.faults import blame_element, blame_largest
 from heavylift.solver.bodies.ancf.joints import take_impulses
-from heavylift.solver.bodies.ancf.kind import (
-    AUTO,
-    BASE_ELEMENT,
-    BASE_PLACE,
-    BASE_SHAPE,
-    BASES,
-    BEFORE,
-    CHANGE,
-    CHANGE_OF_V,
-    CHANGE_TIME,
-    CHANGED_OVER,
-    DRIFT,
-    DRIFT_ELEMENT,
-    DRIFT_TOLERANCE,
-    EXPLICIT,
-    FIRST_BASE,
-    FIRST_STRAIN,
-    ITERATIONS,
-    LARGEST_DRIFT,
-    LOAD,
-    MID_Q,
-    MID_V,
-    MOVING,
-    OLD_STRAIN,
-    RIGHT,
-    SCHEME,
-    SHAPE_STRAIN,
-    SIZE,
-    START_STRAIN,
-    STEP_SET,
-    STIFFNESS_DAMPING,
-    STRAIN,
-    STRAINS,
-    TRIAL,
-    VISCOUS,
-    FrameMeshes,
-    Meshes,
-    Q,
-    ShellMeshes,
-    V,
-)
+from heavylift.solver.bodies.ancf.kind import AUTO, EXPLICIT, STEP_SET, FrameMeshes, Meshes, ShellMeshes
 from heavylift.solver.bodies.ancf.moving import add_point_impulses, forget_vectors
 from heavylift.solver.bodies.ancf.step import add_gravity, is_iterated, write_free_bases
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
 from heavylift.solver.contact.system_interface import meet_again
 from heavylift.solver.interface import (
-    CHANGED,
     Bodies,
     Joints,
     Systems,
@@ -108,61 +68,75 @@ LOST = 1.0
 
 @kernel(internal=True)
 def _average_strains(kind: Meshes, body: int, step: float) -> None:
-    """Strains whose stress acts in the step, into `OLD_STRAIN`: the mean of both ends, and the rate if damped."""
-    find_strains(kind, body, TRIAL, SHAPE_STRAIN)
-    part = 0.5 + kind.body[body, STIFFNESS_DAMPING] / step
-    first = kind.table[body, FIRST_STRAIN]
-    for i in range(first, first + kind.table[body, STRAINS]):
-        change = kind.strains[SHAPE_STRAIN, i] - kind.strains[START_STRAIN, i]
-        kind.strains[OLD_STRAIN, i] = kind.strains[STRAIN, i] + part * change
+    """Strains whose stress acts in the step, into `stage_strain`: the mean of both ends, and the rate if damped."""
+    find_strains(kind, body, kind.trial_position, kind.shape_strain)
+    part = 0.5 + kind.body[body].stiffness_damping / step
+    first = kind.table[body].first_strain
+    for i in range(first, first + kind.table[body].strain_count):
+        change = kind.shape_strain[i] - kind.start_strain[i]
+        kind.stage_strain[i] = kind.strain[i] + part * change
 
 
 @kernel(internal=True)
-def _add_base_impulses(kind: Meshes, body: int, row: int) -> None:
-    """``nodal[RIGHT] += J^T P``, with minus the impulses in the places of bases and moving points of a row."""
+def _add_base_impulses(kind: Meshes, body: int, nodal: Floats1) -> None:
+    """``right_hand_side += J^T P``, with minus P at the places of bases and moving points of a nodal vector."""
     vectors = len(kind.shape[0]) // 3
     nodes = 2 if vectors == 2 else 4
-    first = kind.table[body, FIRST_BASE]
-    for base in range(first, first + kind.table[body, BASES]):
-        element, shape = kind.bases[base, BASE_ELEMENT], kind.bases[base, BASE_SHAPE]
-        place = kind.bases[base, BASE_PLACE]
+    first = kind.table[body].first_base
+    for base in range(first, first + kind.table[body].base_count):
+        element, shape = kind.bases[base].element, kind.bases[base].shape_values
+        place = kind.bases[base].place
         for i in range(nodes):
             for a in range(vectors):
-                at, value = kind.elements[element, i] + 3 * a, kind.constants[shape + i * vectors + a]
+                at, value = kind.elements[element].nodes[i] + 3 * a, kind.constants[shape + i * vectors + a]
                 for k in range(3):
-                    kind.nodal[RIGHT, at + k] -= value * kind.nodal[row, place + k]
-    add_point_impulses(kind.moving, kind, body, row)
+                    kind.right_hand_side[at + k] -= value * nodal[place + k]
+    add_point_impulses(kind.moving, kind, body, nodal)
 
 
 @kernel(internal=True)
 def _write_residual(kind: Meshes, body: int, step: float, work: Workspace) -> None:
-    """What is missing to the balance of momentum of the step, into `RIGHT`; the impulses stand in row `TRIAL`."""
+    """What the balance of momentum of the step lacks, into `right_hand_side`; impulses stand in `trial_position`."""
     half = 0.5 * step
     first, last = node_span(kind, body)
-    right, viscous = kind.nodal[RIGHT], 1.0 + half * kind.body[body, VISCOUS]
+    right, viscous = kind.right_hand_side, 1.0 + half * kind.body[body].viscous_damping
     for i in range(first, last):
-        kind.nodal[MID_Q, i] = kind.nodal[Q, i] + half * kind.nodal[MID_V, i]
-        kind.nodal[TRIAL, i] = kind.nodal[Q, i] + step * kind.nodal[MID_V, i]
-        kind.nodal[CHANGE_OF_V, i] = kind.nodal[V, i] - viscous * kind.nodal[MID_V, i]
-        right[i] = half * kind.nodal[LOAD, i]
+        kind.mid_position[i] = kind.position[i] + half * kind.mid_velocity[i]
+        kind.trial_position[i] = kind.position[i] + step * kind.mid_velocity[i]
+        kind.velocity_change[i] = kind.velocity[i] - viscous * kind.mid_velocity[i]
+        right[i] = half * kind.external_force[i]
     add_gravity(kind, body, work, half)
-    add_matrix_products(kind, body, CHANGE_OF_V, 1.0, MID_Q, -half, RIGHT)
-    stiff = kind.body[body, STIFFNESS_DAMPING]
+    add_matrix_products(kind, body, kind.velocity_change, 1.0, kind.mid_position, -half, right)
+    stiff = kind.body[body].stiffness_damping
     if stiff > 0.0:
-        add_matrix_products(kind, body, MID_V, 0.0, MID_V, -half * stiff, RIGHT)
+        add_matrix_products(kind, body, kind.mid_velocity, 0.0, kind.mid_velocity, -half * stiff, right)
     _average_strains(kind, body, step)
-    add_mean_stress_forces(kind, body, Q, TRIAL, MID_Q, START_STRAIN, SHAPE_STRAIN, OLD_STRAIN, RIGHT, -half)
-    _add_base_impulses(kind, body, TRIAL)
+    add_mean_stress_forces(
+        kind,
+        body,
+        kind.position,
+        kind.trial_position,
+        kind.mid_position,
+        kind.start_strain,
+        kind.shape_strain,
+        kind.stage_strain,
+        right,
+        -half,
+    )
+    _add_base_impulses(kind, body, kind.trial_position)
 
 
 @kernel(internal=True)
 def _refactor(kind: Meshes, body: int, step: float) -> None:
-    """The matrix at the present midpoint, with the stress in it. `RIGHT` is scratch."""
+    """The matrix at the present midpoint, with the stress in it. `right_hand_side` is scratch."""
     half = 0.5 * step
-    viscous = 1.0 + half * kind.body[body, VISCOUS]
-    stiff = half * (half + kind.body[body, STIFFNESS_DAMPING])
+    viscous = 1.0 + half * kind.body[body].viscous_damping
+    stiff = half * (half + kind.body[body].stiffness_damping)
     start_step_matrix(kind, body, viscous, stiff)
-    add_stiffness(kind, body, MID_Q, OLD_STRAIN, RIGHT, 0.0, stiff, half * half / stiff)
+    geometric = half * half / stiff
+    add_stiffness(
+        kind, body, kind.mid_position, kind.stage_strain, kind.right_hand_side, 0.0, stiff, geometric
+    )
     clear_fixed(kind, body, STEP_SET)
     factor_set(kind, body, STEP_SET)
     forget_vectors(kind.moving, kind, body)
@@ -171,18 +145,18 @@ def _refactor(kind: Meshes, body: int, step: float) -> None:
 @kernel(internal=True)
 def _watch_drift(kind: Meshes, body: int, time: float, step: float, work: Workspace) -> None:
     """Once a step: change over from carried strains to those of the shape when they are too far apart, or stop."""
-    if is_iterated(kind, body) or kind.table[body, SCHEME] == EXPLICIT or kind.body[body, CHANGE] >= 0.0:
+    if is_iterated(kind, body) or kind.table[body].scheme == EXPLICIT or kind.body[body].change >= 0.0:
         return
     find_drift(kind, body, step)
-    kind.body[body, CHANGE] = 0.0
-    drift = kind.body[body, DRIFT]
-    kind.body[body, LARGEST_DRIFT] = max(drift, kind.body[body, LARGEST_DRIFT])
-    if kind.table[body, SCHEME] == AUTO and not drift <= kind.body[body, DRIFT_TOLERANCE]:
-        kind.body[body, CHANGED_OVER] = 1.0
-        kind.body[body, CHANGE_TIME] = time
-        kind.body[body, CHANGE] = -1.0
+    kind.body[body].change = 0.0
+    drift = kind.body[body].drift
+    kind.body[body].largest_drift = max(drift, kind.body[body].largest_drift)
+    if kind.table[body].scheme == AUTO and not drift <= kind.body[body].drift_tolerance:
+        kind.body[body].changed_over = True
+        kind.body[body].change_time = time
+        kind.body[body].change = -1.0
     elif not drift <= LOST and math.isfinite(drift):  # what is not finite is found by `check`
-        blame_element(kind, body, int(kind.body[body, DRIFT_ELEMENT]), STRAINS_LOST, work)
+        blame_element(kind, body, kind.body[body].drift_element, STRAINS_LOST, work)
 
 
 @implement(iterate, FrameMeshes)
@@ -196,45 +170,47 @@ def iterate_meshes(
         _watch_drift(kind, body, time, step, work)
         if not is_iterated(kind, body):
             continue
-        before = kind.body[body, CHANGE]
+        before = kind.body[body].change
         if before < 0.0:
-            kind.body[body, ITERATIONS] = 0.0
-            find_strains(kind, body, Q, START_STRAIN)
-        kind.body[body, ITERATIONS] += 1.0
-        take_impulses(kind, systems, TRIAL)
+            kind.body[body].iterations = 0
+            find_strains(kind, body, kind.position, kind.start_strain)
+        kind.body[body].iterations += 1
+        take_impulses(kind, systems, kind.trial_position)
         _write_residual(kind, body, step, work)
-        slow = kind.body[body, ITERATIONS] > 2.0 and kind.body[body, CHANGE] > SLOW * kind.body[body, BEFORE]
+        slow = (
+            kind.body[body].iterations > 2 and kind.body[body].change > SLOW * kind.body[body].change_before
+        )
         if slow:
             _refactor(kind, body, step)
         # rows of joints were made at the predicted midpoint, which in soft bodies is far from the true one
-        count = kind.table[body, BASES] + kind.table[body, MOVING]
-        jointed = count > 0 and (slow or kind.body[body, ITERATIONS] == 1.0)
+        count = kind.table[body].base_count + kind.table[body].moving_count
+        jointed = count > 0 and (slow or kind.body[body].iterations == 1)
         if jointed:
             refactor_rows(systems, bodies, joints, work)
-            take_impulses(kind, systems, TRIAL)
+            take_impulses(kind, systems, kind.trial_position)
         if slow or jointed:
             _write_residual(kind, body, step, work)
         solve_forward(kind, body, STEP_SET)
-        write_free_bases(kind, body, MID_V, 1.0, work)
+        write_free_bases(kind, body, kind.mid_velocity, 1.0, work)
         solve_again(systems, joints, work, time, step)
         meet_again(systems, systems, joints, work, time, step)
-        take_impulses(kind, systems, RIGHT)
-        first_base = kind.table[body, FIRST_BASE]
+        take_impulses(kind, systems, kind.right_hand_side)
+        first_base = kind.table[body].first_base
         for base in range(first_base, first_base + count):
-            place = kind.bases[base, BASE_PLACE]
+            place = kind.bases[base].place
             for k in range(3):
-                kind.nodal[RIGHT, place + k] -= kind.nodal[TRIAL, place + k]
+                kind.right_hand_side[place + k] -= kind.trial_position[place + k]
         scatter_back(kind, body, STEP_SET)
         first, last = node_span(kind, body)
         change = 0.0
         for i in range(first, last):
-            kind.nodal[MID_V, i] += kind.nodal[RIGHT, i]
-            change += kind.nodal[RIGHT, i] ** 2
+            kind.mid_velocity[i] += kind.right_hand_side[i]
+            change += kind.right_hand_side[i] ** 2
         change = step * math.sqrt(change)
-        kind.body[body, BEFORE] = before if before >= 0.0 else 1e300
-        kind.body[body, CHANGE] = change
-        size, stalled = kind.body[body, SIZE], change > STALLED * kind.body[body, BEFORE]
+        kind.body[body].change_before = before if before >= 0.0 else 1e300
+        kind.body[body].change = change
+        size, stalled = kind.body[body].size, change > STALLED * kind.body[body].change_before
         if change > CONVERGED * size and not (stalled and change <= NEARLY * size):
-            work.control[CHANGED] += 1.0
-            if kind.body[body, ITERATIONS] > MOST_ROUNDS:
-                blame_largest(kind, body, RIGHT, NOT_CONVERGED, work)
+            work.control.changed += 1
+            if kind.body[body].iterations > MOST_ROUNDS:
+                blame_largest(kind, body, kind.right_hand_side, NOT_CONVERGED, work)

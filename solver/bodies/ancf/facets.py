@@ -10,34 +10,17 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.bodies.ancf.contours import body_with_points
-from heavylift.solver.bodies.ancf.kind import (
-    CURRENT,
-    DOF,
-    ENTRIES,
-    ENTRY_COUNT,
-    FIRST_NODE,
-    FIRST_POINT,
-    LIVE,
-    MID_Q,
-    MID_V,
-    MOVING,
-    FrameMeshes,
-    Meshes,
-    MovingPoints,
-    ShellMeshes,
-    V,
-)
+from heavylift.solver.bodies.ancf.kind import FrameMeshes, Meshes, MovingPoints, ShellMeshes
 from heavylift.solver.bodies.ancf.moving import point_value
 from heavylift.solver.contact.facet_interface import (
     bound_surface_points,
     form_surface_points,
     put_surface_rows,
 )
-from heavylift.solver.contact.facet_kind import OF_DOF, OF_POSE, OWN_POINT, POINTS, FacetSurfaces
-from heavylift.solver.contact.kind import DIRECTIONS, STEP_SHIFT, ContactRows
+from heavylift.solver.contact.facet_kind import FacetSurfaces
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import PANEL, WIDTH
 
 __all__: list[str] = []
 
@@ -63,12 +46,12 @@ def form_points_of_meshes(
     kind: Meshes, facets: FacetSurfaces, row: int, first: int, points: NDArray[np.float64]
 ) -> None:
     """In the axes of the nodal coordinates, which stand still."""
-    body = body_with_points(kind, facets.rows[row, OF_DOF])
+    body = body_with_points(kind, facets.rows[row].dof)
     if body < 0:
         return
-    begin, own = kind.table[body, FIRST_NODE] * len(kind.shape[1]), facets.rows[row, OWN_POINT]
-    for i in range(facets.rows[row, POINTS]):
-        x, y, z = _sum_vectors(facets, kind.nodal[MID_Q], own + i, begin)
+    begin, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row].own_point
+    for i in range(facets.rows[row].points):
+        x, y, z = _sum_vectors(facets, kind.mid_position, own + i, begin)
         points[first + i, 0], points[first + i, 1], points[first + i, 2] = x, y, z
 
 
@@ -79,15 +62,15 @@ def bound_points_of_meshes(
     kind: Meshes, facets: FacetSurfaces, row: int, contacts: ContactRows, step: float
 ) -> None:
     """The fastest point."""
-    body = body_with_points(kind, facets.rows[row, OF_DOF])
+    body = body_with_points(kind, facets.rows[row].dof)
     if body < 0:
         return
-    begin, own = kind.table[body, FIRST_NODE] * len(kind.shape[1]), facets.rows[row, OWN_POINT]
+    begin, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row].own_point
     fastest = 0.0
-    for i in range(facets.rows[row, POINTS]):
-        x, y, z = _sum_vectors(facets, kind.nodal[MID_V], own + i, begin)
+    for i in range(facets.rows[row].points):
+        x, y, z = _sum_vectors(facets, kind.mid_velocity, own + i, begin)
         fastest = max(fastest, x * x + y * y + z * z)
-    contacts.poses[facets.rows[row, OF_POSE], STEP_SHIFT] = step * math.sqrt(fastest)
+    contacts.poses[facets.rows[row].pose].step_shift = step * math.sqrt(fastest)
 
 
 @kernel(internal=True)
@@ -102,9 +85,9 @@ def _aim_at(
     at: int,
 ) -> None:
     """A moving point becomes the touched point; its velocity into the workspace."""
-    shift, own = kind.table[body, FIRST_NODE] * len(kind.shape[1]), facets.rows[row, OWN_POINT]
-    point = moving.bodies[body, FIRST_POINT] + slot
-    begin = moving.points[point, ENTRIES]
+    shift, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row].own_point
+    point = moving.bodies[body].first_point + slot
+    begin = moving.points[point].first_entry
     end = begin
     for corner in range(3):
         share, of = facets.shares[corner], own + facets.corners[corner]
@@ -120,10 +103,10 @@ def _aim_at(
                 end += 1
                 moving.entries[to], moving.factors[to] = place, 0.0
             moving.factors[to] += factor
-    moving.points[point, ENTRY_COUNT] = end - begin
-    moving.points[point, LIVE] = 1
-    moving.points[point, CURRENT] = -1
-    x, y, z = point_value(moving, kind, point, V)
+    moving.points[point].entry_count = end - begin
+    moving.points[point].live = True
+    moving.points[point].current_set = -1
+    x, y, z = point_value(moving, kind, point, kind.velocity)
     work.velocity[at], work.velocity[at + 1], work.velocity[at + 2] = x, y, z
 
 
@@ -141,21 +124,21 @@ def put_rows_on_meshes(
     work: Workspace,
 ) -> None:
     """Directions of the contact into the columns of the moving point, zeros into all others."""
-    dof = facets.rows[row, OF_DOF]
+    dof = facets.rows[row].dof
     body = body_with_points(kind, dof)
     if body < 0:
         return
     lanes, scratch = len(contacts.shape[1]), contacts.scratch
-    pose, width = contacts.poses[facets.rows[row, OF_POSE]], contacts.attachments[attachment, WIDTH]
-    column = width - 3 * kind.table[body, MOVING] + 3 * slot
-    _aim_at(kind.moving, kind, body, facets, row, slot, work, kind.table[body, DOF] + column)
-    panel = contacts.attachments[attachment, PANEL]
+    pose, width = contacts.poses[facets.rows[row].pose], contacts.attachments[attachment].width
+    column = width - 3 * kind.table[body].moving_count + 3 * slot
+    _aim_at(kind.moving, kind, body, facets, row, slot, work, kind.table[body].dof + column)
+    panel = contacts.attachments[attachment].panel
     for k in range(width * lanes):
         contacts.panels[panel + k] = 0.0
     panel += column * lanes
     for r in range(3):
-        at = DIRECTIONS + 3 * r
-        d1, d2, d3 = rotate_back(pose, scratch[at], scratch[at + 1], scratch[at + 2])
+        d = scratch.directions[r]
+        d1, d2, d3 = rotate_back(pose.rotation, d[0], d[1], d[2])
         contacts.panels[panel + r] = sign * d1
         contacts.panels[panel + lanes + r] = sign * d2
         contacts.panels[panel + 2 * lanes + r] = sign * d3

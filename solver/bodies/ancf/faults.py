@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.ancf.kind import ELEMENTS, FIRST_ELEMENT, NUMBER, Meshes
-from heavylift.solver.interface import STATUS_BLOCK, STATUS_BODY, STATUS_OUTCOME, Workspace
+from heavylift.solver.bodies.ancf.kind import Meshes
+from heavylift.solver.interface import Workspace
 
 __all__ = ["blame_element", "blame_largest"]
 
@@ -14,24 +15,24 @@ __all__ = ["blame_element", "blame_largest"]
 @kernel(internal=True)
 def blame_element(kind: Meshes, body: int, element: int, outcome: int, work: Workspace) -> None:
     """Stop with an outcome; an element of a body stands in the status as minus its number, less one."""
-    work.status[STATUS_OUTCOME] = outcome
-    work.status[STATUS_BODY] = kind.table[body, NUMBER]
-    work.status[STATUS_BLOCK] = -1 - element
+    work.status.outcome = outcome
+    work.status.body = kind.table[body].number
+    work.status.block = -1 - element
 
 
 @kernel(internal=True)
-def blame_largest(kind: Meshes, body: int, row: int, outcome: int, work: Workspace) -> None:
+def blame_largest(kind: Meshes, body: int, nodal: Floats1, outcome: int, work: Workspace) -> None:
     """Stop; to blame is the first element with a number that is not finite, or that with the largest displacement."""
     vectors = len(kind.shape[0]) // 3
     nodes = 2 if vectors == 2 else 4
-    first = kind.table[body, FIRST_ELEMENT]
+    first = kind.table[body].first_element
     worst, largest = 0, -1.0
-    for element in range(kind.table[body, ELEMENTS]):
+    for element in range(kind.table[body].element_count):
         total = 0.0
         for i in range(nodes):
-            place = kind.elements[first + element, i]
+            place = kind.elements[first + element].nodes[i]
             for k in range(3 * vectors):
-                size = abs(kind.nodal[row, place + k])
+                size = abs(nodal[place + k])
                 if k < 3 or not math.isfinite(size):
                     total += size
         if not math.isfinite(total):

@@ -8,22 +8,37 @@ matrices; the products, weighed, are stored.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.ancf.kind import ELEMENT_BLOCKS, Meshes
+from heavylift.numerics.records import Record, record_at
+from heavylift.numerics.records import Vector as Vector3
+from heavylift.numerics.small import nonnegative
+from heavylift.solver.bodies.ancf.kind import Meshes
 
 __all__ = [
     "AXIAL_POINTS",
     "BENDING_POINTS",
+    "AxialPoint",
+    "BendingPoint",
+    "FrameData",
     "FrameElement",
+    "FrameFollower",
     "Symmetric",
     "Vector",
     "add_full",
     "add_symmetric",
     "add_vector",
+    "axial_point",
+    "bending_point",
     "combine",
     "dot",
+    "frame_data",
+    "frame_follower",
     "full",
     "load_element",
     "put_forces",
@@ -40,37 +55,110 @@ AXIAL_POINTS = 5
 BENDING_POINTS = 3
 """Gauss points of the curvature: its error is two orders smaller than that of the cubic."""
 
-# places behind `ELEMENT_DATA`: mass and bending matrix of 4 x 4 scalars, then
-SCALAR_MASS, SCALAR_BENDING = 0, 16
-(
-    AXIAL_STIFFNESS,  # E A
-    BENDING_STIFFNESS,  # E I
-    AREA,
-    STRESS,  # of the outer fibre, of a unit moment
-    HEIGHT,  # length by which a curvature is compared with a strain
-    CURVED,  # 1 if the reference is, of the exact model
-    INITIAL_STRAIN,  # of the reference shape
-    CENTRE,  # (a, b, c) at the centre
-    END_SECOND,  # (A, B, C) at both ends
-    END_CURVATURE,  # of the reference at both ends
-    AXIAL,  # rows of the axial points
-    BENDING,  # rows of the bending points, of the exact model
-) = (32, 33, 34, 35, 36, 37, 38, 39, 42, 48, 50, 120)
 
-# columns of an axial point: E A ds, (a, b, c), E A ds times aa, ab, ac, bb, bc, cc; ds times S1 to S4
-WEIGHT, SHAPE, PRODUCTS, LOADS = 0, 1, 4, 10
-AXIAL_COLUMNS = 14
+class FrameData(Record):
+    """Data of an element; its axial points follow, then the bending points of the exact model.
 
-# columns of a bending point: E I ds; (a, b, c), (A, B, C); curvature of the reference; E I ds times
-# aa, ab, ac, bb, bc, cc; AA, AB, AC, BB, BC, CC; aA, aB, aC, bB, bC, cC; Ab, Ac, Bc
-SECOND, CURVATURE, BENDING_PRODUCTS = 4, 7, 8
-BENDING_COLUMNS = 29
+    Attributes
+    ----------
+    mass, bending
+        Scalar matrices of the four nodal vectors.
+    axial_stiffness, bending_stiffness, area
+        ``E A``, ``E I`` and A of the section.
+    stress
+        Of the outer fibre, of a unit moment.
+    height
+        Length by which a curvature is compared with a strain.
+    curved
+        Whether the reference is, of the exact model.
+    initial_strain
+        Of the reference shape.
+    centre
+        (a, b, c) at the centre.
+    end_second
+        (A, B, C) at both ends.
+    end_curvature
+        Of the reference at both ends.
+    """
 
-GREEN_LAGRANGE_LENGTH = AXIAL + AXIAL_POINTS * AXIAL_COLUMNS
-EXACT_LENGTH = BENDING + BENDING_POINTS * BENDING_COLUMNS
+    mass: Annotated[NDArray[np.float64], (4, 4)]
+    bending: Annotated[NDArray[np.float64], (4, 4)]
+    axial_stiffness: float
+    bending_stiffness: float
+    area: float
+    stress: float
+    height: float
+    curved: bool
+    initial_strain: float
+    centre: Vector3
+    end_second: Annotated[NDArray[np.float64], (2, 3)]
+    end_curvature: Annotated[NDArray[np.float64], (2,)]
+
+
+class AxialPoint(Record):
+    """Gauss point of the axial strain.
+
+    Attributes
+    ----------
+    stiffness
+        ``E A ds``.
+    first
+        (a, b, c).
+    products
+        ``E A ds`` times aa, ab, ac, bb, bc, cc.
+    loads
+        ds times S1 to S4.
+    """
+
+    stiffness: float
+    first: Vector3
+    products: Annotated[NDArray[np.float64], (6,)]
+    loads: Annotated[NDArray[np.float64], (4,)]
+
+
+class BendingPoint(Record):
+    """Gauss point of the curvature.
+
+    Attributes
+    ----------
+    stiffness
+        ``E I ds``.
+    first, second
+        (a, b, c) and (A, B, C).
+    curvature
+        Of the reference.
+    products
+        ``E I ds`` times aa, ab, ac, bb, bc, cc; AA, AB, AC, BB, BC, CC; aA, aB, aC, bB, bC, cC; Ab, Ac, Bc.
+    """
+
+    stiffness: float
+    first: Vector3
+    second: Vector3
+    curvature: float
+    products: Annotated[NDArray[np.float64], (21,)]
+
+
+class FrameFollower(Record):
+    """Data of a follower load: normal and tangential part [N, N/m of the reference], axis in axes of the body."""
+
+    normal: float
+    tangential: float
+    axis: Vector3
+
+
+WORD = 8
+AXIAL_LENGTH, BENDING_LENGTH = AxialPoint.layout.itemsize // WORD, BendingPoint.layout.itemsize // WORD
+AXIAL = FrameData.layout.itemsize // WORD
+"""Place of the axial points in the data of an element."""
+BENDING = AXIAL + AXIAL_POINTS * AXIAL_LENGTH
+"""Place of the bending points."""
+EXACT_LENGTH = BENDING + BENDING_POINTS * BENDING_LENGTH
+
+frame_data, frame_follower = record_at(FrameData), record_at(FrameFollower)
+_axial_point, _bending_point = record_at(AxialPoint), record_at(BendingPoint)
 
 LANES = 8
-"""Places of a node in a row of `nodal`, and of a column of a block."""
+"""Places of a node in a nodal vector, and of a column of a block."""
 
 Vector = tuple[float, float, float]
 Symmetric = tuple[float, float, float, float, float, float]
@@ -82,22 +170,33 @@ FrameElement = tuple[Vector, Vector, Vector]
 
 
 @kernel(inline=True, internal=True)
-def load_element(kind: Meshes, e: int, row: int) -> FrameElement:
-    """What the derivatives along an element need of a row of `nodal`."""
-    x = kind.nodal
-    i, j = kind.elements[e, 0], kind.elements[e, 1]
-    chord = (x[row, j] - x[row, i], x[row, j + 1] - x[row, i + 1], x[row, j + 2] - x[row, i + 2])
+def axial_point(constants: NDArray[np.float64], data: int, number: int) -> AxialPoint:
+    """A point of the element whose data begin at a place."""
+    return _axial_point(constants, data + AXIAL + number * AXIAL_LENGTH)
+
+
+@kernel(inline=True, internal=True)
+def bending_point(constants: NDArray[np.float64], data: int, number: int) -> BendingPoint:
+    """A point of the element whose data begin at a place."""
+    return _bending_point(constants, data + BENDING + number * BENDING_LENGTH)
+
+
+@kernel(inline=True, internal=True)
+def load_element(kind: Meshes, e: int, nodal: Floats1) -> FrameElement:
+    """What the derivatives along an element need of a nodal vector."""
+    i, j = nonnegative(kind.elements[e].nodes[0]), nonnegative(kind.elements[e].nodes[1])
+    chord = (nodal[j] - nodal[i], nodal[j + 1] - nodal[i + 1], nodal[j + 2] - nodal[i + 2])
     return (
         chord,
-        (x[row, i + 3], x[row, i + 4], x[row, i + 5]),
-        (x[row, j + 3], x[row, j + 4], x[row, j + 5]),
+        (nodal[i + 3], nodal[i + 4], nodal[i + 5]),
+        (nodal[j + 3], nodal[j + 4], nodal[j + 5]),
     )
 
 
 @kernel(inline=True, internal=True)
-def combine(constants: Any, at: int, x: FrameElement) -> Vector:
-    """``A (r_2 - r_1) + B r'_1 + C r'_2`` with the three numbers at a place."""
-    a, b, c = constants[at], constants[at + 1], constants[at + 2]
+def combine(numbers: Any, x: FrameElement) -> Vector:
+    """``A (r_2 - r_1) + B r'_1 + C r'_2`` with three numbers."""
+    a, b, c = numbers[0], numbers[1], numbers[2]
     u, p, s = x
     return (
         a * u[0] + b * p[0] + c * s[0],
@@ -160,15 +259,14 @@ def transpose(m: Full) -> Full:
 
 
 @kernel(inline=True, internal=True)
-def put_forces(kind: Meshes, e: int, row: int, fa: Vector, fb: Vector, fc: Vector) -> None:
-    """Add the forces on ``r_2 - r_1``, ``r'_1`` and ``r'_2`` to a row of `nodal`."""
-    x = kind.nodal
-    i, j = kind.elements[e, 0], kind.elements[e, 1]
+def put_forces(kind: Meshes, e: int, nodal: Floats1, fa: Vector, fb: Vector, fc: Vector) -> None:
+    """Add the forces on ``r_2 - r_1``, ``r'_1`` and ``r'_2`` to a nodal vector."""
+    i, j = nonnegative(kind.elements[e].nodes[0]), nonnegative(kind.elements[e].nodes[1])
     for k in range(3):
-        x[row, i + k] -= fa[k]
-        x[row, i + 3 + k] += fb[k]
-        x[row, j + k] += fa[k]
-        x[row, j + 3 + k] += fc[k]
+        nodal[i + k] -= fa[k]
+        nodal[i + 3 + k] += fb[k]
+        nodal[j + k] += fa[k]
+        nodal[j + 3 + k] += fc[k]
 
 
 @kernel(inline=True, internal=True)
@@ -184,15 +282,15 @@ def put_stiffness(
     kind: Meshes, e: int, aa: Symmetric, ab: Full, ac: Full, bb: Symmetric, bc: Full, cc: Symmetric
 ) -> None:
     """Add the stiffness against ``r_2 - r_1``, ``r'_1`` and ``r'_2`` to the blocks of the pairs of nodes."""
-    blocks, elements = kind.blocks, kind.elements
-    at = elements[e, ELEMENT_BLOCKS]
+    blocks, of_pairs = kind.blocks, kind.elements[e].blocks
+    at = of_pairs[0, 0]
     slopes = 3 * LANES  # the part of a block that belongs to the slope of its column node
     _put_matrix(blocks, at, 1.0, full(aa))
     _put_matrix(blocks, at + 3, -1.0, transpose(ab))
     _put_matrix(blocks, at + slopes, -1.0, ab)
     _put_matrix(blocks, at + slopes + 3, 1.0, full(bb))
-    at = elements[e, ELEMENT_BLOCKS + 2]
-    if elements[e, ELEMENT_BLOCKS + 3] == 0:
+    at = of_pairs[1, 0]
+    if of_pairs[1, 1] == 0:
         _put_matrix(blocks, at, -1.0, full(aa))
         _put_matrix(blocks, at + 3, -1.0, transpose(ac))
         _put_matrix(blocks, at + slopes, 1.0, ab)
@@ -202,7 +300,7 @@ def put_stiffness(
         _put_matrix(blocks, at + 3, 1.0, transpose(ab))
         _put_matrix(blocks, at + slopes, -1.0, ac)
         _put_matrix(blocks, at + slopes + 3, 1.0, bc)
-    at = elements[e, ELEMENT_BLOCKS + 4]
+    at = of_pairs[2, 0]
     _put_matrix(blocks, at, 1.0, full(aa))
     _put_matrix(blocks, at + 3, 1.0, transpose(ac))
     _put_matrix(blocks, at + slopes, 1.0, ac)

@@ -14,6 +14,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 from heavylift.solver.bodies.ancf.elements import (
@@ -28,30 +29,17 @@ from heavylift.solver.bodies.ancf.elements import (
     record_elements,
 )
 from heavylift.solver.bodies.ancf.frame_data import (
-    AREA,
-    AXIAL,
-    AXIAL_COLUMNS,
     AXIAL_POINTS,
-    AXIAL_STIFFNESS,
-    BENDING,
-    BENDING_COLUMNS,
     BENDING_POINTS,
-    BENDING_STIFFNESS,
-    CENTRE,
-    CURVED,
-    END_CURVATURE,
-    END_SECOND,
     GREEN_LAGRANGE,
-    HEIGHT,
-    INITIAL_STRAIN,
-    LOADS,
-    SHAPE,
-    STRESS,
-    WEIGHT,
     Vector,
     add_vector,
+    axial_point,
+    bending_point,
     combine,
     dot,
+    frame_data,
+    frame_follower,
     load_element,
 )
 from heavylift.solver.bodies.ancf.frame_exact import (
@@ -68,18 +56,7 @@ from heavylift.solver.bodies.ancf.frame_green_lagrange import (
     add_green_lagrange_stiffness,
     find_green_lagrange_strains,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    CONSTANTS,
-    DRIFT,
-    DRIFT_ELEMENT,
-    ELASTIC_ENERGY,
-    ELEMENT_DATA,
-    ELEMENT_STRAIN,
-    ELEMENTS,
-    FIRST_ELEMENT,
-    FrameMeshes,
-    Q,
-)
+from heavylift.solver.bodies.ancf.kind import FrameMeshes
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
@@ -87,12 +64,12 @@ __all__: list[str] = []
 
 @kernel(inline=True, internal=True)
 def _is_exact(kind: FrameMeshes, body: int) -> bool:
-    return kind.constants[kind.table[body, CONSTANTS]] != GREEN_LAGRANGE
+    return kind.constants[kind.table[body].constants] != GREEN_LAGRANGE
 
 
 @implement(find_strains, FrameMeshes)
 @kernel(internal=True)
-def find_frame_strains(kind: FrameMeshes, body: int, q: int, strain: int) -> None:
+def find_frame_strains(kind: FrameMeshes, body: int, q: Floats1, strain: Floats1) -> None:
     if _is_exact(kind, body):
         find_exact_strains(kind, body, q, strain)
     else:
@@ -101,7 +78,9 @@ def find_frame_strains(kind: FrameMeshes, body: int, q: int, strain: int) -> Non
 
 @implement(add_strain_rates, FrameMeshes)
 @kernel(internal=True)
-def add_frame_rates(kind: FrameMeshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
+def add_frame_rates(
+    kind: FrameMeshes, body: int, q: Floats1, v: Floats1, strain: Floats1, factor: float
+) -> None:
     if _is_exact(kind, body):
         add_exact_rates(kind, body, q, v, strain, factor)
     else:
@@ -110,7 +89,9 @@ def add_frame_rates(kind: FrameMeshes, body: int, q: int, v: int, strain: int, f
 
 @implement(add_stress_forces, FrameMeshes)
 @kernel(internal=True)
-def add_frame_forces(kind: FrameMeshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
+def add_frame_forces(
+    kind: FrameMeshes, body: int, q: Floats1, strain: Floats1, force: Floats1, factor: float
+) -> None:
     if _is_exact(kind, body):
         add_exact_forces(kind, body, q, strain, force, factor)
     else:
@@ -122,13 +103,13 @@ def add_frame_forces(kind: FrameMeshes, body: int, q: int, strain: int, force: i
 def add_frame_mean_forces(
     kind: FrameMeshes,
     body: int,
-    q_start: int,
-    q_end: int,
-    q_mid: int,
-    start_strain: int,
-    end_strain: int,
-    mean_strain: int,
-    force: int,
+    q_start: Floats1,
+    q_end: Floats1,
+    q_mid: Floats1,
+    start_strain: Floats1,
+    end_strain: Floats1,
+    mean_strain: Floats1,
+    force: Floats1,
     factor: float,
 ) -> None:
     if _is_exact(kind, body):
@@ -144,9 +125,9 @@ def add_frame_mean_forces(
 def add_frame_stiffness(
     kind: FrameMeshes,
     body: int,
-    q: int,
-    strain: int,
-    force: int,
+    q: Floats1,
+    strain: Floats1,
+    force: Floats1,
     factor: float,
     scale: float,
     geometric: float,
@@ -159,87 +140,88 @@ def add_frame_stiffness(
 
 @implement(measure_strain_energy, FrameMeshes)
 @kernel(internal=True)
-def measure_frame_energy(kind: FrameMeshes, body: int, strain: int) -> None:
-    constants, strains = kind.constants, kind.strains
+def measure_frame_energy(kind: FrameMeshes, body: int, strain: Floats1) -> None:
+    constants = kind.constants
     exact = _is_exact(kind, body)
-    first = kind.table[body, FIRST_ELEMENT]
+    first = kind.table[body].first_element
     energy = 0.0
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
         for g in range(AXIAL_POINTS):
-            s = strains[strain, place + g]
-            energy += constants[data + AXIAL + g * AXIAL_COLUMNS + WEIGHT] * s * s
+            s = strain[place + g]
+            energy += axial_point(constants, data, g).stiffness * s * s
         if exact:
-            components = 1 if constants[data + CURVED] != 0.0 else 3
+            components = 1 if frame_data(constants, data).curved else 3
             place += AXIAL_POINTS
             for g in range(BENDING_POINTS):
-                weight = constants[data + BENDING + g * BENDING_COLUMNS + WEIGHT]
+                weight = bending_point(constants, data, g).stiffness
                 for k in range(components):
-                    s = strains[strain, place + k]
+                    s = strain[place + k]
                     energy += weight * s * s
                 place += components
-    kind.body[body, ELASTIC_ENERGY] += 0.5 * energy
+    kind.body[body].elastic_energy += 0.5 * energy
 
 
 @implement(measure_drift, FrameMeshes)
 @kernel(internal=True)
-def measure_frame_drift(kind: FrameMeshes, body: int, first: int, second: int) -> None:
-    constants, strains = kind.constants, kind.strains
+def measure_frame_drift(kind: FrameMeshes, body: int, first: Floats1, second: Floats1) -> None:
+    constants = kind.constants
     exact = _is_exact(kind, body)
-    start = kind.table[body, FIRST_ELEMENT]
+    start = kind.table[body].first_element
     drift, worst = 0.0, 0
-    for number in range(kind.table[body, ELEMENTS]):
+    for number in range(kind.table[body].element_count):
         e = start + number
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+        data, place = kind.elements[e].data, kind.elements[e].strain
         count = AXIAL_POINTS
         if exact:
-            count += BENDING_POINTS if constants[data + CURVED] != 0.0 else 3 * BENDING_POINTS
+            count += BENDING_POINTS if frame_data(constants, data).curved else 3 * BENDING_POINTS
         for i in range(count):
-            distance = abs(strains[first, place + i] - strains[second, place + i])
+            distance = abs(first[place + i] - second[place + i])
             if i >= AXIAL_POINTS:
-                distance *= constants[data + HEIGHT]
+                distance *= frame_data(constants, data).height
             if not distance <= drift and not math.isnan(drift):  # a lost number is a drift, and stays one
                 drift, worst = distance, number
-    kind.body[body, DRIFT] = drift
-    kind.body[body, DRIFT_ELEMENT] = worst
+    kind.body[body].drift = drift
+    kind.body[body].drift_element = worst
 
 
 @implement(add_follower_load, FrameMeshes)
 @kernel(internal=True)
 def add_frame_follower(
-    kind: FrameMeshes, body: int, q: int, element: int, load: int, data: int, factor: float
+    kind: FrameMeshes, body: int, q: Floats1, element: int, load: Floats1, data: int, factor: float
 ) -> None:
-    """Data: normal and tangential load [N/m of the reference], axis in axes of the body."""
-    constants, x = kind.constants, kind.nodal
-    i, j, own = kind.elements[element, 0], kind.elements[element, 1], kind.elements[element, ELEMENT_DATA]
-    normal, tangential = factor * constants[data], factor * constants[data + 1]
-    axis = (constants[data + 2], constants[data + 3], constants[data + 4])
+    """By `FrameFollower`."""
+    constants = kind.constants
+    i, j, own = kind.elements[element].nodes[0], kind.elements[element].nodes[1], kind.elements[element].data
+    given = frame_follower(constants, data)
+    normal, tangential, axis = factor * given.normal, factor * given.tangential, given.axis
     shape = load_element(kind, element, q)
     f1 = f2 = f3 = f4 = (0.0, 0.0, 0.0)
     for g in range(AXIAL_POINTS):
-        at = own + AXIAL + g * AXIAL_COLUMNS
-        d = combine(constants, at + SHAPE, shape)
+        point = axial_point(constants, own, g)
+        d = combine(point.first, shape)
         inverse = 1.0 / math.sqrt(dot(d, d))
         side = cross(axis[0], axis[1], axis[2], d[0], d[1], d[2])
         f = add_vector((0.0, 0.0, 0.0), inverse * normal, side)
         f = add_vector(f, inverse * tangential, d)
-        f1 = add_vector(f1, constants[at + LOADS], f)
-        f2 = add_vector(f2, constants[at + LOADS + 1], f)
-        f3 = add_vector(f3, constants[at + LOADS + 2], f)
-        f4 = add_vector(f4, constants[at + LOADS + 3], f)
+        f1 = add_vector(f1, point.loads[0], f)
+        f2 = add_vector(f2, point.loads[1], f)
+        f3 = add_vector(f3, point.loads[2], f)
+        f4 = add_vector(f4, point.loads[3], f)
     for k in range(3):
-        x[load, i + k] += f1[k]
-        x[load, i + 3 + k] += f2[k]
-        x[load, j + k] += f3[k]
-        x[load, j + 3 + k] += f4[k]
+        load[i + k] += f1[k]
+        load[i + 3 + k] += f2[k]
+        load[j + k] += f3[k]
+        load[j + 3 + k] += f4[k]
 
 
 @kernel(inline=True, internal=True)
 def _bending_moment(kind: FrameMeshes, data: int, end: int, d: Vector, c: Vector) -> float:
     """Magnitude of the moment at an end [N m]."""
     k = curvature(d, c)
-    change = math.sqrt(dot(k, k)) - kind.constants[data + END_CURVATURE + end]
-    return abs(kind.constants[data + BENDING_STIFFNESS] * change)
+    own = frame_data(kind.constants, data)
+    change = math.sqrt(dot(k, k)) - own.end_curvature[end]
+    return abs(own.bending_stiffness * change)
 
 
 @implement(record_elements, FrameMeshes)
@@ -248,20 +230,20 @@ def record_frame_elements(kind: FrameMeshes, body: int, row: NDArray[np.float64]
     """Axial forces of all elements, then two moments of each, then stresses."""
     constants = kind.constants
     exact = _is_exact(kind, body)
-    first, count = kind.table[body, FIRST_ELEMENT], kind.table[body, ELEMENTS]
+    first, count = kind.table[body].first_element, kind.table[body].element_count
     for number in range(count):
-        data = kind.elements[first + number, ELEMENT_DATA]
-        x = load_element(kind, first + number, Q)
-        d = combine(constants, data + CENTRE, x)
+        data = kind.elements[first + number].data
+        own, x = frame_data(constants, data), load_element(kind, first + number, kind.position)
+        d = combine(own.centre, x)
         square = dot(d, d)
         stretch = math.sqrt(square)
-        initial = constants[data + INITIAL_STRAIN]
+        initial = own.initial_strain
         strain = stretch - 1.0 + initial if exact else (0.5 * (square - 1.0) + initial) * stretch
-        force = constants[data + AXIAL_STIFFNESS] * strain
-        start = _bending_moment(kind, data, 0, x[1], combine(constants, data + END_SECOND, x))
-        end = _bending_moment(kind, data, 1, x[2], combine(constants, data + END_SECOND + 3, x))
+        force = own.axial_stiffness * strain
+        start = _bending_moment(kind, data, 0, x[1], combine(own.end_second[0], x))
+        end = _bending_moment(kind, data, 1, x[2], combine(own.end_second[1], x))
         row[column + number] = force
         row[column + count + 2 * number] = start
         row[column + count + 2 * number + 1] = end
-        bending = max(start, end) * constants[data + STRESS]
-        row[column + 3 * count + number] = force / constants[data + AREA] + math.copysign(bending, force)
+        bending = max(start, end) * own.stress
+        row[column + 3 * count + number] = force / own.area + math.copysign(bending, force)

@@ -14,46 +14,31 @@ zero the sections of such a rod turn over at once: energy and force stay defined
 from __future__ import annotations
 
 import math
-from typing import Any
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 from heavylift.solver.bodies.ancf.frame_data import (
-    AXIAL,
-    AXIAL_COLUMNS,
     AXIAL_POINTS,
-    BENDING,
-    BENDING_COLUMNS,
     BENDING_POINTS,
-    BENDING_PRODUCTS,
-    CURVATURE,
-    CURVED,
-    INITIAL_STRAIN,
-    PRODUCTS,
-    SECOND,
-    SHAPE,
-    WEIGHT,
     Full,
     Symmetric,
     Vector,
     add_full,
     add_symmetric,
     add_vector,
+    axial_point,
+    bending_point,
     combine,
     dot,
+    frame_data,
     full,
     load_element,
     put_forces,
     put_stiffness,
     transpose,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    ELEMENT_DATA,
-    ELEMENT_STRAIN,
-    ELEMENTS,
-    FIRST_ELEMENT,
-    FrameMeshes,
-)
+from heavylift.solver.bodies.ancf.kind import FrameMeshes
 
 __all__ = [
     "add_exact_forces",
@@ -82,13 +67,13 @@ def _direction(d: Vector, c: Vector) -> tuple[float, Vector]:
 
 
 @kernel(inline=True, internal=True)
-def _moment(strains: Any, row: int, at: int, curved: bool, d: Vector, c: Vector) -> Vector:
+def _moment(strain: Floats1, at: int, curved: bool, d: Vector, c: Vector) -> Vector:
     """Strain of a bending point as a vector, the moment over E I: along K where the strain is a number."""
     if curved:
         n = _direction(d, c)[1]
-        s = strains[row, at]
+        s = strain[at]
         return s * n[0], s * n[1], s * n[2]
-    return strains[row, at], strains[row, at + 1], strains[row, at + 2]
+    return strain[at], strain[at + 1], strain[at + 2]
 
 
 @kernel(inline=True, internal=True)
@@ -192,54 +177,56 @@ def _outer(f: float, u: Vector, v: Vector) -> Full:
 
 
 @kernel(internal=True)
-def find_exact_strains(kind: FrameMeshes, body: int, q: int, strain: int) -> None:
+def find_exact_strains(kind: FrameMeshes, body: int, q: Floats1, strain: Floats1) -> None:
     """Axial strains of an element, then its curvatures."""
-    constants, strains = kind.constants, kind.strains
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
-        curved = constants[data + CURVED] != 0.0
+    constants = kind.constants
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
+        curved = frame_data(constants, data).curved
         x = load_element(kind, e, q)
-        rest = constants[data + INITIAL_STRAIN] - 1.0
+        rest = frame_data(constants, data).initial_strain - 1.0
         for g in range(AXIAL_POINTS):
-            d = combine(constants, data + AXIAL + g * AXIAL_COLUMNS + SHAPE, x)
-            strains[strain, place + g] = math.sqrt(dot(d, d)) + rest
+            d = combine(axial_point(constants, data, g).first, x)
+            strain[place + g] = math.sqrt(dot(d, d)) + rest
         place += AXIAL_POINTS
         for g in range(BENDING_POINTS):
-            at = data + BENDING + g * BENDING_COLUMNS
-            k = curvature(combine(constants, at + SHAPE, x), combine(constants, at + SECOND, x))
+            section = bending_point(constants, data, g)
+            k = curvature(combine(section.first, x), combine(section.second, x))
             if curved:
-                strains[strain, place] = math.sqrt(dot(k, k)) - constants[at + CURVATURE]
+                strain[place] = math.sqrt(dot(k, k)) - section.curvature
                 place += 1
             else:
-                strains[strain, place] = k[0]
-                strains[strain, place + 1] = k[1]
-                strains[strain, place + 2] = k[2]
+                strain[place] = k[0]
+                strain[place + 1] = k[1]
+                strain[place + 2] = k[2]
                 place += 3
 
 
 @kernel(internal=True)
-def add_exact_rates(kind: FrameMeshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
+def add_exact_rates(
+    kind: FrameMeshes, body: int, q: Floats1, v: Floats1, strain: Floats1, factor: float
+) -> None:
     """``e' = t.d'`` and ``K' = (d' x c + d x c' - 2 (d.d') K) / |d|^2``."""
-    constants, strains = kind.constants, kind.strains
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
-        curved = constants[data + CURVED] != 0.0
+    constants = kind.constants
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
+        curved = frame_data(constants, data).curved
         x, rate = load_element(kind, e, q), load_element(kind, e, v)
         for g in range(AXIAL_POINTS):
-            at = data + AXIAL + g * AXIAL_COLUMNS + SHAPE
-            d, change = combine(constants, at, x), combine(constants, at, rate)
-            strains[strain, place + g] += factor * dot(d, change) / math.sqrt(dot(d, d))
+            point = axial_point(constants, data, g)
+            d, change = combine(point.first, x), combine(point.first, rate)
+            strain[place + g] += factor * dot(d, change) / math.sqrt(dot(d, d))
         place += AXIAL_POINTS
         for g in range(BENDING_POINTS):
-            at = data + BENDING + g * BENDING_COLUMNS
-            d, c = combine(constants, at + SHAPE, x), combine(constants, at + SECOND, x)
-            d1, c1 = combine(constants, at + SHAPE, rate), combine(constants, at + SECOND, rate)
+            section = bending_point(constants, data, g)
+            d, c = combine(section.first, x), combine(section.second, x)
+            d1, c1 = combine(section.first, rate), combine(section.second, rate)
             if curved:
                 n = _direction(d, c)[1]
                 by_d, by_c = _gradient(d, c, n)
-                strains[strain, place] += factor * (dot(by_d, d1) + dot(by_c, c1))
+                strain[place] += factor * (dot(by_d, d1) + dot(by_c, c1))
                 place += 1
             else:
                 inverse = factor / dot(d, d)
@@ -248,45 +235,45 @@ def add_exact_rates(kind: FrameMeshes, body: int, q: int, v: int, strain: int, f
                 bend = cross(d[0], d[1], d[2], c1[0], c1[1], c1[2])
                 stretch = 2.0 * dot(d, d1)
                 for i in range(3):
-                    strains[strain, place + i] += inverse * (turn[i] + bend[i] - stretch * k[i])
+                    strain[place + i] += inverse * (turn[i] + bend[i] - stretch * k[i])
                 place += 3
 
 
 @kernel(internal=True)
-def add_exact_forces(kind: FrameMeshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
+def add_exact_forces(
+    kind: FrameMeshes, body: int, q: Floats1, strain: Floats1, force: Floats1, factor: float
+) -> None:
     """Axial stress along ``t``, moments along the derivatives of K."""
-    constants, strains = kind.constants, kind.strains
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
-        curved = constants[data + CURVED] != 0.0
+    constants = kind.constants
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
+        curved = frame_data(constants, data).curved
         x = load_element(kind, e, q)
         fa = fb = fc = (0.0, 0.0, 0.0)
         for g in range(AXIAL_POINTS):
-            at = data + AXIAL + g * AXIAL_COLUMNS
-            d = combine(constants, at + SHAPE, x)
-            tension = factor * constants[at + WEIGHT] * strains[strain, place + g] / math.sqrt(dot(d, d))
-            fa = add_vector(fa, tension * constants[at + SHAPE], d)
-            fb = add_vector(fb, tension * constants[at + SHAPE + 1], d)
-            fc = add_vector(fc, tension * constants[at + SHAPE + 2], d)
+            point = axial_point(constants, data, g)
+            d = combine(point.first, x)
+            tension = factor * point.stiffness * strain[place + g] / math.sqrt(dot(d, d))
+            fa = add_vector(fa, tension * point.first[0], d)
+            fb = add_vector(fb, tension * point.first[1], d)
+            fc = add_vector(fc, tension * point.first[2], d)
         place += AXIAL_POINTS
         for g in range(BENDING_POINTS):
-            at = data + BENDING + g * BENDING_COLUMNS
-            d, c = combine(constants, at + SHAPE, x), combine(constants, at + SECOND, x)
-            by_d, by_c = _gradient(d, c, _moment(strains, strain, place, curved, d, c))
+            section = bending_point(constants, data, g)
+            d, c = combine(section.first, x), combine(section.second, x)
+            by_d, by_c = _gradient(d, c, _moment(strain, place, curved, d, c))
             place += 1 if curved else 3
-            weight = factor * constants[at + WEIGHT]
-            fa = add_vector(
-                add_vector(fa, weight * constants[at + SHAPE], by_d), weight * constants[at + SECOND], by_c
-            )
+            weight = factor * section.stiffness
+            fa = add_vector(add_vector(fa, weight * section.first[0], by_d), weight * section.second[0], by_c)
             fb = add_vector(
-                add_vector(fb, weight * constants[at + SHAPE + 1], by_d),
-                weight * constants[at + SECOND + 1],
+                add_vector(fb, weight * section.first[1], by_d),
+                weight * section.second[1],
                 by_c,
             )
             fc = add_vector(
-                add_vector(fc, weight * constants[at + SHAPE + 2], by_d),
-                weight * constants[at + SECOND + 2],
+                add_vector(fc, weight * section.first[2], by_d),
+                weight * section.second[2],
                 by_c,
             )
         put_forces(kind, e, force, fa, fb, fc)
@@ -296,9 +283,9 @@ def add_exact_forces(kind: FrameMeshes, body: int, q: int, strain: int, force: i
 def add_exact_stiffness(
     kind: FrameMeshes,
     body: int,
-    q: int,
-    strain: int,
-    force: int,
+    q: Floats1,
+    strain: Floats1,
+    force: Floats1,
     factor: float,
     scale: float,
     geometric: float,
@@ -307,59 +294,56 @@ def add_exact_stiffness(
 
     A number ``k = |K|`` with the stress s has ``k' = K'.n`` and ``k'' = (n.K)'' + (P^T P - k' k'^T) / k``.
     """
-    constants, strains = kind.constants, kind.strains
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
-        curved = constants[data + CURVED] != 0.0
+    constants = kind.constants
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
+        curved = frame_data(constants, data).curved
         x = load_element(kind, e, q)
         fa = fb = fc = (0.0, 0.0, 0.0)
         aa = sab = sac = bb = sbc = cc = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for g in range(AXIAL_POINTS):
-            at = data + AXIAL + g * AXIAL_COLUMNS
-            d = combine(constants, at + SHAPE, x)
-            stretch = strains[strain, place + g]
+            point = axial_point(constants, data, g)
+            d = combine(point.first, x)
+            stretch = strain[place + g]
             square = dot(d, d)
             inverse = 1.0 / math.sqrt(square)
-            tension = factor * constants[at + WEIGHT] * stretch * inverse
-            fa = add_vector(fa, tension * constants[at + SHAPE], d)
-            fb = add_vector(fb, tension * constants[at + SHAPE + 1], d)
-            fc = add_vector(fc, tension * constants[at + SHAPE + 2], d)
+            tension = factor * point.stiffness * stretch * inverse
+            fa = add_vector(fa, tension * point.first[0], d)
+            fb = add_vector(fb, tension * point.first[1], d)
+            fc = add_vector(fc, tension * point.first[2], d)
             isotropic = scale * geometric * stretch * inverse
             h = _square((scale - isotropic) * inverse * inverse, d)
             h = (h[0] + isotropic, h[1] + isotropic, h[2] + isotropic, h[3], h[4], h[5])
-            at += PRODUCTS
-            aa = add_symmetric(aa, constants[at], h)
-            sab = add_symmetric(sab, constants[at + 1], h)
-            sac = add_symmetric(sac, constants[at + 2], h)
-            bb = add_symmetric(bb, constants[at + 3], h)
-            sbc = add_symmetric(sbc, constants[at + 4], h)
-            cc = add_symmetric(cc, constants[at + 5], h)
+            aa = add_symmetric(aa, point.products[0], h)
+            sab = add_symmetric(sab, point.products[1], h)
+            sac = add_symmetric(sac, point.products[2], h)
+            bb = add_symmetric(bb, point.products[3], h)
+            sbc = add_symmetric(sbc, point.products[4], h)
+            cc = add_symmetric(cc, point.products[5], h)
         ab, ac, bc = full(sab), full(sac), full(sbc)
         place += AXIAL_POINTS
         for g in range(BENDING_POINTS):
-            at = data + BENDING + g * BENDING_COLUMNS
-            d, c = combine(constants, at + SHAPE, x), combine(constants, at + SECOND, x)
-            m = _moment(strains, strain, place, curved, d, c)
+            section = bending_point(constants, data, g)
+            d, c = combine(section.first, x), combine(section.second, x)
+            m = _moment(strain, place, curved, d, c)
             by_d, by_c = _gradient(d, c, m)
-            weight = factor * constants[at + WEIGHT]
-            fa = add_vector(
-                add_vector(fa, weight * constants[at + SHAPE], by_d), weight * constants[at + SECOND], by_c
-            )
+            weight = factor * section.stiffness
+            fa = add_vector(add_vector(fa, weight * section.first[0], by_d), weight * section.second[0], by_c)
             fb = add_vector(
-                add_vector(fb, weight * constants[at + SHAPE + 1], by_d),
-                weight * constants[at + SECOND + 1],
+                add_vector(fb, weight * section.first[1], by_d),
+                weight * section.second[1],
                 by_c,
             )
             fc = add_vector(
-                add_vector(fc, weight * constants[at + SHAPE + 2], by_d),
-                weight * constants[at + SECOND + 2],
+                add_vector(fc, weight * section.first[2], by_d),
+                weight * section.second[2],
                 by_c,
             )
             material = scale
             if curved:
                 k, n = _direction(d, c)
-                material = scale * geometric * strains[strain, place] / k if k > 0.0 else 0.0
+                material = scale * geometric * strain[place] / k if k > 0.0 else 0.0
             dd, dc, ccs = _curvature_stiffness(d, c, m, material, scale * geometric)
             if curved:
                 by_d, by_c = _gradient(d, c, n)
@@ -369,7 +353,6 @@ def add_exact_stiffness(
                 place += 1
             else:
                 place += 3
-            at += BENDING_PRODUCTS
             both = (
                 2.0 * dc[0],
                 2.0 * dc[4],
@@ -379,20 +362,20 @@ def add_exact_stiffness(
                 dc[5] + dc[7],
             )
             cd, ddf, ccf = transpose(dc), full(dd), full(ccs)
-            aa = add_symmetric(aa, constants[at], dd)
-            aa = add_symmetric(aa, constants[at + 6], ccs)
-            aa = add_symmetric(aa, constants[at + 12], both)
-            bb = add_symmetric(bb, constants[at + 3], dd)
-            bb = add_symmetric(bb, constants[at + 9], ccs)
-            bb = add_symmetric(bb, constants[at + 15], both)
-            cc = add_symmetric(cc, constants[at + 5], dd)
-            cc = add_symmetric(cc, constants[at + 11], ccs)
-            cc = add_symmetric(cc, constants[at + 17], both)
-            ab = add_full(add_full(ab, constants[at + 1], ddf), constants[at + 7], ccf)
-            ab = add_full(add_full(ab, constants[at + 13], dc), constants[at + 18], cd)
-            ac = add_full(add_full(ac, constants[at + 2], ddf), constants[at + 8], ccf)
-            ac = add_full(add_full(ac, constants[at + 14], dc), constants[at + 19], cd)
-            bc = add_full(add_full(bc, constants[at + 4], ddf), constants[at + 10], ccf)
-            bc = add_full(add_full(bc, constants[at + 16], dc), constants[at + 20], cd)
+            aa = add_symmetric(aa, section.products[0], dd)
+            aa = add_symmetric(aa, section.products[6], ccs)
+            aa = add_symmetric(aa, section.products[12], both)
+            bb = add_symmetric(bb, section.products[3], dd)
+            bb = add_symmetric(bb, section.products[9], ccs)
+            bb = add_symmetric(bb, section.products[15], both)
+            cc = add_symmetric(cc, section.products[5], dd)
+            cc = add_symmetric(cc, section.products[11], ccs)
+            cc = add_symmetric(cc, section.products[17], both)
+            ab = add_full(add_full(ab, section.products[1], ddf), section.products[7], ccf)
+            ab = add_full(add_full(ab, section.products[13], dc), section.products[18], cd)
+            ac = add_full(add_full(ac, section.products[2], ddf), section.products[8], ccf)
+            ac = add_full(add_full(ac, section.products[14], dc), section.products[19], cd)
+            bc = add_full(add_full(bc, section.products[4], ddf), section.products[10], ccf)
+            bc = add_full(add_full(bc, section.products[16], dc), section.products[20], cd)
         put_forces(kind, e, force, fa, fb, fc)
         put_stiffness(kind, e, aa, ab, ac, bb, bc, cc)

@@ -24,35 +24,23 @@ momentum is kept to the order of the scheme only.
 
 from __future__ import annotations
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 from heavylift.solver.bodies.ancf.frame_data import (
-    AXIAL,
-    AXIAL_COLUMNS,
     AXIAL_POINTS,
-    BENDING,
-    BENDING_COLUMNS,
     BENDING_POINTS,
-    CURVATURE,
-    CURVED,
-    INITIAL_STRAIN,
-    SECOND,
-    SHAPE,
-    WEIGHT,
     Vector,
     add_vector,
+    axial_point,
+    bending_point,
     combine,
     dot,
+    frame_data,
     load_element,
     put_forces,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    ELEMENT_DATA,
-    ELEMENT_STRAIN,
-    ELEMENTS,
-    FIRST_ELEMENT,
-    FrameMeshes,
-)
+from heavylift.solver.bodies.ancf.kind import FrameMeshes
 
 __all__ = ["add_exact_mean_forces"]
 
@@ -100,68 +88,63 @@ def _vector_gradient(m: Vector, d0: Vector, c0: Vector, d1: Vector, c1: Vector) 
 def add_exact_mean_forces(
     kind: FrameMeshes,
     body: int,
-    q_start: int,
-    q_end: int,
-    start_strain: int,
-    end_strain: int,
-    mean_strain: int,
-    force: int,
+    q_start: Floats1,
+    q_end: Floats1,
+    start_strain: Floats1,
+    end_strain: Floats1,
+    mean_strain: Floats1,
+    force: Floats1,
     factor: float,
 ) -> None:
     """``factor B^T C s`` with ``B (q_end - q_start) = e_end - e_start`` and the mean strains s of a step."""
-    constants, strains = kind.constants, kind.strains
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
-        curved = constants[data + CURVED] != 0.0
+    constants = kind.constants
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
+        curved = frame_data(constants, data).curved
         x0, x1 = load_element(kind, e, q_start), load_element(kind, e, q_end)
-        rest = 2.0 - 2.0 * constants[data + INITIAL_STRAIN]
+        rest = 2.0 - 2.0 * frame_data(constants, data).initial_strain
         fa = fb = fc = (0.0, 0.0, 0.0)
         for g in range(AXIAL_POINTS):
-            at = data + AXIAL + g * AXIAL_COLUMNS
-            d0, d1 = combine(constants, at + SHAPE, x0), combine(constants, at + SHAPE, x1)
+            point = axial_point(constants, data, g)
+            d0, d1 = combine(point.first, x0), combine(point.first, x1)
             both = (d0[0] + d1[0], d0[1] + d1[1], d0[2] + d1[2])
-            lengths = strains[start_strain, place + g] + strains[end_strain, place + g] + rest
-            tension = factor * constants[at + WEIGHT] * strains[mean_strain, place + g] / lengths
-            fa = add_vector(fa, tension * constants[at + SHAPE], both)
-            fb = add_vector(fb, tension * constants[at + SHAPE + 1], both)
-            fc = add_vector(fc, tension * constants[at + SHAPE + 2], both)
+            lengths = start_strain[place + g] + end_strain[place + g] + rest
+            tension = factor * point.stiffness * mean_strain[place + g] / lengths
+            fa = add_vector(fa, tension * point.first[0], both)
+            fb = add_vector(fb, tension * point.first[1], both)
+            fc = add_vector(fc, tension * point.first[2], both)
         place += AXIAL_POINTS
         for g in range(BENDING_POINTS):
-            at = data + BENDING + g * BENDING_COLUMNS
-            d0, c0 = combine(constants, at + SHAPE, x0), combine(constants, at + SECOND, x0)
-            d1, c1 = combine(constants, at + SHAPE, x1), combine(constants, at + SECOND, x1)
+            section = bending_point(constants, data, g)
+            d0, c0 = combine(section.first, x0), combine(section.second, x0)
+            d1, c1 = combine(section.first, x1), combine(section.second, x1)
             if curved:
-                ends = strains[start_strain, place] + strains[end_strain, place]
-                ends += 2.0 * constants[at + CURVATURE]
-                moment = strains[mean_strain, place] / ends if ends > 0.0 else 0.0
+                ends = start_strain[place] + end_strain[place]
+                ends += 2.0 * section.curvature
+                moment = mean_strain[place] / ends if ends > 0.0 else 0.0
                 by_d, by_c = _square_gradient(moment, d0, c0, d1, c1)
                 place += 1
             else:
                 by_d, by_c = _square_gradient(0.5, d0, c0, d1, c1)
                 m = (
-                    strains[mean_strain, place]
-                    - 0.5 * (strains[start_strain, place] + strains[end_strain, place]),
-                    strains[mean_strain, place + 1]
-                    - 0.5 * (strains[start_strain, place + 1] + strains[end_strain, place + 1]),
-                    strains[mean_strain, place + 2]
-                    - 0.5 * (strains[start_strain, place + 2] + strains[end_strain, place + 2]),
+                    mean_strain[place] - 0.5 * (start_strain[place] + end_strain[place]),
+                    mean_strain[place + 1] - 0.5 * (start_strain[place + 1] + end_strain[place + 1]),
+                    mean_strain[place + 2] - 0.5 * (start_strain[place + 2] + end_strain[place + 2]),
                 )
                 more_d, more_c = _vector_gradient(m, d0, c0, d1, c1)
                 by_d, by_c = add_vector(by_d, 1.0, more_d), add_vector(by_c, 1.0, more_c)
                 place += 3
-            weight = factor * constants[at + WEIGHT]
-            fa = add_vector(
-                add_vector(fa, weight * constants[at + SHAPE], by_d), weight * constants[at + SECOND], by_c
-            )
+            weight = factor * section.stiffness
+            fa = add_vector(add_vector(fa, weight * section.first[0], by_d), weight * section.second[0], by_c)
             fb = add_vector(
-                add_vector(fb, weight * constants[at + SHAPE + 1], by_d),
-                weight * constants[at + SECOND + 1],
+                add_vector(fb, weight * section.first[1], by_d),
+                weight * section.second[1],
                 by_c,
             )
             fc = add_vector(
-                add_vector(fc, weight * constants[at + SHAPE + 2], by_d),
-                weight * constants[at + SECOND + 2],
+                add_vector(fc, weight * section.first[2], by_d),
+                weight * section.second[2],
                 by_c,
             )
         put_forces(kind, e, force, fa, fb, fc)

@@ -6,31 +6,22 @@ matrix and none of their business.
 
 from __future__ import annotations
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.frame_data import (
-    AXIAL,
-    AXIAL_COLUMNS,
     AXIAL_POINTS,
-    INITIAL_STRAIN,
-    PRODUCTS,
-    SHAPE,
-    WEIGHT,
     add_symmetric,
     add_vector,
+    axial_point,
     combine,
     dot,
+    frame_data,
     full,
     load_element,
     put_forces,
     put_stiffness,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    ELEMENT_DATA,
-    ELEMENT_STRAIN,
-    ELEMENTS,
-    FIRST_ELEMENT,
-    FrameMeshes,
-)
+from heavylift.solver.bodies.ancf.kind import FrameMeshes
 
 __all__ = [
     "add_green_lagrange_forces",
@@ -41,50 +32,50 @@ __all__ = [
 
 
 @kernel(internal=True)
-def find_green_lagrange_strains(kind: FrameMeshes, body: int, q: int, strain: int) -> None:
+def find_green_lagrange_strains(kind: FrameMeshes, body: int, q: Floats1, strain: Floats1) -> None:
     """``e = (r'.r' - 1) / 2 + e_0``."""
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
         x = load_element(kind, e, q)
-        rest = kind.constants[data + INITIAL_STRAIN] - 0.5
+        rest = frame_data(kind.constants, data).initial_strain - 0.5
         for g in range(AXIAL_POINTS):
-            d = combine(kind.constants, data + AXIAL + g * AXIAL_COLUMNS + SHAPE, x)
-            kind.strains[strain, place + g] = 0.5 * dot(d, d) + rest
+            d = combine(axial_point(kind.constants, data, g).first, x)
+            strain[place + g] = 0.5 * dot(d, d) + rest
 
 
 @kernel(internal=True)
 def add_green_lagrange_rates(
-    kind: FrameMeshes, body: int, q: int, v: int, strain: int, factor: float
+    kind: FrameMeshes, body: int, q: Floats1, v: Floats1, strain: Floats1, factor: float
 ) -> None:
     """``r'.v'``."""
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
         x, rate = load_element(kind, e, q), load_element(kind, e, v)
         for g in range(AXIAL_POINTS):
-            at = data + AXIAL + g * AXIAL_COLUMNS + SHAPE
-            d, change = combine(kind.constants, at, x), combine(kind.constants, at, rate)
-            kind.strains[strain, place + g] += factor * dot(d, change)
+            point = axial_point(kind.constants, data, g)
+            d, change = combine(point.first, x), combine(point.first, rate)
+            strain[place + g] += factor * dot(d, change)
 
 
 @kernel(internal=True)
 def add_green_lagrange_forces(
-    kind: FrameMeshes, body: int, q: int, strain: int, force: int, factor: float
+    kind: FrameMeshes, body: int, q: Floats1, strain: Floats1, force: Floats1, factor: float
 ) -> None:
     """``E A int e r' S'_a ds``."""
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
         x = load_element(kind, e, q)
         fa = fb = fc = (0.0, 0.0, 0.0)
         for g in range(AXIAL_POINTS):
-            at = data + AXIAL + g * AXIAL_COLUMNS
-            d = combine(kind.constants, at + SHAPE, x)
-            stress = factor * kind.constants[at + WEIGHT] * kind.strains[strain, place + g]
-            fa = add_vector(fa, stress * kind.constants[at + SHAPE], d)
-            fb = add_vector(fb, stress * kind.constants[at + SHAPE + 1], d)
-            fc = add_vector(fc, stress * kind.constants[at + SHAPE + 2], d)
+            point = axial_point(kind.constants, data, g)
+            d = combine(point.first, x)
+            stress = factor * point.stiffness * strain[place + g]
+            fa = add_vector(fa, stress * point.first[0], d)
+            fb = add_vector(fb, stress * point.first[1], d)
+            fc = add_vector(fc, stress * point.first[2], d)
         put_forces(kind, e, force, fa, fb, fc)
 
 
@@ -92,28 +83,28 @@ def add_green_lagrange_forces(
 def add_green_lagrange_stiffness(
     kind: FrameMeshes,
     body: int,
-    q: int,
-    strain: int,
-    force: int,
+    q: Floats1,
+    strain: Floats1,
+    force: Floats1,
     factor: float,
     scale: float,
     geometric: float,
 ) -> None:
     """``K = E A int (r' r'^T + e I) S'_a S'_b ds``."""
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        data, place = kind.elements[e, ELEMENT_DATA], kind.elements[e, ELEMENT_STRAIN]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data, place = kind.elements[e].data, kind.elements[e].strain
         x = load_element(kind, e, q)
         fa = fb = fc = (0.0, 0.0, 0.0)
         aa = ab = ac = bb = bc = cc = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for g in range(AXIAL_POINTS):
-            at = data + AXIAL + g * AXIAL_COLUMNS
-            d = combine(kind.constants, at + SHAPE, x)
-            stretch = kind.strains[strain, place + g]
-            stress = factor * kind.constants[at + WEIGHT] * stretch
-            fa = add_vector(fa, stress * kind.constants[at + SHAPE], d)
-            fb = add_vector(fb, stress * kind.constants[at + SHAPE + 1], d)
-            fc = add_vector(fc, stress * kind.constants[at + SHAPE + 2], d)
+            point = axial_point(kind.constants, data, g)
+            d = combine(point.first, x)
+            stretch = strain[place + g]
+            stress = factor * point.stiffness * stretch
+            fa = add_vector(fa, stress * point.first[0], d)
+            fb = add_vector(fb, stress * point.first[1], d)
+            fc = add_vector(fc, stress * point.first[2], d)
             isotropic = scale * geometric * stretch
             d0, d1, d2 = scale * d[0], scale * d[1], scale * d[2]
             m = (
@@ -124,12 +115,11 @@ def add_green_lagrange_stiffness(
                 d0 * d[2],
                 d1 * d[2],
             )
-            at += PRODUCTS
-            aa = add_symmetric(aa, kind.constants[at], m)
-            ab = add_symmetric(ab, kind.constants[at + 1], m)
-            ac = add_symmetric(ac, kind.constants[at + 2], m)
-            bb = add_symmetric(bb, kind.constants[at + 3], m)
-            bc = add_symmetric(bc, kind.constants[at + 4], m)
-            cc = add_symmetric(cc, kind.constants[at + 5], m)
+            aa = add_symmetric(aa, point.products[0], m)
+            ab = add_symmetric(ab, point.products[1], m)
+            ac = add_symmetric(ac, point.products[2], m)
+            bb = add_symmetric(bb, point.products[3], m)
+            bc = add_symmetric(bc, point.products[4], m)
+            cc = add_symmetric(cc, point.products[5], m)
         put_forces(kind, e, force, fa, fb, fc)
         put_stiffness(kind, e, aa, full(ab), full(ac), bb, full(bc), cc)

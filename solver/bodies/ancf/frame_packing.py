@@ -12,28 +12,16 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.bodies.ancf.frame_data import (
-    AREA,
     AXIAL,
-    AXIAL_COLUMNS,
     AXIAL_POINTS,
-    AXIAL_STIFFNESS,
     BENDING,
-    BENDING_COLUMNS,
     BENDING_POINTS,
-    BENDING_STIFFNESS,
-    CENTRE,
-    CURVED,
-    END_CURVATURE,
-    END_SECOND,
     EXACT,
     EXACT_LENGTH,
     GREEN_LAGRANGE,
-    GREEN_LAGRANGE_LENGTH,
-    HEIGHT,
-    INITIAL_STRAIN,
-    SCALAR_BENDING,
-    SCALAR_MASS,
-    STRESS,
+    AxialPoint,
+    BendingPoint,
+    frame_data,
 )
 from heavylift.solver.bodies.ancf.frame_shape import (
     ReferenceElement,
@@ -205,46 +193,48 @@ def _data(
     element: ReferenceElement, section: FrameSection, strain: float, exact: bool
 ) -> NDArray[np.float64]:
     """Constants of one element, as `frame_data` lists them."""
-    data = np.zeros(EXACT_LENGTH if exact else GREEN_LAGRANGE_LENGTH)
+    data = np.zeros(EXACT_LENGTH if exact else BENDING)
     axial, bending = section.youngs_modulus * section.area, section.youngs_modulus * section.second_moment
     xi, weights = gauss_points(4 if element.straight else 16)  # of the straight one exact: degree 6
     lengths, shape = weights * element.metric(xi), hermite(xi, element.length)
     mass = section.density * section.area * np.einsum("g,ga,gb->ab", lengths, shape, shape)
-    data[SCALAR_MASS : SCALAR_MASS + 16] = mass.ravel()
+    numbers = frame_data(data, 0)
+    numbers.mass[:] = mass
     if not exact:
         second = element.second(xi)
-        data[SCALAR_BENDING : SCALAR_BENDING + 16] = (
-            bending * np.einsum("g,ga,gb->ab", lengths, second, second).ravel()
-        )
-    data[AXIAL_STIFFNESS], data[BENDING_STIFFNESS], data[AREA] = axial, bending, section.area
-    data[STRESS] = section.outer_fibre / section.second_moment if section.second_moment > 0.0 else 0.0
-    data[HEIGHT] = section.outer_fibre or np.sqrt(section.second_moment / section.area)
-    data[CURVED], data[INITIAL_STRAIN] = float(not element.straight), strain
+        numbers.bending[:] = bending * np.einsum("g,ga,gb->ab", lengths, second, second)
+    numbers.axial_stiffness, numbers.bending_stiffness, numbers.area = axial, bending, section.area
+    numbers.stress = section.outer_fibre / section.second_moment if section.second_moment > 0.0 else 0.0
+    numbers.height = section.outer_fibre or np.sqrt(section.second_moment / section.area)
+    numbers.curved, numbers.initial_strain = not element.straight, strain
     ends = np.array([0.0, 1.0])
-    data[CENTRE : CENTRE + 3] = element.slopes(0.5)[[2, 1, 3]]
-    data[END_SECOND : END_SECOND + 6] = element.second(ends)[:, [2, 1, 3]].ravel()
-    data[END_CURVATURE : END_CURVATURE + 2] = element.curvature(ends)
+    numbers.centre[:] = element.slopes(0.5)[[2, 1, 3]]
+    numbers.end_second[:] = element.second(ends)[:, [2, 1, 3]]
+    numbers.end_curvature[:] = element.curvature(ends)
 
     xi, weights = gauss_points(AXIAL_POINTS)
     lengths = weights * element.metric(xi)
     shape = element.slopes(xi)[:, [2, 1, 3]]
     products = shape[:, PAIRS[0]] * shape[:, PAIRS[1]]
-    stiffness = (axial * lengths)[:, None]
-    loads = lengths[:, None] * hermite(xi, element.length)
-    table = np.hstack((stiffness, shape, stiffness * products, loads))
-    data[AXIAL : AXIAL + AXIAL_POINTS * AXIAL_COLUMNS] = table.ravel()
+    stiffness = axial * lengths
+    points = data[AXIAL:BENDING].view(AxialPoint.layout)
+    points["stiffness"], points["first"] = stiffness, shape
+    points["products"] = stiffness[:, None] * products
+    points["loads"] = lengths[:, None] * hermite(xi, element.length)
 
     if exact:
         xi, weights = gauss_points(BENDING_POINTS)
-        stiffness = (bending * weights * element.metric(xi))[:, None]
+        stiffness = bending * weights * element.metric(xi)
         a, b = element.slopes(xi)[:, [2, 1, 3]], element.second(xi)[:, [2, 1, 3]]
         i, j = PAIRS
         mixed = [1, 2, 4]  # ab, ac, bc
         products = np.hstack(
             (a[:, i] * a[:, j], b[:, i] * b[:, j], a[:, i] * b[:, j], b[:, i[mixed]] * a[:, j[mixed]])
         )
-        table = np.hstack((stiffness, a, b, element.curvature(xi)[:, None], stiffness * products))
-        data[BENDING : BENDING + BENDING_POINTS * BENDING_COLUMNS] = table.ravel()
+        points = data[BENDING:].view(BendingPoint.layout)
+        points["stiffness"], points["curvature"] = stiffness, element.curvature(xi)
+        points["first"], points["second"] = a, b
+        points["products"] = stiffness[:, None] * products
     return data
 
 

@@ -2,29 +2,10 @@
 
 from __future__ import annotations
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.assembly import set_size
-from heavylift.solver.bodies.ancf.kind import (
-    ACCELERATION,
-    BASE_NODES,
-    BASE_PLACE,
-    BASES,
-    CHANGE,
-    DOF,
-    EXPLICIT,
-    FIRST_BASE,
-    FORWARD,
-    MASS_SET,
-    MID_V,
-    MOVING,
-    RIGHT,
-    SCHEME,
-    STEP_SET,
-    FrameMeshes,
-    Meshes,
-    ShellMeshes,
-    V,
-)
+from heavylift.solver.bodies.ancf.kind import EXPLICIT, MASS_SET, STEP_SET, FrameMeshes, Meshes, ShellMeshes
 from heavylift.solver.bodies.ancf.moving import add_point_compliance
 from heavylift.solver.bodies.ancf.stage import write_bases
 from heavylift.solver.bodies.ancf.step import is_iterated
@@ -41,16 +22,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import (
-    DOF as FIRST_VELOCITY,
-)
-from heavylift.solver.rows import (
     FACTORED,
-    HOLDER,
-    IMPULSE,
-    OWNER,
-    PANEL,
-    ROW_COLUMNS,
-    WIDTH,
     RowArrays,
 )
 
@@ -60,11 +32,11 @@ __all__ = ["collect_impulses", "take_impulses"]
 @kernel(internal=True)
 def attached_mesh(kind: Meshes, system: RowArrays, attachment: int) -> int:
     """Row of the body that an attachment is on, -1 if that is not of this kind. Velocities grow with the rows."""
-    if system.attachments[attachment, HOLDER] != FACTORED or system.attachments[attachment, WIDTH] == 0:
+    if system.attachments[attachment].holder != FACTORED or system.attachments[attachment].width == 0:
         return -1
-    dof = system.attachments[attachment, FIRST_VELOCITY]
+    dof = system.attachments[attachment].dof
     for body in range(kind.table.shape[0]):
-        if kind.table[body, DOF] == dof and kind.table[body, BASES] + kind.table[body, MOVING] > 0:
+        if kind.table[body].dof == dof and kind.table[body].base_count + kind.table[body].moving_count > 0:
             return body
     return -1
 
@@ -80,12 +52,12 @@ def apply_inverse_of_meshes(kind: Meshes, at_midpoint: bool, system: RowArrays) 
         body = attached_mesh(kind, system, i)
         if body < 0:
             continue
-        panel, width = system.attachments[i, PANEL], system.attachments[i, WIDTH]
+        panel, width = system.attachments[i].panel, system.attachments[i].width
         for r in range(width * lanes):
             G[half + panel + r] = 0.0
-        stepped = at_midpoint and kind.table[body, SCHEME] != EXPLICIT
+        stepped = at_midpoint and kind.table[body].scheme != EXPLICIT
         which = STEP_SET if stepped else MASS_SET
-        _add_compliance(kind, body, which, system, panel, 3 * kind.table[body, BASES])
+        _add_compliance(kind, body, which, system, panel, 3 * kind.table[body].base_count)
         add_point_compliance(kind.moving, kind, body, which, system, i)
 
 
@@ -97,10 +69,10 @@ def _add_compliance(kind: Meshes, body: int, which: int, system: RowArrays, pane
     rows, block_lanes = len(kind.shape[0]), len(kind.shape[1])
     begin = which * set_size(kind)
     for i in range(kind.base_blocks.shape[0]):
-        if kind.base_blocks[i, 0] != body:
+        block = kind.base_blocks[i]
+        if block.body != body:
             continue
-        row, column = rows * kind.base_blocks[i, 1], rows * kind.base_blocks[i, 2]
-        place = begin + kind.base_blocks[i, 3]
+        row, column, place = rows * block.later, rows * block.earlier, begin + block.place
         for c in range(min(rows, width - column)):
             for k in range(min(rows, width - row)):
                 value = kind.blocks[place + c * block_lanes + k]
@@ -114,38 +86,38 @@ def _add_compliance(kind: Meshes, body: int, which: int, system: RowArrays, pane
 
 
 @kernel(internal=True)
-def collect_impulses(system: RowArrays, body_kind: Meshes, row: int) -> None:
-    """Subtract ``G^T`` times the impulses of a system from the places of the bases in a row of `nodal`."""
+def collect_impulses(system: RowArrays, body_kind: Meshes, nodal: Floats1) -> None:
+    """Subtract ``G^T`` times the impulses of a system from the places of the bases in a nodal vector."""
     lanes = system.lanes
     for i in range(system.attachments.shape[0]):
         body = attached_mesh(body_kind, system, i)
         if body < 0:
             continue
-        panel, first = system.attachments[i, PANEL], body_kind.table[body, FIRST_BASE]
-        impulse = (system.attachments[i, OWNER] * ROW_COLUMNS + IMPULSE) * lanes
+        panel, first = system.attachments[i].panel, body_kind.table[body].first_base
+        impulse = system.rows[system.attachments[i].owner].impulse
         pushes = False
         for r in range(lanes):
-            pushes = pushes or system.rows[impulse + r] != 0.0
+            pushes = pushes or impulse[r] != 0.0
         if not pushes:  # most contacts that there may be
             continue
-        for base in range(body_kind.table[body, BASES] + body_kind.table[body, MOVING]):
-            place = body_kind.bases[first + base, BASE_PLACE]
+        for base in range(body_kind.table[body].base_count + body_kind.table[body].moving_count):
+            place = body_kind.bases[first + base].place
             for k in range(3):
                 total = 0.0
                 for r in range(lanes):
-                    total += system.panels[panel + (3 * base + k) * lanes + r] * system.rows[impulse + r]
-                body_kind.nodal[row, place + k] -= total
+                    total += system.panels[panel + (3 * base + k) * lanes + r] * impulse[r]
+                nodal[place + k] -= total
 
 
 @kernel(internal=True)
-def take_impulses(kind: Meshes, systems: Systems, row: int) -> None:
+def take_impulses(kind: Meshes, systems: Systems, nodal: Floats1) -> None:
     """Minus the impulses of all rows in the places of bases and moving points, as `scatter_back` takes them."""
     for base in range(kind.bases.shape[0]):
-        place = kind.bases[base, BASE_PLACE]
+        place = kind.bases[base].place
         for k in range(3):
-            kind.nodal[row, place + k] = 0.0
+            nodal[place + k] = 0.0
     for i in range(row_arrays(systems)):
-        collect_impulses(row_arrays(systems, i), kind, row)
+        collect_impulses(row_arrays(systems, i), kind, nodal)
 
 
 @implement(complete, FrameMeshes)
@@ -153,26 +125,26 @@ def take_impulses(kind: Meshes, systems: Systems, row: int) -> None:
 @kernel(internal=True)
 def complete_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, step: float, work: Workspace) -> None:
     """Back substitution with the impulses of the rows; bodies that iterate have gone further already."""
-    take_impulses(kind, systems, RIGHT)
-    right = kind.nodal[RIGHT]
+    take_impulses(kind, systems, kind.right_hand_side)
+    right = kind.right_hand_side
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         if at_midpoint:
-            if is_iterated(kind, body) and kind.body[body, CHANGE] >= 0.0:
+            if is_iterated(kind, body) and kind.body[body].change >= 0.0:
                 continue
             for i in range(first, last):
-                right[i] = kind.nodal[FORWARD, i]
-            scatter_back(kind, body, MASS_SET if kind.table[body, SCHEME] == EXPLICIT else STEP_SET)
+                right[i] = kind.forward_solution[i]
+            scatter_back(kind, body, MASS_SET if kind.table[body].scheme == EXPLICIT else STEP_SET)
             for i in range(first, last):
-                kind.nodal[MID_V, i] = kind.nodal[V, i] + right[i]
-        elif kind.table[body, BASE_NODES] + kind.table[body, MOVING] > 0:
+                kind.mid_velocity[i] = kind.velocity[i] + right[i]
+        elif kind.table[body].base_node_count + kind.table[body].moving_count > 0:
             for i in range(first, last):
                 right[i] = 0.0
             scatter_back(kind, body, MASS_SET)
             rate = 1.0 / step
             for i in range(first, last):
-                kind.nodal[V, i] += right[i]
-                kind.nodal[ACCELERATION, i] += rate * right[i]
+                kind.velocity[i] += right[i]
+                kind.mean_acceleration[i] += rate * right[i]
 
 
 @implement(end_velocity, FrameMeshes)
@@ -180,7 +152,7 @@ def complete_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, step: flo
 @kernel(internal=True)
 def end_velocity_of_meshes(kind: Meshes, step: float, work: Workspace) -> None:
     """Those that `advance` has found."""
-    write_bases(kind, V, work.velocity)
+    write_bases(kind, kind.velocity, work.velocity)
 
 
 @implement(write_velocity, FrameMeshes)
@@ -188,7 +160,7 @@ def end_velocity_of_meshes(kind: Meshes, step: float, work: Workspace) -> None:
 @kernel(internal=True)
 def write_velocity_of_meshes(kind: Meshes, work: Workspace) -> None:
     """Of bases and moving points."""
-    write_bases(kind, V, work.velocity)
+    write_bases(kind, kind.velocity, work.velocity)
 
 
 @implement(set_velocity, FrameMeshes)

@@ -17,131 +17,345 @@ follow: `heavylift.solver.bodies.ancf.moving`.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
+from heavylift.numerics.block_pattern import FactorColumn, LowerBlock
 from heavylift.numerics.lanes import block_shape
+from heavylift.numerics.records import Matrix3, Record, Records, Vector
 
-__all__ = ["FrameMeshes", "Meshes", "MovingPoints", "ShellMeshes"]
-
-# columns of `table`, by body
-(
-    NUMBER,  # of the body in the scene
-    DOF,  # first velocity of its bases in the workspace
-    COLUMN,  # first record column
-    FIRST_NODE,  # of the nodes of the kind
-    NODES,  # of the mesh
-    BASE_NODES,  # nodes of the factor that hold its bases; they follow those of the mesh
-    FIRST_ELEMENT,
-    ELEMENTS,
-    FIRST_COLUMN,  # of the factor
-    LAST_COLUMN,  # behind its last; base nodes have none
-    FIRST_BASE,
-    BASES,
-    FIRST_LOAD,
-    LOADS,
-    FIRST_STRAIN,  # in a row of `strains`
-    STRAINS,
-    SCHEME,  # how stress enters the step: below
-    FIRST_CLEAR,  # of the blocks with fixed coordinates
-    CLEARS,
-    CONSTANTS,  # place of the model number and other data of all elements in `constants`
-    FIRST_BLOCK,  # place of its first block in a set
-    LAST_BLOCK,  # behind its last
-    BASE_STEP,  # place in `constants` of the coefficient of the bending matrix in the constant part of the step matrix
-    LAST_RESULT,  # record column of the drift, the last of the body
-    WORK_PLACE,  # of the scratch of the factorisation in a set
-    STATE_PLACE,  # of the kind in a state vector of the accurate integrator
-    MOVING,  # points that move over the mesh; their rows of `bases` follow those of the bases
-) = range(27)
-TABLE_COLUMNS = 27
+__all__ = [
+    "BaseBlock",
+    "FixedCoordinate",
+    "FrameMeshes",
+    "MeshBase",
+    "MeshElement",
+    "MeshLoad",
+    "MeshMarker",
+    "MeshNumbers",
+    "MeshPlaces",
+    "MeshSensor",
+    "Meshes",
+    "MovingPoint",
+    "MovingPoints",
+    "PointsOfBody",
+    "ShellMeshElement",
+    "ShellMeshes",
+]
 
 CARRIED, ENERGY_MOMENTUM, AUTO, EXPLICIT = range(4)
-"""Values of `SCHEME`; `AUTO` becomes `ENERGY_MOMENTUM` in `body[CHANGED_OVER]`."""
+"""Values of `scheme`; `AUTO` becomes `ENERGY_MOMENTUM` when a body has `changed_over`."""
 
-# rows of `nodal`: carried coordinates and velocities first
-(
-    Q,  # coordinates
-    V,  # velocities
-    ACCELERATION,  # mean of the last step
-    MID_Q,  # predicted midpoint, or the present state where forces are evaluated
-    MID_V,  # velocities of the stage, then scratch of the projection
-    RIGHT,  # right-hand side and solution of the stage
-    LOAD,  # external forces of the stage: loads, gravity, forces on bases
-    CHANGE_OF_V,  # of the velocities to the midpoint, in an iteration
-    FREE,  # 1, or 0 for coordinates that are fixed
-    WEIGHT,  # M times a unit acceleration along x, y, z: lies in the position vectors as one number a vector
-    TRIAL,  # coordinates at the end of the step in an iteration
-    FORWARD,  # right-hand side after forward substitution
-) = range(12)
-NODAL_ROWS = 12
+NODAL_VECTORS = (
+    "position",
+    "velocity",
+    "mean_acceleration",
+    "mid_position",
+    "mid_velocity",
+    "right_hand_side",
+    "external_force",
+    "velocity_change",
+    "free",
+    "nodal_mass",
+    "trial_position",
+    "forward_solution",
+)
+"""Fields of `Meshes` over all nodes and base nodes, and the moving points behind them."""
 
-# rows of `strains`: carried; of the shape, scratch, of the shape at the start of a step that iterates
-STRAIN, SHAPE_STRAIN, OLD_STRAIN, START_STRAIN = range(4)
-STRAIN_ROWS = 4
+STRAIN_VECTORS = ("strain", "shape_strain", "stage_strain", "start_strain")
+"""Fields of `Meshes` over all strains."""
 
-# columns of `body`, by body
-(
-    ROTATION,  # nine numbers: axes of the body as columns, by rows
-    ORIGIN,  # three
-    VISCOUS,
-    STIFFNESS_DAMPING,
-    DRIFT_TOLERANCE,
-    DRIFT,  # largest distance of carried strains from those of the shape, of the last check
-    DRIFT_ELEMENT,
-    CHANGED_OVER,  # 1 once the energy-momentum scheme has taken over
-    EXTERNAL,  # work of loads
-    DISSIPATED_WORK,
-    ELASTIC_ENERGY,  # of the last record
-    MASS,
-    STEP_LIMIT,  # of the explicit scheme [s]
-    TIME,  # of the stage
-    ITERATIONS,  # of the energy-momentum scheme, so far
-    SIZE,  # largest extension [m]
-    CHANGE,  # last change of an iteration
-    CHANGE_TIME,  # when the energy-momentum scheme took over [s]
-    BEFORE,  # the change before the last
-    LARGEST_DRIFT,  # so far
-    SCRATCH,  # nine numbers
-) = (0, 9, *range(12, 31))
-BODY_COLUMNS = 40
-
-# columns of `elements`; nodes are offsets in a row of `nodal`
-ELEMENT_NODES = 0  # four; frames use two
-ELEMENT_DATA = 4  # place in `constants`: element matrices, then what the type of element needs
-ELEMENT_STRAIN = 5  # place in a row of `strains`
-ELEMENT_BLOCKS = 6  # place of a block of the factor and 1 if it is stored transposed, of each pair of nodes
 FRAME_PAIRS = ((0, 0), (1, 0), (1, 1))
 SHELL_PAIRS = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (3, 0), (3, 1), (3, 2), (3, 3))
 """Pairs of nodes of an element, in the order of their blocks."""
 
-# columns of `bases`: element, place of its shape values in `constants`, place of its three numbers in a row of `nodal`,
-# places of the blocks that couple it with the nodes of the element; of a moving point its place alone, and element -1
-BASE_ELEMENT, BASE_SHAPE, BASE_PLACE, BASE_BLOCKS = range(4)
+CLEAR_ROW, CLEAR_LANE, CLEAR_DIAGONAL = range(3)
+"""What of a block a fixed coordinate clears; the diagonal becomes 1."""
 
-# columns of `markers`: number in the workspace (or record column), body, base, type, place of its data, level
-MARKER_NUMBER, MARKER_BODY, MARKER_BASE, MARKER_TYPE, MARKER_DATA, MARKER_LEVEL = range(6)
 POINT_MARKER, TANGENT_MARKER, TRIAD_MARKER, VECTOR_MARKER = range(4)
 """Of a base; along a base; fixed in the triad of a base and the next one; a base itself."""
 
-# columns of `loads`: type, place of its data in `constants`, place of the table of its factor (times, then factors) and
-# the length of that, element or offset of a node
-LOAD_TYPE, LOAD_DATA, LOAD_TABLE, LOAD_COUNT, LOAD_PLACE = range(5)
 DEAD_LOAD, FOLLOWER_ELEMENT, FOLLOWER_NODE = range(3)
 
 # sets of blocks in `blocks`
 STEP_SET, MASS_SET, CONSTANT_SET = range(3)
 
 
-# columns of `points` of the moving points
-ENTRIES, ENTRY_COUNT, VECTORS, PATH, PATH_COUNT, LIVE, CURRENT, FRESH, POINT_COLUMNS = range(9)
-"""First of its entries and their number; place of its three vectors; first of the columns of the factor in which these
-are not zero, and their number; 1 between aiming and the end of the stage; set of blocks that the vectors belong to, -1
-for none; 1 while its compliance is missing."""
+class MeshPlaces(Record):
+    """Where the parts of a body are in the arrays of its kind, and how many.
 
-# columns of `bodies` of the moving points
-FIRST_POINT, COMPLIANCE, FIRST_CONTROL, MESH_COLUMNS = range(4)
-"""First moving point; place of the matrix of all of them; first control point of the shape."""
+    Attributes
+    ----------
+    number
+        Of the body in the scene.
+    dof
+        First velocity of its bases in the workspace.
+    column, last_result
+        First record column, and that of the drift, the last of the body.
+    first_node, node_count, base_node_count
+        Nodes of the mesh, and nodes of the factor that hold its bases; they follow those of the mesh.
+    first_element, element_count, first_base, base_count, first_load, load_count
+        Rows of the body.
+    first_column, last_column
+        First column of the factor, and the one behind its last; base nodes have none.
+    first_strain, strain_count
+        In a vector of strains.
+    scheme
+        How stress enters the step: `CARRIED` and the others.
+    first_clear, clear_count
+        Of the blocks with fixed coordinates.
+    constants
+        Place of the model number and other data of all elements in `constants`.
+    first_block, last_block
+        Place of its first block in a set, and the place behind its last.
+    base_step
+        Place in `constants` of the coefficient of the bending matrix in the constant part of the step matrix.
+    work_place
+        Of the scratch of the factorisation in a set.
+    state_place
+        Of the kind in a state vector of the accurate integrator.
+    moving_count
+        Points that move over the mesh; their rows of `bases` follow those of the bases.
+    """
+
+    number: int
+    dof: int
+    column: int
+    first_node: int
+    node_count: int
+    base_node_count: int
+    first_element: int
+    element_count: int
+    first_column: int
+    last_column: int
+    first_base: int
+    base_count: int
+    first_load: int
+    load_count: int
+    first_strain: int
+    strain_count: int
+    scheme: int
+    first_clear: int
+    clear_count: int
+    constants: int
+    first_block: int
+    last_block: int
+    base_step: int
+    last_result: int
+    work_place: int
+    state_place: int
+    moving_count: int
+
+
+class MeshNumbers(Record, whole_lines=True):
+    """Numbers of a body.
+
+    Attributes
+    ----------
+    rotation, origin
+        Axes of the body as columns, and its origin [m].
+    viscous_damping, stiffness_damping
+        Of the body [1/s] and [s].
+    drift_tolerance, drift, drift_element, largest_drift
+        Largest distance of carried strains from those of the shape: allowed, of the last check with the element where
+        it is, so far [1].
+    changed_over, change_time
+        Whether the energy-momentum scheme has taken over, and when [s].
+    external_work, dissipated_work
+        Of loads, and lost in dampers [J].
+    elastic_energy
+        Of the last record [J].
+    mass, size
+        In all [kg], and largest extension [m].
+    step_limit
+        Of the explicit scheme [s].
+    time
+        Of the stage [s].
+    iterations, change, change_before
+        Of the energy-momentum scheme: rounds in the step, last change [m] and the one before; a negative change before
+        the first round.
+    scratch
+        For any use.
+    """
+
+    rotation: Matrix3
+    origin: Vector
+    viscous_damping: float
+    stiffness_damping: float
+    drift_tolerance: float
+    drift: float
+    drift_element: int
+    changed_over: bool
+    external_work: float
+    dissipated_work: float
+    elastic_energy: float
+    mass: float
+    step_limit: float
+    time: float
+    iterations: int
+    size: float
+    change: float
+    change_time: float
+    change_before: float
+    largest_drift: float
+    scratch: Matrix3
+
+
+class MeshElement(Record):
+    """An element of a frame, and what those of shells begin with.
+
+    Attributes
+    ----------
+    nodes
+        Offsets in a nodal vector; frames use two.
+    data
+        Place in `constants`: element matrices, then what the type of element needs.
+    strain
+        Place in a vector of strains.
+    blocks
+        Place of a block of the factor, and 1 if it is stored transposed, of each pair of nodes.
+    """
+
+    nodes: Annotated[NDArray[np.int64], (4,)]
+    data: int
+    strain: int
+    blocks: Annotated[NDArray[np.int64], (3, 2)]
+
+
+class ShellMeshElement(MeshElement):
+    """An element of a shell: it has more pairs of nodes."""
+
+    blocks: Annotated[NDArray[np.int64], (10, 2)]
+
+
+class MeshBase(Record):
+    """A base of a body, or a moving point.
+
+    Attributes
+    ----------
+    element
+        Where it is; -1 of a moving point, of which the place alone is known.
+    shape_values
+        Place of its shape values in `constants`.
+    place
+        Of its three numbers in a nodal vector.
+    blocks
+        Places of the blocks that couple it with the nodes of the element.
+    """
+
+    element: int
+    shape_values: int
+    place: int
+    blocks: Annotated[NDArray[np.int64], (4,)]
+
+
+class MeshMarker(Record):
+    """A marker: number in the workspace, row of its body, base, type, place of its data in `constants`, level."""
+
+    number: int
+    body: int
+    base: int
+    type: int
+    data: int
+    level: int
+
+
+class MeshSensor(Record):
+    """A material point whose motion is recorded.
+
+    Attributes
+    ----------
+    column
+        First record column.
+    body, element
+        Row of its body, and its element.
+    shape_values
+        Their place in `constants`.
+    """
+
+    column: int
+    body: int
+    element: int
+    shape_values: int
+
+
+class MeshLoad(Record):
+    """A load.
+
+    Attributes
+    ----------
+    type
+        `DEAD_LOAD`, `FOLLOWER_ELEMENT` or `FOLLOWER_NODE`.
+    data
+        Its place in `constants`.
+    table, table_length
+        Place there of the table of its factor, times, then factors, and their number.
+    place
+        Element or offset of a node.
+    """
+
+    type: int
+    data: int
+    table: int
+    table_length: int
+    place: int
+
+
+class FixedCoordinate(Record):
+    """A fixed coordinate in a block: place of the block, `CLEAR_ROW` or another, and which row, lane or entry."""
+
+    block: int
+    part: int
+    index: int
+
+
+class BaseBlock(Record):
+    """Block of two base nodes: row of the body, later and earlier node counted within the body, place."""
+
+    body: int
+    later: int
+    earlier: int
+    place: int
+
+
+class MovingPoint(Record):
+    """A point that moves over a mesh.
+
+    Attributes
+    ----------
+    first_entry, entry_count
+        Of its entries.
+    vectors
+        Place of its three vectors.
+    path, path_count
+        First of the columns of the factor in which these are not zero, and their number.
+    live
+        Between aiming and the end of the stage.
+    current_set
+        Set of blocks that the vectors belong to, -1 for none.
+    fresh
+        While its compliance is missing.
+    """
+
+    first_entry: int
+    entry_count: int
+    vectors: int
+    path: int
+    path_count: int
+    live: bool
+    current_set: int
+    fresh: bool
+
+
+class PointsOfBody(Record):
+    """First moving point of a body, place of the matrix of all of them, first control point of its shape."""
+
+    first_point: int
+    compliance: int
+    first_control: int
 
 
 class MovingPoints(Arrays):
@@ -150,11 +364,11 @@ class MovingPoints(Arrays):
     Attributes
     ----------
     bodies
-        By body, see the columns; shape (bodies, 3).
+        By body.
     points
-        By moving point, bodies in order, see the columns; shape (n, 8).
+        Bodies in order.
     entries, factors
-        A point is a sum of nodal vectors: their places in a row of `nodal`, and factors.
+        A point is a sum of nodal vectors: their places in a nodal vector, and factors.
     vectors
         ``Z``: three vectors over the nodes and base nodes of the body, of each point; flat.
     paths
@@ -169,8 +383,8 @@ class MovingPoints(Arrays):
         A control point of the shape of a mesh is a sum of nodal vectors; shapes (controls, 4).
     """
 
-    bodies: Ints2
-    points: Ints2
+    bodies: Records[PointsOfBody]
+    points: Records[MovingPoint]
     entries: Ints1
     factors: Floats1
     vectors: Floats1
@@ -188,29 +402,55 @@ class Meshes(Arrays):
     Attributes
     ----------
     table
-        By body, see the columns; shape (bodies, 27).
+        Where things are, by body.
     elements
-        Shape (elements, 6 + 2 pairs).
+        Bodies in order.
     constants
         Data of elements, bases and loads, flat.
     body
-        Numbers by body, shape (bodies, 40).
-    nodal
-        Vectors over all nodes and base nodes, and the moving points behind them; shape (12, places).
-    strains
-        Vectors over all strains, shape (4, strains).
+        Numbers by body.
+    position, velocity
+        Nodal vectors, as all others to `forward_solution`: over all nodes and base nodes, and the moving points behind
+        them. Carried coordinates and their rates.
+    mean_acceleration
+        Of the last step.
+    mid_position
+        Predicted midpoint, or the present state where forces are evaluated.
+    mid_velocity
+        Velocities of the stage, then scratch of the projection.
+    right_hand_side
+        Of the stage, and its solution.
+    external_force
+        Of the stage: loads, gravity, forces on bases.
+    velocity_change
+        To the midpoint, in an iteration.
+    free
+        1, or 0 for coordinates that are fixed.
+    nodal_mass
+        M times a unit acceleration along x, y, z: lies in the position vectors as one number a vector.
+    trial_position
+        Coordinates at the end of the step in an iteration; the vector of the power iteration in explicit schemes.
+    forward_solution
+        Right-hand side after forward substitution.
+    strain
+        Carried, of all elements, as all other strains.
+    shape_strain
+        Of the shape, scratch.
+    stage_strain
+        Whose stress acts in the stage.
+    start_strain
+        Of the shape at the start of a step that iterates.
     columns, lower, updates
         Structure of the factor: `heavylift.numerics.block_factor`.
     blocks
         Three sets of blocks: factor of the step matrix, factor of the mass matrix, constant part of the step
         matrix; flat.
     clears
-        Place of a block of the pattern, 0 for a row, 1 for a lane, 2 for the diagonal, and which of them is fixed;
-        shape (n, 3).
+        Fixed coordinates in the blocks of the pattern, bodies in order.
     base_blocks
-        Body, later and earlier base node within the body, place of their block; shape (n, 4).
+        Of all pairs of base nodes of a body.
     bases, markers, sensors, loads
-        See the columns.
+        Bodies in order; markers by level.
     moving
         The moving points of all bodies.
     shape
@@ -219,27 +459,50 @@ class Meshes(Arrays):
 
     shape: ClassVar[Any]
 
-    table: Ints2
-    elements: Ints2
+    carried_fields: ClassVar[tuple[str, ...]] = (
+        "body",
+        "position",
+        "velocity",
+        "mean_acceleration",
+        "trial_position",
+        "strain",
+    )
+
+    table: Records[MeshPlaces]
+    elements: Records[MeshElement]
     constants: Floats1
-    body: Floats2
-    nodal: Floats2
-    strains: Floats2
-    columns: Ints2
-    lower: Ints2
+    body: Records[MeshNumbers]
+    position: Floats1
+    velocity: Floats1
+    mean_acceleration: Floats1
+    mid_position: Floats1
+    mid_velocity: Floats1
+    right_hand_side: Floats1
+    external_force: Floats1
+    velocity_change: Floats1
+    free: Floats1
+    nodal_mass: Floats1
+    trial_position: Floats1
+    forward_solution: Floats1
+    strain: Floats1
+    shape_strain: Floats1
+    stage_strain: Floats1
+    start_strain: Floats1
+    columns: Records[FactorColumn]
+    lower: Records[LowerBlock]
     updates: Ints1
     blocks: Floats1
-    clears: Ints2
-    base_blocks: Ints2
-    bases: Ints2
-    markers: Ints2
-    sensors: Ints2
-    loads: Ints2
+    clears: Records[FixedCoordinate]
+    base_blocks: Records[BaseBlock]
+    bases: Records[MeshBase]
+    markers: Records[MeshMarker]
+    sensors: Records[MeshSensor]
+    loads: Records[MeshLoad]
     moving: MovingPoints
 
 
 class FrameMeshes(Meshes):
-    """All frames of a scene: 6 rows, 8 lanes: ``r``, ``r'``, two of padding in a row of `nodal`."""
+    """All frames of a scene: 6 rows, 8 lanes: ``r``, ``r'``, two of padding in a nodal vector."""
 
     shape: ClassVar[Any] = block_shape(6)
     kernel_modules: ClassVar[tuple[str, ...]] = (
@@ -262,6 +525,8 @@ class FrameMeshes(Meshes):
 
 class ShellMeshes(Meshes):
     """All shells of a scene: 12 rows, 16 lanes: ``r``, ``r_x``, ``r_y``, ``r_xy``."""
+
+    elements: Records[ShellMeshElement]
 
     shape: ClassVar[Any] = block_shape(12)
     kernel_modules: ClassVar[tuple[str, ...]] = (

@@ -10,26 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.solver.bodies.ancf.at_rest import read_bases, spread_base
-from heavylift.solver.bodies.ancf.kind import (
-    ACCELERATION,
-    BASE_PLACE,
-    BASES,
-    DOF,
-    FIRST_BASE,
-    FIRST_NODE,
-    MASS,
-    NODES,
-    NUMBER,
-    ORIGIN,
-    RIGHT,
-    ROTATION,
-    WEIGHT,
-    FrameMeshes,
-    Meshes,
-    Q,
-    ShellMeshes,
-    V,
-)
+from heavylift.solver.bodies.ancf.kind import FrameMeshes, Meshes, ShellMeshes
 from heavylift.solver.interface import Workspace, collect_load, move, put_velocity, survey
 from heavylift.solver.kinds import implement
 
@@ -39,17 +20,17 @@ __all__: list[str] = []
 def _nodes(kind: Meshes, body: int) -> slice:
     """Places of the nodes of a body."""
     lanes = len(kind.shape[1])
-    first = int(kind.table[body, FIRST_NODE]) * lanes
-    return slice(first, first + int(kind.table[body, NODES]) * lanes)
+    first = int(kind.table[body].first_node) * lanes
+    return slice(first, first + int(kind.table[body].node_count) * lanes)
 
 
 def _spread(kind: Meshes, body: int, wanted: NDArray[np.float64]) -> NDArray[np.float64]:
     """Motion of all nodes that gives the bases what is wanted, flat over their places."""
     count = len(wanted)
     own = _nodes(kind, body)
-    first = int(kind.table[body, FIRST_BASE])
-    places = np.add.outer(kind.bases[first : first + count // 3, BASE_PLACE], np.arange(3)).ravel()
-    right = kind.nodal[RIGHT]
+    first = int(kind.table[body].first_base)
+    places = np.add.outer(kind.bases["place"][first : first + count // 3], np.arange(3)).ravel()
+    right = kind.right_hand_side
     motions = np.zeros((count, own.stop - own.start))
     compliance = np.zeros((count, count))
     for i in range(count):
@@ -58,7 +39,7 @@ def _spread(kind: Meshes, body: int, wanted: NDArray[np.float64]) -> NDArray[np.
         right[places[i]] = -1.0
         spread_base((kind,), body)
         motions[i] = right[own]
-        read_bases((kind,), body, RIGHT, compliance[i])
+        read_bases((kind,), body, kind.right_hand_side, compliance[i])
     size = np.sqrt(np.diag(compliance))
     size[size == 0.0] = 1.0
     weights = np.linalg.pinv(compliance / np.outer(size, size), rcond=1e-11, hermitian=True) @ (wanted / size)
@@ -74,18 +55,18 @@ def survey_meshes(
     for body, line in enumerate(kind.table):
         own = _nodes(kind, body)
         lanes, numbers = len(kind.shape[1]), kind.body[body]
-        rotation = numbers[ROTATION : ROTATION + 9].reshape(3, 3)
+        rotation = numbers.rotation
         rows = [
-            kind.nodal[row, own].reshape(-1, lanes)[:, : len(kind.shape[0])].reshape(-1, 3)
-            for row in (WEIGHT, Q)
+            nodal[own].reshape(-1, lanes)[:, : len(kind.shape[0])].reshape(-1, 3)
+            for nodal in (kind.nodal_mass, kind.position)
         ]
-        centre = (rows[0] * rows[1]).sum(axis=0) / numbers[MASS]
-        places[line[NUMBER], 0] = line[DOF]
-        places[line[NUMBER], 1:4] = numbers[ORIGIN : ORIGIN + 3] + rotation @ centre
-        places[line[NUMBER], 4:] = 1.0, 0.0, 0.0, 0.0
-        count = 3 * int(line[BASES])
-        inertia[line[DOF] : line[DOF] + count] = numbers[MASS]
-        read_bases((kind,), body, V, velocity[line[DOF] : line[DOF] + count])
+        centre = (rows[0] * rows[1]).sum(axis=0) / numbers.mass
+        places[line.number, 0] = line.dof
+        places[line.number, 1:4] = numbers.origin + rotation @ centre
+        places[line.number, 4:] = 1.0, 0.0, 0.0, 0.0
+        count = 3 * int(line.base_count)
+        inertia[line.dof : line.dof + count] = numbers.mass
+        read_bases((kind,), body, kind.velocity, velocity[line.dof : line.dof + count])
 
 
 @implement(move, FrameMeshes)
@@ -93,9 +74,9 @@ def survey_meshes(
 def move_meshes(kind: Meshes, increment: NDArray[np.float64]) -> None:
     """Displace the bases, and all nodes with them."""
     for body, line in enumerate(kind.table):
-        wanted = increment[line[DOF] : line[DOF] + 3 * line[BASES]]
+        wanted = increment[line.dof : line.dof + 3 * line.base_count]
         if np.any(wanted):
-            kind.nodal[Q, _nodes(kind, body)] += _spread(kind, body, wanted)
+            kind.position[_nodes(kind, body)] += _spread(kind, body, wanted)
 
 
 @implement(put_velocity, FrameMeshes)
@@ -103,13 +84,13 @@ def move_meshes(kind: Meshes, increment: NDArray[np.float64]) -> None:
 def put_mesh_velocity(kind: Meshes, velocity: NDArray[np.float64]) -> None:
     """Velocities of the bases; the other nodes change as little as possible."""
     for body, line in enumerate(kind.table):
-        count = 3 * int(line[BASES])
+        count = 3 * int(line.base_count)
         own, before = _nodes(kind, body), np.zeros(count)
-        kind.nodal[ACCELERATION, own] = 0.0
-        read_bases((kind,), body, V, before)
-        change = velocity[line[DOF] : line[DOF] + count] - before
+        kind.mean_acceleration[own] = 0.0
+        read_bases((kind,), body, kind.velocity, before)
+        change = velocity[line.dof : line.dof + count] - before
         if np.any(change):
-            kind.nodal[V, own] += _spread(kind, body, change)
+            kind.velocity[own] += _spread(kind, body, change)
 
 
 @implement(collect_load, FrameMeshes)

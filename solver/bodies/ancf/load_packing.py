@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.bodies.ancf.kind import DEAD_LOAD, FOLLOWER_ELEMENT, FOLLOWER_NODE
+from heavylift.numerics.records import Records, records
+from heavylift.solver.bodies.ancf.frame_data import FrameFollower
+from heavylift.solver.bodies.ancf.kind import DEAD_LOAD, FOLLOWER_ELEMENT, FOLLOWER_NODE, MeshLoad
 from heavylift.solver.bodies.ancf.types import type_of
 from heavylift.solver.meshes import DistributedLoad, FollowerLoad, FrameBody, MeshBody
 
@@ -23,9 +25,9 @@ class LoadBook:
     store: Callable[[NDArray[np.float64]], int]
     rows: list[tuple[int, int, int, int, int]] = field(default_factory=list)
 
-    def table(self) -> NDArray[np.int64]:
-        """All rows, shape (n, 5)."""
-        return np.array(self.rows, dtype=np.int64).reshape(-1, 5)
+    def table(self) -> Records[MeshLoad]:
+        """All rows."""
+        return records(MeshLoad, self.rows)
 
     def add(
         self,
@@ -98,7 +100,9 @@ class LoadBook:
                 key="loads",
                 expected="a direction that is not zero",
             )
-        data = self.store(np.array([load.normal, load.tangential, *(axis / (length or 1.0))]))
+        given = FrameFollower.one()
+        given.normal, given.tangential, given.axis = load.normal, load.tangential, axis / (length or 1.0)
+        data = self.store(given.words.copy())
         if load.node is None:
             self.rows += [(FOLLOWER_ELEMENT, data, table, len(times), first_element + int(e)) for e in chosen]
             return

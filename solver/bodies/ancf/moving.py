@@ -18,36 +18,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.block_pattern import LOWER, LOWER_COUNT, NODE, PIVOT
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import forward_pivot, subtract_forward
 from heavylift.solver.bodies.ancf.assembly import set_size
-from heavylift.solver.bodies.ancf.kind import (
-    BASE_NODES,
-    BASE_PLACE,
-    BASES,
-    COMPLIANCE,
-    CURRENT,
-    DOF,
-    ENTRIES,
-    ENTRY_COUNT,
-    FIRST_BASE,
-    FIRST_NODE,
-    FIRST_POINT,
-    FREE,
-    FRESH,
-    LAST_COLUMN,
-    LIVE,
-    MOVING,
-    NODES,
-    PATH,
-    PATH_COUNT,
-    RIGHT,
-    VECTORS,
-    Meshes,
-    MovingPoints,
-)
-from heavylift.solver.rows import PANEL, RowArrays
+from heavylift.solver.bodies.ancf.kind import Meshes, MovingPoints
+from heavylift.solver.rows import RowArrays
 
 __all__ = [
     "add_point_compliance",
@@ -68,46 +44,46 @@ Vector = tuple[float, float, float]
 
 
 @kernel(internal=True)
-def point_value(moving: MovingPoints, kind: Meshes, point: int, row: int) -> Vector:
-    """Value of a point in a row of `nodal`, body axes."""
-    first = moving.points[point, ENTRIES]
+def point_value(moving: MovingPoints, kind: Meshes, point: int, nodal: Floats1) -> Vector:
+    """Value of a nodal vector at a point, body axes."""
+    first = moving.points[point].first_entry
     x = y = z = 0.0
-    for i in range(first, first + moving.points[point, ENTRY_COUNT]):
+    for i in range(first, first + moving.points[point].entry_count):
         at, value = moving.entries[i], moving.factors[i]
-        x += value * kind.nodal[row, at]
-        y += value * kind.nodal[row, at + 1]
-        z += value * kind.nodal[row, at + 2]
+        x += value * nodal[at]
+        y += value * nodal[at + 1]
+        z += value * nodal[at + 2]
     return x, y, z
 
 
 @kernel(inline=True, internal=True)
 def _place(kind: Meshes, body: int, slot: int) -> int:
-    """Place of the three numbers of a moving point in a row of `nodal`."""
-    return kind.bases[kind.table[body, FIRST_BASE] + kind.table[body, BASES] + slot, BASE_PLACE]
+    """Place of the three numbers of a moving point in a nodal vector."""
+    return kind.bases[kind.table[body].first_base + kind.table[body].base_count + slot].place
 
 
 @kernel(inline=True, internal=True)
 def vector_length(kind: Meshes, body: int) -> int:
     """Numbers of one of the vectors of a point."""
-    return (kind.table[body, NODES] + kind.table[body, BASE_NODES]) * len(kind.shape[1])
+    return (kind.table[body].node_count + kind.table[body].base_node_count) * len(kind.shape[1])
 
 
 @kernel(internal=True)
 def _clear(moving: MovingPoints, kind: Meshes, body: int, point: int) -> None:
     """Zeros where the vectors of a point are not zero."""
     lanes = len(kind.shape[1])
-    length, first_node = vector_length(kind, body), kind.table[body, FIRST_NODE]
-    path, begin = moving.points[point, PATH], moving.points[point, VECTORS]
-    for i in range(path, path + moving.points[point, PATH_COUNT]):
-        at = begin + (kind.columns[moving.paths[i], NODE] - first_node) * lanes
+    length, first_node = vector_length(kind, body), kind.table[body].first_node
+    path, begin = moving.points[point].path, moving.points[point].vectors
+    for i in range(path, path + moving.points[point].path_count):
+        at = begin + (kind.columns[moving.paths[i]].node - first_node) * lanes
         for k in range(3):
             for r in range(lanes):
                 moving.vectors[at + k * length + r] = 0.0
-    bases = begin + kind.table[body, NODES] * lanes
+    bases = begin + kind.table[body].node_count * lanes
     for k in range(3):
-        for r in range(kind.table[body, BASE_NODES] * lanes):
+        for r in range(kind.table[body].base_node_count * lanes):
             moving.vectors[bases + k * length + r] = 0.0
-    moving.points[point, PATH_COUNT] = 0
+    moving.points[point].path_count = 0
 
 
 @kernel(internal=True)
@@ -117,52 +93,52 @@ def _find_vectors(moving: MovingPoints, kind: Meshes, body: int, point: int, whi
     lanes, base = len(kind.shape[1]), which * set_size(kind)
     length = vector_length(kind, body)
     _clear(moving, kind, body, point)
-    begin = moving.points[point, VECTORS] - kind.table[body, FIRST_NODE] * lanes
-    first, last = kind.table[body, LAST_COLUMN], kind.table[body, LAST_COLUMN]
-    entry = moving.points[point, ENTRIES]
-    for i in range(entry, entry + moving.points[point, ENTRY_COUNT]):
+    begin = moving.points[point].vectors - kind.table[body].first_node * lanes
+    first, last = kind.table[body].last_column, kind.table[body].last_column
+    entry = moving.points[point].first_entry
+    for i in range(entry, entry + moving.points[point].entry_count):
         at = moving.entries[i]
         for k in range(3):
-            Z[begin + k * length + at + k] = moving.factors[i] * kind.nodal[FREE, at + k]
+            Z[begin + k * length + at + k] = moving.factors[i] * kind.free[at + k]
         moving.marks[at // lanes] = 1
         first = min(first, moving.column_of[at // lanes])
-    path = moving.points[point, PATH]
+    path = moving.points[point].path
     count = 0
     for column in range(first, last):
-        node = columns[column, NODE]
+        node = columns[column].node
         if moving.marks[node] == 0:
             continue
         moving.marks[node] = 0
         moving.paths[path + count] = column
         count += 1
-        pivot, at, below = columns[column, PIVOT], columns[column, LOWER], columns[column, LOWER_COUNT]
+        pivot, at, below = columns[column].pivot, columns[column].first_lower, columns[column].lower_count
         z0 = begin + node * lanes
         z1, z2 = z0 + length, z0 + 2 * length
         forward_pivot(shape, Z, z0, kind.blocks, base + pivot)
         forward_pivot(shape, Z, z1, kind.blocks, base + pivot)
         forward_pivot(shape, Z, z2, kind.blocks, base + pivot)
         for l in range(at, at + below):
-            to, block = begin + lower[l, 0] * lanes, base + lower[l, 1]
-            moving.marks[lower[l, 0]] = 1
+            to, block = begin + lower[l].node * lanes, base + lower[l].place
+            moving.marks[lower[l].node] = 1
             subtract_forward(shape, Z, to, kind.blocks, block, Z, z0)
             subtract_forward(shape, Z, to + length, kind.blocks, block, Z, z1)
             subtract_forward(shape, Z, to + 2 * length, kind.blocks, block, Z, z2)
-    moving.points[point, PATH_COUNT] = count
+    moving.points[point].path_count = count
 
 
 @kernel(internal=True)
 def _find_compliance(moving: MovingPoints, kind: Meshes, body: int, i: int, j: int, which: int) -> None:
     """``Z_i^T D Z_j`` of two moving points of a body into both triangles."""
     rows, lanes, base = len(kind.shape[0]), len(kind.shape[1]), which * set_size(kind)
-    length, width, Z = vector_length(kind, body), 3 * kind.table[body, MOVING], moving.vectors
-    first, out = moving.bodies[body, FIRST_POINT], moving.bodies[body, COMPLIANCE]
-    shift = kind.table[body, FIRST_NODE] * lanes
-    a, b = moving.points[first + i, VECTORS] - shift, moving.points[first + j, VECTORS] - shift
-    path = moving.points[first + i, PATH]
+    length, width, Z = vector_length(kind, body), 3 * kind.table[body].moving_count, moving.vectors
+    first, out = moving.bodies[body].first_point, moving.bodies[body].compliance
+    shift = kind.table[body].first_node * lanes
+    a, b = moving.points[first + i].vectors - shift, moving.points[first + j].vectors - shift
+    path = moving.points[first + i].path
     c00 = c01 = c02 = c10 = c11 = c12 = c20 = c21 = c22 = 0.0
-    for p in range(path, path + moving.points[first + i, PATH_COUNT]):
+    for p in range(path, path + moving.points[first + i].path_count):
         column = moving.paths[p]
-        at, pivot = kind.columns[column, NODE] * lanes, base + kind.columns[column, PIVOT]
+        at, pivot = kind.columns[column].node * lanes, base + kind.columns[column].pivot
         for r in range(rows):
             d = 1.0 / kind.blocks[pivot + r * (lanes + 1)]
             u, v = a + at + r, b + at + r
@@ -187,38 +163,40 @@ def _find_compliance(moving: MovingPoints, kind: Meshes, body: int, i: int, j: i
 @kernel(internal=True)
 def prepare_points(moving: MovingPoints, kind: Meshes, body: int, which: int) -> None:
     """Vectors and compliance of all living points of a body with the factor of a set, if they are not there yet."""
-    first, count = moving.bodies[body, FIRST_POINT], kind.table[body, MOVING]
+    first, count = moving.bodies[body].first_point, kind.table[body].moving_count
     found = False
     for i in range(first, first + count):
-        if moving.points[i, LIVE] != 0 and moving.points[i, CURRENT] != which:
+        if moving.points[i].live and moving.points[i].current_set != which:
             _find_vectors(moving, kind, body, i, which)
-            moving.points[i, CURRENT] = which
-            moving.points[i, FRESH] = 1
+            moving.points[i].current_set = which
+            moving.points[i].fresh = True
             found = True
     if not found:
         return
     for i in range(count):
         for j in range(i + 1):
-            both = moving.points[first + i, LIVE] != 0 and moving.points[first + j, LIVE] != 0
-            if both and (moving.points[first + i, FRESH] != 0 or moving.points[first + j, FRESH] != 0):
+            both = moving.points[first + i].live and moving.points[first + j].live
+            if both and (moving.points[first + i].fresh or moving.points[first + j].fresh):
                 _find_compliance(moving, kind, body, i, j, which)
     for i in range(first, first + count):
-        moving.points[i, FRESH] = 0
+        moving.points[i].fresh = False
 
 
 @kernel(internal=True)
-def point_response(moving: MovingPoints, kind: Meshes, point: int, body: int, which: int, row: int) -> Vector:
-    """``J A^-1 r``, with ``D^-1 L^-1 r`` in a row of `nodal`; vectors of the point are prepared."""
+def point_response(
+    moving: MovingPoints, kind: Meshes, point: int, body: int, which: int, nodal: Floats1
+) -> Vector:
+    """``J A^-1 r``, with ``D^-1 L^-1 r`` in a nodal vector; vectors of the point are prepared."""
     rows, lanes, base = len(kind.shape[0]), len(kind.shape[1]), which * set_size(kind)
     length, Z = vector_length(kind, body), moving.vectors
-    begin = moving.points[point, VECTORS] - kind.table[body, FIRST_NODE] * lanes
-    path = moving.points[point, PATH]
+    begin = moving.points[point].vectors - kind.table[body].first_node * lanes
+    path = moving.points[point].path
     x = y = z = 0.0
-    for p in range(path, path + moving.points[point, PATH_COUNT]):
+    for p in range(path, path + moving.points[point].path_count):
         column = moving.paths[p]
-        at, pivot = kind.columns[column, NODE] * lanes, base + kind.columns[column, PIVOT]
+        at, pivot = kind.columns[column].node * lanes, base + kind.columns[column].pivot
         for r in range(rows):
-            value = kind.nodal[row, at + r] / kind.blocks[pivot + r * (lanes + 1)]
+            value = nodal[at + r] / kind.blocks[pivot + r * (lanes + 1)]
             x += Z[begin + at + r] * value
             y += Z[begin + length + at + r] * value
             z += Z[begin + 2 * length + at + r] * value
@@ -231,94 +209,94 @@ def point_response(moving: MovingPoints, kind: Meshes, point: int, body: int, wh
 @kernel(internal=True)
 def release_points(moving: MovingPoints, kind: Meshes, body: int) -> None:
     """A stage ends: what contacts touch is not known any more."""
-    first = moving.bodies[body, FIRST_POINT]
-    for i in range(first, first + kind.table[body, MOVING]):
-        moving.points[i, LIVE] = 0
-        moving.points[i, CURRENT] = -1
+    first = moving.bodies[body].first_point
+    for i in range(first, first + kind.table[body].moving_count):
+        moving.points[i].live = False
+        moving.points[i].current_set = -1
 
 
 @kernel(internal=True)
 def forget_vectors(moving: MovingPoints, kind: Meshes, body: int) -> None:
     """A matrix has been factored anew."""
-    first = moving.bodies[body, FIRST_POINT]
-    for i in range(first, first + kind.table[body, MOVING]):
-        moving.points[i, CURRENT] = -1
+    first = moving.bodies[body].first_point
+    for i in range(first, first + kind.table[body].moving_count):
+        moving.points[i].current_set = -1
 
 
 @kernel(internal=True)
-def write_points(moving: MovingPoints, kind: Meshes, body: int, row: int, to: NDArray[np.float64]) -> None:
-    """Values in a row of `nodal` behind those of the bases in a vector of velocities of the scene."""
-    first = moving.bodies[body, FIRST_POINT]
-    dof = kind.table[body, DOF] + 3 * kind.table[body, BASES]
-    for i in range(kind.table[body, MOVING]):
-        if moving.points[first + i, LIVE] != 0:
-            y = point_value(moving, kind, first + i, row)
+def write_points(
+    moving: MovingPoints, kind: Meshes, body: int, nodal: Floats1, to: NDArray[np.float64]
+) -> None:
+    """Values of a nodal vector behind those of the bases in a vector of velocities of the scene."""
+    first = moving.bodies[body].first_point
+    dof = kind.table[body].dof + 3 * kind.table[body].base_count
+    for i in range(kind.table[body].moving_count):
+        if moving.points[first + i].live:
+            y = point_value(moving, kind, first + i, nodal)
             to[dof + 3 * i], to[dof + 3 * i + 1], to[dof + 3 * i + 2] = y[0], y[1], y[2]
 
 
 @kernel(internal=True)
 def find_free_points(moving: MovingPoints, kind: Meshes, body: int, which: int) -> None:
-    """After forward substitution of row `RIGHT`: ``-J A^-1 r`` into the places of the points, as of bases."""
-    first = moving.bodies[body, FIRST_POINT]
+    """After forward substitution of `right_hand_side`: ``-J A^-1 r`` into the places of the points, as of bases."""
+    first, right = moving.bodies[body].first_point, kind.right_hand_side
     prepare_points(moving, kind, body, which)
-    for i in range(kind.table[body, MOVING]):
+    for i in range(kind.table[body].moving_count):
         x = y = z = 0.0
-        if moving.points[first + i, LIVE] != 0:
-            x, y, z = point_response(moving, kind, first + i, body, which, RIGHT)
+        if moving.points[first + i].live:
+            x, y, z = point_response(moving, kind, first + i, body, which, right)
         place = _place(kind, body, i)
-        kind.nodal[RIGHT, place], kind.nodal[RIGHT, place + 1], kind.nodal[RIGHT, place + 2] = -x, -y, -z
+        right[place], right[place + 1], right[place + 2] = -x, -y, -z
 
 
 @kernel(internal=True)
 def write_free_points(
-    moving: MovingPoints, kind: Meshes, body: int, row: int, start: float, to: NDArray[np.float64]
+    moving: MovingPoints, kind: Meshes, body: int, nodal: Floats1, start: float, to: NDArray[np.float64]
 ) -> None:
-    """``start`` times values in a row of `nodal`, minus the places of the points in row `RIGHT`, behind the bases."""
-    first = moving.bodies[body, FIRST_POINT]
-    dof = kind.table[body, DOF] + 3 * kind.table[body, BASES]
-    for i in range(kind.table[body, MOVING]):
+    """``start`` times values of a nodal vector, minus `right_hand_side` at the places of points, behind the bases."""
+    first, right = moving.bodies[body].first_point, kind.right_hand_side
+    dof = kind.table[body].dof + 3 * kind.table[body].base_count
+    for i in range(kind.table[body].moving_count):
         place, at = _place(kind, body, i), dof + 3 * i
         x = y = z = 0.0
-        if moving.points[first + i, LIVE] != 0:
-            x, y, z = point_value(moving, kind, first + i, row)
-        to[at] = start * x - kind.nodal[RIGHT, place]
-        to[at + 1] = start * y - kind.nodal[RIGHT, place + 1]
-        to[at + 2] = start * z - kind.nodal[RIGHT, place + 2]
+        if moving.points[first + i].live:
+            x, y, z = point_value(moving, kind, first + i, nodal)
+        to[at] = start * x - right[place]
+        to[at + 1] = start * y - right[place + 1]
+        to[at + 2] = start * z - right[place + 2]
 
 
 @kernel(internal=True)
 def add_point_forces(moving: MovingPoints, kind: Meshes, body: int, which: int) -> None:
-    """``Z p`` to the forward-substituted row `RIGHT`, with minus the impulses p in the places of the points."""
-    rows, lanes = len(kind.shape[0]), len(kind.shape[1])
-    first, length, Z = moving.bodies[body, FIRST_POINT], vector_length(kind, body), moving.vectors
+    """``Z p`` to the forward-substituted `right_hand_side`, with minus the impulses p in the places of the points."""
+    rows, lanes, right = len(kind.shape[0]), len(kind.shape[1]), kind.right_hand_side
+    first, length, Z = moving.bodies[body].first_point, vector_length(kind, body), moving.vectors
     prepare_points(moving, kind, body, which)
-    for i in range(kind.table[body, MOVING]):
+    for i in range(kind.table[body].moving_count):
         place = _place(kind, body, i)
-        x, y, z = kind.nodal[RIGHT, place], kind.nodal[RIGHT, place + 1], kind.nodal[RIGHT, place + 2]
-        if moving.points[first + i, LIVE] == 0 or (x == 0.0 and y == 0.0 and z == 0.0):
+        x, y, z = right[place], right[place + 1], right[place + 2]
+        if not moving.points[first + i].live or (x == 0.0 and y == 0.0 and z == 0.0):
             continue
-        begin = moving.points[first + i, VECTORS] - kind.table[body, FIRST_NODE] * lanes
-        path = moving.points[first + i, PATH]
-        for p in range(path, path + moving.points[first + i, PATH_COUNT]):
-            at = kind.columns[moving.paths[p], NODE] * lanes
+        begin = moving.points[first + i].vectors - kind.table[body].first_node * lanes
+        path = moving.points[first + i].path
+        for p in range(path, path + moving.points[first + i].path_count):
+            at = kind.columns[moving.paths[p]].node * lanes
             for r in range(at, at + rows):
-                kind.nodal[RIGHT, r] -= (
-                    x * Z[begin + r] + y * Z[begin + length + r] + z * Z[begin + 2 * length + r]
-                )
+                right[r] -= x * Z[begin + r] + y * Z[begin + length + r] + z * Z[begin + 2 * length + r]
 
 
 @kernel(internal=True)
-def add_point_impulses(moving: MovingPoints, kind: Meshes, body: int, row: int) -> None:
-    """``nodal[RIGHT] += J^T p``, with minus the impulses p in the places of the points of a row."""
-    for i in range(kind.table[body, MOVING]):
-        point, place = moving.bodies[body, FIRST_POINT] + i, _place(kind, body, i)
-        if moving.points[point, LIVE] == 0:
+def add_point_impulses(moving: MovingPoints, kind: Meshes, body: int, nodal: Floats1) -> None:
+    """``right_hand_side += J^T p``, with minus the impulses p in the places of the points of a nodal vector."""
+    for i in range(kind.table[body].moving_count):
+        point, place = moving.bodies[body].first_point + i, _place(kind, body, i)
+        if not moving.points[point].live:
             continue
-        first = moving.points[point, ENTRIES]
-        for e in range(first, first + moving.points[point, ENTRY_COUNT]):
+        first = moving.points[point].first_entry
+        for e in range(first, first + moving.points[point].entry_count):
             at, value = moving.entries[e], moving.factors[e]
             for k in range(3):
-                kind.nodal[RIGHT, at + k] -= value * kind.nodal[row, place + k]
+                kind.right_hand_side[at + k] -= value * nodal[place + k]
 
 
 @kernel(internal=True)
@@ -327,10 +305,10 @@ def add_point_compliance(
 ) -> None:
     """The part of ``X = C G^T`` of an attachment that comes from the moving points: all but bases with bases."""
     lanes, block_lanes = system.lanes, len(kind.shape[1])
-    G, half, panel = system.panels, system.panels.shape[0] // 2, system.attachments[attachment, PANEL]
-    bases, count = kind.table[body, BASES], kind.table[body, MOVING]
-    first, length = moving.bodies[body, FIRST_POINT], vector_length(kind, body)
-    shift, first_base = kind.table[body, FIRST_NODE] * block_lanes, kind.table[body, FIRST_BASE]
+    G, half, panel = system.panels, system.panels.shape[0] // 2, system.attachments[attachment].panel
+    bases, count = kind.table[body].base_count, kind.table[body].moving_count
+    first, length = moving.bodies[body].first_point, vector_length(kind, body)
+    shift, first_base = kind.table[body].first_node * block_lanes, kind.table[body].first_base
     prepare_points(moving, kind, body, which)
     for column in range(3 * (bases + count)):
         of = panel + column * lanes
@@ -338,26 +316,26 @@ def add_point_compliance(
         for r in range(lanes):
             used = used or G[of + r] != 0.0
         slot, c = (column - 3 * bases) // 3, column % 3
-        if not used or (column >= 3 * bases and moving.points[first + slot, LIVE] == 0):
+        if not used or (column >= 3 * bases and not moving.points[first + slot].live):
             continue
         if column >= 3 * bases:
-            begin = moving.points[first + slot, VECTORS] + c * length - shift
+            begin = moving.points[first + slot].vectors + c * length - shift
             for base in range(bases):
-                place = begin + kind.bases[first_base + base, BASE_PLACE]
+                place = begin + kind.bases[first_base + base].place
                 for k in range(3):
                     to = half + panel + (3 * base + k) * lanes
                     for r in range(lanes):
                         G[to + r] -= moving.vectors[place + k] * G[of + r]
         for other in range(count):
-            if moving.points[first + other, LIVE] == 0:
+            if not moving.points[first + other].live:
                 continue
             for k in range(3):
                 to = half + panel + (3 * (bases + other) + k) * lanes
                 if column >= 3 * bases:
-                    at = moving.bodies[body, COMPLIANCE] + (3 * other + k) * 3 * count
+                    at = moving.bodies[body].compliance + (3 * other + k) * 3 * count
                     value = moving.compliance[at + column - 3 * bases]
                 else:
-                    place = kind.bases[first_base + column // 3, BASE_PLACE] + c - shift
-                    value = -moving.vectors[moving.points[first + other, VECTORS] + k * length + place]
+                    place = kind.bases[first_base + column // 3].place + c - shift
+                    value = -moving.vectors[moving.points[first + other].vectors + k * length + place]
                 for r in range(lanes):
                     G[to + r] += value * G[of + r]

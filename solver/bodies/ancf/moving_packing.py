@@ -7,26 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.block_pattern import NODE, BlockPattern
+from heavylift.numerics.block_pattern import BlockPattern
+from heavylift.numerics.records import Records, records
 from heavylift.numerics.small import aligned
-from heavylift.solver.bodies.ancf.kind import (
-    BASE_NODES,
-    COMPLIANCE,
-    CURRENT,
-    ENTRIES,
-    FIRST_COLUMN,
-    FIRST_CONTROL,
-    FIRST_NODE,
-    FIRST_POINT,
-    LAST_COLUMN,
-    MESH_COLUMNS,
-    MOVING,
-    NODES,
-    PATH,
-    POINT_COLUMNS,
-    VECTORS,
-    MovingPoints,
-)
+from heavylift.solver.bodies.ancf.kind import MeshPlaces, MovingPoint, MovingPoints, PointsOfBody
 from heavylift.solver.bodies.ancf.mesh_contour import control_vectors
 from heavylift.solver.meshes import MeshBody
 
@@ -34,7 +18,7 @@ __all__ = ["pack_moving"]
 
 
 def pack_moving(
-    bodies: Sequence[MeshBody], table: NDArray[np.int64], pattern: BlockPattern, lanes: int, per_node: int
+    bodies: Sequence[MeshBody], table: Records[MeshPlaces], pattern: BlockPattern, lanes: int, per_node: int
 ) -> MovingPoints:
     """All moving points of a kind of meshes, none of them aimed at anything.
 
@@ -52,40 +36,35 @@ def pack_moving(
     InputError
         If a body with moving points is no line and no rectangle of elements.
     """
-    rows = np.zeros((len(bodies), MESH_COLUMNS), dtype=np.int64)
-    points: list[NDArray[np.int64]] = []
+    rows = records(PointsOfBody, len(bodies))
+    points: list[tuple[int, int, int, int, int, bool, int, bool]] = []
     places: list[NDArray[np.int64]] = []
     factors: list[NDArray[np.float64]] = []
     entries = vectors = paths = compliance = controls = count = 0
     for row, body, line in zip(rows, bodies, table, strict=True):
-        moving = int(line[MOVING])
-        row[[FIRST_POINT, COMPLIANCE, FIRST_CONTROL]] = count, compliance, controls
+        moving = int(line.moving_count)
+        row.first_point, row.compliance, row.first_control = count, compliance, controls
         if moving == 0:
             continue
-        own = np.zeros((moving, POINT_COLUMNS), dtype=np.int64)
-        steps = (
-            (ENTRIES, int(line[NODES]) * per_node, entries),
-            (VECTORS, 3 * int(line[NODES] + line[BASE_NODES]) * lanes, vectors),
-            (PATH, int(line[LAST_COLUMN] - line[FIRST_COLUMN]), paths),
-        )
-        for column, size, first in steps:
-            own[:, column] = first + size * np.arange(moving)
-        own[:, CURRENT] = -1
-        points.append(own)
-        entries, vectors, paths = (first + size * moving for _, size, first in steps)
+        entries_each = int(line.node_count) * per_node
+        vectors_each = 3 * int(line.node_count + line.base_node_count) * lanes
+        path_each = int(line.last_column - line.first_column)
+        for _ in range(moving):
+            points.append((entries, 0, vectors, paths, 0, False, -1, False))
+            entries, vectors, paths = entries + entries_each, vectors + vectors_each, paths + path_each
         compliance += (3 * moving) ** 2
         count += moving
         made = control_vectors(body)
         node, vector = made.vectors // per_node, made.vectors % per_node
-        places.append((line[FIRST_NODE] + node) * lanes + 3 * vector)
+        places.append((line.first_node + node) * lanes + 3 * vector)
         factors.append(made.factors)
         controls += len(made.factors)
-    nodes = int((table[:, NODES] + table[:, BASE_NODES]).sum())
+    nodes = int((table["node_count"] + table["base_node_count"]).sum())
     column_of = np.full(nodes, -1, dtype=np.int64)
-    column_of[pattern.columns[:, NODE]] = np.arange(len(pattern.columns))
+    column_of[pattern.columns["node"]] = np.arange(len(pattern.columns))
     return MovingPoints(
         bodies=rows,
-        points=np.vstack([np.zeros((0, POINT_COLUMNS), dtype=np.int64), *points]),
+        points=records(MovingPoint, points),
         entries=np.zeros(entries, dtype=np.int64),
         factors=np.zeros(entries),
         vectors=aligned(vectors),

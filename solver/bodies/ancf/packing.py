@@ -11,48 +11,30 @@ from numpy.typing import NDArray
 from heavylift.numerics.block_pattern import BlockPattern, pack_blocks
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Records, records
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.ancf.at_rest import prepare_mass
 from heavylift.solver.bodies.ancf.bases import Bases, plan_bases
 from heavylift.solver.bodies.ancf.kind import (
-    ACCELERATION,
     AUTO,
-    BASE_NODES,
-    BODY_COLUMNS,
     CARRIED,
-    CLEARS,
-    DRIFT_TOLERANCE,
     ENERGY_MOMENTUM,
     EXPLICIT,
-    FIRST_BLOCK,
-    FIRST_CLEAR,
-    FIRST_COLUMN,
-    FREE,
-    LAST_BLOCK,
-    LAST_COLUMN,
-    MASS,
-    NODAL_ROWS,
-    NODES,
-    ORIGIN,
-    POINT_MARKER,
-    ROTATION,
-    SIZE,
-    STIFFNESS_DAMPING,
-    STRAIN_ROWS,
-    TABLE_COLUMNS,
-    VISCOUS,
-    WEIGHT,
-    WORK_PLACE,
+    NODAL_VECTORS,
+    STRAIN_VECTORS,
+    MeshBase,
+    MeshElement,
     Meshes,
-    Q,
-    V,
+    MeshMarker,
+    MeshNumbers,
+    MeshPlaces,
+    MeshSensor,
 )
 from heavylift.solver.bodies.ancf.load_packing import LoadBook
 from heavylift.solver.bodies.ancf.moving_packing import pack_moving
 from heavylift.solver.bodies.ancf.pattern_tables import base_blocks, block_ranges, clears
 from heavylift.solver.bodies.ancf.types import MeshType, type_of
-from heavylift.solver.interface import RECORD
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.meshes import MeshBody
 
@@ -123,16 +105,16 @@ def record_width(body: MeshBody) -> int:
 class _Builder:
     """Collects the arrays of one kind, body by body."""
 
-    def __init__(self, of_type: MeshType) -> None:
+    def __init__(self, of_type: MeshType, bodies: int) -> None:
         self.type = of_type
         self.shape = block_shape(of_type.rows)
         self.lanes = len(self.shape[1])
         self.per_node = len(of_type.vectors)
-        self.table: list[list[int]] = []
-        self.elements: list[NDArray[np.int64]] = []
+        self.body_count = 0
+        self.table, self.body = records(MeshPlaces, bodies), records(MeshNumbers, bodies)
+        self.elements: list[Records[MeshElement]] = []
         self.constants: list[NDArray[np.float64]] = []
         self.constant_count = 0
-        self.body: list[NDArray[np.float64]] = []
         self.node_count = 0
         self.strain_count = 0
         self.edges: list[NDArray[np.int64]] = []
@@ -142,7 +124,7 @@ class _Builder:
         self.speed: list[NDArray[np.float64]] = []
         self.bases: list[tuple[int, int, int]] = []
         self.markers: list[tuple[int, int, int, int, int, int]] = []
-        self.sensors: list[tuple[int, int, int, int, int, int]] = []
+        self.sensors: list[tuple[int, int, int, int]] = []
         self.free: list[NDArray[np.float64]] = []
         self.loads = LoadBook(self.store)
         self.moving_count = 0
@@ -173,16 +155,16 @@ class _Builder:
         moving: int = 0,
     ) -> None:
         """Append one body."""
-        row, nodes, first_node = len(self.table), len(body.nodes), self.node_count
+        row, nodes, first_node = self.body_count, len(body.nodes), self.node_count
         base_nodes = -(-len(bases.bases) // self.per_node)
         first_element, count = sum(map(len, self.elements)), len(body.elements)  # type: ignore[attr-defined]
         strains = np.asarray(self.type.strain_counts(body), dtype=np.int64)
         places = self.store_each(self.type.element_data(body))
-        elements = np.zeros((count, 6 + 2 * len(self.type.pairs)), dtype=np.int64)
+        elements = records(self.type.element, count)
         global_nodes = first_node + np.asarray(body.elements, dtype=np.int64)  # type: ignore[attr-defined]
-        elements[:, : self.type.nodes_per_element] = global_nodes * self.lanes
-        elements[:, 4] = places
-        elements[:, 5] = self.strain_count + np.cumsum(strains) - strains
+        elements["nodes"][:, : self.type.nodes_per_element] = global_nodes * self.lanes
+        elements["data"] = places
+        elements["strain"] = self.strain_count + np.cumsum(strains) - strains
         self.elements.append(elements)
         self.edges += [global_nodes[:, list(pair)] for pair in self.type.pairs if pair[0] != pair[1]]
 
@@ -205,7 +187,7 @@ class _Builder:
             element, local = self.type.locate(body, point, body.name, "sensor")
             shape = self.type.shape_values(body, element, local, 0)
             place = self.store(shape)
-            self.sensors.append((target, row, first_element + element, POINT_MARKER, place, RECORD))
+            self.sensors.append((target, row, first_element + element, place))
 
         start = _start(body)
         rotation = rotation_matrix(np.asarray(body.orientation, dtype=np.float64))
@@ -224,31 +206,32 @@ class _Builder:
         for load in body.loads:
             self.loads.add(body, load, rotation, first_node, first_element, self.lanes)
         mass, _ = mass_and_inertia(body)
-        numbers = np.zeros(BODY_COLUMNS)
-        numbers[ROTATION : ROTATION + 9] = rotation.ravel()
-        numbers[ORIGIN : ORIGIN + 3] = body.position
-        numbers[VISCOUS], numbers[STIFFNESS_DAMPING] = body.viscous_damping, body.stiffness_damping
-        numbers[DRIFT_TOLERANCE], numbers[MASS] = body.drift_tolerance, mass
-        numbers[SIZE] = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
-        self.body.append(numbers)
-        self.table.append(
-            [
-                number, dof, column, first_node, nodes, base_nodes, first_element, count, 0, 0,
-                first_base, len(bases.bases), first_load, len(self.loads.rows) - first_load,
-                self.strain_count, int(strains.sum()), SCHEMES[body.elasticity], 0, 0,
-                self.store(self.type.body_constants(body)), 0, 0, self.store(np.full(1, -1.0)),
-                column + record_width(body) - 1, 0, 0, moving,
-            ]
-        )  # fmt: skip
+        numbers, line = self.body[row], self.table[row]
+        numbers.rotation[:] = rotation
+        numbers.origin[:] = body.position
+        numbers.viscous_damping, numbers.stiffness_damping = body.viscous_damping, body.stiffness_damping
+        numbers.drift_tolerance, numbers.mass = body.drift_tolerance, mass
+        numbers.size = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
+        line.number, line.dof = number, dof
+        line.column, line.last_result = column, column + record_width(body) - 1
+        line.first_node, line.node_count, line.base_node_count = first_node, nodes, base_nodes
+        line.first_element, line.element_count = first_element, count
+        line.first_base, line.base_count, line.moving_count = first_base, len(bases.bases), moving
+        line.first_load, line.load_count = first_load, len(self.loads.rows) - first_load
+        line.first_strain, line.strain_count = self.strain_count, int(strains.sum())
+        line.scheme = SCHEMES[body.elasticity]
+        line.constants = self.store(self.type.body_constants(body))
+        line.base_step = self.store(np.full(1, -1.0))
+        self.body_count += 1
         self.node_count += nodes + base_nodes
         self.strain_count += int(strains.sum())
 
     def finish(self, bodies: Sequence[MeshBody]) -> Meshes:
         """Order the nodes and make the arrays."""
-        table = np.array(self.table, dtype=np.int64).reshape(-1, TABLE_COLUMNS)
+        table = self.table
         edges = np.unique(np.sort(np.vstack(self.edges), axis=1), axis=0)
         edges = edges[edges[:, 0] != edges[:, 1]]
-        groups = np.repeat(np.arange(len(table)), table[:, NODES] + table[:, BASE_NODES])
+        groups = np.repeat(np.arange(len(table)), table["node_count"] + table["base_node_count"])
         pattern = pack_blocks(
             self.node_count,
             edges,
@@ -257,33 +240,37 @@ class _Builder:
             groups=groups,
             coordinates=np.vstack(self.coordinates),
         )
-        table[:, FIRST_COLUMN : LAST_COLUMN + 1] = pattern.ranges
-        elements = np.vstack(self.elements)
+        table["first_column"], table["last_column"] = pattern.ranges.T
+        elements = records(self.type.element, sum(map(len, self.elements)))
+        first = 0
+        for part in self.elements:
+            elements[first : first + len(part)] = part
+            first += len(part)
         for p, (i, j) in enumerate(self.type.pairs):
-            a, b = elements[:, i] // self.lanes, elements[:, j] // self.lanes
-            elements[:, 6 + 2 * p], elements[:, 7 + 2 * p] = pattern.places(a, b)
+            a, b = elements["nodes"][:, i] // self.lanes, elements["nodes"][:, j] // self.lanes
+            elements["blocks"][:, p, 0], elements["blocks"][:, p, 1] = pattern.places(a, b)
         free = np.vstack(self.free)
         fixed, counts = clears(pattern, free, edges, groups)
-        table[:, CLEARS] = counts
-        table[:, FIRST_CLEAR] = np.cumsum(counts) - counts
+        table["clear_count"] = counts
+        table["first_clear"] = np.cumsum(counts) - counts
         compliance_blocks = base_blocks(pattern, table)
-        table[:, WORK_PLACE] = pattern.scratch
-        table[:, FIRST_BLOCK : LAST_BLOCK + 1] = block_ranges(
+        table["work_place"] = pattern.scratch
+        table["first_block"], table["last_block"] = block_ranges(
             pattern, groups, compliance_blocks, len(self.shape[0]) * self.lanes
-        )
+        ).T
         moving_nodes = -(-3 * self.moving_count // self.lanes)
-        nodal = aligned((NODAL_ROWS, (self.node_count + moving_nodes) * self.lanes))
-        for row, values in ((Q, self.start), (V, self.speed), (FREE, self.free)):
-            at_nodes = nodal[row, : self.node_count * self.lanes].reshape(self.node_count, self.lanes)
+        places = (self.node_count + moving_nodes) * self.lanes
+        nodal = {name: aligned(places) for name in NODAL_VECTORS}
+        for name, values in (("position", self.start), ("velocity", self.speed), ("free", self.free)):
+            at_nodes = nodal[name][: self.node_count * self.lanes].reshape(self.node_count, self.lanes)
             at_nodes[:, : self.type.rows] = np.vstack(values)
-        nodal[ACCELERATION] = 0.0
         kind = self.type.kind(
             table=table,
-            elements=np.ascontiguousarray(elements),
+            elements=elements,
             constants=np.concatenate(self.constants),
-            body=np.array(self.body),
-            nodal=nodal,
-            strains=aligned((STRAIN_ROWS, self.strain_count)),
+            body=self.body,
+            **nodal,
+            **{name: aligned(self.strain_count) for name in STRAIN_VECTORS},
             columns=pattern.columns,
             lower=pattern.lower,
             updates=pattern.updates,
@@ -292,22 +279,22 @@ class _Builder:
             base_blocks=compliance_blocks,
             bases=self._based(pattern, elements),
             markers=_sorted(self.markers),
-            sensors=np.array(self.sensors, dtype=np.int64).reshape(-1, 6),
+            sensors=records(MeshSensor, self.sensors),
             loads=self.loads.table(),
             moving=pack_moving(bodies, table, pattern, self.lanes, self.per_node),
         )
         _weigh(kind)
         return kind
 
-    def _based(self, pattern: BlockPattern, elements: NDArray[np.int64]) -> NDArray[np.int64]:
+    def _based(self, pattern: BlockPattern, elements: Records[MeshElement]) -> Records[MeshBase]:
         """Rows of `bases`, with the blocks that couple them with the nodes of their elements."""
-        bases = np.zeros((len(self.bases), 7), dtype=np.int64)
-        bases[:, :3] = np.array(self.bases, dtype=np.int64).reshape(-1, 3)
-        fixed = bases[:, 0] >= 0
-        bases[~fixed, 2] += self.node_count * self.lanes
+        bases = records(MeshBase, [(*base, np.zeros(4, dtype=np.int64)) for base in self.bases])
+        element, place = bases["element"], bases["place"]
+        fixed = element >= 0
+        place[~fixed] += self.node_count * self.lanes
         for i in range(self.type.nodes_per_element):
-            nodes = elements[bases[fixed, 0], i] // self.lanes
-            bases[fixed, 3 + i] = pattern.places(bases[fixed, 2] // self.lanes, nodes)[0]
+            nodes = elements["nodes"][element[fixed], i] // self.lanes
+            bases["blocks"][fixed, i] = pattern.places(place[fixed] // self.lanes, nodes)[0]
         return bases
 
 
@@ -321,23 +308,24 @@ def _free(body: MeshBody, of_type: MeshType) -> NDArray[np.float64]:
     return free
 
 
-def _sorted(markers: list[tuple[int, int, int, int, int, int]]) -> NDArray[np.int64]:
-    return np.array(sorted(markers, key=lambda row: row[5]), dtype=np.int64).reshape(-1, 6)
+def _sorted(markers: list[tuple[int, int, int, int, int, int]]) -> Records[MeshMarker]:
+    in_order = sorted(markers, key=lambda row: row[5])
+    return records(MeshMarker, in_order)
 
 
 def _weigh(kind: Meshes) -> None:
-    """Row `WEIGHT`: the mass matrix times a unit acceleration along all three axes."""
+    """`nodal_mass`: the mass matrix times a unit acceleration along all three axes."""
     lanes = len(kind.shape[1])
     frame = len(kind.shape[0]) == 6
     nodes, vectors = (2, 2) if frame else (4, 4)
-    weight = kind.nodal[WEIGHT]
+    weight = kind.nodal_mass
     for element in kind.elements:
         count = nodes * vectors
-        M = kind.constants[element[4] : element[4] + count * count].reshape(count, count)
+        M = kind.constants[element.data : element.data + count * count].reshape(count, count)
         force = M[:, ::vectors].sum(axis=1)
         for i in range(nodes):
             for a in range(vectors):
-                place = element[i] + 3 * a
+                place = element.nodes[i] + 3 * a
                 weight[place : place + 3] += force[i * vectors + a]
     assert weight.shape[0] % lanes == 0
 
@@ -374,7 +362,7 @@ def pack_meshes(
         If a marker, sensor or load does not fit its body, or a body with moving points is no line and no rectangle of
         elements.
     """
-    builder = _Builder(type_of(bodies[0]))
+    builder = _Builder(type_of(bodies[0]), len(bodies))
     column = first_column
     counts = moving or (0,) * len(bodies)
     for i, (body, dof, on_body, watched, count) in enumerate(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.assembly import add_matrix_products
 from heavylift.solver.bodies.ancf.elements import (
@@ -13,44 +14,10 @@ from heavylift.solver.bodies.ancf.elements import (
     measure_strain_energy,
     record_elements,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    COLUMN,
-    DISSIPATED_WORK,
-    DRIFT,
-    ELASTIC_ENERGY,
-    ELEMENT_DATA,
-    ELEMENTS,
-    EXTERNAL,
-    FIRST_ELEMENT,
-    FIRST_NODE,
-    LAST_RESULT,
-    MARKER_BODY,
-    MARKER_DATA,
-    MASS,
-    NODES,
-    ORIGIN,
-    RIGHT,
-    ROTATION,
-    SCRATCH,
-    SHAPE_STRAIN,
-    STRAIN,
-    WEIGHT,
-    FrameMeshes,
-    Meshes,
-    Q,
-    ShellMeshes,
-    V,
-)
+from heavylift.solver.bodies.ancf.kind import FrameMeshes, Meshes, ShellMeshes
 from heavylift.solver.bodies.ancf.substitution import node_span
 from heavylift.solver.interface import (
-    ANGULAR_MOMENTUM,
-    DISSIPATED,
-    ELASTIC,
-    EXTERNAL_WORK,
-    FIELD,
-    KINETIC,
-    LINEAR_MOMENTUM,
-    POTENTIAL,
+    Sums,
     Workspace,
     add_totals,
     record,
@@ -62,20 +29,20 @@ __all__: list[str] = []
 
 @kernel(internal=True)
 def _write_rotated(
-    kind: Meshes, body: int, row: int, vector: int, origin: float, out: NDArray[np.float64], at: int
+    kind: Meshes, body: int, nodal: Floats1, vector: int, origin: float, out: NDArray[np.float64], at: int
 ) -> None:
     """A vector of all nodes in world axes; the origin is added to positions."""
     lanes = len(kind.shape[1])
-    R, x = kind.body[body], kind.nodal[row]
-    first = kind.table[body, FIRST_NODE]
-    for node in range(kind.table[body, NODES]):
+    R = kind.body[body]
+    first = kind.table[body].first_node
+    for node in range(kind.table[body].node_count):
         place = (first + node) * lanes + 3 * vector
         for k in range(3):
             out[at + 3 * node + k] = (
-                R[ROTATION + 3 * k] * x[place]
-                + R[ROTATION + 3 * k + 1] * x[place + 1]
-                + R[ROTATION + 3 * k + 2] * x[place + 2]
-                + origin * R[ORIGIN + k]
+                R.rotation[k, 0] * nodal[place]
+                + R.rotation[k, 1] * nodal[place + 1]
+                + R.rotation[k, 2] * nodal[place + 2]
+                + origin * R.origin[k]
             )
 
 
@@ -85,23 +52,24 @@ def _write_sensors(kind: Meshes, row: NDArray[np.float64]) -> None:
     vectors = len(kind.shape[0]) // 3
     nodes = 2 if vectors == 2 else 4
     for sensor in range(kind.sensors.shape[0]):
-        column, body, element = (
-            kind.sensors[sensor, 0],
-            kind.sensors[sensor, MARKER_BODY],
-            kind.sensors[sensor, 2],
-        )
-        shape, R = kind.sensors[sensor, MARKER_DATA], kind.body[body]
+        at_point = kind.sensors[sensor]
+        column, element, shape = at_point.column, at_point.element, at_point.shape_values
+        R = kind.body[at_point.body]
         for which in range(2):
+            nodal = kind.position if which == 0 else kind.velocity
             x = y = z = 0.0
             for i in range(nodes):
                 for a in range(vectors):
-                    at, value = kind.elements[element, i] + 3 * a, kind.constants[shape + i * vectors + a]
-                    x += value * kind.nodal[which, at]
-                    y += value * kind.nodal[which, at + 1]
-                    z += value * kind.nodal[which, at + 2]
+                    at, value = (
+                        kind.elements[element].nodes[i] + 3 * a,
+                        kind.constants[shape + i * vectors + a],
+                    )
+                    x += value * nodal[at]
+                    y += value * nodal[at + 1]
+                    z += value * nodal[at + 2]
             for k in range(3):
-                total = R[ROTATION + 3 * k] * x + R[ROTATION + 3 * k + 1] * y + R[ROTATION + 3 * k + 2] * z
-                row[column + 3 * which + k] = total + (R[ORIGIN + k] if which == 0 else 0.0)
+                total = R.rotation[k, 0] * x + R.rotation[k, 1] * y + R.rotation[k, 2] * z
+                row[column + 3 * which + k] = total + (R.origin[k] if which == 0 else 0.0)
 
 
 @implement(record, FrameMeshes)
@@ -111,46 +79,47 @@ def record_meshes(kind: Meshes, time: float, work: Workspace, row: NDArray[np.fl
     """Nodal vectors, velocities of the nodes, results of the elements, drift of the carried strains."""
     vectors = len(kind.shape[0]) // 3
     for body in range(kind.table.shape[0]):
-        column, count = kind.table[body, COLUMN], 3 * kind.table[body, NODES]
+        column, count = kind.table[body].column, 3 * kind.table[body].node_count
         for vector in range(vectors):
             origin = 1.0 if vector == 0 else 0.0
-            _write_rotated(kind, body, Q, vector, origin, row, column + vector * count)
-        _write_rotated(kind, body, V, 0, 0.0, row, column + vectors * count)
+            _write_rotated(kind, body, kind.position, vector, origin, row, column + vector * count)
+        _write_rotated(kind, body, kind.velocity, 0, 0.0, row, column + vectors * count)
         record_elements(kind, body, row, column + (vectors + 1) * count)
-        find_strains(kind, body, Q, SHAPE_STRAIN)
-        measure_drift(kind, body, STRAIN, SHAPE_STRAIN)
-        row[kind.table[body, LAST_RESULT]] = kind.body[body, DRIFT]
+        find_strains(kind, body, kind.position, kind.shape_strain)
+        measure_drift(kind, body, kind.strain, kind.shape_strain)
+        row[kind.table[body].last_result] = kind.body[body].drift
     _write_sensors(kind, row)
 
 
 @kernel(internal=True)
-def _add_angular_momentum(kind: Meshes, body: int, out: NDArray[np.float64]) -> None:
+def _add_angular_momentum(kind: Meshes, body: int, out: Sums) -> None:
     """About the world origin: ``sum M_ab r_a x v_b`` in body axes, then with the origin of the body."""
     vectors = len(kind.shape[0]) // 3
     nodes = 2 if vectors == 2 else 4
     count = nodes * vectors
-    q, v, R = kind.nodal[Q], kind.nodal[V], kind.body[body]
+    q, v, R = kind.position, kind.velocity, kind.body[body]
     x = y = z = 0.0
-    first = kind.table[body, FIRST_ELEMENT]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        M = kind.elements[e, ELEMENT_DATA]
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        M = kind.elements[e].data
         for i in range(count):
-            a = kind.elements[e, i // vectors] + 3 * (i % vectors)
+            a = kind.elements[e].nodes[i // vectors] + 3 * (i % vectors)
             for j in range(count):
-                b, m = kind.elements[e, j // vectors] + 3 * (j % vectors), kind.constants[M + i * count + j]
+                b, m = (
+                    kind.elements[e].nodes[j // vectors] + 3 * (j % vectors),
+                    kind.constants[M + i * count + j],
+                )
                 x += m * (q[a + 1] * v[b + 2] - q[a + 2] * v[b + 1])
                 y += m * (q[a + 2] * v[b] - q[a] * v[b + 2])
                 z += m * (q[a] * v[b + 1] - q[a + 1] * v[b])
-    p = out
+    p = out.angular_momentum
     for k in range(3):
-        out[ANGULAR_MOMENTUM + k] += (
-            R[ROTATION + 3 * k] * x + R[ROTATION + 3 * k + 1] * y + R[ROTATION + 3 * k + 2] * z
-        )
-    o1, o2, o3 = R[ORIGIN], R[ORIGIN + 1], R[ORIGIN + 2]
-    p1, p2, p3 = R[SCRATCH], R[SCRATCH + 1], R[SCRATCH + 2]
-    p[ANGULAR_MOMENTUM] += o2 * p3 - o3 * p2
-    p[ANGULAR_MOMENTUM + 1] += o3 * p1 - o1 * p3
-    p[ANGULAR_MOMENTUM + 2] += o1 * p2 - o2 * p1
+        out.angular_momentum[k] += R.rotation[k, 0] * x + R.rotation[k, 1] * y + R.rotation[k, 2] * z
+    o1, o2, o3 = R.origin[0], R.origin[1], R.origin[2]
+    p1, p2, p3 = R.scratch[0, 0], R.scratch[0, 1], R.scratch[0, 2]
+    p[0] += o2 * p3 - o3 * p2
+    p[1] += o3 * p1 - o1 * p3
+    p[2] += o1 * p2 - o2 * p1
 
 
 @implement(add_totals, FrameMeshes)
@@ -163,19 +132,19 @@ def add_mesh_totals(kind: Meshes, work: Workspace) -> None:
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         R = kind.body[body]
-        right, q, v, weight = kind.nodal[RIGHT], kind.nodal[Q], kind.nodal[V], kind.nodal[WEIGHT]
+        right, q, v, weight = kind.right_hand_side, kind.position, kind.velocity, kind.nodal_mass
         for i in range(first, last):
             right[i] = 0.0
-        add_matrix_products(kind, body, V, 1.0, Q, 0.0, RIGHT)
+        add_matrix_products(kind, body, v, 1.0, q, 0.0, right)
         kinetic = bending = 0.0
         for i in range(first, last):
             kinetic += right[i] * v[i]
             right[i] = 0.0
-        add_matrix_products(kind, body, V, 0.0, Q, 1.0, RIGHT)
+        add_matrix_products(kind, body, v, 0.0, q, 1.0, right)
         for i in range(first, last):
             bending += right[i] * q[i]
-        R[ELASTIC_ENERGY] = 0.5 * bending
-        measure_strain_energy(kind, body, STRAIN)
+        R.elastic_energy = 0.5 * bending
+        measure_strain_energy(kind, body, kind.strain)
         p1 = p2 = p3 = s1 = s2 = s3 = 0.0
         for node in range(first, last, lanes):
             for a in range(0, rows, 3):
@@ -186,14 +155,14 @@ def add_mesh_totals(kind: Meshes, work: Workspace) -> None:
                 s1 += w * q[node + a]
                 s2 += w * q[node + a + 1]
                 s3 += w * q[node + a + 2]
-        sums[KINETIC] += 0.5 * kinetic
-        sums[ELASTIC] += R[ELASTIC_ENERGY]
+        sums.kinetic += 0.5 * kinetic
+        sums.elastic += R.elastic_energy
         for k in range(3):
-            p = R[ROTATION + 3 * k] * p1 + R[ROTATION + 3 * k + 1] * p2 + R[ROTATION + 3 * k + 2] * p3
-            s = R[ROTATION + 3 * k] * s1 + R[ROTATION + 3 * k + 1] * s2 + R[ROTATION + 3 * k + 2] * s3
-            R[SCRATCH + k] = p
-            sums[LINEAR_MOMENTUM + k] += p
-            sums[POTENTIAL] -= sums[FIELD + k] * (s + R[MASS] * R[ORIGIN + k])
+            p = R.rotation[k, 0] * p1 + R.rotation[k, 1] * p2 + R.rotation[k, 2] * p3
+            s = R.rotation[k, 0] * s1 + R.rotation[k, 1] * s2 + R.rotation[k, 2] * s3
+            R.scratch[0, k] = p
+            sums.linear_momentum[k] += p
+            sums.potential -= sums.gravity[k] * (s + R.mass * R.origin[k])
         _add_angular_momentum(kind, body, sums)
-        sums[EXTERNAL_WORK] += R[EXTERNAL]
-        sums[DISSIPATED] += R[DISSIPATED_WORK]
+        sums.external_work += R.external_work
+        sums.dissipated += R.dissipated_work

@@ -20,22 +20,9 @@ from typing import Any
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
-from heavylift.solver.bodies.ancf.kind import (
-    MARKER_BASE,
-    MARKER_BODY,
-    MARKER_DATA,
-    MARKER_LEVEL,
-    MARKER_NUMBER,
-    MARKER_TYPE,
-    MID_Q,
-    MID_V,
-    ROTATION,
-    TANGENT_MARKER,
-    TRIAD_MARKER,
-    Meshes,
-)
+from heavylift.solver.bodies.ancf.kind import TANGENT_MARKER, TRIAD_MARKER, Meshes
 from heavylift.solver.bodies.ancf.stage import base_value
-from heavylift.solver.interface import POINT_BIAS, Workspace
+from heavylift.solver.interface import Workspace
 
 __all__ = ["write_second_rates"]
 
@@ -50,17 +37,16 @@ def _dot(a: Vector, b: Vector) -> float:
 @kernel(internal=True)
 def _put(kind: Meshes, body: int, out: Any, x: Vector) -> None:
     """Into world axes."""
-    R = kind.body[body]
+    R = kind.body[body].rotation
     for k in range(3):
-        at = ROTATION + 3 * k
-        out[POINT_BIAS + k] = R[at] * x[0] + R[at + 1] * x[1] + R[at + 2] * x[2]
+        out.bias[k] = R[k, 0] * x[0] + R[k, 1] * x[1] + R[k, 2] * x[2]
 
 
 @kernel(internal=True)
 def _tangent(kind: Meshes, marker: int) -> Vector:
-    base = kind.markers[marker, MARKER_BASE]
-    sense = kind.constants[kind.markers[marker, MARKER_DATA]]
-    t, w = base_value(kind, base, MID_Q), base_value(kind, base, MID_V)
+    base = kind.markers[marker].base
+    sense = kind.constants[kind.markers[marker].data]
+    t, w = base_value(kind, base, kind.mid_position), base_value(kind, base, kind.mid_velocity)
     size = 1.0 / math.sqrt(_dot(t, t))
     u = (size * t[0], size * t[1], size * t[2])
     along = _dot(u, w)
@@ -75,10 +61,10 @@ def _tangent(kind: Meshes, marker: int) -> Vector:
 
 @kernel(internal=True)
 def _triad(kind: Meshes, marker: int) -> Vector:
-    base, data = kind.markers[marker, MARKER_BASE], kind.markers[marker, MARKER_DATA]
+    base, data = kind.markers[marker].base, kind.markers[marker].data
     d1, d2, d3 = kind.constants[data], kind.constants[data + 1], kind.constants[data + 2]
-    a, b = base_value(kind, base, MID_Q), base_value(kind, base + 1, MID_Q)
-    ra, rb = base_value(kind, base, MID_V), base_value(kind, base + 1, MID_V)
+    a, b = base_value(kind, base, kind.mid_position), base_value(kind, base + 1, kind.mid_position)
+    ra, rb = base_value(kind, base, kind.mid_velocity), base_value(kind, base + 1, kind.mid_velocity)
     size = 1.0 / math.sqrt(_dot(a, a))
     e1 = (size * a[0], size * a[1], size * a[2])
     n = cross(a[0], a[1], a[2], b[0], b[1], b[2])
@@ -106,12 +92,12 @@ def _triad(kind: Meshes, marker: int) -> Vector:
 
 @kernel(internal=True)
 def write_second_rates(kind: Meshes, level: int, work: Workspace) -> None:
-    """Of all markers that a level needs, at `MID_Q` and `MID_V`."""
+    """Of all markers that a level needs, at `mid_position` and `mid_velocity`."""
     for marker in range(kind.markers.shape[0]):
-        if kind.markers[marker, MARKER_LEVEL] > level:
+        if kind.markers[marker].level > level:
             continue
-        which, body = kind.markers[marker, MARKER_TYPE], kind.markers[marker, MARKER_BODY]
-        out = work.markers[kind.markers[marker, MARKER_NUMBER]]
+        which, body = kind.markers[marker].type, kind.markers[marker].body
+        out = work.markers[kind.markers[marker].number]
         if which == TANGENT_MARKER:
             _put(kind, body, out, _tangent(kind, marker))
         elif which == TRIAD_MARKER:

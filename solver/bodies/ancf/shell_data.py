@@ -7,36 +7,117 @@ others are zero. Lines follow each other along xi.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record, record_at
 
-__all__ = ["FUNCTIONS", "NODE_PLACES", "XI_PAIRS", "gauss_rule", "hermite", "tables"]
+__all__ = [
+    "FUNCTIONS",
+    "NODE_PLACES",
+    "XI_PAIRS",
+    "ShellData",
+    "ShellLine",
+    "ShellTables",
+    "gauss_rule",
+    "hermite",
+    "place_of",
+    "shell_data",
+    "shell_line",
+    "shell_tables",
+    "tables",
+]
 
 LANES = 8
 
-# data of an element from `ELEMENT_DATA` on
-MASS = 0  # 16 x 16
-BENDING = 256  # 16 x 16
-LENGTHS = 512  # along x and y
-MATERIAL = 514  # E t / (1 - nu^2), nu, E t^3 / (12 (1 - nu^2)), t
-CENTRE = 518  # rows of 16: at the centre r_1, r_2, r_11, r_22, r_12 in orthonormal axes, the first along X_xi
-POINTS = 600  # by line: `LINE` numbers
-METRIC = 0  # lanes of X_1.X_1/2, X_2.X_2/2, X_1.X_2
-MODULI = 24  # lanes of D11, D22, D33, D12, D13, D23, with weight and area of the point
-LINE = 72
 
-# tables of a body from `CONSTANTS` on
-COUNT = 0  # Gauss points of a line
-ETA = 8  # lanes of four functions, then of their derivatives
-XI = 72  # by line: four functions, four derivatives
-WEIGHTS = 136  # lanes along eta; by line along xi
-PAIRS = 152  # by pair i >= k of functions along xi and line: H'_i H'_k, H'_i H_k, H_i H'_k, H_i H_k
-PRODUCTS = 472  # by lane: H_j H_l, H_j H'_l, H'_j H_l, H'_j H'_l, 16 numbers each
-TABLES = 984
+class ShellData(Record, whole_lines=True):
+    """Data of an element; its lines of Gauss points follow.
+
+    Attributes
+    ----------
+    mass, bending
+        Scalar matrices of the 16 nodal vectors.
+    lengths
+        Along x and y.
+    stretching, poissons_ratio, plate_stiffness, thickness
+        ``E t / (1 - nu^2)``, nu, ``E t^3 / (12 (1 - nu^2))``, t.
+    centre
+        Rows for r_1, r_2, r_11, r_22, r_12 at the centre in orthonormal axes, the first along X_xi.
+    """
+
+    mass: Annotated[NDArray[np.float64], (16, 16)]
+    bending: Annotated[NDArray[np.float64], (16, 16)]
+    lengths: Annotated[NDArray[np.float64], (2,)]
+    stretching: float
+    poissons_ratio: float
+    plate_stiffness: float
+    thickness: float
+    centre: Annotated[NDArray[np.float64], (5, 16)]
+
+
+class ShellLine(Record):
+    """A line of Gauss points of an element, in lanes.
+
+    Attributes
+    ----------
+    metric
+        X_1.X_1/2, X_2.X_2/2, X_1.X_2.
+    moduli
+        D11, D22, D33, D12, D13, D23, with weight and area of the point.
+    """
+
+    metric: Annotated[NDArray[np.float64], (3, 8)]
+    moduli: Annotated[NDArray[np.float64], (6, 8)]
+
+
+class ShellTables(Record, whole_lines=True):
+    """What all elements of a body share.
+
+    Attributes
+    ----------
+    eta
+        Lanes of four functions, then of their derivatives.
+    xi
+        By line: four functions, four derivatives.
+    weights
+        Lanes along eta; by line along xi.
+    pairs
+        By pair i >= k of functions along xi and line: H'_i H'_k, H'_i H_k, H_i H'_k, H_i H_k.
+    products
+        By lane: H_j H_l, H_j H'_l, H'_j H_l, H'_j H'_l, 16 numbers each.
+    count
+        Gauss points of a line.
+    """
+
+    eta: Annotated[NDArray[np.float64], (2, 4, 8)]
+    xi: Annotated[NDArray[np.float64], (8, 2, 4)]
+    weights: Annotated[NDArray[np.float64], (2, 8)]
+    pairs: Annotated[NDArray[np.float64], (10, 8, 4)]
+    products: Annotated[NDArray[np.float64], (8, 4, 4, 4)]
+    count: int
+
+
+WORD = 8
+POINTS, LINE = ShellData.layout.itemsize // WORD, ShellLine.layout.itemsize // WORD
+"""Place of the lines in the data of an element, and numbers of one."""
+
+shell_data, _shell_line, shell_tables = record_at(ShellData), record_at(ShellLine), record_at(ShellTables)
+
+
+@kernel(inline=True, internal=True)
+def shell_line(constants: NDArray[np.float64], data: int, number: int) -> ShellLine:
+    """A line of the element whose data begin at a place."""
+    return _shell_line(constants, data + POINTS + number * LINE)
+
+
+def place_of(record: type[Record], field: str) -> int:
+    """Word of a record with which a field begins, for code that is made of vector instructions."""
+    return int(record.fields_of[field][1]) // WORD
+
 
 STRAINS_PER_LINE = 24
 """Lanes of E_11, E_22 and 2 E_12."""
@@ -73,21 +154,18 @@ def hermite(places: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def tables(count: int) -> NDArray[np.float64]:
-    """Tables for a number of Gauss points along each direction, shape (984,)."""
+    """`ShellTables` as words, for a number of Gauss points along each direction."""
     points, weights = gauss_rule(count)
     H, dH, _ = hermite(points)
-    out = np.zeros(TABLES)
-    out[COUNT] = count
-    eta = out[ETA:XI].reshape(2, 4, LANES)
-    eta[0, :, :count], eta[1, :, :count] = H.T, dH.T
-    out[XI:WEIGHTS].reshape(LANES, 2, 4)[:count] = np.stack([H, dH], axis=1)
-    out[WEIGHTS:PAIRS].reshape(2, LANES)[:, :count] = weights
-    pairs = out[PAIRS:PRODUCTS].reshape(10, LANES, 4)
+    out = ShellTables.one()
+    out.count = count
+    out.eta[0, :, :count], out.eta[1, :, :count] = H.T, dH.T
+    out.xi[:count] = np.stack([H, dH], axis=1)
+    out.weights[:, :count] = weights
     for number, (i, k) in enumerate(XI_PAIRS):
-        pairs[number, :count] = np.stack(
+        out.pairs[number, :count] = np.stack(
             [dH[:, i] * dH[:, k], dH[:, i] * H[:, k], H[:, i] * dH[:, k], H[:, i] * H[:, k]], axis=1
         )
-    products = out[PRODUCTS:].reshape(LANES, 4, 4, 4)
     for number, (left, right) in enumerate(((H, H), (H, dH), (dH, H), (dH, dH))):
-        products[:count, number] = left[:, :, np.newaxis] * right[:, np.newaxis, :]
-    return out
+        out.products[:count, number] = left[:, :, np.newaxis] * right[:, np.newaxis, :]
+    return out.words.copy()

@@ -11,6 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 from heavylift.solver.bodies.ancf.elements import (
@@ -24,29 +25,13 @@ from heavylift.solver.bodies.ancf.elements import (
     measure_strain_energy,
     record_elements,
 )
-from heavylift.solver.bodies.ancf.kind import (
-    CONSTANTS,
-    DRIFT,
-    DRIFT_ELEMENT,
-    ELASTIC_ENERGY,
-    ELEMENT_BLOCKS,
-    ELEMENT_DATA,
-    ELEMENT_STRAIN,
-    ELEMENTS,
-    FIRST_ELEMENT,
-    Q,
-    ShellMeshes,
-)
+from heavylift.solver.bodies.ancf.kind import ShellMeshes
 from heavylift.solver.bodies.ancf.shell_data import (
-    CENTRE,
-    COUNT,
     LANES,
-    LINE,
-    MATERIAL,
-    METRIC,
-    MODULI,
-    POINTS,
     STRAINS_PER_LINE,
+    shell_data,
+    shell_line,
+    shell_tables,
 )
 from heavylift.solver.bodies.ancf.shell_lanes import (
     add_element_forces,
@@ -63,63 +48,54 @@ Four = tuple[int, int, int, int]
 
 
 @kernel(inline=True, internal=True)
-def node_places(kind: ShellMeshes, element: int, row: int) -> Four:
-    """Where the nodes of an element begin in a row of `nodal`, counted from the first row."""
-    first = row * kind.nodal.shape[1]
-    nodes = kind.elements
-    return (
-        first + nodes[element, 0],
-        first + nodes[element, 1],
-        first + nodes[element, 2],
-        first + nodes[element, 3],
-    )
+def node_places(kind: ShellMeshes, element: int) -> Four:
+    """Where the nodes of an element begin in a nodal vector."""
+    nodes = kind.elements[element].nodes
+    return nodes[0], nodes[1], nodes[2], nodes[3]
 
 
 @implement(find_strains, ShellMeshes)
 @kernel(internal=True)
-def find_shell_strains(kind: ShellMeshes, body: int, q: int, strain: int) -> None:
+def find_shell_strains(kind: ShellMeshes, body: int, q: Floats1, strain: Floats1) -> None:
     """``E_ab = (r_a.r_b - X_a.X_b)/2``."""
-    tables, first = kind.table[body, CONSTANTS], kind.table[body, FIRST_ELEMENT]
-    row = strain * kind.strains.shape[1]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        n0, n1, n2, n3 = node_places(kind, e, q)
-        data, at = kind.elements[e, ELEMENT_DATA], row + kind.elements[e, ELEMENT_STRAIN]
-        put_element_strains(
-            kind.constants, tables, kind.constants, data, kind.nodal, n0, n1, n2, n3, kind.strains, at
-        )
+    tables, first = kind.table[body].constants, kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        n0, n1, n2, n3 = node_places(kind, e)
+        data, at = kind.elements[e].data, kind.elements[e].strain
+        put_element_strains(kind.constants, tables, kind.constants, data, q, n0, n1, n2, n3, strain, at)
 
 
 @implement(add_strain_rates, ShellMeshes)
 @kernel(internal=True)
-def add_shell_rates(kind: ShellMeshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
+def add_shell_rates(
+    kind: ShellMeshes, body: int, q: Floats1, v: Floats1, strain: Floats1, factor: float
+) -> None:
     """``B v``: ``(r_a.v_b + v_a.r_b)/2``."""
-    tables, first = kind.table[body, CONSTANTS], kind.table[body, FIRST_ELEMENT]
-    row = strain * kind.strains.shape[1]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        n0, n1, n2, n3 = node_places(kind, e, q)
-        v0, v1, v2, v3 = node_places(kind, e, v)
-        data, at = kind.elements[e, ELEMENT_DATA], row + kind.elements[e, ELEMENT_STRAIN]
+    tables, first = kind.table[body].constants, kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        n0, n1, n2, n3 = node_places(kind, e)
+        data, at = kind.elements[e].data, kind.elements[e].strain
         add_element_rates(
             kind.constants, tables, kind.constants, data,
-            kind.nodal, n0, n1, n2, n3, kind.nodal, v0, v1, v2, v3,
-            kind.strains, at, factor,
+            q, n0, n1, n2, n3, v, n0, n1, n2, n3,
+            strain, at, factor,
         )  # fmt: skip
 
 
 @implement(add_stress_forces, ShellMeshes)
 @kernel(internal=True)
-def add_shell_forces(kind: ShellMeshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
-    """``int N_ab r_a.dr_b``, N by strain of the row."""
-    tables, first = kind.table[body, CONSTANTS], kind.table[body, FIRST_ELEMENT]
-    row = strain * kind.strains.shape[1]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        n0, n1, n2, n3 = node_places(kind, e, q)
-        f0, f1, f2, f3 = node_places(kind, e, force)
-        data, at = kind.elements[e, ELEMENT_DATA], row + kind.elements[e, ELEMENT_STRAIN]
+def add_shell_forces(
+    kind: ShellMeshes, body: int, q: Floats1, strain: Floats1, force: Floats1, factor: float
+) -> None:
+    """``int N_ab r_a.dr_b``, N by strain."""
+    tables, first = kind.table[body].constants, kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        n0, n1, n2, n3 = node_places(kind, e)
+        data, at = kind.elements[e].data, kind.elements[e].strain
         add_element_forces(
             kind.constants, tables, kind.constants, data,
-            kind.nodal, n0, n1, n2, n3, kind.strains, at,
-            kind.nodal, f0, f1, f2, f3, factor,
+            q, n0, n1, n2, n3, strain, at,
+            force, n0, n1, n2, n3, factor,
         )  # fmt: skip
 
 
@@ -128,13 +104,13 @@ def add_shell_forces(kind: ShellMeshes, body: int, q: int, strain: int, force: i
 def add_shell_mean_forces(
     kind: ShellMeshes,
     body: int,
-    q_start: int,
-    q_end: int,
-    q_mid: int,
-    start_strain: int,
-    end_strain: int,
-    mean_strain: int,
-    force: int,
+    q_start: Floats1,
+    q_end: Floats1,
+    q_mid: Floats1,
+    start_strain: Floats1,
+    end_strain: Floats1,
+    mean_strain: Floats1,
+    force: Floats1,
     factor: float,
 ) -> None:
     """Strains are quadratic."""
@@ -146,88 +122,82 @@ def add_shell_mean_forces(
 def add_shell_stiffness(
     kind: ShellMeshes,
     body: int,
-    q: int,
-    strain: int,
-    force: int,
+    q: Floats1,
+    strain: Floats1,
+    force: Floats1,
     factor: float,
     scale: float,
     geometric: float,
 ) -> None:
     """Forces, and stiffness into the blocks, element by element while its numbers are at hand."""
-    tables, first = kind.table[body, CONSTANTS], kind.table[body, FIRST_ELEMENT]
-    row = strain * kind.strains.shape[1]
-    for e in range(first, first + kind.table[body, ELEMENTS]):
-        n0, n1, n2, n3 = node_places(kind, e, q)
-        f0, f1, f2, f3 = node_places(kind, e, force)
-        data, at = kind.elements[e, ELEMENT_DATA], row + kind.elements[e, ELEMENT_STRAIN]
+    tables, first = kind.table[body].constants, kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        n0, n1, n2, n3 = node_places(kind, e)
+        data, at = kind.elements[e].data, kind.elements[e].strain
         add_element_forces(
             kind.constants, tables, kind.constants, data,
-            kind.nodal, n0, n1, n2, n3, kind.strains, at,
-            kind.nodal, f0, f1, f2, f3, factor,
+            q, n0, n1, n2, n3, strain, at,
+            force, n0, n1, n2, n3, factor,
         )  # fmt: skip
-        places = e * kind.elements.shape[1] + ELEMENT_BLOCKS
         add_element_stiffness(
             kind.constants, tables, kind.constants, data,
-            kind.nodal, n0, n1, n2, n3, kind.strains, at,
-            kind.elements, places, kind.blocks, 0, BLOCK_ORDER, 0, scale, geometric,
+            q, n0, n1, n2, n3, strain, at,
+            kind.elements[e].blocks, 0, kind.blocks, 0, BLOCK_ORDER, 0, scale, geometric,
         )  # fmt: skip
 
 
 @implement(measure_strain_energy, ShellMeshes)
 @kernel(internal=True, reassociate=True)
-def measure_shell_energy(kind: ShellMeshes, body: int, strain: int) -> None:
+def measure_shell_energy(kind: ShellMeshes, body: int, strain: Floats1) -> None:
     """``e^T D e / 2`` over all Gauss points."""
-    C, e = kind.constants, kind.strains
-    count = int(C[kind.table[body, CONSTANTS] + COUNT])
-    first, total = kind.table[body, FIRST_ELEMENT], 0.0
-    for element in range(first, first + kind.table[body, ELEMENTS]):
+    count = shell_tables(kind.constants, kind.table[body].constants).count
+    first, total = kind.table[body].first_element, 0.0
+    for element in range(first, first + kind.table[body].element_count):
         for line in range(count):
-            at = kind.elements[element, ELEMENT_STRAIN] + line * STRAINS_PER_LINE
-            D = kind.elements[element, ELEMENT_DATA] + POINTS + line * LINE + MODULI
+            at = kind.elements[element].strain + line * STRAINS_PER_LINE
+            D = shell_line(kind.constants, kind.elements[element].data, line).moduli
             for g in range(LANES):
-                x, y, z = e[strain, at + g], e[strain, at + 8 + g], e[strain, at + 16 + g]
-                squares = C[D + g] * x * x + C[D + 8 + g] * y * y + C[D + 16 + g] * z * z
-                mixed = C[D + 24 + g] * x * y + (C[D + 32 + g] * x + C[D + 40 + g] * y) * z
+                x, y, z = strain[at + g], strain[at + 8 + g], strain[at + 16 + g]
+                squares = D[0, g] * x * x + D[1, g] * y * y + D[2, g] * z * z
+                mixed = D[3, g] * x * y + (D[4, g] * x + D[5, g] * y) * z
                 total += 0.5 * squares + mixed
-    kind.body[body, ELASTIC_ENERGY] += total
+    kind.body[body].elastic_energy += total
 
 
 @implement(measure_drift, ShellMeshes)
 @kernel(internal=True)
-def measure_shell_drift(kind: ShellMeshes, body: int, first: int, second: int) -> None:
+def measure_shell_drift(kind: ShellMeshes, body: int, first: Floats1, second: Floats1) -> None:
     """Differences per length squared of the mesh lines they belong to, which makes them strains."""
-    C, strains = kind.constants, kind.strains
-    count = int(C[kind.table[body, CONSTANTS] + COUNT])
-    begin, largest, found, lost = kind.table[body, FIRST_ELEMENT], -1.0, 0, 0.0
-    for element in range(begin, begin + kind.table[body, ELEMENTS]):
+    count = shell_tables(kind.constants, kind.table[body].constants).count
+    begin, largest, found, lost = kind.table[body].first_element, -1.0, 0, 0.0
+    for element in range(begin, begin + kind.table[body].element_count):
         before = largest
         for line in range(count):
-            at = kind.elements[element, ELEMENT_STRAIN] + line * STRAINS_PER_LINE
-            metric = kind.elements[element, ELEMENT_DATA] + POINTS + line * LINE + METRIC
+            at = kind.elements[element].strain + line * STRAINS_PER_LINE
+            metric = shell_line(kind.constants, kind.elements[element].data, line).metric
             for g in range(count):
-                xx, yy = 2.0 * C[metric + g], 2.0 * C[metric + 8 + g]
-                d1 = abs(strains[first, at + g] - strains[second, at + g]) / xx
-                d2 = abs(strains[first, at + 8 + g] - strains[second, at + 8 + g]) / yy
-                d3 = abs(strains[first, at + 16 + g] - strains[second, at + 16 + g])
+                xx, yy = 2.0 * metric[0, g], 2.0 * metric[1, g]
+                d1 = abs(first[at + g] - second[at + g]) / xx
+                d2 = abs(first[at + 8 + g] - second[at + 8 + g]) / yy
+                d3 = abs(first[at + 16 + g] - second[at + 16 + g])
                 largest = max(largest, d1, d2, d3 / math.sqrt(xx * yy))
                 lost += 0.0 * (d1 + d2 + d3)  # NaN, which `max` passes over
         if largest > before:
             found = element - begin
-    kind.body[body, DRIFT] = max(largest, 0.0) + lost
-    kind.body[body, DRIFT_ELEMENT] = found
+    kind.body[body].drift = max(largest, 0.0) + lost
+    kind.body[body].drift_element = found
 
 
 @implement(add_follower_load, ShellMeshes)
 @kernel(internal=True)
 def add_shell_pressure(
-    kind: ShellMeshes, body: int, q: int, element: int, load: int, data: int, factor: float
+    kind: ShellMeshes, body: int, q: Floats1, element: int, load: Floats1, data: int, factor: float
 ) -> None:
     """Pressure along ``r_xi x r_eta`` on the present area."""
-    n0, n1, n2, n3 = node_places(kind, element, q)
-    f0, f1, f2, f3 = node_places(kind, element, load)
+    n0, n1, n2, n3 = node_places(kind, element)
     add_element_pressure(
-        kind.constants, kind.table[body, CONSTANTS], kind.constants, kind.elements[element, ELEMENT_DATA],
-        kind.nodal, n0, n1, n2, n3, kind.nodal, f0, f1, f2, f3, factor * kind.constants[data],
+        kind.constants, kind.table[body].constants, kind.constants, kind.elements[element].data,
+        q, n0, n1, n2, n3, load, n0, n1, n2, n3, factor * kind.constants[data],
     )  # fmt: skip
 
 
@@ -235,16 +205,16 @@ Vector = tuple[float, float, float]
 
 
 @kernel(inline=True, internal=True)
-def centre_vector(kind: ShellMeshes, element: int, place: int) -> Vector:
+def centre_vector(kind: ShellMeshes, element: int, row: NDArray[np.float64]) -> Vector:
     """A row of the centre of an element times its carried coordinates."""
     x = y = z = 0.0
     for node in range(4):
-        at = kind.elements[element, node]
+        at = kind.elements[element].nodes[node]
         for vector in range(4):
-            value, first = kind.constants[place + 4 * node + vector], at + 3 * vector
-            x += value * kind.nodal[Q, first]
-            y += value * kind.nodal[Q, first + 1]
-            z += value * kind.nodal[Q, first + 2]
+            value, first = row[4 * node + vector], at + 3 * vector
+            x += value * kind.position[first]
+            y += value * kind.position[first + 1]
+            z += value * kind.position[first + 2]
     return x, y, z
 
 
@@ -268,20 +238,19 @@ def record_shell(kind: ShellMeshes, body: int, row: NDArray[np.float64], column:
     Axes are those of the surface, the first along ``X_xi`` of the unloaded shape. Curvatures are ``n.r_ab`` with
     ``n`` along ``r_1 x r_2``; a fibre at the height z along n has the strain of the middle less z times the curvature.
     """
-    begin, count = kind.table[body, FIRST_ELEMENT], kind.table[body, ELEMENTS]
+    begin, count = kind.table[body].first_element, kind.table[body].element_count
     for e in range(count):
-        data = kind.elements[begin + e, ELEMENT_DATA]
-        stretch, nu = kind.constants[data + MATERIAL], kind.constants[data + MATERIAL + 1]
-        bend, thickness = kind.constants[data + MATERIAL + 2], kind.constants[data + MATERIAL + 3]
-        a = centre_vector(kind, begin + e, data + CENTRE)
-        b = centre_vector(kind, begin + e, data + CENTRE + 16)
+        own = shell_data(kind.constants, kind.elements[begin + e].data)
+        stretch, nu, bend, thickness = own.stretching, own.poissons_ratio, own.plate_stiffness, own.thickness
+        a = centre_vector(kind, begin + e, own.centre[0])
+        b = centre_vector(kind, begin + e, own.centre[1])
         xx, yy, xy = 0.5 * (dot(a, a) - 1.0), 0.5 * (dot(b, b) - 1.0), 0.5 * dot(a, b)
         Nx, Ny, Nxy = stretch * (xx + nu * yy), stretch * (yy + nu * xx), stretch * (1.0 - nu) * xy
         n = cross(a[0], a[1], a[2], b[0], b[1], b[2])
         length = math.sqrt(dot(n, n))
-        kx = dot(n, centre_vector(kind, begin + e, data + CENTRE + 32)) / length
-        ky = dot(n, centre_vector(kind, begin + e, data + CENTRE + 48)) / length
-        kxy = dot(n, centre_vector(kind, begin + e, data + CENTRE + 64)) / length
+        kx = dot(n, centre_vector(kind, begin + e, own.centre[2])) / length
+        ky = dot(n, centre_vector(kind, begin + e, own.centre[3])) / length
+        kxy = dot(n, centre_vector(kind, begin + e, own.centre[4])) / length
         Mx, My, Mxy = bend * (kx + nu * ky), bend * (ky + nu * kx), bend * (1.0 - nu) * kxy
         at = column + 3 * e
         row[at], row[at + 1], row[at + 2] = Nx, Ny, Nxy

@@ -17,17 +17,14 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 from heavylift.solver.bodies.ancf.shell_data import (
-    COUNT,
-    ETA,
     LANES,
-    LENGTHS,
     LINE,
-    METRIC,
-    MODULI,
     POINTS,
     STRAINS_PER_LINE,
-    WEIGHTS,
-    XI,
+    ShellData,
+    ShellLine,
+    ShellTables,
+    place_of,
 )
 from heavylift.solver.bodies.ancf.shell_lane_code import Lanes, element_code
 
@@ -40,6 +37,14 @@ __all__ = [
     "slopes_of_line",
     "write_forces",
 ]
+
+COUNT = place_of(ShellTables, "count")
+ETA = place_of(ShellTables, "eta")
+LENGTHS = place_of(ShellData, "lengths")
+METRIC = place_of(ShellLine, "metric")
+MODULI = place_of(ShellLine, "moduli")
+WEIGHTS = place_of(ShellTables, "weights")
+XI = place_of(ShellTables, "xi")
 
 Vectors = list[list[Any]]
 """By function along xi and component."""
@@ -101,8 +106,9 @@ def stress_of_line(code: Lanes, moduli: Any, strains: Any) -> tuple[Any, Any, An
 
 def lines(code: Lanes, tables: Any) -> Any:
     """Loop over the lines of Gauss points."""
-    count = code.builder.fptosi(code.number(tables, COUNT), ir.IntType(64))
-    return cgutils.for_range(code.builder, count)
+    integer = ir.IntType(64)
+    place = code.builder.bitcast(code.at(tables, COUNT), integer.as_pointer())
+    return cgutils.for_range(code.builder, code.builder.load(place, typ=integer))
 
 
 def add_to_nodes(

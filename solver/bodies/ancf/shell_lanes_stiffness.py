@@ -23,20 +23,25 @@ from heavylift.solver.bodies.ancf.kind import SHELL_PAIRS
 from heavylift.solver.bodies.ancf.shell_data import (
     FUNCTIONS,
     LANES,
-    LENGTHS,
     LINE,
-    MODULI,
-    PAIRS,
     POINTS,
-    PRODUCTS,
     STRAINS_PER_LINE,
-    XI,
     XI_PAIRS,
+    ShellData,
+    ShellLine,
+    ShellTables,
+    place_of,
 )
 from heavylift.solver.bodies.ancf.shell_lane_code import Lanes, element_code
 from heavylift.solver.bodies.ancf.shell_lanes import contracted, lines, slopes_of_line, stress_of_line
 
 __all__ = ["BLOCK_ORDER", "add_element_stiffness"]
+
+LENGTHS = place_of(ShellData, "lengths")
+MODULI = place_of(ShellLine, "moduli")
+PAIRS = place_of(ShellTables, "pairs")
+PRODUCTS = place_of(ShellTables, "products")
+XI = place_of(ShellTables, "xi")
 
 ROWS, COLUMNS = 12, 16
 LOWER = tuple((p, q) for p in range(3) for q in range(p + 1))
@@ -78,8 +83,8 @@ def add_element_stiffness(  # type: ignore[no-untyped-def]
     n3,
     strains,
     at,
-    elements,
-    places,
+    of_pairs,
+    of_pairs_first,
     blocks,
     first,
     order,
@@ -109,7 +114,7 @@ def add_element_stiffness(  # type: ignore[no-untyped-def]
 
     arguments = (
         constants, tables, constants_2, data, nodal, n0, n1, n2, n3, strains, at,
-        elements, places, blocks, first, order, order_first, scale, geometric,
+        of_pairs, of_pairs_first, blocks, first, order, order_first, scale, geometric,
     )  # fmt: skip
     return element_code(arguments, (1, 1, 4, 1, 1, 1, 1), write)
 

@@ -8,17 +8,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from heavylift.solver.bodies.ancf.shell_data import (
-    BENDING,
-    CENTRE,
     FUNCTIONS,
-    LANES,
-    LENGTHS,
     LINE,
-    MASS,
-    MATERIAL,
-    METRIC,
-    MODULI,
     POINTS,
+    ShellData,
+    ShellLine,
     gauss_rule,
     hermite,
 )
@@ -42,6 +36,9 @@ __all__ = [
 
 MATRIX_POINTS = 8
 """Along each direction, for mass and bending: exact for all masses and for bending of parallelograms."""
+
+ELASTIC = ("stretching", "poissons_ratio", "plate_stiffness", "thickness")
+"""Fields of `ShellData` in the order of `elastic_constants`."""
 
 EQUAL = 12
 """Decimals of the shape, in lengths of the element, by which elements count as equal."""
@@ -202,6 +199,7 @@ def _blocks(
     elastic = np.array([elastic_constants(section) for section in sections])
     nu = elastic[:, 1]
     out = np.zeros((count, POINTS + LINE * gauss_points))
+    numbers, lines = out[:, :POINTS].view(ShellData.layout)[:, 0], out[:, POINTS:].view(ShellLine.layout)
 
     points, weights = gauss_rule(MATRIX_POINTS)
     xi, eta = grid(points)
@@ -222,25 +220,21 @@ def _blocks(
     )
     bending = np.einsum("ep,epcm,epcn->emn", area * elastic[:, 2:3], curved, stress, optimize=True)
     square = scales[:, :, np.newaxis] * scales[:, np.newaxis, :]
-    for place, matrix in ((MASS, mass), (BENDING, bending)):
-        symmetric = 0.5 * (matrix + np.swapaxes(matrix, 1, 2)) * square
-        out[:, place : place + 256] = symmetric.reshape(count, 256)
+    for name, matrix in (("mass", mass), ("bending", bending)):
+        numbers[name] = 0.5 * (matrix + np.swapaxes(matrix, 1, 2)) * square
 
-    out[:, LENGTHS : LENGTHS + 2] = lengths
-    out[:, MATERIAL : MATERIAL + 4] = elastic
+    numbers["lengths"] = lengths
+    for name, values in zip(ELASTIC, elastic.T, strict=True):
+        numbers[name] = values
     middle = _points(vectors, np.array([0.5]), np.array([0.5]))
-    rows = np.concatenate([middle.first, middle.second], axis=2)[:, 0] * scales[:, np.newaxis, :]
-    out[:, CENTRE : CENTRE + 80] = rows.reshape(count, 80)
+    rows = np.concatenate([middle.first, middle.second], axis=2)[:, 0]
+    numbers["centre"] = rows * scales[:, np.newaxis, :]
 
     points, weights = gauss_rule(gauss_points)
-    lines = out[:, POINTS:].reshape(count, gauss_points, LINE)
     metric, moduli = _membrane(vectors, points, weights, elastic)
-    for c in range(3):
-        first = METRIC + LANES * c
-        lines[:, :, first : first + gauss_points] = metric[..., c].reshape(count, gauss_points, -1)
-    for c in range(6):
-        first = MODULI + LANES * c
-        lines[:, :, first : first + gauss_points] = moduli[..., c].reshape(count, gauss_points, -1)
+    for name, of_points in (("metric", metric), ("moduli", moduli)):
+        by_line = of_points.reshape(count, gauss_points, gauss_points, -1)
+        lines[name][..., :gauss_points] = np.swapaxes(by_line, 2, 3)
     out.flags.writeable = False
     return list(out)
 

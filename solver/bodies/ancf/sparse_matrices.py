@@ -7,23 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.bodies.ancf.kind import (
-    BASE_ELEMENT,
-    BASE_SHAPE,
-    BASES,
-    DOF,
-    ELEMENT_BLOCKS,
-    ELEMENT_DATA,
-    FIRST_BASE,
-    FIRST_NODE,
-    FRAME_PAIRS,
-    FREE,
-    LOADS,
-    NODES,
-    SHELL_PAIRS,
-    FrameMeshes,
-    Meshes,
-)
+from heavylift.solver.bodies.ancf.kind import FRAME_PAIRS, SHELL_PAIRS, FrameMeshes, Meshes
 
 __all__ = ["MeshMatrices", "mesh_matrices"]
 
@@ -55,7 +39,7 @@ class MeshMatrices:
     Attributes
     ----------
     places
-        Of the free coordinates in a row of `nodal`.
+        Of the free coordinates in a nodal vector.
     vector, axis
         Of each: number of the nodal vector, 0 for positions; axis of the body.
     body
@@ -73,14 +57,14 @@ class MeshMatrices:
         self.vectors = self.rows // 3
         self.pairs = FRAME_PAIRS if isinstance(kind, FrameMeshes) else SHELL_PAIRS
         self.nodes = 2 if isinstance(kind, FrameMeshes) else 4
-        self._size = kind.nodal.shape[1]
+        self._size = kind.position.shape[0]
         own = []
         for line in kind.table:
-            nodes = np.arange(line[FIRST_NODE], line[FIRST_NODE] + line[NODES])
+            nodes = np.arange(line.first_node, line.first_node + line.node_count)
             own.append((nodes[:, None] * self.lanes + np.arange(self.rows)).ravel())
         all_places = np.concatenate(own)
         body = np.repeat(np.arange(len(own)), [len(part) for part in own])
-        free = kind.nodal[FREE, all_places] != 0.0
+        free = kind.free[all_places] != 0.0
         self.places, self.body = all_places[free], body[free]
         self.all_places = all_places
         slot = self.places % self.lanes
@@ -94,7 +78,7 @@ class MeshMatrices:
 
     def _vector_places(self, kind: Meshes) -> NDArray[np.int64]:
         """Places of the nodal vectors of each element, shape (elements, nodes vectors)."""
-        nodes = kind.elements[:, : self.nodes]
+        nodes = kind.elements["nodes"][:, : self.nodes]
         return (nodes[:, :, None] + 3 * np.arange(self.vectors)).reshape(len(nodes), -1)
 
     def _scalar(
@@ -103,7 +87,7 @@ class MeshMatrices:
         """Mass (0) or bending (1) matrices of the elements over places of vectors."""
         places = self._vector_places(kind)
         count = places.shape[1]
-        begin = kind.elements[:, ELEMENT_DATA] + which * count * count
+        begin = kind.elements["data"] + which * count * count
         values = kind.constants[begin[:, None] + np.arange(count * count)]
         row, column = np.repeat(places, count, axis=1), np.tile(places, (1, count))
         return row.ravel(), column.ravel(), values.ravel()
@@ -130,7 +114,7 @@ class MeshMatrices:
         return csr_array((value[kept], (row[kept], column[kept])), shape=(len(self.places), self._size))
 
     def bending_force(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
-        """``K_b q`` of a row of coordinates, over the free ones."""
+        """``K_b q`` of some coordinates, over the free ones."""
         return self._bending_full @ q
 
     def _bases(self, kind: Meshes) -> tuple[Any, NDArray[np.int64]]:
@@ -138,14 +122,14 @@ class MeshMatrices:
 
         dofs = np.zeros(len(kind.bases), dtype=np.int64)
         for line in kind.table:
-            own = np.arange(line[BASES])
-            dofs[line[FIRST_BASE] + own] = line[DOF] + 3 * own
-        fixed = kind.bases[:, BASE_ELEMENT] >= 0  # the others are points that contacts move
+            own = np.arange(line.base_count)
+            dofs[line.first_base + own] = line.dof + 3 * own
+        fixed = kind.bases["element"] >= 0  # the others are points that contacts move
         bases, dofs = kind.bases[fixed], dofs[fixed]
         count = len(bases)
-        places = self._vector_places(kind)[bases[:, BASE_ELEMENT]]
+        places = self._vector_places(kind)[bases["element"]]
         width = places.shape[1]
-        shape = kind.constants[bases[:, BASE_SHAPE][:, None] + np.arange(width)]
+        shape = kind.constants[bases["shape_values"][:, None] + np.arange(width)]
         parts = []
         for k in range(3):
             row = np.repeat(3 * np.arange(count) + k, width)
@@ -161,10 +145,10 @@ class MeshMatrices:
 
         place, swap, first, second = [], [], [], []
         for p, (i, j) in enumerate(self.pairs):
-            place.append(kind.elements[:, ELEMENT_BLOCKS + 2 * p])
-            swap.append(kind.elements[:, ELEMENT_BLOCKS + 2 * p + 1])
-            first.append(kind.elements[:, i])
-            second.append(kind.elements[:, j])
+            place.append(kind.elements["blocks"][:, p, 0])
+            swap.append(kind.elements["blocks"][:, p, 1])
+            first.append(kind.elements["nodes"][:, i])
+            second.append(kind.elements["nodes"][:, j])
         places, unique = np.unique(np.concatenate(place), return_index=True)
         swaps, a, b = (np.concatenate(part)[unique] for part in (swap, first, second))
         ci, cj = (c.ravel() for c in np.meshgrid(np.arange(self.rows), np.arange(self.rows), indexing="ij"))
@@ -193,7 +177,7 @@ class MeshMatrices:
 
     def load_bodies(self, kind: Meshes) -> NDArray[np.int64]:
         """Row of `table` of each load."""
-        return np.repeat(np.arange(len(kind.table)), kind.table[:, LOADS])
+        return np.repeat(np.arange(len(kind.table)), kind.table["load_count"])
 
     def base_changes(self) -> NDArray[np.float64]:
         """``M^-1 J^T (J M^-1 J^T)^-1``: smallest changes of the free coordinates by component of a base.

@@ -11,24 +11,12 @@ from __future__ import annotations
 
 import math
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.elements import add_elastic_forces
-from heavylift.solver.bodies.ancf.kind import (
-    CHANGE_OF_V,
-    FORWARD,
-    FREE,
-    MASS_SET,
-    RIGHT,
-    SIZE,
-    STEP_LIMIT,
-    STIFFNESS_DAMPING,
-    TRIAL,
-    VISCOUS,
-    Meshes,
-    Q,
-)
+from heavylift.solver.bodies.ancf.kind import MASS_SET, Meshes
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
-from heavylift.solver.interface import STEP_COUNT, Workspace
+from heavylift.solver.interface import Workspace
 
 __all__ = [
     "FIRST_ROUNDS",
@@ -51,34 +39,39 @@ DIFFERENCE = 1e-7
 
 
 @kernel(internal=True)
-def _write_elastic_forces(kind: Meshes, body: int, q: int, force: int) -> None:
-    """``nodal[force] = B^T C e(q) + K_b q``."""
+def _write_elastic_forces(kind: Meshes, body: int, q: Floats1, force: Floats1) -> None:
+    """``force = B^T C e(q) + K_b q``."""
     first, last = node_span(kind, body)
     for i in range(first, last):
-        kind.nodal[force, i] = 0.0
+        force[i] = 0.0
     add_elastic_forces(kind, body, q, force, 1.0)
 
 
 @kernel(internal=True)
 def start_power_iteration(kind: Meshes, body: int) -> None:
-    """A vector without structure into row `TRIAL`, which bodies of the explicit scheme do not need otherwise."""
+    """A vector without structure into `trial_position`, which bodies of the explicit scheme do not need otherwise."""
     first, last = node_span(kind, body)
     golden = 0.5 * (math.sqrt(5.0) - 1.0)
     for i in range(first, last):
         part = golden * (i - first + 1)
-        kind.nodal[TRIAL, i] = kind.nodal[FREE, i] * (part - math.floor(part) - 0.5)
+        kind.trial_position[i] = kind.free[i] * (part - math.floor(part) - 0.5)
 
 
 @kernel(internal=True, reassociate=True)
 def highest_frequency(kind: Meshes, body: int, rounds: int) -> float:
-    """Highest circular frequency [1/s] at the carried coordinates, by some rounds from the vector in `TRIAL`.
+    """Highest circular frequency [1/s] at the carried coordinates, by some rounds from the vector in `trial_position`.
 
-    Rows `RIGHT`, `FORWARD` and `CHANGE_OF_V` are scratch.
+    `right_hand_side`, `forward_solution` and `velocity_change` are scratch.
     """
     first, last = node_span(kind, body)
-    x, moved, right, rest = kind.nodal[TRIAL], kind.nodal[FORWARD], kind.nodal[RIGHT], kind.nodal[CHANGE_OF_V]
-    q, free = kind.nodal[Q], kind.nodal[FREE]
-    _write_elastic_forces(kind, body, Q, CHANGE_OF_V)
+    x, moved, right, rest = (
+        kind.trial_position,
+        kind.forward_solution,
+        kind.right_hand_side,
+        kind.velocity_change,
+    )
+    q, free = kind.position, kind.free
+    _write_elastic_forces(kind, body, q, rest)
     square = 0.0
     for _ in range(rounds):
         largest = 0.0
@@ -86,10 +79,10 @@ def highest_frequency(kind: Meshes, body: int, rounds: int) -> float:
             largest = max(largest, abs(x[i]))
         if not largest > 0.0:
             return 0.0
-        length = DIFFERENCE * min(kind.body[body, SIZE], 1.0) / largest
+        length = DIFFERENCE * min(kind.body[body].size, 1.0) / largest
         for i in range(first, last):
             moved[i] = q[i] + length * x[i]
-        _write_elastic_forces(kind, body, FORWARD, RIGHT)
+        _write_elastic_forces(kind, body, moved, right)
         for i in range(first, last):
             moved[i] = (right[i] - rest[i]) / length * free[i]  # K x
         for i in range(first, last):
@@ -110,19 +103,19 @@ def highest_frequency(kind: Meshes, body: int, rounds: int) -> float:
 
 @kernel(internal=True)
 def find_step_limit(kind: Meshes, body: int, rounds: int) -> None:
-    """Largest step that is allowed, into `STEP_LIMIT`."""
+    """Largest step that is allowed, into the numbers of the body."""
     frequency = highest_frequency(kind, body, rounds)
-    kind.body[body, STEP_LIMIT] = math.inf
+    kind.body[body].step_limit = math.inf
     if frequency > 0.0:
         # damping forces take the velocity extrapolated from the step before, which doubles their part in the limit
-        damping = kind.body[body, STIFFNESS_DAMPING] * frequency + kind.body[body, VISCOUS] / frequency
+        damping = kind.body[body].stiffness_damping * frequency + kind.body[body].viscous_damping / frequency
         part = math.sqrt(1.0 + damping * damping) - damping
-        kind.body[body, STEP_LIMIT] = SHARE * 2.0 / frequency * part
+        kind.body[body].step_limit = SHARE * 2.0 / frequency * part
 
 
 @kernel(internal=True)
 def follow_step_limit(kind: Meshes, body: int, work: Workspace) -> float:
     """Largest step that is allowed [s], looked at again every now and then."""
-    if int(work.control[STEP_COUNT]) % EVERY == EVERY - 1:
+    if int(work.control.step_count) % EVERY == EVERY - 1:
         find_step_limit(kind, body, ROUNDS)
-    return kind.body[body, STEP_LIMIT]
+    return kind.body[body].step_limit

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.bodies.ancf.assembly import (
@@ -34,41 +35,13 @@ from heavylift.solver.bodies.ancf.elements import (
 )
 from heavylift.solver.bodies.ancf.faults import blame_largest
 from heavylift.solver.bodies.ancf.kind import (
-    ACCELERATION,
-    BASE_PLACE,
-    BASES,
-    CHANGE,
-    CHANGE_TIME,
-    CHANGED_OVER,
-    DOF,
     ENERGY_MOMENTUM,
     EXPLICIT,
-    FIRST_BASE,
-    FIRST_STRAIN,
-    FORWARD,
-    LOAD,
     MASS_SET,
-    MID_Q,
-    MID_V,
-    NUMBER,
-    OLD_STRAIN,
-    RIGHT,
-    ROTATION,
-    SCHEME,
-    SHAPE_STRAIN,
     STEP_SET,
-    STIFFNESS_DAMPING,
-    STRAIN,
-    STRAINS,
-    TIME,
-    TRIAL,
-    VISCOUS,
-    WEIGHT,
     FrameMeshes,
     Meshes,
-    Q,
     ShellMeshes,
-    V,
 )
 from heavylift.solver.bodies.ancf.loads import gather_loads
 from heavylift.solver.bodies.ancf.moving import release_points, write_free_points
@@ -81,9 +54,6 @@ from heavylift.solver.bodies.ancf.stability import (
 from heavylift.solver.bodies.ancf.stage import base_value
 from heavylift.solver.bodies.ancf.substitution import copy_strains, node_span, solve_forward
 from heavylift.solver.interface import (
-    ERROR,
-    FIELD,
-    STATUS_BODY,
     Workspace,
     check,
     estimate_error,
@@ -102,36 +72,38 @@ NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE
 @kernel(inline=True, internal=True)
 def is_iterated(kind: Meshes, body: int) -> bool:
     """Whether the energy-momentum scheme steps this body."""
-    return kind.table[body, SCHEME] == ENERGY_MOMENTUM or kind.body[body, CHANGED_OVER] != 0.0
+    return kind.table[body].scheme == ENERGY_MOMENTUM or kind.body[body].changed_over
 
 
 @kernel(internal=True)
-def write_free_bases(kind: Meshes, body: int, row: int, start: float, work: Workspace) -> None:
-    """What bases and points do without joints, after `solve_forward`, plus `start` times velocities of a row."""
-    dof, first = kind.table[body, DOF], kind.table[body, FIRST_BASE]
-    for i in range(kind.table[body, BASES]):
-        place = kind.bases[first + i, BASE_PLACE]
-        y = base_value(kind, first + i, row)
+def write_free_bases(kind: Meshes, body: int, nodal: Floats1, start: float, work: Workspace) -> None:
+    """What bases and points do without joints, after `solve_forward`, plus `start` times some velocities."""
+    dof, first = kind.table[body].dof, kind.table[body].first_base
+    for i in range(kind.table[body].base_count):
+        place = kind.bases[first + i].place
+        y = base_value(kind, first + i, nodal)
         for k in range(3):
-            work.velocity[dof + 3 * i + k] = start * y[k] - kind.nodal[RIGHT, place + k]
-    write_free_points(kind.moving, kind, body, row, start, work.velocity)
+            work.velocity[dof + 3 * i + k] = start * y[k] - kind.right_hand_side[place + k]
+    write_free_points(kind.moving, kind, body, nodal, start, work.velocity)
 
 
 @kernel(internal=True)
 def add_gravity(kind: Meshes, body: int, work: Workspace, factor: float) -> None:
-    """Weight into row `RIGHT`."""
+    """Weight into `right_hand_side`."""
     lanes, rows = len(kind.shape[1]), len(kind.shape[0])
     R = kind.body[body]
     g = work.sums
     first, last = node_span(kind, body)
-    x = factor * (R[ROTATION] * g[FIELD] + R[ROTATION + 3] * g[FIELD + 1] + R[ROTATION + 6] * g[FIELD + 2])
+    x = factor * (
+        R.rotation[0, 0] * g.gravity[0] + R.rotation[1, 0] * g.gravity[1] + R.rotation[2, 0] * g.gravity[2]
+    )
     y = factor * (
-        R[ROTATION + 1] * g[FIELD] + R[ROTATION + 4] * g[FIELD + 1] + R[ROTATION + 7] * g[FIELD + 2]
+        R.rotation[0, 1] * g.gravity[0] + R.rotation[1, 1] * g.gravity[1] + R.rotation[2, 1] * g.gravity[2]
     )
     z = factor * (
-        R[ROTATION + 2] * g[FIELD] + R[ROTATION + 5] * g[FIELD + 1] + R[ROTATION + 8] * g[FIELD + 2]
+        R.rotation[0, 2] * g.gravity[0] + R.rotation[1, 2] * g.gravity[1] + R.rotation[2, 2] * g.gravity[2]
     )
-    right, weight = kind.nodal[RIGHT], kind.nodal[WEIGHT]
+    right, weight = kind.right_hand_side, kind.nodal_mass
     for node in range(first, last, lanes):
         for a in range(0, rows, 3):
             right[node + a] += weight[node + a] * x
@@ -145,8 +117,8 @@ def add_gravity(kind: Meshes, body: int, work: Workspace, factor: float) -> None
 def start_meshes(kind: Meshes, time: float, work: Workspace) -> None:
     """Carried strains are those of the shape at the start; the explicit scheme learns what its steps may be."""
     for body in range(kind.table.shape[0]):
-        find_strains(kind, body, Q, STRAIN)
-        if kind.table[body, SCHEME] == EXPLICIT:
+        find_strains(kind, body, kind.position, kind.strain)
+        if kind.table[body].scheme == EXPLICIT:
             start_power_iteration(kind, body)
             find_step_limit(kind, body, FIRST_ROUNDS)
 
@@ -158,19 +130,19 @@ def predict_meshes(kind: Meshes, time: float, step: float) -> None:
     """Midpoint along straight lines; predicted midpoint velocity for rates of markers."""
     half = 0.5 * step
     q, v, a, mid_q, mid_v = (
-        kind.nodal[Q],
-        kind.nodal[V],
-        kind.nodal[ACCELERATION],
-        kind.nodal[MID_Q],
-        kind.nodal[MID_V],
+        kind.position,
+        kind.velocity,
+        kind.mean_acceleration,
+        kind.mid_position,
+        kind.mid_velocity,
     )
-    for i in range(kind.nodal.shape[1]):
+    for i in range(kind.position.shape[0]):
         mid_q[i] = q[i] + half * v[i]
         mid_v[i] = v[i] + half * a[i]
     for body in range(kind.table.shape[0]):
-        kind.body[body, TIME] = time + half
-        if kind.body[body, CHANGED_OVER] != 0.0 and kind.body[body, CHANGE_TIME] >= time:
-            kind.body[body, CHANGED_OVER] = 0.0  # in a step that was taken back
+        kind.body[body].time = time + half
+        if kind.body[body].changed_over and kind.body[body].change_time >= time:
+            kind.body[body].changed_over = False  # in a step that was taken back
 
 
 @implement(factor, FrameMeshes)
@@ -187,50 +159,51 @@ def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
         A w = h/2 ( f - a M v - K_b (q + (h/2 + b) v) - B^T C (s + (h/2 + b) B v) ) + G^T P
     """
     half = 0.5 * step
-    gather_loads(kind, MID_Q, work)
+    gather_loads(kind, kind.mid_position, work)
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         release_points(kind.moving, kind, body)
-        right, load, ahead = kind.nodal[RIGHT], kind.nodal[LOAD], kind.nodal[TRIAL]
+        right, load, ahead = kind.right_hand_side, kind.external_force, kind.trial_position
         for i in range(first, last):
             right[i] = half * load[i]
         add_gravity(kind, body, work, half)
-        if kind.table[body, SCHEME] == EXPLICIT:
+        if kind.table[body].scheme == EXPLICIT:
             _add_explicit_forces(kind, body, half)
             solve_forward(kind, body, MASS_SET)
         else:
-            viscous = kind.body[body, VISCOUS]
-            delay = half + kind.body[body, STIFFNESS_DAMPING]
+            viscous = kind.body[body].viscous_damping
+            delay = half + kind.body[body].stiffness_damping
             for i in range(first, last):
-                ahead[i] = kind.nodal[Q, i] + delay * kind.nodal[V, i]
-            add_matrix_products(kind, body, V, -half * viscous, TRIAL, -half, RIGHT)
-            copy_strains(kind, body, STRAIN, OLD_STRAIN)
-            add_strain_rates(kind, body, MID_Q, V, OLD_STRAIN, delay)
+                ahead[i] = kind.position[i] + delay * kind.velocity[i]
+            add_matrix_products(kind, body, kind.velocity, -half * viscous, ahead, -half, right)
+            copy_strains(kind, body, kind.strain, kind.stage_strain)
+            add_strain_rates(kind, body, kind.mid_position, kind.velocity, kind.stage_strain, delay)
             start_step_matrix(kind, body, 1.0 + half * viscous, half * delay)
-            add_stiffness(kind, body, MID_Q, OLD_STRAIN, RIGHT, -half, half * delay, 0.0)
+            add_stiffness(kind, body, kind.mid_position, kind.stage_strain, right, -half, half * delay, 0.0)
             clear_fixed(kind, body, STEP_SET)
             factor_set(kind, body, STEP_SET)
             solve_forward(kind, body, STEP_SET)
-        forward = kind.nodal[FORWARD]
+        forward = kind.forward_solution
         for i in range(first, last):
             forward[i] = right[i]
-        write_free_bases(kind, body, V, 1.0, work)
-        kind.body[body, CHANGE] = -1.0
+        write_free_bases(kind, body, kind.velocity, 1.0, work)
+        kind.body[body].change = -1.0
 
 
 @kernel(internal=True)
 def _add_explicit_forces(kind: Meshes, body: int, half: float) -> None:
     """Elastic and damping forces at the midpoint: the position form of the leapfrog."""
-    viscous, stiff = kind.body[body, VISCOUS], kind.body[body, STIFFNESS_DAMPING]
-    add_elastic_forces(kind, body, MID_Q, RIGHT, -half)
+    viscous, stiff = kind.body[body].viscous_damping, kind.body[body].stiffness_damping
+    speed, right = kind.mid_velocity, kind.right_hand_side
+    add_elastic_forces(kind, body, kind.mid_position, right, -half)
     if viscous > 0.0 or stiff > 0.0:
-        add_matrix_products(kind, body, MID_V, -half * viscous, MID_V, -half * stiff, RIGHT)
+        add_matrix_products(kind, body, speed, -half * viscous, speed, -half * stiff, right)
     if stiff > 0.0:
-        first = kind.table[body, FIRST_STRAIN]
-        for i in range(first, first + kind.table[body, STRAINS]):
-            kind.strains[SHAPE_STRAIN, i] = 0.0
-        add_strain_rates(kind, body, MID_Q, MID_V, SHAPE_STRAIN, stiff)
-        add_stress_forces(kind, body, MID_Q, SHAPE_STRAIN, RIGHT, -half)
+        first = kind.table[body].first_strain
+        for i in range(first, first + kind.table[body].strain_count):
+            kind.shape_strain[i] = 0.0
+        add_strain_rates(kind, body, kind.mid_position, speed, kind.shape_strain, stiff)
+        add_stress_forces(kind, body, kind.mid_position, kind.shape_strain, right, -half)
 
 
 @implement(check, FrameMeshes)
@@ -240,14 +213,15 @@ def check_meshes(kind: Meshes, step: float, work: Workspace) -> None:
     """Refuse what is not finite, and explicit steps beyond their limit."""
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
-        speed = kind.nodal[MID_V]
+        speed = kind.mid_velocity
         total = 0.0
         for i in range(first, last):
             total += abs(speed[i])
         if not math.isfinite(total):
-            blame_largest(kind, body, MID_V, NOT_FINITE, work)
-        elif kind.table[body, SCHEME] == EXPLICIT and step > follow_step_limit(kind, body, work):
-            blame_largest(kind, body, TRIAL, STEP_TOO_LARGE, work)  # where the fastest vibration is
+            blame_largest(kind, body, kind.mid_velocity, NOT_FINITE, work)
+        elif kind.table[body].scheme == EXPLICIT and step > follow_step_limit(kind, body, work):
+            # where the fastest vibration is
+            blame_largest(kind, body, kind.trial_position, STEP_TOO_LARGE, work)
 
 
 @implement(finish, FrameMeshes)
@@ -263,7 +237,7 @@ def finish_meshes(kind: Meshes, step: float, work: Workspace) -> None:
 def estimate_mesh_error(kind: Meshes, step: float, work: Workspace) -> None:
     """Largest distance of a midpoint velocity from its prediction, as a displacement [m] over the step."""
     lanes = len(kind.shape[1])
-    v, a, found = kind.nodal[V], kind.nodal[ACCELERATION], kind.nodal[MID_V]
+    v, a, found = kind.velocity, kind.mean_acceleration, kind.mid_velocity
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         largest = 0.0
@@ -273,6 +247,6 @@ def estimate_mesh_error(kind: Meshes, step: float, work: Workspace) -> None:
                 total += (found[k] - v[k] - 0.5 * step * a[k]) ** 2
             largest = max(largest, total)
         error = step * math.sqrt(largest)
-        if not error <= work.control[ERROR]:
-            work.control[ERROR] = error
-            work.status[STATUS_BODY] = kind.table[body, NUMBER]
+        if not error <= work.control.error:
+            work.control.error = error
+            work.status.body = kind.table[body].number

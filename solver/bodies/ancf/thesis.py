@@ -11,23 +11,7 @@ from heavylift.solver.bodies.ancf.advance import add_mesh_work
 from heavylift.solver.bodies.ancf.assembly import add_matrix_products
 from heavylift.solver.bodies.ancf.elements import add_strain_rates, add_stress_forces, find_strains
 from heavylift.solver.bodies.ancf.joints import take_impulses
-from heavylift.solver.bodies.ancf.kind import (
-    LOAD,
-    MASS_SET,
-    MID_Q,
-    MID_V,
-    RIGHT,
-    SHAPE_STRAIN,
-    STIFFNESS_DAMPING,
-    STRAIN,
-    TIME,
-    VISCOUS,
-    FrameMeshes,
-    Meshes,
-    Q,
-    ShellMeshes,
-    V,
-)
+from heavylift.solver.bodies.ancf.kind import MASS_SET, FrameMeshes, Meshes, ShellMeshes
 from heavylift.solver.bodies.ancf.loads import gather_loads
 from heavylift.solver.bodies.ancf.step import add_gravity, write_free_bases
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
@@ -43,24 +27,24 @@ __all__: list[str] = []
 def thesis_velocity_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> None:
     """``M (v+ - v) = h ( f - Q(q) - damping )``, without joints."""
     for body in range(kind.table.shape[0]):
-        kind.body[body, TIME] = time
-    gather_loads(kind, Q, work)
-    right = kind.nodal[RIGHT]
+        kind.body[body].time = time
+    gather_loads(kind, kind.position, work)
+    right = kind.right_hand_side
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
-        viscous, stiff = kind.body[body, VISCOUS], kind.body[body, STIFFNESS_DAMPING]
+        viscous, stiff = kind.body[body].viscous_damping, kind.body[body].stiffness_damping
         for i in range(first, last):
-            right[i] = step * kind.nodal[LOAD, i]
-            kind.nodal[MID_Q, i] = kind.nodal[Q, i]
+            right[i] = step * kind.external_force[i]
+            kind.mid_position[i] = kind.position[i]
         add_gravity(kind, body, work, step)
-        add_matrix_products(kind, body, V, -step * viscous, Q, -step, RIGHT)
-        find_strains(kind, body, Q, SHAPE_STRAIN)
+        add_matrix_products(kind, body, kind.velocity, -step * viscous, kind.position, -step, right)
+        find_strains(kind, body, kind.position, kind.shape_strain)
         if stiff > 0.0:
-            add_matrix_products(kind, body, V, 0.0, V, -step * stiff, RIGHT)
-            add_strain_rates(kind, body, Q, V, SHAPE_STRAIN, stiff)
-        add_stress_forces(kind, body, Q, SHAPE_STRAIN, RIGHT, -step)
+            add_matrix_products(kind, body, kind.velocity, 0.0, kind.velocity, -step * stiff, right)
+            add_strain_rates(kind, body, kind.position, kind.velocity, kind.shape_strain, stiff)
+        add_stress_forces(kind, body, kind.position, kind.shape_strain, right, -step)
         solve_forward(kind, body, MASS_SET)
-        write_free_bases(kind, body, V, 1.0, work)
+        write_free_bases(kind, body, kind.velocity, 1.0, work)
 
 
 @implement(complete_thesis, FrameMeshes)
@@ -68,12 +52,12 @@ def thesis_velocity_meshes(kind: Meshes, time: float, step: float, work: Workspa
 @kernel(internal=True)
 def complete_thesis_meshes(kind: Meshes, systems: Systems, work: Workspace) -> None:
     """Back substitution with the impulses of the rows."""
-    take_impulses(kind, systems, RIGHT)
+    take_impulses(kind, systems, kind.right_hand_side)
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         scatter_back(kind, body, MASS_SET)
         for i in range(first, last):
-            kind.nodal[MID_V, i] = kind.nodal[V, i] + kind.nodal[RIGHT, i]
+            kind.mid_velocity[i] = kind.velocity[i] + kind.right_hand_side[i]
 
 
 @implement(thesis_advance, FrameMeshes)
@@ -85,6 +69,6 @@ def thesis_advance_meshes(kind: Meshes, time: float, step: float, work: Workspac
         first, last = node_span(kind, body)
         add_mesh_work(kind, body, step, False)
         for i in range(first, last):
-            kind.nodal[V, i] = kind.nodal[MID_V, i]
-            kind.nodal[Q, i] += step * kind.nodal[V, i]
-        find_strains(kind, body, Q, STRAIN)
+            kind.velocity[i] = kind.mid_velocity[i]
+            kind.position[i] += step * kind.velocity[i]
+        find_strains(kind, body, kind.position, kind.strain)

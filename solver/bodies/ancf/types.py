@@ -7,7 +7,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from heavylift.solver.bodies.ancf.kind import FRAME_PAIRS, SHELL_PAIRS, FrameMeshes, Meshes, ShellMeshes
+from heavylift.solver.bodies.ancf.kind import (
+    FRAME_PAIRS,
+    SHELL_PAIRS,
+    FrameMeshes,
+    MeshElement,
+    Meshes,
+    ShellMeshElement,
+    ShellMeshes,
+)
 from heavylift.solver.meshes import FRAME_VECTORS, SHELL_VECTORS, FrameBody, MeshBody
 
 __all__ = ["MeshType", "type_of"]
@@ -15,9 +23,10 @@ __all__ = ["MeshType", "type_of"]
 
 @dataclass(frozen=True)
 class MeshType:
-    """A type of mesh: its kind, nodal vectors, pairs of nodes, and functions of its packing module."""
+    """A type of mesh: its kind, its elements, nodal vectors, pairs of nodes, functions of its packing module."""
 
     kind: type[Meshes]
+    element: type[MeshElement]
     vectors: tuple[str, ...]
     nodes_per_element: int
     pairs: tuple[tuple[int, int], ...]
@@ -44,6 +53,7 @@ def type_of(body: MeshBody) -> MeshType:
     frame = name == "frame"
     return MeshType(
         kind=FrameMeshes if frame else ShellMeshes,
+        element=MeshElement if frame else ShellMeshElement,
         vectors=FRAME_VECTORS if frame else SHELL_VECTORS,
         nodes_per_element=2 if frame else 4,
         pairs=FRAME_PAIRS if frame else SHELL_PAIRS,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import records
 from heavylift.solver.bodies.ancf import elements as generics
 from heavylift.solver.bodies.ancf import frame_elements  # noqa: F401  implements the generic functions
 from heavylift.solver.bodies.ancf.frame_packing import (
@@ -16,28 +17,20 @@ from heavylift.solver.bodies.ancf.frame_packing import (
     strain_counts,
 )
 from heavylift.solver.bodies.ancf.kind import (
-    BODY_COLUMNS,
-    CONSTANTS,
-    ELEMENT_BLOCKS,
-    ELEMENT_DATA,
-    ELEMENT_STRAIN,
-    ELEMENTS,
-    FIRST_ELEMENT,
     FRAME_PAIRS,
-    NODAL_ROWS,
-    NODES,
-    STRAIN_ROWS,
-    STRAINS,
-    TABLE_COLUMNS,
+    NODAL_VECTORS,
+    STRAIN_VECTORS,
     FrameMeshes,
-    Q,
+    MeshElement,
+    MeshNumbers,
+    MeshPlaces,
 )
 from tests.solver.groups import partly
 
 if TYPE_CHECKING:
     from heavylift.solver.meshes import FrameBody
 
-__all__ = ["ELEMENTS", "FIRST_ELEMENT", "get", "matrix", "pack", "put"]
+__all__ = ["get", "matrix", "pack", "put"]
 
 LANES = 8
 
@@ -48,58 +41,59 @@ def pack(body: FrameBody, *, swap: bool = False) -> FrameMeshes:
     known: dict[int, int] = {}
     constants = [body_constants(body), np.zeros(64)]
     size = 1 + 64
-    elements = np.zeros((count, 12), dtype=np.int64)
+    elements = records(MeshElement, count)
     for e, data in enumerate(element_data(body)):
         if id(data) not in known:
             known[id(data)] = size
             constants.append(data)
             size += len(data)
-        elements[e, :2] = LANES * body.elements[e]
-        elements[e, ELEMENT_DATA] = known[id(data)]
+        elements[e].nodes[:2] = LANES * body.elements[e]
+        elements[e].data = known[id(data)]
     strains = strain_counts(body)
-    elements[:, ELEMENT_STRAIN] = np.cumsum(strains) - strains
+    elements["strain"] = np.cumsum(strains) - strains
     for p, (i, j) in enumerate(FRAME_PAIRS):
-        elements[:, ELEMENT_BLOCKS + 2 * p] = 48 * (3 * np.arange(count) + p)
-        elements[:, ELEMENT_BLOCKS + 2 * p + 1] = int(swap and i != j)
-    table = np.zeros((1, TABLE_COLUMNS), dtype=np.int64)
-    table[0, [NODES, ELEMENTS, STRAINS, CONSTANTS]] = nodes, count, strains.sum(), 0
+        elements["blocks"][:, p, 0] = 48 * (3 * np.arange(count) + p)
+        elements["blocks"][:, p, 1] = int(swap and i != j)
+    table = records(MeshPlaces, 1)
+    line = table[0]
+    line.node_count, line.element_count, line.strain_count = nodes, count, strains.sum()
     used = {
         "table": table,
         "elements": elements,
         "constants": np.concatenate(constants),
-        "body": np.zeros((1, BODY_COLUMNS)),
-        "nodal": np.zeros((NODAL_ROWS, LANES * nodes)),
-        "strains": np.zeros((STRAIN_ROWS, int(strains.sum()))),
+        "body": records(MeshNumbers, 1),
+        **{name: np.zeros(LANES * nodes) for name in NODAL_VECTORS},
+        **{name: np.zeros(int(strains.sum())) for name in STRAIN_VECTORS},
         "blocks": np.zeros(48 * 3 * count),
     }
     kind = partly(FrameMeshes, **used)
-    put(kind, Q, start_coordinates(body).ravel())
+    put(kind.position, start_coordinates(body).ravel())
     return kind
 
 
-def put(kind: FrameMeshes, row: int, q: np.ndarray) -> None:
-    """Coordinates, six a node, into a row."""
-    kind.nodal[row].reshape(-1, LANES)[:, :6] = q.reshape(-1, 6)
+def put(nodal: np.ndarray, q: np.ndarray) -> None:
+    """Coordinates, six a node, into a nodal vector."""
+    nodal.reshape(-1, LANES)[:, :6] = q.reshape(-1, 6)
 
 
-def get(kind: FrameMeshes, row: int) -> np.ndarray:
-    """Coordinates of a row, six a node; what lies in the padding must be zero."""
-    rows = kind.nodal[row].reshape(-1, LANES)
+def get(nodal: np.ndarray) -> np.ndarray:
+    """Coordinates of a nodal vector, six a node; what lies in the padding must be zero."""
+    rows = nodal.reshape(-1, LANES)
     assert not np.any(rows[:, 6:])
     return rows[:, :6].ravel().copy()
 
 
 def matrix(kind: FrameMeshes) -> np.ndarray:
     """All blocks as one dense symmetric matrix."""
-    size = 6 * kind.table[0, NODES]
+    size = 6 * kind.table[0].node_count
     total = np.zeros((size, size))
     for row in kind.elements:
         for p, (i, j) in enumerate(FRAME_PAIRS):
-            at, swapped = row[ELEMENT_BLOCKS + 2 * p : ELEMENT_BLOCKS + 2 * p + 2]
+            at, swapped = row.blocks[p]
             block = kind.blocks[at : at + 48].reshape(6, LANES)
             assert not np.any(block[:, 6:])
             entry = block[:, :6] if swapped else block[:, :6].T
-            a, b = 6 * (row[i] // LANES), 6 * (row[j] // LANES)
+            a, b = 6 * (row.nodes[i] // LANES), 6 * (row.nodes[j] // LANES)
             total[a : a + 6, b : b + 6] += entry
             if i != j:
                 total[b : b + 6, a : a + 6] += entry.T

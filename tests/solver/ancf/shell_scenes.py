@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import records
 from heavylift.solver.bodies.ancf import shell_elements  # noqa: F401  registers the kernels
 from heavylift.solver.bodies.ancf.elements import (
     add_follower_load,
@@ -19,19 +21,12 @@ from heavylift.solver.bodies.ancf.elements import (
     record_elements,
 )
 from heavylift.solver.bodies.ancf.kind import (
-    BODY_COLUMNS,
-    CONSTANTS,
-    ELEMENT_BLOCKS,
-    ELEMENT_DATA,
-    ELEMENT_NODES,
-    ELEMENT_STRAIN,
-    ELEMENTS,
-    FIRST_ELEMENT,
-    NODAL_ROWS,
+    NODAL_VECTORS,
     SHELL_PAIRS,
-    STRAIN_ROWS,
-    TABLE_COLUMNS,
-    Q,
+    STRAIN_VECTORS,
+    MeshNumbers,
+    MeshPlaces,
+    ShellMeshElement,
     ShellMeshes,
 )
 from heavylift.solver.bodies.ancf.shell_packing import (
@@ -99,8 +94,11 @@ def rotation() -> np.ndarray:
 def pack(bodies: list[ShellBody], swaps: int = 0) -> ShellMeshes:
     """The kind of some shells; `swaps` seeds which blocks are stored transposed (none at 0)."""
     constants: list[np.ndarray] = []
-    table = np.zeros((len(bodies), TABLE_COLUMNS), dtype=np.int64)
-    elements, nodes, start, strains, pairs = [], 0, [], 0, 0
+    table, elements = (
+        records(MeshPlaces, len(bodies)),
+        records(ShellMeshElement, sum(len(b.elements) for b in bodies)),
+    )
+    number, nodes, start, strains, pairs = 0, 0, [], 0, 0
     rng = np.random.default_rng(swaps)
 
     def store(values: np.ndarray) -> int:
@@ -109,57 +107,57 @@ def pack(bodies: list[ShellBody], swaps: int = 0) -> ShellMeshes:
         return place
 
     for row, body in zip(table, bodies, strict=True):
-        row[CONSTANTS] = store(body_constants(body))
-        row[FIRST_ELEMENT], row[ELEMENTS] = len(elements), len(body.elements)
+        row.constants = store(body_constants(body))
+        row.first_element, row.element_count = number, len(body.elements)
         for own, data, count in zip(body.elements, element_data(body), strain_counts(body), strict=True):
-            line = np.zeros(ELEMENT_BLOCKS + 2 * len(SHELL_PAIRS), dtype=np.int64)
-            line[ELEMENT_NODES : ELEMENT_NODES + 4] = (nodes + own) * LANES
-            line[ELEMENT_DATA], line[ELEMENT_STRAIN] = store(data), strains
+            line = elements[number]
+            line.nodes[:] = (nodes + own) * LANES
+            line.data, line.strain = store(data), strains
             for p, (i, j) in enumerate(SHELL_PAIRS):
-                line[ELEMENT_BLOCKS + 2 * p] = pairs * BLOCK
-                line[ELEMENT_BLOCKS + 2 * p + 1] = int(swaps and i != j and rng.integers(2))
+                line.blocks[p, 0] = pairs * BLOCK
+                line.blocks[p, 1] = int(swaps and i != j and rng.integers(2))
                 pairs += 1
-            elements.append(line)
+            number += 1
             strains += int(count)
         nodes += len(body.nodes)
         start.append(start_coordinates(body).reshape(-1, 12))
-    nodal = np.zeros((NODAL_ROWS, nodes * LANES))
-    nodal[Q].reshape(nodes, LANES)[:, :12] = np.vstack(start)
+    nodal = {name: np.zeros(nodes * LANES) for name in NODAL_VECTORS}
+    put(nodal["position"], np.vstack(start))
     given = {
         "table": table,
-        "elements": np.array(elements),
+        "elements": elements,
         "constants": np.concatenate(constants),
-        "body": np.zeros((len(bodies), BODY_COLUMNS)),
-        "nodal": nodal,
-        "strains": np.zeros((STRAIN_ROWS, strains)),
+        "body": records(MeshNumbers, len(bodies)),
+        **nodal,
+        **{name: np.zeros(strains) for name in STRAIN_VECTORS},
         "blocks": np.zeros(pairs * BLOCK),
     }
     return partly(ShellMeshes, **given)
 
 
-def put(kind: ShellMeshes, row: int, coordinates: np.ndarray) -> None:
-    """Set a row of `nodal` to vectors of nodes, shape (n, 4, 3)."""
-    kind.nodal[row].reshape(-1, LANES)[:, :12] = coordinates.reshape(-1, 12)
+def put(nodal: np.ndarray, coordinates: np.ndarray) -> None:
+    """Set a nodal vector to vectors of nodes, shape (n, 4, 3)."""
+    nodal.reshape(-1, LANES)[:, :12] = coordinates.reshape(-1, 12)
 
 
-def taken(kind: ShellMeshes, row: int) -> np.ndarray:
-    """Vectors of nodes of a row of `nodal`, shape (n, 4, 3); checks that padding is left alone."""
-    rows = kind.nodal[row].reshape(-1, LANES)
+def taken(nodal: np.ndarray) -> np.ndarray:
+    """Vectors of nodes of a nodal vector, shape (n, 4, 3); checks that padding is left alone."""
+    rows = nodal.reshape(-1, LANES)
     assert not rows[:, 12:].any()
     return rows[:, :12].reshape(-1, 4, 3).copy()
 
 
 def stiffness(kind: ShellMeshes) -> np.ndarray:
     """The blocks as one matrix over all coordinates, shape (12 n, 12 n)."""
-    nodes = kind.nodal.shape[1] // LANES
+    nodes = kind.position.shape[0] // LANES
     out = np.zeros((nodes, 12, nodes, 12))
     for line in kind.elements:
         for p, (i, j) in enumerate(SHELL_PAIRS):
-            place, swap = line[ELEMENT_BLOCKS + 2 * p : ELEMENT_BLOCKS + 2 * p + 2]
+            place, swap = line.blocks[p]
             block = kind.blocks[place : place + BLOCK].reshape(12, LANES)
             assert not block[:, 12:].any()
             block = block[:, :12] if swap else block[:, :12].T
-            m, n = line[i] // LANES, line[j] // LANES
+            m, n = line.nodes[i] // LANES, line.nodes[j] // LANES
             out[m, :, n] += block
             if i != j:
                 out[n, :, m] += block.T
@@ -167,17 +165,19 @@ def stiffness(kind: ShellMeshes) -> np.ndarray:
 
 
 @kernel
-def find(kind: ShellMeshes, body: int, q: int, strain: int) -> None:
+def find(kind: ShellMeshes, body: int, q: Floats1, strain: Floats1) -> None:
     find_strains(kind, body, q, strain)
 
 
 @kernel
-def add_rates(kind: ShellMeshes, body: int, q: int, v: int, strain: int, factor: float) -> None:
+def add_rates(kind: ShellMeshes, body: int, q: Floats1, v: Floats1, strain: Floats1, factor: float) -> None:
     add_strain_rates(kind, body, q, v, strain, factor)
 
 
 @kernel
-def add_forces(kind: ShellMeshes, body: int, q: int, strain: int, force: int, factor: float) -> None:
+def add_forces(
+    kind: ShellMeshes, body: int, q: Floats1, strain: Floats1, force: Floats1, factor: float
+) -> None:
     add_stress_forces(kind, body, q, strain, force, factor)
 
 
@@ -185,9 +185,9 @@ def add_forces(kind: ShellMeshes, body: int, q: int, strain: int, force: int, fa
 def add_both(
     kind: ShellMeshes,
     body: int,
-    q: int,
-    strain: int,
-    force: int,
+    q: Floats1,
+    strain: Floats1,
+    force: Floats1,
     factor: float,
     scale: float,
     geometric: float,
@@ -196,17 +196,19 @@ def add_both(
 
 
 @kernel
-def energy(kind: ShellMeshes, body: int, strain: int) -> None:
+def energy(kind: ShellMeshes, body: int, strain: Floats1) -> None:
     measure_strain_energy(kind, body, strain)
 
 
 @kernel
-def drift(kind: ShellMeshes, body: int, first: int, second: int) -> None:
+def drift(kind: ShellMeshes, body: int, first: Floats1, second: Floats1) -> None:
     measure_drift(kind, body, first, second)
 
 
 @kernel
-def follow(kind: ShellMeshes, body: int, q: int, number: int, load: int, data: int, factor: float) -> None:
+def follow(
+    kind: ShellMeshes, body: int, q: Floats1, number: int, load: Floats1, data: int, factor: float
+) -> None:
     add_follower_load(kind, body, q, number, load, data, factor)
 
 

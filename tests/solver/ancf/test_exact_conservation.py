@@ -13,18 +13,7 @@ from frame_meshes import find_strains, get, pack, put
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.bodies.ancf import elements as generics
-from heavylift.solver.bodies.ancf.kind import (
-    ITERATIONS,
-    LOAD,
-    MID_Q,
-    OLD_STRAIN,
-    SHAPE_STRAIN,
-    START_STRAIN,
-    TRIAL,
-    FrameMeshes,
-    Q,
-    V,
-)
+from heavylift.solver.bodies.ancf.kind import FrameMeshes
 from heavylift.solver.meshes import FrameBody, FrameSection, Support
 from heavylift.solver.scene import Gravity, Scene
 from heavylift.solver.simulation import Simulation
@@ -38,13 +27,22 @@ EXACT = [name for name, example in EXAMPLES.items() if example.body.model == "ex
 @kernel
 def add_mean_stress_forces(kind, factor):  # type: ignore[no-untyped-def]
     generics.add_mean_stress_forces(
-        kind, 0, Q, TRIAL, MID_Q, START_STRAIN, SHAPE_STRAIN, OLD_STRAIN, LOAD, factor
+        kind,
+        0,
+        kind.position,
+        kind.trial_position,
+        kind.mid_position,
+        kind.start_strain,
+        kind.shape_strain,
+        kind.stage_strain,
+        kind.external_force,
+        factor,
     )
 
 
 @kernel
 def add_stress_forces(kind, factor):  # type: ignore[no-untyped-def]
-    generics.add_stress_forces(kind, 0, MID_Q, OLD_STRAIN, LOAD, factor)
+    generics.add_stress_forces(kind, 0, kind.mid_position, kind.stage_strain, kind.external_force, factor)
 
 
 @pytest.fixture(params=EXACT)
@@ -130,39 +128,43 @@ def step_forces(
 def prepare(kind: FrameMeshes, amount: float, seed: int = 7) -> tuple[np.ndarray, np.ndarray]:
     """Both ends of a step between two shapes, far from each other and from rest at amount 1; their strains."""
     random = np.random.default_rng(seed)
-    start = get(kind, Q)
+    start = get(kind.position)
     start = start + 0.2 * random.normal(size=start.shape)
     end = start + amount * 0.3 * random.normal(size=start.shape)
-    for row, q in ((Q, start), (TRIAL, end), (MID_Q, 0.5 * (start + end))):
-        put(kind, row, q)
-    find_strains(kind, 0, Q, START_STRAIN)
-    find_strains(kind, 0, TRIAL, SHAPE_STRAIN)
-    kind.strains[OLD_STRAIN] = 0.5 * (kind.strains[START_STRAIN] + kind.strains[SHAPE_STRAIN])
+    for nodal, q in (
+        (kind.position, start),
+        (kind.trial_position, end),
+        (kind.mid_position, 0.5 * (start + end)),
+    ):
+        put(nodal, q)
+    find_strains(kind, 0, kind.position, kind.start_strain)
+    find_strains(kind, 0, kind.trial_position, kind.shape_strain)
+    kind.stage_strain[:] = 0.5 * (kind.start_strain + kind.shape_strain)
     return start, end
 
 
 def found(kind: FrameMeshes, factor: float = 1.0) -> np.ndarray:
-    kind.nodal[LOAD] = 0.0
+    kind.external_force[:] = 0.0
     add_mean_stress_forces(kind, factor)
-    return get(kind, LOAD)
+    return get(kind.external_force)
 
 
 def moments(kind: FrameMeshes, force: np.ndarray) -> np.ndarray:
     """Resultant of the forces and moment about the origin, with arms of the middle."""
-    middle, vectors = get(kind, MID_Q).reshape(-1, 3), force.reshape(-1, 3)
+    middle, vectors = get(kind.mid_position).reshape(-1, 3), force.reshape(-1, 3)
     return np.concatenate((vectors[::2].sum(axis=0), np.cross(middle, vectors).sum(axis=0)))
 
 
 def test_kernels_equal_rules_of_differences(example: Example) -> None:
     kind = pack(example.body)
     start, end = prepare(kind, 1.0)
-    stress = 0.1 * np.random.default_rng(1).normal(size=kind.strains.shape[1])
-    kind.strains[OLD_STRAIN] += stress
+    stress = 0.1 * np.random.default_rng(1).normal(size=kind.strain.shape[0])
+    kind.stage_strain[:] += stress
     force, at = np.zeros(18), 0
     for e, element in enumerate(example.oracle()):
         own = slice(6 * e, 6 * e + 12)
         count = len(element.weights())
-        part = kind.strains[OLD_STRAIN, at : at + count]
+        part = kind.stage_strain[at : at + count]
         force[own] += 1.7 * step_forces(element, (start[own], end[own]), part)
         at += count
     np.testing.assert_allclose(found(kind, 1.7), force, atol=1e-12 * abs(force).max())
@@ -173,11 +175,11 @@ def test_the_work_of_a_step_is_that_of_the_mean_strain(example: Example) -> None
     kind = pack(example.body)
     start, end = prepare(kind, 1.0)
     weights = np.concatenate([element.weights() for element in example.oracle()])
-    change = kind.strains[SHAPE_STRAIN] - kind.strains[START_STRAIN]
+    change = kind.shape_strain - kind.start_strain
     for more in (0.0, 0.3):
-        kind.strains[OLD_STRAIN] += more * np.random.default_rng(1).normal(size=len(change))
-        work = float(np.sum(weights * kind.strains[OLD_STRAIN] * change))
-        scale = float(np.sum(weights * abs(kind.strains[OLD_STRAIN] * change)))
+        kind.stage_strain[:] += more * np.random.default_rng(1).normal(size=len(change))
+        work = float(np.sum(weights * kind.stage_strain * change))
+        scale = float(np.sum(weights * abs(kind.stage_strain * change)))
         assert found(kind) @ (end - start) == pytest.approx(work, abs=1e-13 * scale)
 
 
@@ -186,7 +188,7 @@ def test_the_forces_of_a_step_have_no_resultant_and_no_moment(example: Example) 
     prepare(kind, 1.0)
     force = found(kind)
     np.testing.assert_allclose(moments(kind, force), 0.0, atol=1e-13 * abs(force).sum())
-    kind.strains[OLD_STRAIN] += 0.3
+    kind.stage_strain[:] += 0.3
     assert abs(moments(kind, found(kind))[:3]).max() < 1e-13 * abs(force).sum()
 
 
@@ -195,11 +197,11 @@ def test_forces_of_a_step_become_those_of_the_shape_with_the_square_of_its_lengt
     for amount in (0.02, 0.01, 0.0):
         kind = pack(example.body)
         prepare(kind, amount)
-        kind.strains[OLD_STRAIN] += 0.1
+        kind.stage_strain[:] += 0.1
         step = found(kind)
-        kind.nodal[LOAD] = 0.0
+        kind.external_force[:] = 0.0
         add_stress_forces(kind, 1.0)
-        errors.append(abs(step - get(kind, LOAD)).max() / abs(step).max())
+        errors.append(abs(step - get(kind.external_force)).max() / abs(step).max())
     assert errors[2] < 1e-13
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)
 
@@ -208,9 +210,9 @@ def test_strains_of_green_lagrange_need_the_middle_only() -> None:
     kind = pack(EXAMPLES["green-lagrange"].body)
     prepare(kind, 1.0)
     step = found(kind)
-    kind.nodal[LOAD] = 0.0
+    kind.external_force[:] = 0.0
     add_stress_forces(kind, 1.0)
-    np.testing.assert_array_equal(step, get(kind, LOAD))
+    np.testing.assert_array_equal(step, get(kind.external_force))
 
 
 def test_a_straight_shape_at_both_ends_is_no_singularity() -> None:
@@ -219,10 +221,10 @@ def test_a_straight_shape_at_both_ends_is_no_singularity() -> None:
     x = np.array([0.0, 0.9, 1.8])
     straight = np.zeros((3, 2, 3))
     straight[:, 0, 0], straight[:, 1, 0] = x, 1.0
-    for row in (Q, TRIAL, MID_Q):
-        put(kind, row, straight.ravel())
-    for row in (START_STRAIN, SHAPE_STRAIN, OLD_STRAIN):
-        find_strains(kind, 0, Q, row)
+    for nodal in (kind.position, kind.trial_position, kind.mid_position):
+        put(nodal, straight.ravel())
+    for strain in (kind.start_strain, kind.shape_strain, kind.stage_strain):
+        find_strains(kind, 0, kind.position, strain)
     force = found(kind)
     assert np.isfinite(force).all()
     np.testing.assert_allclose(force.reshape(-1, 3)[:, 1:], 0.0, atol=1e-12)
@@ -249,7 +251,7 @@ def channel(simulation: Simulation, records: np.ndarray, name: str) -> np.ndarra
 def kick(simulation: Simulation, plane: bool, speed: float) -> FrameMeshes:
     """Random velocities of the nodes at the start; in a plane for a curved frame."""
     kind = next(k for k in simulation._layout.bodies if isinstance(k, FrameMeshes))
-    velocity = kind.nodal[V].reshape(-1, 8)[:, : 2 if plane else 3]
+    velocity = kind.velocity.reshape(-1, 8)[:, : 2 if plane else 3]
     velocity += speed * np.random.default_rng(0).normal(size=velocity.shape)
     return kind
 
@@ -263,7 +265,7 @@ def steps_of(simulation: Simulation, kind: FrameMeshes, count: int) -> tuple[np.
     for _ in range(count // 10):
         parts.append(simulation.advance(10)[1])
         assert simulation.outcome is Outcome.COMPLETED, simulation.message
-        rounds.append(kind.body[0, ITERATIONS])
+        rounds.append(kind.body[0].iterations)
     return np.concatenate(parts), float(np.mean(rounds))
 
 

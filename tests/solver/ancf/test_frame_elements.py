@@ -10,21 +10,7 @@ from frame_meshes import get, matrix, pack, put
 from scipy.linalg import eigh, expm
 
 from heavylift.solver.bodies.ancf.frame_packing import load_shape, result_channels
-from heavylift.solver.bodies.ancf.kind import (
-    DRIFT,
-    DRIFT_ELEMENT,
-    ELASTIC_ENERGY,
-    ELEMENT_DATA,
-    LOAD,
-    MID_Q,
-    MID_V,
-    RIGHT,
-    STRAIN,
-    FrameMeshes,
-    Q,
-)
-
-SPARE, OTHER = 1, 2  # rows of strains
+from heavylift.solver.bodies.ancf.kind import FrameMeshes
 
 
 @pytest.fixture(params=EXAMPLES)
@@ -34,41 +20,41 @@ def example(request: pytest.FixtureRequest) -> Example:
 
 def deformed(kind: FrameMeshes, amount: float = 0.2) -> np.ndarray:
     """Start shape, moved at random."""
-    q = get(kind, Q)
+    q = get(kind.position)
     return q + amount * np.random.default_rng(5).normal(size=q.shape)
 
 
 def energy(kind: FrameMeshes, q: np.ndarray) -> float:
-    put(kind, MID_Q, q)
-    fm.find_strains(kind, 0, MID_Q, STRAIN)
-    kind.body[0, ELASTIC_ENERGY] = 0.0
-    fm.measure_strain_energy(kind, 0, STRAIN)
-    return kind.body[0, ELASTIC_ENERGY]
+    put(kind.mid_position, q)
+    fm.find_strains(kind, 0, kind.mid_position, kind.strain)
+    kind.body[0].elastic_energy = 0.0
+    fm.measure_strain_energy(kind, 0, kind.strain)
+    return kind.body[0].elastic_energy
 
 
 def forces(kind: FrameMeshes, q: np.ndarray) -> np.ndarray:
-    put(kind, MID_Q, q)
-    fm.find_strains(kind, 0, MID_Q, STRAIN)
-    kind.nodal[LOAD] = 0.0
-    fm.add_stress_forces(kind, 0, MID_Q, STRAIN, LOAD, 1.0)
-    return get(kind, LOAD)
+    put(kind.mid_position, q)
+    fm.find_strains(kind, 0, kind.mid_position, kind.strain)
+    kind.external_force[:] = 0.0
+    fm.add_stress_forces(kind, 0, kind.mid_position, kind.strain, kind.external_force, 1.0)
+    return get(kind.external_force)
 
 
 def tangent(kind: FrameMeshes, q: np.ndarray, geometric: float = 1.0) -> np.ndarray:
-    put(kind, MID_Q, q)
-    fm.find_strains(kind, 0, MID_Q, STRAIN)
+    put(kind.mid_position, q)
+    fm.find_strains(kind, 0, kind.mid_position, kind.strain)
     kind.blocks[:] = 0.0
-    fm.add_stiffness(kind, 0, MID_Q, STRAIN, RIGHT, 0.0, 1.0, geometric)
+    fm.add_stiffness(kind, 0, kind.mid_position, kind.strain, kind.right_hand_side, 0.0, 1.0, geometric)
     return matrix(kind)
 
 
 def constant_matrix(kind: FrameMeshes, place: int) -> np.ndarray:
     """The mass (0) or bending matrix (16) of all elements, dense."""
-    size = 6 * kind.table[0, 4]
+    size = 6 * kind.table[0].node_count
     total = np.zeros((size, size))
     for row in kind.elements:
-        data = kind.constants[row[ELEMENT_DATA] + place :][:16].reshape(4, 4)
-        at = (6 * (row[:2] // 8)[:, None] + np.arange(6)).ravel()
+        data = kind.constants[row.data + place :][:16].reshape(4, 4)
+        at = (6 * (row.nodes[:2] // 8)[:, None] + np.arange(6)).ravel()
         total[np.ix_(at, at)] += np.kron(data, np.eye(3))
     return total
 
@@ -94,12 +80,12 @@ def difference(f, q: np.ndarray, v: np.ndarray, h: float = 2e-3):  # type: ignor
 def test_kernels_equal_an_independent_element(example: Example, swap: bool, geometric: float) -> None:
     kind = pack(example.body, swap=swap)
     q = deformed(kind)
-    put(kind, MID_Q, q)
-    fm.find_strains(kind, 0, MID_Q, STRAIN)
-    carried = 0.1 * np.random.default_rng(1).normal(size=kind.strains.shape[1])  # any stress: it need not fit
-    kind.strains[SPARE] = carried
-    fm.add_stress_forces(kind, 0, MID_Q, SPARE, LOAD, 1.7)
-    fm.add_stiffness(kind, 0, MID_Q, SPARE, RIGHT, 1.7, 0.9, geometric)
+    put(kind.mid_position, q)
+    fm.find_strains(kind, 0, kind.mid_position, kind.strain)
+    carried = 0.1 * np.random.default_rng(1).normal(size=kind.strain.shape[0])  # any stress: it need not fit
+    kind.shape_strain[:] = carried
+    fm.add_stress_forces(kind, 0, kind.mid_position, kind.shape_strain, kind.external_force, 1.7)
+    fm.add_stiffness(kind, 0, kind.mid_position, kind.shape_strain, kind.right_hand_side, 1.7, 0.9, geometric)
     strains, force, stiffness, at = [], np.zeros(18), np.zeros((18, 18)), 0
     for e, element in enumerate(example.oracle()):
         own = slice(6 * e, 6 * e + 12)
@@ -108,9 +94,9 @@ def test_kernels_equal_an_independent_element(example: Example, swap: bool, geom
         at += len(part)
         force[own] += 1.7 * element.forces(q[own], part)
         stiffness[own, own] += 0.9 * element.stiffness(q[own], part, geometric)
-    np.testing.assert_allclose(kind.strains[STRAIN], np.concatenate(strains), atol=1e-13, rtol=1e-12)
-    np.testing.assert_allclose(get(kind, LOAD), force, atol=1e-12 * abs(force).max())
-    np.testing.assert_allclose(get(kind, RIGHT), force, atol=1e-12 * abs(force).max())
+    np.testing.assert_allclose(kind.strain, np.concatenate(strains), atol=1e-13, rtol=1e-12)
+    np.testing.assert_allclose(get(kind.external_force), force, atol=1e-12 * abs(force).max())
+    np.testing.assert_allclose(get(kind.right_hand_side), force, atol=1e-12 * abs(force).max())
     tolerance = 1e-12 if geometric == 0.0 else 1e-9
     np.testing.assert_allclose(matrix(kind), stiffness, atol=tolerance * abs(stiffness).max())
 
@@ -136,16 +122,16 @@ def test_strain_rates_are_the_derivative_of_the_strains(example: Example) -> Non
     q, v = deformed(kind), np.random.default_rng(3).normal(size=18)
 
     def strains(x: np.ndarray) -> np.ndarray:
-        put(kind, MID_Q, x)
-        fm.find_strains(kind, 0, MID_Q, STRAIN)
-        return kind.strains[STRAIN].copy()
+        put(kind.mid_position, x)
+        fm.find_strains(kind, 0, kind.mid_position, kind.strain)
+        return kind.strain.copy()
 
     found = difference(strains, q, v)
     strains(q)
-    put(kind, MID_V, v)
-    kind.strains[SPARE] = 0.5
-    fm.add_strain_rates(kind, 0, MID_Q, MID_V, SPARE, 3.0)
-    np.testing.assert_allclose(kind.strains[SPARE] - 0.5, 3.0 * found, atol=1e-7 * abs(found).max())
+    put(kind.mid_velocity, v)
+    kind.shape_strain[:] = 0.5
+    fm.add_strain_rates(kind, 0, kind.mid_position, kind.mid_velocity, kind.shape_strain, 3.0)
+    np.testing.assert_allclose(kind.shape_strain - 0.5, 3.0 * found, atol=1e-7 * abs(found).max())
 
 
 def test_forces_do_no_work_in_rigid_motions(example: Example) -> None:
@@ -158,37 +144,37 @@ def test_forces_do_no_work_in_rigid_motions(example: Example) -> None:
 def test_a_rigid_motion_leaves_the_strains_of_the_given_shape(example: Example) -> None:
     kind = pack(example.body)
     turn = expm(np.cross(np.eye(3), [0.9, -2.0, 1.4]))
-    vectors = get(kind, Q).reshape(-1, 2, 3) @ turn.T
+    vectors = get(kind.position).reshape(-1, 2, 3) @ turn.T
     vectors[:, 0] += [3.0, -1.0, 2.0]
-    put(kind, MID_Q, vectors.ravel())
-    fm.find_strains(kind, 0, MID_Q, STRAIN)
+    put(kind.mid_position, vectors.ravel())
+    fm.find_strains(kind, 0, kind.mid_position, kind.strain)
     at = 0
     given = example.body.axial_strains if len(example.body.axial_strains) else np.zeros(2)
     for strain in given:  # which is the tension that was asked for, and no bending
-        np.testing.assert_allclose(kind.strains[STRAIN, at : at + 5], strain, atol=1e-14)
-        count = kind.strains.shape[1] // 2
-        np.testing.assert_allclose(kind.strains[STRAIN, at + 5 : at + count], 0.0, atol=1e-13)
+        np.testing.assert_allclose(kind.strain[at : at + 5], strain, atol=1e-14)
+        count = kind.strain.shape[0] // 2
+        np.testing.assert_allclose(kind.strain[at + 5 : at + count], 0.0, atol=1e-13)
         at += count
 
 
 @pytest.mark.parametrize("model", ["green-lagrange", "exact"])
 def test_a_homogeneous_stretch_is_a_constant_strain(model: str) -> None:
     kind = pack(line([0.3, 1.1, 0.6], model=model))
-    force = forces(kind, 1.3 * get(kind, Q))
+    force = forces(kind, 1.3 * get(kind.position))
     strain = 0.3 if model == "exact" else (1.3**2 - 1.0) / 2.0
-    np.testing.assert_allclose(kind.strains[STRAIN].reshape(3, -1)[:, :5], strain, rtol=1e-14)
+    np.testing.assert_allclose(kind.strain.reshape(3, -1)[:, :5], strain, rtol=1e-14)
     tension = EA * strain * (1.0 if model == "exact" else 1.3)
     ends = np.zeros((4, 2, 3))  # only the end sections are loaded
     ends[[0, -1], 0, 0] = -tension, tension
     np.testing.assert_allclose(force, ends.ravel(), atol=1e-12 * tension)
-    assert energy(kind, 1.3 * get(kind, Q)) == pytest.approx(EA / 2 * strain**2 * 2.0, rel=1e-14)
+    assert energy(kind, 1.3 * get(kind.position)) == pytest.approx(EA / 2 * strain**2 * 2.0, rel=1e-14)
 
 
 def test_a_stretched_arc_has_the_strain_of_its_scale() -> None:
     kind = pack(arc(2.0, 1.5, 5))
-    put(kind, MID_Q, 1.01 * get(kind, Q))
-    fm.find_strains(kind, 0, MID_Q, STRAIN)
-    strains = kind.strains[STRAIN].reshape(5, 8)
+    put(kind.mid_position, 1.01 * get(kind.position))
+    fm.find_strains(kind, 0, kind.mid_position, kind.strain)
+    strains = kind.strain.reshape(5, 8)
     np.testing.assert_allclose(strains[:, :5], 0.01, rtol=1e-12)
     np.testing.assert_allclose(strains[:, 5:], 0.0, atol=1e-13)  # the angle between its ends is as before
 
@@ -196,7 +182,7 @@ def test_a_stretched_arc_has_the_strain_of_its_scale() -> None:
 def test_a_constant_second_derivative_is_a_constant_moment() -> None:
     """Green-Lagrange: a parabola lies in the cubics; the bending matrix gives end moments and its energy."""
     kind = pack(line([0.3, 1.1, 0.6]))
-    q = get(kind, Q).reshape(-1, 2, 3)
+    q = get(kind.position).reshape(-1, 2, 3)
     q[:, 0, 1], q[:, 1, 1] = 0.01 * q[:, 0, 0] ** 2 / 2, 0.01 * q[:, 0, 0]
     bending = constant_matrix(kind, 16)
     moments = np.zeros((4, 2, 3))
@@ -211,7 +197,7 @@ def test_a_straight_rod_bent_to_a_circle_has_its_energy_to_fourth_order() -> Non
         kind = pack(line([np.pi / count] * count, model="exact"))
         bent = np.stack((arc(np.pi, 1.0, count).nodes, arc(np.pi, 1.0, count).tangents), axis=1)
         energy(kind, bent.ravel())
-        strains = kind.strains[STRAIN].reshape(count, 14)[:, 5:].reshape(count, 3, 3)
+        strains = kind.strain.reshape(count, 14)[:, 5:].reshape(count, 3, 3)
         np.testing.assert_allclose(strains[:, :, :2], 0.0, atol=1e-12)
         weights = np.array([5.0, 8.0, 5.0]) / 18.0 / count
         errors.append(abs(np.sum(weights * strains[:, :, 2] ** 2) - 1.0))
@@ -229,7 +215,7 @@ def zero_modes(stiffness: np.ndarray) -> int:
 def test_a_straight_frame_has_five_free_motions(model: str, lengths: list[float]) -> None:
     """Rotation about its own axis moves none of its coordinates; the other five rigid motions are all there are."""
     kind = pack(line(lengths, [1.0, 2.0, -1.0], model=model))
-    q = get(kind, Q)
+    q = get(kind.position)
     stiffness = tangent(kind, q) + constant_matrix(kind, 16)
     assert zero_modes(stiffness) == 5
     motions = rigid_motions(q)
@@ -240,7 +226,7 @@ def test_a_straight_frame_has_five_free_motions(model: str, lengths: list[float]
 def test_a_curved_frame_has_six_free_motions_in_its_plane_and_bends_freely_out_of_it() -> None:
     for count in (1, 3):
         kind = pack(arc(1.2, 1.0, count))
-        q = get(kind, Q)
+        q = get(kind.position)
         stiffness = tangent(kind, q)
         np.testing.assert_allclose(stiffness @ rigid_motions(q).T, 0.0, atol=1e-10 * abs(stiffness).max())
         plane = np.flatnonzero(np.arange(len(q)) % 3 < 2)
@@ -267,7 +253,7 @@ def test_a_quarter_of_a_ring_yields_by_its_moments_and_forces() -> None:
     errors = []
     for count in (4, 8):
         kind = pack(arc(np.pi / 2, 1.5, count))
-        stiffness = tangent(kind, get(kind, Q))
+        stiffness = tangent(kind, get(kind.position))
         free = [3, *(i for i in range(6, 6 * count + 6) if i % 3 < 2)]  # the clamp lets the axis stretch
         load = np.zeros((6 * count + 6, 2))
         load[[6 * count, 6 * count + 1], [0, 1]] = 1.0
@@ -286,7 +272,7 @@ def test_natural_frequencies_of_a_pinned_beam(model: str) -> None:
     """``(n pi / L)^2 sqrt(EI / m)``, twice each (two planes); 20 elements: within 1e-3 up to the fifth."""
     count, length = 20, 4.0
     kind = pack(line([length / count] * count, model=model))
-    stiffness = tangent(kind, get(kind, Q)) + constant_matrix(kind, 16)
+    stiffness = tangent(kind, get(kind.position)) + constant_matrix(kind, 16)
     fixed = [0, 1, 2, *range(6 * count, 6 * count + 3)]
     across = [i for i in range(6 * count + 6) if i % 3 and i not in fixed]
     values = eigh(stiffness[np.ix_(across, across)], constant_matrix(kind, 0)[np.ix_(across, across)])[0]
@@ -301,10 +287,10 @@ def test_a_follower_load_has_the_resultant_of_its_chord(name: str) -> None:
     kind = pack(example.body)
     axis = np.array([0.3, -0.5, 0.8])
     kind.constants[1:6] = 7.0, -2.0, *axis
-    q = get(kind, Q)
-    put(kind, MID_Q, q)
-    fm.add_follower_load(kind, 0, MID_Q, 1, LOAD, 1, 2.0)
-    found = get(kind, LOAD).reshape(-1, 2, 3)
+    q = get(kind.position)
+    put(kind.mid_position, q)
+    fm.add_follower_load(kind, 0, kind.mid_position, 1, kind.external_force, 1, 2.0)
+    found = get(kind.external_force).reshape(-1, 2, 3)
     chord = example.body.nodes[2] - example.body.nodes[1]
     np.testing.assert_allclose(
         found[:, 0].sum(axis=0), 2.0 * (7.0 * np.cross(axis, chord) - 2.0 * chord), atol=1e-11
@@ -318,11 +304,11 @@ def test_a_follower_load_has_the_resultant_of_its_chord(name: str) -> None:
         t = d / np.linalg.norm(d)
         return np.outer(element.row(xi, 0), 2.0 * (7.0 * np.cross(axis, t) - 2.0 * t))
 
-    put(kind, MID_Q, q)
-    kind.nodal[LOAD] = 0.0
-    fm.add_follower_load(kind, 0, MID_Q, 1, LOAD, 1, 2.0)
+    put(kind.mid_position, q)
+    kind.external_force[:] = 0.0
+    fm.add_follower_load(kind, 0, kind.mid_position, 1, kind.external_force, 1, 2.0)
     expected = element.integral(load).ravel()
-    np.testing.assert_allclose(get(kind, LOAD)[6:], expected, atol=1e-4 * abs(expected).max())
+    np.testing.assert_allclose(get(kind.external_force)[6:], expected, atol=1e-4 * abs(expected).max())
 
 
 def recorded(kind: FrameMeshes, body: object) -> dict[str, np.ndarray]:
@@ -344,8 +330,8 @@ def recorded(kind: FrameMeshes, body: object) -> dict[str, np.ndarray]:
 def test_record_of_a_stretched_bar_is_the_force_that_holds_it(model: str, stretch: float) -> None:
     body = line([0.3, 1.1, 0.6], model=model)
     kind = pack(body)
-    end = forces(kind, stretch * get(kind, Q))[-6]
-    put(kind, Q, stretch * get(kind, Q))
+    end = forces(kind, stretch * get(kind.position))[-6]
+    put(kind.position, stretch * get(kind.position))
     found = recorded(kind, body)
     np.testing.assert_allclose(found["axial_force"], end, rtol=1e-12)
     np.testing.assert_allclose(found["axial_stress"], end / SECTION.area, rtol=1e-12)
@@ -357,12 +343,12 @@ def test_record_of_a_cantilever_is_force_times_lever(model: str) -> None:
     """A small tip force P: moments P (L - x) at both ends of each element, stress M c / I at the clamp."""
     body = line([0.5, 0.5, 1.0], model=model)
     kind = pack(body)
-    q = get(kind, Q).reshape(-1, 2, 3)
+    q = get(kind.position).reshape(-1, 2, 3)
     P, L = 1e-4, 2.0
     x = body.nodes[:, 0]
     q[:, 0, 2] = P / EI * (L * x**2 / 2 - x**3 / 6)
     q[:, 1, 2] = P / EI * (L * x - x**2 / 2)
-    put(kind, Q, q.ravel())
+    put(kind.position, q.ravel())
     found = recorded(kind, body)
     expected = P * (L - np.column_stack((x[:-1], x[1:]))).ravel()
     np.testing.assert_allclose(found["bending_moment"], expected, atol=1e-8 * P * L)
@@ -380,43 +366,43 @@ def test_record_of_a_given_shape_is_its_pre_stress() -> None:
 def test_bending_adds_to_the_stress_with_the_sign_of_the_force() -> None:
     body = line([1.0], axial_strains=np.array([-0.001]))
     kind = pack(body)
-    q = get(kind, Q).reshape(-1, 2, 3)
+    q = get(kind.position).reshape(-1, 2, 3)
     q[1, 0, 1], q[1, 1, 1] = 5e-4, 1e-3
-    put(kind, Q, q.ravel())
+    put(kind.position, q.ravel())
     stress = recorded(kind, body)["axial_stress"][0]
     assert stress == pytest.approx(-2e5 * (0.001 + 1e-3 * 0.05), rel=1e-3)
 
 
 def test_drift_is_the_largest_difference_and_names_its_element(example: Example) -> None:
     kind = pack(example.body)
-    count = kind.strains.shape[1] // 2
-    kind.strains[SPARE] = 0.3
-    kind.strains[OTHER] = 0.3
-    kind.strains[OTHER, 2] += 1e-5
-    kind.strains[OTHER, count + 4] -= 3e-5
-    fm.measure_drift(kind, 0, SPARE, OTHER)
-    assert kind.body[0, DRIFT] == pytest.approx(3e-5)
-    assert kind.body[0, DRIFT_ELEMENT] == 1
+    count = kind.strain.shape[0] // 2
+    kind.shape_strain[:] = 0.3
+    kind.stage_strain[:] = 0.3
+    kind.stage_strain[2] += 1e-5
+    kind.stage_strain[count + 4] -= 3e-5
+    fm.measure_drift(kind, 0, kind.shape_strain, kind.stage_strain)
+    assert kind.body[0].drift == pytest.approx(3e-5)
+    assert kind.body[0].drift_element == 1
     if example.body.model == "exact":  # a curvature counts as the strain of the outer fibre
-        kind.strains[OTHER, 5] += 1e-2
-        fm.measure_drift(kind, 0, SPARE, OTHER)
-        assert kind.body[0, DRIFT] == pytest.approx(1e-2 * 0.05)
-        assert kind.body[0, DRIFT_ELEMENT] == 0
-    kind.strains[OTHER, 1] = np.nan
-    fm.measure_drift(kind, 0, SPARE, OTHER)
-    assert np.isnan(kind.body[0, DRIFT])
+        kind.stage_strain[5] += 1e-2
+        fm.measure_drift(kind, 0, kind.shape_strain, kind.stage_strain)
+        assert kind.body[0].drift == pytest.approx(1e-2 * 0.05)
+        assert kind.body[0].drift_element == 0
+    kind.stage_strain[1] = np.nan
+    fm.measure_drift(kind, 0, kind.shape_strain, kind.stage_strain)
+    assert np.isnan(kind.body[0].drift)
 
 
 def test_only_elements_of_the_body_are_touched() -> None:
     """A table row for the second element alone."""
     kind = pack(line([0.5, 0.8], model="exact"))
-    kind.table[0, [fm.FIRST_ELEMENT, fm.ELEMENTS]] = 1, 1
-    put(kind, MID_Q, deformed(kind))
-    fm.find_strains(kind, 0, MID_Q, STRAIN)
-    fm.add_stiffness(kind, 0, MID_Q, STRAIN, LOAD, 1.0, 1.0, 1.0)
-    assert kind.strains[STRAIN, 14:].all()
+    kind.table[0].first_element, kind.table[0].element_count = 1, 1
+    put(kind.mid_position, deformed(kind))
+    fm.find_strains(kind, 0, kind.mid_position, kind.strain)
+    fm.add_stiffness(kind, 0, kind.mid_position, kind.strain, kind.external_force, 1.0, 1.0, 1.0)
+    assert kind.strain[14:].all()
     assert kind.blocks[144:].any()
-    for other in (kind.strains[STRAIN, :14], kind.nodal[LOAD, :8], kind.blocks[:144]):
+    for other in (kind.strain[:14], kind.external_force[:8], kind.blocks[:144]):
         assert not other.any()
 
 

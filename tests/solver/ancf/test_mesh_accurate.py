@@ -15,24 +15,12 @@ from scipy.integrate import solve_ivp
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.bodies.ancf.elements import add_elastic_forces
-from heavylift.solver.bodies.ancf.kind import (
-    BASE_STEP,
-    LOAD,
-    MARKER_DATA,
-    MARKER_TYPE,
-    POINT_MARKER,
-    STATE_PLACE,
-    STEP_LIMIT,
-    TANGENT_MARKER,
-    TRIAD_MARKER,
-    VECTOR_MARKER,
-    Q,
-)
+from heavylift.solver.bodies.ancf.kind import POINT_MARKER, TANGENT_MARKER, TRIAD_MARKER, VECTOR_MARKER
 from heavylift.solver.bodies.ancf.stability import SHARE
 from heavylift.solver.connections import GROUND, Ball, FixedJoint, Hinge, JointFrame, Spring
 from heavylift.solver.integrate.accurate import make_integration
 from heavylift.solver.integrate.mesh_rates import highest_rate
-from heavylift.solver.interface import POINT, POINT_BIAS, POINT_VELOCITY, begin_stage
+from heavylift.solver.interface import begin_stage
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.mesh_shapes import rectangle
 from heavylift.solver.meshes import (
@@ -242,7 +230,7 @@ def test_joints_and_forces_act_through_material_points() -> None:
 
 @kernel
 def elastic_forces(kind: Any) -> None:
-    add_elastic_forces(kind, 0, Q, LOAD, 1.0)
+    add_elastic_forces(kind, 0, kind.position, kind.external_force, 1.0)
 
 
 @pytest.mark.parametrize("shape", ["green-lagrange", "exact", "curved"])
@@ -258,9 +246,9 @@ def test_forces_in_one_pass_are_those_of_independent_elements(shape: str) -> Non
     )
     kind = pack_scene(Scene(bodies=(body,))).bodies[0]
     places = np.array([0, 1, 2, 3, 4, 5, 8, 9, 10, 11, 12, 13])
-    kind.nodal[Q, places] += 0.1 * rng.normal(size=12)
-    q = kind.nodal[Q, places].copy()
-    kind.nodal[LOAD] = 0.0
+    kind.position[places] += 0.1 * rng.normal(size=12)
+    q = kind.position[places].copy()
+    kind.external_force[:] = 0.0
     elastic_forces(kind)
     reference = np.stack([nodes[0], slopes[0], nodes[1], slopes[1]])
     section = OracleSection(EA=0.7e6 * AREA, EI=0.7e6 * INERTIA, mass=DENSITY * AREA)
@@ -269,7 +257,7 @@ def test_forces_in_one_pass_are_those_of_independent_elements(shape: str) -> Non
     if shape == "green-lagrange":
         expected += np.kron(oracle.bending_matrix(), np.eye(3)) @ q
     np.testing.assert_allclose(
-        kind.nodal[LOAD, places], expected, rtol=0.0, atol=1e-11 * np.abs(expected).max()
+        kind.external_force[places], expected, rtol=0.0, atol=1e-11 * np.abs(expected).max()
     )
 
 
@@ -291,12 +279,12 @@ def test_second_rates_of_directions_are_those_of_differences() -> None:
     types = set()
     states, step = {}, 1e-5
     for kind in layout.bodies:
-        place, count = kind.table[0, STATE_PLACE], kind.nodal.shape[1]
-        states[place] = (kind.nodal[0] + 0.1 * rng.normal(size=count), rng.normal(size=count))
-        types |= set(kind.markers[:, MARKER_TYPE])
-        slope = kind.markers[:, MARKER_TYPE] == VECTOR_MARKER  # the same vector, of unit length
-        kind.markers[slope, MARKER_TYPE] = TANGENT_MARKER
-        kind.markers[slope, MARKER_DATA] = kind.table[0, BASE_STEP]  # where a -1 stands
+        place, count = kind.table[0].state_place, kind.position.shape[0]
+        states[place] = (kind.position + 0.1 * rng.normal(size=count), rng.normal(size=count))
+        types |= set(kind.markers["type"])
+        slope = kind.markers["type"] == VECTOR_MARKER  # the same vector, of unit length
+        kind.markers["type"][slope] = TANGENT_MARKER
+        kind.markers["data"][slope] = kind.table[0].base_step  # where a -1 stands
     assert types == {POINT_MARKER, VECTOR_MARKER, TRIAD_MARKER}
 
     def markers(time: float) -> np.ndarray:
@@ -307,11 +295,11 @@ def test_second_rates_of_directions_are_those_of_differences() -> None:
         return layout.work.markers.copy()
 
     centre, before, after = markers(0.0), markers(-step), markers(step)
-    for value, rate in ((POINT, POINT_VELOCITY), (POINT_VELOCITY, POINT_BIAS)):
-        slope = (after - before)[:, value : value + 3] / (2.0 * step)
+    for value, rate in (("point", "velocity"), ("velocity", "bias")):
+        slope = (after[value] - before[value]) / (2.0 * step)
         largest = np.abs(slope).max()
         assert largest > 0.1
-        np.testing.assert_allclose(centre[:, rate : rate + 3], slope, atol=1e-7 * max(1.0, largest))
+        np.testing.assert_allclose(centre[rate], slope, atol=1e-7 * max(1.0, largest))
 
 
 @pytest.mark.parametrize(("count", "expected"), [(10, 2.218e-3), (20, 1.083e-3)])
@@ -319,7 +307,7 @@ def test_the_explicit_scheme_knows_its_longest_step(count: int, expected: float)
     """Of eigenvalues of the dense matrices at rest."""
     simulation = Simulation(pinned(count, elasticity="explicit"), 1e-4)
     simulation.warm_up()
-    limit = simulation._layout.bodies[0].body[0, STEP_LIMIT]
+    limit = simulation._layout.bodies[0].body[0].step_limit
     assert limit == pytest.approx(SHARE * expected, rel=0.02)
     body = pinned(count).bodies[0]
     assert isinstance(body, MeshBody)

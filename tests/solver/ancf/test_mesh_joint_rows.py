@@ -15,7 +15,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "joints"))
 from joint_scenes import RESIDUALS, Pose, make_joint
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.ancf.kind import MARKER_NUMBER, FrameMeshes, Q, ShellMeshes, V
+from heavylift.solver.bodies.ancf.kind import FrameMeshes, ShellMeshes
 from heavylift.solver.bodies.ancf.second_rates import write_second_rates
 from heavylift.solver.connections import (
     GROUND,
@@ -28,8 +28,6 @@ from heavylift.solver.connections import (
 )
 from heavylift.solver.integrate.loop import start_scene
 from heavylift.solver.interface import (
-    POINT,
-    POINT_VELOCITY,
     RECORD,
     fill_bias,
     fill_markers,
@@ -40,7 +38,6 @@ from heavylift.solver.interface import (
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.mesh_shapes import line, quadrilateral, rectangle
 from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSection
-from heavylift.solver.rows import DOF, PANEL, RESIDUAL, ROW_COLUMNS, SCALE, TARGET, WIDTH
 from heavylift.solver.scene import PointForce, RigidBody, Scene
 
 pytestmark = pytest.mark.slow  # each scene compiles for half a minute
@@ -147,15 +144,15 @@ class Model:
                 kind.table, [b for b in self.bodies.values() if isinstance(b, of_type)], strict=True
             ):
                 self.offsets[body.name] = int(line_of[3])
-        self.start = [kind.nodal[Q].copy() for kind in self.kinds]
+        self.start = [kind.position.copy() for kind in self.kinds]
 
-    def mesh(self, name: str, row: int = Q) -> np.ndarray:
+    def mesh(self, name: str, vector: str = "position") -> np.ndarray:
         """Coordinates of the nodes of a mesh, shape (n, 3 vectors), a view."""
         body = self.bodies[name]
         kind = self.kinds[isinstance(body, ShellBody)]
         lanes, rows = len(kind.shape[1]), len(kind.shape[0])
         first = self.offsets[name]
-        return kind.nodal[row].reshape(-1, lanes)[first : first + len(body.nodes), :rows]
+        return getattr(kind, vector).reshape(-1, lanes)[first : first + len(body.nodes), :rows]
 
     def q(self, name: str) -> np.ndarray:
         """Vectors of the nodes of a mesh, shape (n, vectors, 3)."""
@@ -169,22 +166,22 @@ class Model:
         """All meshes deformed and moving."""
         rng = np.random.default_rng(seed)
         for kind, start in zip(self.kinds, self.start, strict=True):
-            kind.nodal[Q] = start
-            kind.nodal[V] = 0.0
+            kind.position[:] = start
+            kind.velocity[:] = 0.0
         for name in self.meshes():
             self.mesh(name)[...] += 0.15 * rng.normal(size=self.mesh(name).shape)
-            self.mesh(name, V)[...] = rng.normal(size=self.mesh(name).shape)
+            self.mesh(name, "velocity")[...] = rng.normal(size=self.mesh(name).shape)
 
     def rest(self, *, keep_velocity: bool = False) -> None:
         """The shape of the start."""
         for kind, start in zip(self.kinds, self.start, strict=True):
-            kind.nodal[Q] = start
+            kind.position[:] = start
             if not keep_velocity:
-                kind.nodal[V] = 0.0
+                kind.velocity[:] = 0.0
 
     def shift(self, step: float) -> None:
         for kind in self.kinds:
-            kind.nodal[Q] += step * kind.nodal[V]
+            kind.position[:] += step * kind.velocity
 
     def fill(self) -> None:
         layout = self.layout
@@ -210,7 +207,7 @@ class Model:
             probe_second_rates(kind, layout.work)
         probe_targets(layout.joints, layout.systems[0], layout.work)
         block = self.block(name)
-        return self.table[block, TARGET][self.table[block, SCALE] > 0.0].copy()
+        return self.table[block].target[self.table[block].scale > 0.0].copy()
 
     def second(self, name: str, h: float = 1e-3) -> np.ndarray:
         """Second difference of the residual of a joint along even motions of all nodes."""
@@ -223,9 +220,8 @@ class Model:
         return (-values[0] + 16 * values[1] - 30 * values[2] + 16 * values[3] - values[4]) / (12 * h * h)
 
     @property
-    def table(self) -> np.ndarray:
-        system = self.layout.systems[0]
-        return system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))
+    def table(self) -> Any:
+        return self.layout.systems[0].rows
 
     def block(self, name: str) -> int:
         return self.layout.block_names.index(name)
@@ -237,13 +233,13 @@ class Model:
         J = np.zeros((lanes, len(self.layout.work.velocity)))
         for side in (0, 1):
             entry = system.attachments[2 * block + side]
-            panel = system.panels[entry[PANEL] : entry[PANEL] + entry[WIDTH] * lanes].reshape(-1, lanes)
-            J[:, entry[DOF] : entry[DOF] + entry[WIDTH]] += panel.T
-        return J[self.table[block, SCALE] > 0.0]
+            panel = system.panels[entry.panel : entry.panel + entry.width * lanes].reshape(-1, lanes)
+            J[:, entry.dof : entry.dof + entry.width] += panel.T
+        return J[self.table[block].scale > 0.0]
 
     def residual(self, name: str) -> np.ndarray:
         block = self.block(name)
-        return self.table[block, RESIDUAL][self.table[block, SCALE] > 0.0]
+        return self.table[block].residual[self.table[block].scale > 0.0]
 
     def side(self, joint: Any, side: str) -> Pose:
         """Joint frame in the world: fixed in the triad of the point on a shell."""
@@ -389,17 +385,16 @@ def test_markers_move_as_their_jacobians_say(model: Model) -> None:
         model.bend(seed)
         model.fill()
         work = model.layout.work
-        numbers = np.concatenate([kind.markers[:, MARKER_NUMBER] for kind in model.kinds])
-        slope = model.along(lambda: work.markers[numbers, POINT : POINT + 3])  # noqa: B023
-        np.testing.assert_allclose(
-            work.markers[numbers, POINT_VELOCITY : POINT_VELOCITY + 3], slope, atol=1e-8
-        )
+        numbers = np.concatenate([kind.markers["number"] for kind in model.kinds])
+        slope = model.along(lambda: work.markers["point"][numbers])  # noqa: B023
+        np.testing.assert_allclose(work.markers["velocity"][numbers], slope, atol=1e-8)
         for kind in model.kinds:
-            for number, body, *_ in kind.markers:
-                first, count = kind.table[body, 1], 3 * kind.table[body, 11]
+            for marker in kind.markers:
+                number, line = marker.number, kind.table[marker.body]
+                first, count = line.dof, 3 * line.base_count
                 J = work.jacobian[number]
                 rate = J[:, :count] @ work.velocity[first : first + count]
-                np.testing.assert_allclose(rate, work.markers[number, POINT_VELOCITY:][:3], atol=1e-11)
+                np.testing.assert_allclose(rate, work.markers[number].velocity, atol=1e-11)
                 assert not J[:, count:].any()
                 seen += 1
     assert seen > 300
@@ -439,7 +434,7 @@ def test_axes_of_a_following_force_are_the_triad_at_its_point(model: Model) -> N
         model.fill()
         spot, q = Spot(model.bodies["s3"], 1, (0.3, 0.8)), model.q("s3")
         position, R = pose_of(model.bodies["s3"])
-        found = model.layout.work.markers[:4, POINT : POINT + 3]
+        found = model.layout.work.markers[:4]["point"]
         np.testing.assert_allclose(found[0], position + R @ spot.vector(q, 0), atol=1e-13)
         axes = R @ spot.triad(q) @ spot.triad(spot.start).T
         np.testing.assert_allclose(found[1:], axes.T, atol=1e-13)
@@ -537,7 +532,7 @@ def test_weld_bends_as_its_stretch_changes(model: Model) -> None:
     for name, stretch in (("f1", 0.0), ("f2", 0.4)):
         _, R = pose_of(model.bodies[name])
         q = model.q(name) @ R.T
-        model.mesh(name, V)[...] = ((q @ A.T + stretch * q) @ R).reshape(len(q), -1)
+        model.mesh(name, "velocity")[...] = ((q @ A.T + stretch * q) @ R).reshape(len(q), -1)
     second = model.second("weld")
     assert np.abs(second[3:]).max() > 1e-2
     np.testing.assert_allclose(model.targets("weld")[3:], -second[3:], atol=1e-6)

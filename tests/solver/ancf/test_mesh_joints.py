@@ -22,7 +22,7 @@ from jointed_frames import (
 from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.bodies.ancf.kind import ITERATIONS, FrameMeshes
+from heavylift.solver.bodies.ancf.kind import FrameMeshes
 from heavylift.solver.connections import (
     GROUND,
     Ball,
@@ -37,7 +37,6 @@ from heavylift.solver.connections import (
 from heavylift.solver.corners import scene_corners
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.meshes import DistributedLoad
-from heavylift.solver.rows import HOLD, ROW_COLUMNS
 from heavylift.solver.scene import Scene
 from heavylift.solver.simulation import Simulation
 
@@ -121,12 +120,12 @@ def test_energy_momentum_scheme_with_joints_conserves_energy() -> None:
     how = {"elasticity": "energy-momentum"}
     simulation = Simulation(scene(bridge(**how), plumb_weld(**how)), 5e-3)
     system = simulation._layout.systems[0]
-    system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))[:, HOLD] *= 0.01
+    system.rows["hold"] *= 0.01
     swinging = Run(simulation, *simulation.advance(400))
     assert not simulation.message
     assert swinging.energy_change() < 1e-9 * swinging["energy.kinetic"].max()
     kind = next(k for k in simulation._layout.bodies if isinstance(k, FrameMeshes))
-    assert kind.body[:, ITERATIONS].max() <= 15
+    assert kind.body["iterations"].max() <= 15
 
 
 @pytest.mark.slow

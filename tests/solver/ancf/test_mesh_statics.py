@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.bodies.ancf.kind import STRAIN, Q, V
 from heavylift.solver.connections import GROUND, Ball, JointFrame, SpringRope
 from heavylift.solver.integrate.mesh_statics import relax_to_equilibrium
 from heavylift.solver.integrate.mesh_system import MeshSystem
@@ -27,7 +26,6 @@ from heavylift.solver.meshes import (
     ShellSection,
     Support,
 )
-from heavylift.solver.rows import REACTION, ROW_COLUMNS
 from heavylift.solver.scene import Gravity, PointForce, RigidBody, Scene
 
 if TYPE_CHECKING:
@@ -89,9 +87,9 @@ def settled(
 
 def coordinates(layout: Layout, body: MeshBody) -> np.ndarray:
     """Nodal vectors of the first mesh, shape (nodes, vectors, 3)."""
-    mesh = next(kind for kind in layout.bodies if hasattr(kind, "nodal"))
+    mesh = next(kind for kind in layout.bodies if hasattr(kind, "nodal_mass"))
     lanes, rows = len(mesh.shape[1]), len(mesh.shape[0])
-    return mesh.nodal[Q].reshape(-1, lanes)[: len(body.nodes), :rows].reshape(len(body.nodes), -1, 3)
+    return mesh.position.reshape(-1, lanes)[: len(body.nodes), :rows].reshape(len(body.nodes), -1, 3)
 
 
 def frame(count: int, section: FrameSection, supports: dict[str, dict[str, str]], **more: Any) -> FrameBody:
@@ -277,7 +275,7 @@ def test_a_body_hung_from_the_middle_of_an_element_pulls_like_a_force() -> None:
     pulled, _ = settled([beam], [DOWN, pull])
     assert coordinates(hung, beam) == pytest.approx(coordinates(pulled, beam), abs=1e-8)
     system = hung.systems[0]
-    reaction = system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))[0, REACTION, :3]
+    reaction = system.rows[0].reaction[:3]
     assert np.linalg.norm(reaction) == pytest.approx(9.81 * mass, rel=1e-8)
     assert "'ball' can turn" in report.text
 
@@ -416,8 +414,8 @@ def test_the_state_after_the_search_is_at_rest_and_unstrained_beyond_its_shape()
     body = frame(4, ROD, {"first": CLAMP}, velocity=np.array([1.0, 0.0, 0.0]))
     layout, report = settled([body])
     kind = layout.bodies[0]
-    assert not kind.nodal[V].any()
-    assert np.abs(kind.strains[STRAIN]).max() > 0.0
+    assert not kind.velocity.any()
+    assert np.abs(kind.strain).max() > 0.0
     q = coordinates(layout, body)
     assert report.moved == pytest.approx(np.linalg.norm(q[:, 0] - body.nodes, axis=1).max())
 

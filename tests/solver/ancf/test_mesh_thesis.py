@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.solver.bodies.ancf.kind import Q, V
 from heavylift.solver.mesh_shapes import line
 from heavylift.solver.meshes import FrameBody, FrameSection, Support
 from heavylift.solver.scene import Gravity, Scene
@@ -56,9 +55,9 @@ def test_thesis_shares_its_recurrence_with_the_leapfrog() -> None:
     leapfrog = Simulation(pendulum("explicit"), h, "dele2")
     leapfrog.warm_up()
     # the leapfrog takes its forces in the middles of its steps, which are the positions of the thesis
-    own, other = thesis._layout.bodies[0].nodal, leapfrog._layout.bodies[0].nodal
-    other[V] = own[V]
-    other[Q] = own[Q] - 0.5 * h * own[V]
+    own, other = thesis._layout.bodies[0], leapfrog._layout.bodies[0]
+    other.velocity[:] = own.velocity
+    other.position[:] = own.position - 0.5 * h * own.velocity
     _, a = thesis.advance(200)
     _, b = leapfrog.advance(200)
     place = {channel.name: channel.column for channel in thesis.channels}

@@ -13,19 +13,12 @@ from scipy.interpolate import BSpline
 import heavylift.solver.bodies.ancf.contours
 import heavylift.solver.bodies.ancf.frame_kind
 import heavylift.solver.bodies.ancf.shell_kind  # noqa: F401
+from heavylift.contours.packed_contour import PackedContour
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import records
 from heavylift.solver.bodies.ancf.assembly import set_size
 from heavylift.solver.bodies.ancf.elements import add_stiffness
-from heavylift.solver.bodies.ancf.kind import (
-    MID_Q,
-    MID_V,
-    RIGHT,
-    SCHEME,
-    SHAPE_STRAIN,
-    STEP_SET,
-    Q,
-    V,
-)
+from heavylift.solver.bodies.ancf.kind import STEP_SET
 from heavylift.solver.bodies.ancf.mesh_contour import mesh_contour
 from heavylift.solver.bodies.ancf.packing import SCHEMES, pack_meshes
 from heavylift.solver.bodies.ancf.sparse_matrices import mesh_matrices
@@ -33,12 +26,7 @@ from heavylift.solver.bodies.ancf.types import type_of
 from heavylift.solver.contact.interface import aim_points, form_mesh_controls, settle_points
 from heavylift.solver.integrate.row_solver import assemble, factor_rows, solve_rows
 from heavylift.solver.interface import (
-    CHANGED,
-    CONTROL_COUNT,
-    FIELD,
     FORCES,
-    MARKER_WIDTH,
-    SUM_COUNT,
     Bodies,
     Joints,
     Systems,
@@ -58,11 +46,7 @@ from heavylift.solver.mesh_shapes import line, rectangle
 from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSection, Support
 from heavylift.solver.rows import (
     FACTORED,
-    IMPULSE,
-    PANEL,
     PRESCRIBED,
-    ROW_COLUMNS,
-    TARGET,
     Attachment,
     classify_rows,
     pack_rows,
@@ -155,9 +139,9 @@ def spread(
     complete(bodies, systems, at_midpoint, step, work)
     if at_midpoint:
         for _ in range(60):
-            work.control[CHANGED] = 0.0
+            work.control.changed = 0
             iterate(bodies, everything, systems, joints, work, 0.0, step)
-            if not work.control[CHANGED] > 0.0:
+            if not work.control.changed > 0:
                 break
         advance(bodies, 0.0, step, work)
 
@@ -174,7 +158,7 @@ def plain_stiffness(kind: Any) -> None:
     size = set_size(kind)
     for i in range(STEP_SET * size, STEP_SET * size + size):
         kind.blocks[i] = 0.0
-    add_stiffness(kind, 0, MID_Q, SHAPE_STRAIN, RIGHT, 0.0, 1.0, 0.0)
+    add_stiffness(kind, 0, kind.mid_position, kind.shape_strain, kind.right_hand_side, 0.0, 1.0, 0.0)
 
 
 @cache
@@ -238,9 +222,9 @@ class Model:
                     J[k, number] += value
         return J
 
-    def row(self, row: int) -> np.ndarray:
-        """Free coordinates of a row."""
-        return self.kind.nodal[row, self.matrices.places]
+    def free(self, nodal: np.ndarray) -> np.ndarray:
+        """Free coordinates of a nodal vector."""
+        return nodal[self.matrices.places]
 
     def aim(self, slot: int, spot: tuple[int, tuple[float, float]]) -> None:
         aim((self.kind,), slot, *weights_at(self.body, spot))
@@ -254,7 +238,7 @@ class Model:
         lanes = len(system.shape[1])
         axes = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
         for block, column in enumerate(columns):
-            at = system.attachments[2 * block, PANEL] + column * lanes
+            at = system.attachments[2 * block].panel + column * lanes
             system.panels[at : at + 3 * lanes].reshape(3, lanes)[:, :3] = axes
         return system
 
@@ -270,20 +254,12 @@ def make(name: str, scheme: str) -> Model:
     empty = BodyMarkers((), (), ())
     markers = BodyMarkers((0, 1), tuple(points), (False, False), (FORCES, FORCES), tuple(points), (0, 0))
     kind = pack_meshes([body], 0, [0], 0, [markers], [empty], moving=[2])
-    kind.table[0, SCHEME] = SCHEMES[scheme]
+    kind.table[0].scheme = SCHEMES[scheme]
     matrices = mesh_matrices(kind)
-    kind.nodal[Q, matrices.places] += 0.02 * rng.normal(size=len(matrices.places))
-    kind.nodal[V, matrices.places] = 0.3 * rng.normal(size=len(matrices.places))
-    work = Workspace(
-        velocity=np.zeros(12),
-        markers=np.zeros((2, MARKER_WIDTH)),
-        jacobian=np.zeros((2, 3, 12)),
-        sums=np.zeros(SUM_COUNT),
-        control=np.zeros(CONTROL_COUNT),
-        corners=np.zeros(0),
-        status=np.zeros(3, dtype=np.int64),
-    )
-    work.sums[FIELD : FIELD + 3] = 1.0, -2.0, -9.81
+    kind.position[matrices.places] += 0.02 * rng.normal(size=len(matrices.places))
+    kind.velocity[matrices.places] = 0.3 * rng.normal(size=len(matrices.places))
+    work = Workspace.empty(12, 2, 12)
+    work.sums.gravity[:] = 1.0, -2.0, -9.81
     return Model(body, kind, work, matrices)
 
 
@@ -343,12 +319,14 @@ def test_velocities_are_those_of_the_material_point(name: str, scheme: str) -> N
     velocity = work.velocity.copy()
     go_on(kind, Systems(()), STEP, work)
     J = model.jacobian(SPOT)
-    size = np.abs(J @ model.row(MID_V)).max()
-    np.testing.assert_allclose(velocity[9:], J @ model.row(MID_V), rtol=0.0, atol=1e-12 * size)
+    size = np.abs(J @ model.free(kind.mid_velocity)).max()
+    np.testing.assert_allclose(velocity[9:], J @ model.free(kind.mid_velocity), rtol=0.0, atol=1e-12 * size)
     np.testing.assert_allclose(velocity[9:], velocity[:3], rtol=0.0, atol=1e-12 * size)  # its base
     model.aim(0, OTHER)
     settle(kind, Systems(()), False, work)
-    np.testing.assert_allclose(work.velocity[6:9], model.jacobian(OTHER) @ model.row(V), rtol=1e-12)
+    np.testing.assert_allclose(
+        work.velocity[6:9], model.jacobian(OTHER) @ model.free(kind.velocity), rtol=1e-12
+    )
 
 
 @slow
@@ -361,11 +339,11 @@ def test_a_moving_point_is_as_good_as_a_base(name: str, scheme: str) -> None:
         model = make(name, scheme)
         kind, work = model.kind, model.work
         system = model.system(*columns)
-        table = system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))
+        table = system.rows
         begin(kind, work, STEP)
         for at_midpoint in (True, False):
-            table[:, IMPULSE] = 0.0
-            table[:, TARGET, :3] = [[0.1, -0.2, 0.3], [-0.1, 0.4, 0.2]]
+            table["impulse"] = 0.0
+            table["target"][:, :3] = [[0.1, -0.2, 0.3], [-0.1, 0.4, 0.2]]
             if not at_midpoint:
                 end_velocities(kind, STEP, work)
             model.aim(0, SPOT)
@@ -374,7 +352,9 @@ def test_a_moving_point_is_as_good_as_a_base(name: str, scheme: str) -> None:
             invert(kind, system, at_midpoint)
             solve(system, work)
             spread(kind, Bodies((kind,)), Systems((system,)), Joints(()), at_midpoint, work, STEP)
-        found = [model.row(row).copy() for row in (Q, V)] + [table[:, IMPULSE, :3].copy()]
+        found = [model.free(nodal).copy() for nodal in (kind.position, kind.velocity)] + [
+            table["impulse"][:, :3].copy()
+        ]
         np.testing.assert_allclose(model.jacobian(SPOT) @ found[1], work.velocity[:3], atol=1e-10)
         results.append(found)
     for one, other in zip(*results, strict=True):
@@ -394,15 +374,15 @@ def test_points_follow_rows_that_have_pushed_before(name: str) -> None:
     model = make(name, "carried")
     kind, work = model.kind, model.work
     system = model.system(3)
-    table = system.rows.reshape(-1, ROW_COLUMNS, len(system.shape[1]))
-    table[:, TARGET, :3] = [0.1, -0.2, 0.3]
+    table = system.rows
+    table["target"][:, :3] = [0.1, -0.2, 0.3]
     begin(kind, work, STEP)
     invert(kind, system, True)
     solve(system, work)
     model.aim(1, SPOT)
     settle(kind, Systems((system,)), True, work)
     np.testing.assert_allclose(work.velocity[9:], work.velocity[:3], rtol=1e-11)
-    table[:, TARGET, :3] = [0.5, 0.2, 0.1]
+    table["target"][:, :3] = [0.5, 0.2, 0.1]
     solve(system, work)
     np.testing.assert_allclose(work.velocity[9:], work.velocity[:3], rtol=1e-11)
 
@@ -414,13 +394,14 @@ def test_control_points_make_the_shape_of_the_mesh(name: str) -> None:
     model = make(name, "carried")
     made = mesh_contour(model.body)
     counts = [space.count for space in made.spaces] + [1] * (2 - len(made.spaces))
-    row = np.array([3, counts[0], 0, 0, 3, counts[1], 0, 0, 5, -1])
-    model.kind.nodal[MID_Q] = model.kind.nodal[Q] + 0.1 * model.kind.nodal[V]
+    along, across = (3, counts[0], False, 0), (3, counts[1], False, 0)
+    contour = records(PackedContour, [(along, across, 5, -1)])[0]
+    model.kind.mid_position[:] = model.kind.position + 0.1 * model.kind.velocity
     lanes, count = len(model.kind.shape[1]), len(type_of(model.body).vectors)
-    for at_midpoint, of in ((True, MID_Q), (False, Q)):
+    for at_midpoint, nodal in ((True, model.kind.mid_position), (False, model.kind.position)):
         net = np.full((5 + len(made.factors), 3), np.nan)
-        form((model.kind,), at_midpoint, row, 0, counts[0] - 1, counts[1] - 1, net)
-        q = model.kind.nodal[of].reshape(-1, lanes)[: len(model.body.nodes), : 3 * count].reshape(-1, 3)
+        form((model.kind,), at_midpoint, contour, 0, counts[0] - 1, counts[1] - 1, net)
+        q = nodal.reshape(-1, lanes)[: len(model.body.nodes), : 3 * count].reshape(-1, 3)
         for _ in range(20):
             spot = (int(rng.integers(len(model.body.elements))), (float(rng.random()), float(rng.random())))
             controls, weights = weights_at(model.body, spot)

@@ -26,18 +26,7 @@ from shell_scenes import (
     taken,
 )
 
-from heavylift.solver.bodies.ancf.kind import (
-    DRIFT,
-    DRIFT_ELEMENT,
-    ELASTIC_ENERGY,
-    LOAD,
-    OLD_STRAIN,
-    SHAPE_STRAIN,
-    STRAIN,
-    TRIAL,
-    ShellMeshes,
-)
-from heavylift.solver.bodies.ancf.kind import V as SPEED
+from heavylift.solver.bodies.ancf.kind import ShellMeshes
 from heavylift.solver.bodies.ancf.shell_packing import (
     element_data,
     shape_values,
@@ -69,26 +58,26 @@ def deformed(body: ShellBody, amount: float = 0.3, seed: int = 1) -> np.ndarray:
 
 
 def energy_at(kind: ShellMeshes, coordinates: np.ndarray) -> float:
-    put(kind, TRIAL, coordinates)
-    find(kind, 0, TRIAL, OLD_STRAIN)
-    kind.body[0, ELASTIC_ENERGY] = 0.0
-    energy(kind, 0, OLD_STRAIN)
-    return float(kind.body[0, ELASTIC_ENERGY])
+    put(kind.trial_position, coordinates)
+    find(kind, 0, kind.trial_position, kind.stage_strain)
+    kind.body[0].elastic_energy = 0.0
+    energy(kind, 0, kind.stage_strain)
+    return float(kind.body[0].elastic_energy)
 
 
 def forces_at(kind: ShellMeshes, coordinates: np.ndarray) -> np.ndarray:
-    put(kind, TRIAL, coordinates)
-    find(kind, 0, TRIAL, OLD_STRAIN)
-    kind.nodal[LOAD] = 0.0
-    add_forces(kind, 0, TRIAL, OLD_STRAIN, LOAD, 1.0)
-    return taken(kind, LOAD)
+    put(kind.trial_position, coordinates)
+    find(kind, 0, kind.trial_position, kind.stage_strain)
+    kind.external_force[:] = 0.0
+    add_forces(kind, 0, kind.trial_position, kind.stage_strain, kind.external_force, 1.0)
+    return taken(kind.external_force)
 
 
 def tangent_at(kind: ShellMeshes, coordinates: np.ndarray, geometric: float = 1.0) -> np.ndarray:
-    put(kind, TRIAL, coordinates)
-    find(kind, 0, TRIAL, OLD_STRAIN)
+    put(kind.trial_position, coordinates)
+    find(kind, 0, kind.trial_position, kind.stage_strain)
     kind.blocks[:] = 0.0
-    add_both(kind, 0, TRIAL, OLD_STRAIN, LOAD, 1.0, 1.0, geometric)
+    add_both(kind, 0, kind.trial_position, kind.stage_strain, kind.external_force, 1.0, 1.0, geometric)
     return stiffness(kind)
 
 
@@ -131,34 +120,34 @@ def test_without_its_geometric_part_the_stiffness_is_that_of_the_strains(body: S
     kind, q = pack([body]), deformed(body)
     material = tangent_at(kind, q, geometric=0.0)
     v = np.random.default_rng(4).normal(size=q.shape)
-    put(kind, SPEED, v)
-    kind.strains[STRAIN] = 0.0
-    add_rates(kind, 0, TRIAL, SPEED, STRAIN, 2.0)
-    kind.body[0, ELASTIC_ENERGY] = 0.0
-    energy(kind, 0, STRAIN)
+    put(kind.velocity, v)
+    kind.strain[:] = 0.0
+    add_rates(kind, 0, kind.trial_position, kind.velocity, kind.strain, 2.0)
+    kind.body[0].elastic_energy = 0.0
+    energy(kind, 0, kind.strain)
     assert 0.5 * v.ravel() @ material @ v.ravel() == pytest.approx(
-        kind.body[0, ELASTIC_ENERGY] / 4.0, rel=1e-12
+        kind.body[0].elastic_energy / 4.0, rel=1e-12
     )
 
 
 def test_the_geometric_part_belongs_to_the_given_strains(body: ShellBody) -> None:
     # forces of given strains are linear in q through B; their derivative is the geometric part alone
     kind, q = pack([body]), deformed(body)
-    kind.strains[STRAIN] = np.random.default_rng(5).normal(size=kind.strains.shape[1])
-    kind.strains[STRAIN].reshape(-1, 8)[:, body.gauss_points :] = 0.0
+    kind.strain[:] = np.random.default_rng(5).normal(size=kind.strain.shape[0])
+    kind.strain.reshape(-1, 8)[:, body.gauss_points :] = 0.0
 
     def forces(x: np.ndarray) -> np.ndarray:
-        put(kind, TRIAL, x)
-        kind.nodal[LOAD] = 0.0
-        add_forces(kind, 0, TRIAL, STRAIN, LOAD, 1.0)
-        return taken(kind, LOAD).ravel()
+        put(kind.trial_position, x)
+        kind.external_force[:] = 0.0
+        add_forces(kind, 0, kind.trial_position, kind.strain, kind.external_force, 1.0)
+        return taken(kind.external_force).ravel()
 
     v = np.random.default_rng(6).normal(size=q.shape)
-    put(kind, TRIAL, q)
+    put(kind.trial_position, q)
     parts = []
     for geometric in (0.0, 1.0):
         kind.blocks[:] = 0.0
-        add_both(kind, 0, TRIAL, STRAIN, LOAD, 1.0, 0.25, geometric)
+        add_both(kind, 0, kind.trial_position, kind.strain, kind.external_force, 1.0, 0.25, geometric)
         parts.append(stiffness(kind))
     expected = (forces(q + v) - forces(q - v)) / 2.0
     np.testing.assert_allclose(
@@ -171,26 +160,24 @@ def test_strain_rates_are_derivatives_of_strains(body: ShellBody) -> None:
     v = np.random.default_rng(7).normal(size=q.shape)
 
     def strains(x: np.ndarray) -> np.ndarray:
-        put(kind, TRIAL, x)
-        find(kind, 0, TRIAL, OLD_STRAIN)
-        return kind.strains[OLD_STRAIN].copy()
+        put(kind.trial_position, x)
+        find(kind, 0, kind.trial_position, kind.stage_strain)
+        return kind.stage_strain.copy()
 
     expected = (strains(q + v) - strains(q - v)) / 2.0  # exact: strains are quadratic
-    put(kind, TRIAL, q)
-    put(kind, SPEED, v)
-    kind.strains[STRAIN] = 1.0
-    add_rates(kind, 0, TRIAL, SPEED, STRAIN, 0.5)
-    np.testing.assert_allclose(
-        kind.strains[STRAIN] - 1.0, 0.5 * expected, atol=1e-13 * np.abs(expected).max()
-    )
+    put(kind.trial_position, q)
+    put(kind.velocity, v)
+    kind.strain[:] = 1.0
+    add_rates(kind, 0, kind.trial_position, kind.velocity, kind.strain, 0.5)
+    np.testing.assert_allclose(kind.strain - 1.0, 0.5 * expected, atol=1e-13 * np.abs(expected).max())
 
 
 def test_both_in_one_pass_adds_the_same_forces(body: ShellBody) -> None:
     kind, q = pack([body]), deformed(body)
     forces = forces_at(kind, q)
-    kind.nodal[LOAD] = 0.0
-    add_both(kind, 0, TRIAL, OLD_STRAIN, LOAD, -3.0, 1.0, 1.0)
-    np.testing.assert_allclose(taken(kind, LOAD), -3.0 * forces, rtol=1e-13)
+    kind.external_force[:] = 0.0
+    add_both(kind, 0, kind.trial_position, kind.stage_strain, kind.external_force, -3.0, 1.0, 1.0)
+    np.testing.assert_allclose(taken(kind.external_force), -3.0 * forces, rtol=1e-13)
 
 
 def test_kernels_agree_with_the_oracle(body: ShellBody) -> None:
@@ -216,9 +203,9 @@ def test_rigid_motion_neither_strains_nor_bends(body: ShellBody) -> None:
     kind = pack([body])
     moved = start_coordinates(body) @ rotation().T
     moved[:, 0] += [5.0, -7.0, 2.0]
-    put(kind, TRIAL, moved)
-    find(kind, 0, TRIAL, OLD_STRAIN)
-    assert np.abs(kind.strains[OLD_STRAIN]).max() < 1e-14
+    put(kind.trial_position, moved)
+    find(kind, 0, kind.trial_position, kind.stage_strain)
+    assert np.abs(kind.stage_strain).max() < 1e-14
     scale = np.abs(element_data(body)[0][256:512]).max()
     assert np.abs(bending_forces(body, moved)).max() < 1e-13 * scale
 
@@ -310,11 +297,11 @@ def test_constant_curvature_is_right_on_distorted_elements_too() -> None:
 def test_the_resultant_of_pressure_is_that_of_the_present_boundary(body: ShellBody) -> None:
     # the resultant of a pressure is p times the vector area, which by Stokes' theorem needs the boundary only
     kind, q = pack([body]), deformed(body, 0.1)
-    put(kind, TRIAL, q)
-    kind.nodal[LOAD] = 0.0
+    put(kind.trial_position, q)
+    kind.external_force[:] = 0.0
     pressure = kind.constants[0]  # any number of the constants
-    follow(kind, 0, TRIAL, 0, LOAD, 0, 3.0)
-    got = taken(kind, LOAD)[:, 0].sum(axis=0)
+    follow(kind, 0, kind.trial_position, 0, kind.external_force, 0, 3.0)
+    got = taken(kind.external_force)[:, 0].sum(axis=0)
     own, (a, b) = q[body.elements[0]].reshape(16, 3), body.lengths[0]
     points, weights = np.polynomial.legendre.leggauss(4)  # r x dr is of degree 5 along a side
     area = np.zeros(3)
@@ -329,9 +316,9 @@ def test_pressure_does_the_work_of_the_swept_volume() -> None:
     body = one_rectangle()
     kind, q = pack([body]), deformed(body, 0.1)
     v = np.random.default_rng(10).normal(size=q.shape)
-    put(kind, TRIAL, q)
-    kind.nodal[LOAD] = 0.0
-    follow(kind, 0, TRIAL, 0, LOAD, 0, 1.0 / kind.constants[0])
+    put(kind.trial_position, q)
+    kind.external_force[:] = 0.0
+    follow(kind, 0, kind.trial_position, 0, kind.external_force, 0, 1.0 / kind.constants[0])
     at, weights = np.polynomial.legendre.leggauss(7)
     expected = 0.0
     for x, wx in zip(0.5 + 0.5 * at, 0.5 * weights, strict=True):
@@ -340,7 +327,7 @@ def test_pressure_does_the_work_of_the_swept_volume() -> None:
             r_x, r_y = (shape_values(body, 0, (x, y), c) @ own for c in (1, 2))
             speed = shape_values(body, 0, (x, y), 0) @ v[body.elements[0]].reshape(16, 3)
             expected += wx * wy * 1.3 * 0.8 * np.cross(r_x, r_y) @ speed
-    assert np.sum(taken(kind, LOAD) * v) == pytest.approx(expected, rel=1e-7)  # 5 points against 7
+    assert np.sum(taken(kind.external_force) * v) == pytest.approx(expected, rel=1e-7)  # 5 points against 7
 
 
 def test_drift_is_the_largest_difference_as_a_strain() -> None:
@@ -349,36 +336,36 @@ def test_drift_is_the_largest_difference_as_a_strain() -> None:
     kind, start = pack([body]), start_coordinates(body)
     stretched = start.copy()
     stretched[..., 0] *= 1.01
-    put(kind, TRIAL, start)
-    find(kind, 0, TRIAL, STRAIN)
-    put(kind, TRIAL, stretched)
-    find(kind, 0, TRIAL, SHAPE_STRAIN)
-    drift(kind, 0, STRAIN, SHAPE_STRAIN)
-    assert kind.body[0, DRIFT] == pytest.approx(0.5 * (1.01**2 - 1.0), rel=1e-12)
+    put(kind.trial_position, start)
+    find(kind, 0, kind.trial_position, kind.strain)
+    put(kind.trial_position, stretched)
+    find(kind, 0, kind.trial_position, kind.shape_strain)
+    drift(kind, 0, kind.strain, kind.shape_strain)
+    assert kind.body[0].drift == pytest.approx(0.5 * (1.01**2 - 1.0), rel=1e-12)
     moved = start.copy()
     moved[mesh.corners[2], 0, 1] += 0.02
-    put(kind, TRIAL, moved)
-    find(kind, 0, TRIAL, SHAPE_STRAIN)
-    drift(kind, 0, STRAIN, SHAPE_STRAIN)
-    assert mesh.corners[2] in body.elements[int(kind.body[0, DRIFT_ELEMENT])]
-    assert kind.body[0, DRIFT] > 0.01
-    kind.strains[STRAIN, 26] = np.nan  # a number that is lost must not look like none
-    drift(kind, 0, STRAIN, SHAPE_STRAIN)
-    assert np.isnan(kind.body[0, DRIFT])
+    put(kind.trial_position, moved)
+    find(kind, 0, kind.trial_position, kind.shape_strain)
+    drift(kind, 0, kind.strain, kind.shape_strain)
+    assert mesh.corners[2] in body.elements[int(kind.body[0].drift_element)]
+    assert kind.body[0].drift > 0.01
+    kind.strain[26] = np.nan  # a number that is lost must not look like none
+    drift(kind, 0, kind.strain, kind.shape_strain)
+    assert np.isnan(kind.body[0].drift)
 
 
 def test_bodies_of_one_kind_keep_apart() -> None:
     bodies = [one_rectangle(), distorted_element(gauss_points=4)]
     both = pack(bodies)
-    both.strains[STRAIN] = 7.0
-    put(both, TRIAL, np.concatenate([deformed(bodies[0]), deformed(bodies[1])]))
-    find(both, 1, TRIAL, STRAIN)
-    assert np.all(both.strains[STRAIN, : both.elements[1, 5]] == 7.0)
-    both.nodal[LOAD] = 0.0
-    add_forces(both, 1, TRIAL, STRAIN, LOAD, 1.0)
-    assert not taken(both, LOAD)[:4].any()
+    both.strain[:] = 7.0
+    put(both.trial_position, np.concatenate([deformed(bodies[0]), deformed(bodies[1])]))
+    find(both, 1, both.trial_position, both.strain)
+    assert np.all(both.strain[: both.elements[1].strain] == 7.0)
+    both.external_force[:] = 0.0
+    add_forces(both, 1, both.trial_position, both.strain, both.external_force, 1.0)
+    assert not taken(both.external_force)[:4].any()
     alone = pack([bodies[1]])
-    np.testing.assert_array_equal(taken(both, LOAD)[4:], forces_at(alone, deformed(bodies[1])))
+    np.testing.assert_array_equal(taken(both.external_force)[4:], forces_at(alone, deformed(bodies[1])))
 
 
 def test_elements_of_any_lengths_see_the_same_shape() -> None:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from shell_scenes import add_both, find, pack, put, shell, stiffness, taken
 
-from heavylift.solver.bodies.ancf.kind import LOAD, OLD_STRAIN, TRIAL
 from heavylift.solver.bodies.ancf.shell_packing import element_data, load_shape, start_coordinates
 from heavylift.solver.mesh_shapes import rectangle
 from heavylift.solver.meshes import ShellSection
@@ -41,11 +40,11 @@ def test_plates_stretch_as_they_bend(support: str, nu: float, n: int) -> None:
     free = ~fixed.ravel()
     q[n // 2 * (n + 1) + n // 2, 0, 2] = -0.05  # off the flat shape, which has no stiffness of tension yet
     for _ in range(60):
-        put(kind, TRIAL, q)
-        find(kind, 0, TRIAL, OLD_STRAIN)
-        kind.nodal[LOAD], kind.blocks[:] = 0.0, 0.0
-        add_both(kind, 0, TRIAL, OLD_STRAIN, LOAD, 1.0, 1.0, 1.0)
-        rest = (load - taken(kind, LOAD)).ravel() - bending @ q.ravel()
+        put(kind.trial_position, q)
+        find(kind, 0, kind.trial_position, kind.stage_strain)
+        kind.external_force[:] = kind.blocks[:] = 0.0
+        add_both(kind, 0, kind.trial_position, kind.stage_strain, kind.external_force, 1.0, 1.0, 1.0)
+        rest = (load - taken(kind.external_force)).ravel() - bending @ q.ravel()
         K = stiffness(kind) + bending
         step = np.zeros(count)
         step[free] = np.linalg.solve(K[np.ix_(free, free)], rest[free])

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from shell_scenes import distorted_element, pack, put, recorded, rotation, shell
 
-from heavylift.solver.bodies.ancf.kind import Q as PRESENT
 from heavylift.solver.bodies.ancf.shell_packing import result_channels, start_coordinates
 from heavylift.solver.mesh_shapes import rectangle
 from heavylift.solver.meshes import ShellBody, ShellSection
@@ -14,7 +13,7 @@ from heavylift.solver.meshes import ShellBody, ShellSection
 
 def record(body: ShellBody, coordinates: np.ndarray) -> dict[str, np.ndarray]:
     kind = pack([body])
-    put(kind, PRESENT, coordinates)
+    put(kind.position, coordinates)
     channels = result_channels(body)
     width = sum(len(parts) for _, _, parts in channels)
     row = np.full(width + 4, np.nan)

@@ -7,25 +7,26 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.contact.layout import (
-    FRICTION,
-    OFFSET,
-    PARAMETERS,
-    SOFTNESS,
-    TARGET,
-    UNILATERAL,
+from heavylift.numerics.records import Records, records
+from heavylift.solver.contact.layout import UNILATERAL, RowKind, RowParameters, Solution
+from heavylift.solver.contact.newton import (
+    NonsmoothNewton,
+    solve_dense,
+    solve_on_velocities,
+    workspace_length,
 )
-from heavylift.solver.contact.newton import solve_contacts, solve_contacts_reduced, workspace_length
 
 Array = NDArray[np.float64]
+
+SOLVER = (NonsmoothNewton(),)
 
 
 @dataclass(eq=False)
 class ContactProblem:
     """Arrays of a problem; N and W in full for the checks."""
 
-    kinds: NDArray[np.int64]
-    parameters: Array
+    kinds: Records[RowKind]
+    parameters: Records[RowParameters]
     ends: NDArray[np.int64]
     blocks: Array
     y0: Array
@@ -45,7 +46,9 @@ class ContactProblem:
         p = np.zeros(3 * self.count) if start is None else start.ravel().copy()
         y = np.zeros(len(self.y0))
         workspace = np.full(workspace_length(self.count, len(y)), np.nan)
-        status, iterations, residual = solve_contacts_reduced(
+        found = Solution.one()
+        solve_on_velocities(
+            SOLVER,
             self.count,
             self.kinds,
             self.parameters,
@@ -57,25 +60,27 @@ class ContactProblem:
             p,
             y,
             workspace,
+            found,
         )
-        return status, iterations, residual, p.reshape(-1, 3), (self.N @ y).reshape(-1, 3)
+        return found.status, found.iterations, found.residual, p.reshape(-1, 3), (self.N @ y).reshape(-1, 3)
 
     def solve_rows(self, start: Array | None = None) -> tuple[int, int, float, Array, Array]:
         """The same on the matrix of the rows."""
         p = np.zeros(3 * self.count) if start is None else start.ravel().copy()
         w = np.zeros_like(p)
         workspace = np.full(workspace_length(self.count, len(p)), np.nan)
-        status, iterations, residual = solve_contacts(
-            self.count, self.kinds, self.parameters, self.N @ self.y0, self.W, p, w, workspace
+        found = Solution.one()
+        solve_dense(
+            SOLVER, self.count, self.kinds, self.parameters, self.N @ self.y0, self.W, p, w, workspace, found
         )
-        return status, iterations, residual, p.reshape(-1, 3), w.reshape(-1, 3)
+        return found.status, found.iterations, found.residual, p.reshape(-1, 3), w.reshape(-1, 3)
 
 
 def violation(problem: ContactProblem, p: Array, w: Array) -> float:
     """Largest violation of the laws of unilateral contacts: rates relative to the largest rate."""
     parameters = problem.parameters
-    mu, P = parameters[:, FRICTION], p + parameters[:, OFFSET : OFFSET + 3]
-    g = w + parameters[:, SOFTNESS : SOFTNESS + 3] * p - parameters[:, TARGET : TARGET + 3]
+    mu, P = parameters["friction"], p + parameters["offset"]
+    g = w + parameters["softness"] * p - parameters["target"]
     w0 = (problem.N @ problem.y0).reshape(-1, 3)
     scale = max(np.abs(w0).max(), np.abs(w - w0).max())
     d = problem.W.diagonal().reshape(-1, 3)
@@ -112,13 +117,13 @@ def build(
 ) -> ContactProblem:
     """Unilateral contacts from the blocks of their ends, softness relative to W."""
     count, size = len(contacts), len(y0)
-    kinds, parameters = np.zeros((count, 2), np.int64), np.zeros((count, PARAMETERS))
+    kinds, parameters = records(RowKind, count), records(RowParameters, count)
     ends, blocks, N = (
         np.zeros((count, 4), np.int64),
         np.full((count, 36), np.nan),
         np.zeros((3 * count, size)),
     )
-    kinds[:, 0], parameters[:, FRICTION] = UNILATERAL, mu
+    kinds["kind"], parameters["friction"] = UNILATERAL, mu
     for c, parts in enumerate(contacts):
         for end, (first, block) in enumerate(parts):
             width = block.shape[1]
@@ -126,8 +131,8 @@ def build(
             blocks[c, 18 * end : 18 * end + 18].reshape(3, 6)[:, :width] = block
             N[3 * c : 3 * c + 3, first : first + width] += block
     d = (N @ B @ N.T).diagonal().reshape(-1, 3)
-    parameters[:, SOFTNESS] = softness * d[:, 0]
-    parameters[:, SOFTNESS + 1] = parameters[:, SOFTNESS + 2] = softness * d[:, 1:].mean(axis=1)
+    parameters["softness"][:, 0] = softness * d[:, 0]
+    parameters["softness"][:, 1] = parameters["softness"][:, 2] = softness * d[:, 1:].mean(axis=1)
     return ContactProblem(kinds, parameters, ends, blocks, y0, B, N)
 
 
@@ -213,9 +218,9 @@ def wedged(rng: np.random.Generator) -> ContactProblem:
         contacts.append(parts)
     problem = build(contacts, rng.normal(size=6 * bodies), B, 10.0 ** rng.uniform(-2.0, 0.3))
     if rng.random() < 0.3:
-        problem.parameters[:, FRICTION] = rng.uniform(0.0, 1.5, count)
+        problem.parameters["friction"] = rng.uniform(0.0, 1.5, count)
     if rng.random() < 0.3:
-        problem.parameters[:, TARGET] = 0.3 * rng.normal(size=count)
+        problem.parameters["target"][:, 0] = 0.3 * rng.normal(size=count)
     return problem
 
 
@@ -239,7 +244,7 @@ def tank_in_hull(
     y0[3:6] = 0.002 * rng.normal(size=3)
     problem = build(contacts, y0, B, 0.3)
     weight = 1.0 / (1.0 + 4.0 * damping / h)
-    problem.parameters[:, SOFTNESS] = 4.0 * weight / (stiffness * h * h)
-    problem.parameters[:, SOFTNESS + 1 : SOFTNESS + 3] = 1.5 * problem.parameters[:, SOFTNESS : SOFTNESS + 1]
-    problem.parameters[:, TARGET] = np.where(gaps > 0.0, -gaps / h, -4.0 * weight / h * gaps)
+    problem.parameters["softness"][:, 0] = 4.0 * weight / (stiffness * h * h)
+    problem.parameters["softness"][:, 1:3] = 1.5 * problem.parameters["softness"][:, :1]
+    problem.parameters["target"][:, 0] = np.where(gaps > 0.0, -gaps / h, -4.0 * weight / h * gaps)
     return problem

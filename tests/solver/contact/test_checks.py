@@ -11,7 +11,7 @@ import pytest
 from heavylift.contours.neutral import neutral_curve, neutral_surface
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.contact.check_start import check_places
-from heavylift.solver.contact.kind import GAP, LOST, SEARCH, TOO_DEEP
+from heavylift.solver.contact.kind import LOST, TOO_DEEP
 from heavylift.solver.contacts import (
     BilateralLaw,
     BoxShape,
@@ -134,7 +134,7 @@ def test_surface_has_neither_radius_nor_width() -> None:
 def placed(gap: float, search: float = 0.0, **contact: Any) -> None:
     """Check a contact that has been located."""
     contacts = pack(**contact).systems[1]
-    contacts.state[0, GAP], contacts.state[0, SEARCH] = gap, search
+    contacts.state[0].gap, contacts.state[0].search = gap, search
     check_places(contacts, ["touch"])
 
 
@@ -155,7 +155,7 @@ def test_start_deeper_than_the_rounding_is_refused() -> None:
 
 def test_start_off_the_rail_is_refused() -> None:
     contacts = pack(RAIL, law=BilateralLaw()).systems[1]
-    contacts.state[0, GAP] = 0.1
+    contacts.state[0].gap = 0.1
     with pytest.raises(InputError, match=r"touch: point: starts 0\.1 m off its contour"):
         check_places(contacts, ["touch"])
 

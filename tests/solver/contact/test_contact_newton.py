@@ -14,17 +14,9 @@ from heavylift.solver.contact.layout import (
     BILATERAL,
     COMPLIANT,
     CURVE,
-    DEPTH,
-    EXPONENT,
-    FRICTION,
     HERTZ,
     INACTIVE,
     NORMAL_GIVEN,
-    OFFSET,
-    SOFTNESS,
-    STEP,
-    STIFFNESS,
-    TARGET,
 )
 from heavylift.solver.contact.newton import FAILED
 
@@ -40,8 +32,8 @@ def points(rng, count, mu, size=None, softness=1e-3):
 
 def candidates_of_one(problem):
     """All solutions of one contact: open, stick, and every slip whose direction is opposed by friction."""
-    w0, A = problem.N @ problem.y0, problem.W + np.diag(problem.parameters[0, SOFTNESS : SOFTNESS + 3])
-    mu = problem.parameters[0, FRICTION]
+    w0, A = problem.N @ problem.y0, problem.W + np.diag(problem.parameters[0].softness)
+    mu = problem.parameters[0].friction
     if w0[0] >= 0.0:
         yield np.zeros(3)
     p = np.linalg.solve(A, -w0)
@@ -82,7 +74,7 @@ def test_one_contact_against_enumeration(form):
             "open"
             if P[0] == 0.0
             else "slip"
-            if np.hypot(*P[1:]) > 0.999999 * problem.parameters[0, 0] * P[0]
+            if np.hypot(*P[1:]) > 0.999999 * problem.parameters[0].friction * P[0]
             else "stick"
         )
     assert states == {"open", "stick", "slip"}
@@ -98,7 +90,7 @@ def test_two_contacts_in_a_plane_against_enumeration():
             problem.B[i, i] = 1.0
         _, _, _, p, _ = problem.solve()
         mu, w0 = 0.4, problem.N @ problem.y0
-        A = problem.W + np.diag(problem.parameters[:, SOFTNESS : SOFTNESS + 3].ravel())
+        A = problem.W + np.diag(problem.parameters["softness"].ravel())
         found = []
         for states in itertools.product(("open", "stick", -1.0, 1.0), repeat=2):
             system, right = np.eye(6), np.zeros(6)
@@ -133,7 +125,7 @@ def test_redundant_contacts_without_friction_are_a_least_squares_problem():
         rng = np.random.default_rng(seed)
         problem = problems.stack(5, rng, 0.1, mu=0.0)
         softness = 1e-5 * problem.W.diagonal()[0]
-        problem.parameters[:, SOFTNESS] = softness
+        problem.parameters["softness"][:, 0] = softness
         N, L = problem.N[0::3], np.linalg.cholesky(problem.B)
         A = np.vstack([L.T @ N.T, np.sqrt(softness) * np.eye(problem.count)])
         expected, _ = nnls(A, np.concatenate([-np.linalg.solve(L, problem.y0), np.zeros(problem.count)]))
@@ -228,7 +220,7 @@ def checked(problem, form="solve", start=None):
     status, iterations, residual, p, w = getattr(problem, form)(start)
     assert status != FAILED
     assert residual <= 1e-10
-    mu, P = problem.parameters[:, FRICTION], p + problem.parameters[:, OFFSET : OFFSET + 3]
+    mu, P = problem.parameters["friction"], p + problem.parameters["offset"]
     assert P[:, 0].min() >= -1e-12 * np.abs(P).max()
     assert np.all(np.hypot(P[:, 1], P[:, 2]) <= mu * P[:, 0] * (1.0 + 1e-9) + 1e-15 * np.abs(P).max())
     rounding = np.abs(p * problem.W.diagonal().reshape(-1, 3)).max() / max(
@@ -251,7 +243,7 @@ def test_random_problems(family):
         problem = make(np.random.default_rng([7, seed]))
         _, _, p, w = checked(problem)
         slips = (p[:, 0] > 0.0) & (
-            np.hypot(p[:, 1], p[:, 2]) > problem.parameters[:, FRICTION] * p[:, 0] * (1 - 1e-9)
+            np.hypot(p[:, 1], p[:, 2]) > problem.parameters["friction"] * p[:, 0] * (1 - 1e-9)
         )
         mixed += bool(np.any(slips) and np.any(~slips & (p[:, 0] > 0.0)))
         work = np.sum(p[:, 1:] * w[:, 1:], axis=1)
@@ -269,8 +261,8 @@ def test_ten_thousand_random_problems(family):
 def test_both_forms_agree_and_repeat():
     for seed in range(20):
         problem = problems.resting(np.random.default_rng([5, seed]), 6)
-        problem.parameters[:, SOFTNESS : SOFTNESS + 3] *= 1e4  # one solution
-        problem.parameters[:, FRICTION] = 0.2
+        problem.parameters["softness"] *= 1e4  # one solution
+        problem.parameters["friction"] = 0.2
         first, second, third = problem.solve(), problem.solve_rows(), problem.solve()
         assert np.array_equal(first[3], third[3])
         np.testing.assert_allclose(first[3], second[3], rtol=1e-7, atol=1e-8 * np.abs(first[3]).max())
@@ -297,11 +289,11 @@ def test_offsets_are_impulses_given_before():
     for seed in range(30):  # w + S p - b as a function of P = p + o stays the same
         rng = np.random.default_rng([9, seed])
         problem = problems.resting(rng, 5)
-        problem.parameters[:, SOFTNESS : SOFTNESS + 3] *= 1e4
+        problem.parameters["softness"] *= 1e4
         _, _, _, plain, _ = problem.solve()
         offset = rng.uniform(0.0, 1.0, (5, 3)) * np.abs(plain).max()
-        problem.parameters[:, OFFSET : OFFSET + 3] = offset
-        problem.parameters[:, TARGET : TARGET + 3] -= problem.parameters[:, SOFTNESS : SOFTNESS + 3] * offset
+        problem.parameters["offset"] = offset
+        problem.parameters["target"] -= problem.parameters["softness"] * offset
         problem.y0 = problem.y0 + problem.B @ problem.N.T @ offset.ravel()
         _, _, _, rest, _ = problem.solve()
         np.testing.assert_allclose(rest + offset, plain, rtol=1e-6, atol=1e-6 * np.abs(plain).max())
@@ -311,7 +303,7 @@ def test_bilateral_contact_with_friction():
     B = np.diag([1.0, 1.0, 1.0]) / 2.0
     for pull in (-3.0, 3.0):  # holds both ways
         problem = problems.build([[(0, np.eye(3))]], np.array([pull, 4.0, 3.0]), B, 0.3, 1e-9)
-        problem.kinds[0, 0] = BILATERAL
+        problem.kinds[0].kind = BILATERAL
         for form in ("solve", "solve_rows"):
             _, _, _, p, w = getattr(problem, form)()
             assert p[0, 0] == pytest.approx(-2.0 * pull, rel=1e-8)
@@ -323,7 +315,7 @@ def test_bead_on_a_curve():
     B = np.eye(3) / 2.0
     for along, expected in ((4.0, -0.3 * 10.0), (1.0, -2.0)):  # slips, sticks
         problem = problems.build([[(0, np.eye(3))]], np.array([-3.0, 4.0, along]), B, 0.3, 1e-9)
-        problem.kinds[0, 0] = CURVE
+        problem.kinds[0].kind = CURVE
         for form in ("solve", "solve_rows"):
             status, _, _, p, w = getattr(problem, form)()
             assert status == 0
@@ -337,7 +329,8 @@ def test_compliant_contact_is_the_mean_force(mu):
     for d0, speed in ((1e-3, 1.0), (-2e-4, 1.0), (1e-3, -3.0), (-1e-3, 0.1)):
         problem = problems.build([[(0, np.eye(3))]], np.array([-speed, 0.5, 0.0]), np.eye(3) / mass, mu, 1e-9)
         problem.kinds[0] = COMPLIANT, HERTZ
-        problem.parameters[0, [STIFFNESS, EXPONENT, DEPTH, STEP]] = k, 1.5, d0, h
+        told = problem.parameters[0]
+        told.stiffness, told.exponent, told.depth, told.step = k, 1.5, d0, h
         _, _, _, p, w = problem.solve()
         force = mean_normal_force(HERTZ, k, 1.5, 0.0, d0, d0 - h * w[0, 0], h)[1]
         assert p[0, 0] == pytest.approx(0.5 * h * force, rel=1e-12, abs=1e-15)
@@ -349,8 +342,8 @@ def test_given_normal_impulse_and_inactive_contacts():
     problem = problems.build(
         [[(0, np.eye(3))], [(3, np.eye(3))]], np.array([-1.0, 4.0, 3.0] * 2), np.eye(6), 0.5, 1e-9
     )
-    problem.kinds[:, 0] = NORMAL_GIVEN, INACTIVE
-    problem.parameters[:, OFFSET] = 2.0
+    problem.kinds["kind"] = NORMAL_GIVEN, INACTIVE
+    problem.parameters["offset"][:, 0] = 2.0
     for form in ("solve", "solve_rows"):
         _, _, _, p, w = getattr(problem, form)(np.ones((2, 3)))
         np.testing.assert_allclose(p[0], [0.0, -0.8, -0.6], rtol=1e-9, atol=1e-15)

@@ -9,8 +9,7 @@ from heavylift.contours.feature_gap import EDGE_EDGE
 from heavylift.numerics.jit import kernel
 from heavylift.preprocess.surfaces import TriangleSurface
 from heavylift.solver.collisions import Collision, CollisionSurface
-from heavylift.solver.contact import kind, mesh_kind
-from heavylift.solver.contact.counts import set_number
+from heavylift.solver.contact import kind
 from heavylift.solver.contact.mesh_handover import book_jump, goes_on
 from heavylift.solver.contacts import LinearLaw
 from heavylift.solver.layout import pack_scene
@@ -41,14 +40,14 @@ def book_kernel(contacts, gap):
 
 @kernel
 def count_kernel(contacts, count):
-    set_number(contacts, kind.COUNT, count)
+    contacts.counts.total = count
 
 
 def rows(surfaces, segments: np.ndarray) -> list[int]:
     """Numbers of segments among the edges of all surfaces."""
     found = []
     for segment in segments:
-        ends = surfaces.points[surfaces.edges[:, :2]]
+        ends = surfaces.points[surfaces.edges["ends"]]
         same = np.abs(ends - segment).max(axis=(1, 2)) < 1e-12
         same |= np.abs(ends[:, ::-1] - segment).max(axis=(1, 2)) < 1e-12
         found.append(int(np.flatnonzero(same)[0]))
@@ -57,7 +56,7 @@ def rows(surfaces, segments: np.ndarray) -> list[int]:
 
 def upwards(surfaces, first: int, second: int) -> float:
     """Side with which the common normal of two edges points up."""
-    a, b = (np.diff(surfaces.points[surfaces.edges[e, :2]], axis=0)[0] for e in (first, second))
+    a, b = (np.diff(surfaces.points[surfaces.edges[e].ends], axis=0)[0] for e in (first, second))
     return float(np.sign(np.cross(a, b)[2]))
 
 
@@ -78,25 +77,24 @@ def touched():
     contacts = pack_scene(scene).systems[1]
     (meshes,) = contacts.meshes
     count_kernel(contacts, 1)
-    for pose in (contacts.poses[meshes.pairs[0, mesh_kind.FIRST_POSE]], meshes.relative[0]):
-        pose[:12] = [*np.eye(3).ravel(), 0.0, 0.0, 0.0]
+    first_pose = contacts.poses[meshes.pairs[0].poses[0]]
+    for pose in (first_pose, meshes.relative[0]):
+        pose.rotation[:], pose.origin[:] = np.eye(3).ravel(), 0.0
     (rail_edge,) = rows(meshes.surfaces, RAIL[None])
     edges = rows(meshes.surfaces, BARS)
     for i, edge in enumerate(edges[1:]):
-        meshes.found[i, :3] = EDGE_EDGE, rail_edge, edge
-        meshes.found_values[i, mesh_kind.FOUND_SIDE] = upwards(meshes.surfaces, rail_edge, edge)
+        found = meshes.found.contacts[i]
+        found.kind, found.first, found.second = EDGE_EDGE, rail_edge, edge
+        found.side = upwards(meshes.surfaces, rail_edge, edge)
     state = contacts.state[0]
-    state[kind.FEATURES], state[kind.FEATURE], state[kind.OTHER_FEATURE] = EDGE_EDGE, rail_edge, edges[0]
-    state[kind.SIDE] = upwards(meshes.surfaces, rail_edge, edges[0])
-    state[kind.GAP] = state[kind.END_GAP] = -DEPTH
-    state[kind.BESIDE], state[kind.PRESENT] = BEYOND, 1.0
-    state[kind.NORMAL : kind.NORMAL + 3] = 0.0, 0.0, 1.0
-    state[kind.TOUCHED : kind.TOUCHED + 3] = 0.2, 0.0, -0.5 * DEPTH
-    contacts.table[0, kind.LAW], contacts.table[0, kind.FORCE_LAW] = (
-        kind.COMPLIANT,
-        meshes.pairs[0, mesh_kind.PAIR_FORCE_LAW],
-    )
-    contacts.values[0] = meshes.pair_values[0, : contacts.values.shape[1]]
+    state.feature_kind, state.feature, state.other_feature = EDGE_EDGE, rail_edge, edges[0]
+    state.side = upwards(meshes.surfaces, rail_edge, edges[0])
+    state.gap = state.end_gap = -DEPTH
+    state.beside, state.present = BEYOND, True
+    state.normal[:] = 0.0, 0.0, 1.0
+    state.touched[:] = 0.2, 0.0, -0.5 * DEPTH
+    contacts.table[0].law, contacts.table[0].force_law = (kind.COMPLIANT, meshes.pairs[0].force_law)
+    contacts.values[0] = meshes.pair_values[0]
     return meshes, contacts
 
 
@@ -104,8 +102,8 @@ def touched():
 def test_a_contact_goes_on_with_the_neighbour_beyond_its_border(touched, turned):
     """On the side it was on, whichever side was found."""
     meshes, contacts = touched
-    side = meshes.found_values[0, mesh_kind.FOUND_SIDE]
-    meshes.found_values[0, mesh_kind.FOUND_SIDE] = turned * side
+    side = meshes.found.contacts[0].side
+    meshes.found.contacts[0].side = turned * side
     assert follow_kernel(meshes, contacts, 0, 1e-6) == (0, side)
 
 
@@ -122,21 +120,21 @@ def test_a_contact_does_not_go_on_where_another_one_touches(touched):
 def test_a_contact_that_has_not_left_stays(touched):
     """And one that does not hold has no memory to hand over."""
     meshes, contacts = touched
-    contacts.state[0, kind.BESIDE] = 0.0
+    contacts.state[0].beside = 0.0
     assert follow_kernel(meshes, contacts, 0, 1e-6)[0] == -1
-    contacts.state[0, kind.BESIDE], contacts.state[0, kind.GAP] = BEYOND, DEPTH
+    contacts.state[0].beside, contacts.state[0].gap = BEYOND, DEPTH
     assert follow_kernel(meshes, contacts, 0, 1e-6)[0] == -1
 
 
-@pytest.mark.parametrize(("present", "share"), [(1.0, 1.0), (0.0, 0.0)])
+@pytest.mark.parametrize(("present", "share"), [(True, 1.0), (False, 0.0)])
 def test_a_jump_of_the_gap_costs_the_difference_of_the_stored_energies(touched, present, share):
     """``k d^2 / 2`` before and after; what took no part in the step has not stored it."""
     _, contacts = touched
     state = contacts.state[0]
-    state[kind.PRESENT] = present
+    state.present = present
     book_kernel(contacts, -3.0 * DEPTH)
     lost = share * 0.5 * STIFFNESS * (9.0 - 1.0) * DEPTH**2
-    assert np.isclose(state[kind.LOSS], lost, rtol=1e-14, atol=0.0)
-    state[kind.END_GAP] = 1.0
+    assert np.isclose(state.loss, lost, rtol=1e-14, atol=0.0)
+    state.end_gap = 1.0
     book_kernel(contacts, -DEPTH)
-    assert np.isclose(state[kind.LOSS], lost + share * 0.5 * STIFFNESS * DEPTH**2, rtol=1e-14, atol=0.0)
+    assert np.isclose(state.loss, lost + share * 0.5 * STIFFNESS * DEPTH**2, rtol=1e-14, atol=0.0)

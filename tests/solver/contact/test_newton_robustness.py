@@ -9,14 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from heavylift.solver.contact.layout import (
     COMPLIANT,
-    DAMPING,
-    DEPTH,
-    FRICTION,
     LINEAR,
-    SOFTNESS,
-    STEP,
-    STIFFNESS,
-    TARGET,
 )
 
 pytestmark = pytest.mark.slow
@@ -35,9 +28,9 @@ def solved(problem, start=None):
 
 def sweeps(problem, most=20_000):
     """Impulses by projected Gauss-Seidel sweeps on the full matrix: slow, and nothing but the laws."""
-    mu = problem.parameters[:, FRICTION]
-    A = problem.W + np.diag(problem.parameters[:, SOFTNESS : SOFTNESS + 3].ravel())
-    q = problem.N @ problem.y0 - problem.parameters[:, TARGET : TARGET + 3].ravel()
+    mu = problem.parameters["friction"]
+    A = problem.W + np.diag(problem.parameters["softness"].ravel())
+    q = problem.N @ problem.y0 - problem.parameters["target"].ravel()
     sizes = [np.linalg.norm(A[i + 1 : i + 3, i + 1 : i + 3], 2) for i in range(0, len(q), 3)]
     p = np.zeros(len(q))
     for _ in range(most):
@@ -55,7 +48,7 @@ def sweeps(problem, most=20_000):
 def soften(problem, softness=0.03):
     """Softness relative to W, for one solution only and sweeps that come to an end."""
     d = problem.W.diagonal().reshape(-1, 3)
-    problem.parameters[:, SOFTNESS : SOFTNESS + 3] = softness * d.mean(axis=1)[:, None]
+    problem.parameters["softness"] = softness * d.mean(axis=1)[:, None]
     return problem
 
 
@@ -135,8 +128,8 @@ def test_pressure_of_600_coplanar_contacts_is_linear():
     B = problems.inverse_masses(np.array([mass]), half)
     contacts = [[(0, problems.rows_at(problems.UP, arm))] for arm in arms]
     problem = problems.build(contacts, y0, B, 0.0, 1e-4)
-    S = problem.parameters[0, SOFTNESS]
-    problem.parameters[:, SOFTNESS] = S
+    S = problem.parameters[0].softness[0]
+    problem.parameters["softness"][:, 0] = S
     p, w = solved(problem)
     assert p[:, 0].min() > 0.0
     # p = -w / S, and w is linear in x and y: velocities from three balances
@@ -263,10 +256,11 @@ def test_patch_with_elastic_slip_on_an_incline(part, h):
             [[(0, np.eye(3))]] * members, v + 0.5 * h * weight / mass, np.eye(3) / mass, mu
         )
         problem.kinds[:] = COMPLIANT, LINEAR
-        problem.parameters[:, [STIFFNESS, DAMPING, STEP]] = normal, 0.1 * normal, h
-        problem.parameters[:, DEPTH] = depth
-        problem.parameters[:, SOFTNESS + 1 : SOFTNESS + 3] = S
-        problem.parameters[:, TARGET + 1 : TARGET + 3] = -S * 0.5 * h * tangent * s
+        told = problem.parameters
+        told["stiffness"], told["damping"], told["step"] = normal, 0.1 * normal, h
+        problem.parameters["depth"] = depth
+        problem.parameters["softness"][:, 1:3] = S
+        problem.parameters["target"][:, 1:3] = -S * 0.5 * h * tangent * s
         status, _, _, p, w = problem.solve()
         assert status >= 0
         v, x, depth = 2.0 * w[0] - v, x + h * w[0], depth - h * w[:, 0]

@@ -13,24 +13,15 @@ from heavylift.contours.sampling import evaluate_contour
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.contact.kind import (
-    AT_U,
-    AT_V,
-    CLOSED,
-    FAILED,
     FOUND,
     LOST,
-    POINTS_AT,
-    PRESENT,
-    SEARCH,
     TOO_DEEP,
-    U_COUNT,
-    V_COUNT,
     ContactRows,
 )
 from heavylift.solver.contact.search_end import judge_searches, note_search
 from heavylift.solver.contact.search_start import start_at_point
 from heavylift.solver.contacts import BoxShape, Contact, Contour, LinearLaw, SphereShape
-from heavylift.solver.interface import STATUS_BLOCK, STATUS_OUTCOME, Workspace
+from heavylift.solver.interface import Workspace
 from heavylift.solver.layout import Layout, pack_scene
 from heavylift.solver.scene import RigidBody, Scene
 from heavylift.solver.stop_message import stop_message
@@ -101,7 +92,7 @@ def test_samples_lie_on_their_contours(both: tuple[tuple[Contour, ...], Layout])
     samples = layout.systems[1].samples
     for contour, grid in zip(contours, samples.grids, strict=True):
         assert contour.neutral is not None
-        first, a, second, b, at = map(int, grid)
+        first, a, second, b, at = map(int, grid.tolist())
         u, v = samples.parameters[first : first + a], samples.parameters[second : second + b]
         pairs = np.stack(np.meshgrid(u, v, indexing="ij"), axis=2).reshape(-1, 2)[
             :, : len(contour.neutral.spaces)
@@ -113,8 +104,8 @@ def test_samples_lie_on_their_contours(both: tuple[tuple[Contour, ...], Layout])
 def test_contours_that_stand_still_have_samples_of_their_own() -> None:
     """The first three rows are those of contours that deform."""
     samples = pack(waves(), circle()).systems[1].samples
-    assert list(samples.grids[:, POINTS_AT]) == [3, 6]
-    assert samples.points.shape == (9, int((samples.grids[:, U_COUNT] * samples.grids[:, V_COUNT]).max()))
+    assert list(samples.grids["points"]) == [3, 6]
+    assert samples.points.shape == (9, int((samples.grids["count_u"] * samples.grids["count_v"]).max()))
 
 
 def cloud(contour: Contour) -> Array:
@@ -137,7 +128,7 @@ def test_start_is_the_nearest_of_several_minima(both: tuple[tuple[Contour, ...],
         for _ in range(12):
             point = random.uniform([-1.2, -1.2, -0.5], [1.2, 1.2, 0.8])
             start_at(contacts, c, *point)
-            at = contacts.state[c, [AT_U, AT_V]][: len(contour.neutral.spaces)]
+            at = np.array([contacts.state[c].u, contacts.state[c].v])[: len(contour.neutral.spaces)]
             found = evaluate_contour(contour.neutral, at[None, :]).reshape(1, -1)[0, :3]
             wanted = np.linalg.norm(points - point, axis=1).min()
             assert wanted - 1e-3 < np.linalg.norm(found - point) < wanted + 1e-9
@@ -147,37 +138,38 @@ def test_search_that_finds_nothing_leaves_the_last_place(both: tuple[tuple[Conto
     """Counted if open; of a closed contact the step is not good."""
     contours, layout = both
     contacts, work = layout.systems[1], layout.work
-    contacts.state[0, [AT_U, AT_V]] = 0.3, 0.6
+    contacts.state[0].u, contacts.state[0].v = 0.3, 0.6
     note(contacts, 0, LOST)
     assert contours[0].neutral is not None
     wanted = evaluate_contour(contours[0].neutral, np.array([[0.3, 0.6]])).reshape(1, -1)[0, :3]
-    np.testing.assert_allclose(contacts.scratch[:3], wanted, atol=1e-13)
-    assert contacts.state[0, SEARCH] == LOST
-    contacts.state[0, CLOSED] = contacts.state[0, FAILED] = 0.0
+    np.testing.assert_allclose(contacts.scratch.result.position, wanted, atol=1e-13)
+    assert contacts.state[0].search == LOST
+    contacts.state[0].closed, contacts.state[0].failures = False, 0
     judge(contacts, True, work)
-    assert contacts.state[0, FAILED] == 1.0
-    assert contacts.state[0, SEARCH] == FOUND
-    assert work.status[STATUS_OUTCOME] == 0
-    contacts.state[0, [SEARCH, CLOSED, PRESENT]] = LOST, 1.0, 1.0
+    assert contacts.state[0].failures == 1
+    assert contacts.state[0].search == FOUND
+    assert work.status.outcome == 0
+    state = contacts.state[0]
+    state.search, state.closed, state.present = LOST, True, True
     judge(contacts, False, work)
-    assert contacts.state[0, FAILED] == 2.0
-    assert work.status[STATUS_OUTCOME] == Outcome.NOT_CONVERGED
-    contacts.state[0, [CLOSED, PRESENT]] = 0.0
-    work.status[:] = 0
+    assert contacts.state[0].failures == 2
+    assert work.status.outcome == Outcome.NOT_CONVERGED
+    state.closed = state.present = False
+    work.status.words[:] = 0.0
 
 
 def test_stop_names_the_contact_and_what_is_wrong() -> None:
     layout = pack(waves(), shape=BoxShape(np.array([0.1, 0.1, 0.1]), 0.01))
     contacts, work = layout.systems[1], layout.work
-    contacts.state[0, SEARCH] = TOO_DEEP
+    contacts.state[0].search = TOO_DEEP
     judge(contacts, False, work)
-    assert work.status[STATUS_OUTCOME] == 0, "in the middle of a step it may still be pushed out"
+    assert work.status.outcome == 0, "in the middle of a step it may still be pushed out"
     judge(contacts, True, work)
-    assert work.status[STATUS_OUTCOME] == Outcome.NOT_CONVERGED
-    assert layout.block_names[work.status[STATUS_BLOCK]] == "on waves"
+    assert work.status.outcome == Outcome.NOT_CONVERGED
+    assert layout.block_names[work.status.block] == "on waves"
     text = stop_message(layout, "t = 1 s")
     assert "contact 'on waves'" in text
     assert "larger radius" in text
     assert "deeper inside its contour than its rounding" in text
-    contacts.state[0, SEARCH] = FOUND
+    contacts.state[0].search = FOUND
     assert "smaller step" in stop_message(layout, "t = 1 s")

@@ -95,10 +95,10 @@ def test_distance_of_the_start_is_kept_if_none_is_given() -> None:
     frames = start_frames(joint, [thing])
     kind = joint_module(joint).pack([joint], [JointPlace(0, 0, frames)], MarkerBook())
     np.testing.assert_allclose(
-        kind.lengths, 5.0, rtol=1e-14
+        kind.table["length"], 5.0, rtol=1e-14
     )  # half a turn about z: from (0, 0, 5) to the ground
     kind = joint_module(joint).pack([closed("distance")], [JointPlace(0, 0, frames)], MarkerBook())
-    np.testing.assert_allclose(kind.lengths, LENGTH)
+    np.testing.assert_allclose(kind.table["length"], LENGTH)
 
 
 def test_driven_body_holds_a_joint_where_its_drive_starts() -> None:

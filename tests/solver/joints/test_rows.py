@@ -11,7 +11,6 @@ from joint_scenes import CLOSED, RESIDUALS, SLIDE_AXIS, Pose, angle, make_joint,
 from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.rigid import ORIENTATION, POSITION, SPIN, VELOCITY
 from heavylift.solver.connections import JointFrame
 from heavylift.solver.integrate.loop import start_scene
 from heavylift.solver.interface import (
@@ -24,7 +23,6 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.joints.registry import joint_module
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.rows import PANEL, REACTION, RESIDUAL, ROW_COLUMNS, TARGET
 from heavylift.solver.scene import RigidBody, Scene
 
 NAMES = sorted(RESIDUALS)
@@ -91,26 +89,24 @@ class Model:
             point = np.array([0.0, 0.0, profile(TIME)])
         a, _ = self.frames(name, np.zeros(12), 0.0)
         R = a.axes @ turn(rotation) @ joint.frame_b.axes.T
-        self.state[1, POSITION : POSITION + 3] = a.point + a.axes @ point - R @ joint.frame_b.point
-        self.state[1, ORIENTATION : ORIENTATION + 4] = Rotation.from_matrix(R).as_quat(scalar_first=True)
+        self.state[1].position[:] = a.point + a.axes @ point - R @ joint.frame_b.point
+        self.state[1].orientation[:] = Rotation.from_matrix(R).as_quat(scalar_first=True)
 
     def place(self, rng: np.random.Generator) -> None:
         """Both bodies anywhere, moving anyhow."""
-        self.state[:, POSITION : POSITION + 3] = rng.normal(size=(2, 3))
-        self.state[:, ORIENTATION : ORIENTATION + 4] = Rotation.random(2, rng=rng).as_quat(scalar_first=True)
-        self.state[:, VELOCITY : VELOCITY + 3] = rng.normal(size=(2, 3))
-        self.state[:, SPIN : SPIN + 3] = rng.normal(size=(2, 3))
+        self.state["position"] = rng.normal(size=(2, 3))
+        self.state["orientation"] = Rotation.random(2, rng=rng).as_quat(scalar_first=True)
+        self.state["velocity"] = rng.normal(size=(2, 3))
+        self.state["spin"] = rng.normal(size=(2, 3))
 
     def frames(self, name: str, motion: np.ndarray, time: float) -> tuple[Pose, Pose]:
         """Joint frames after the bodies moved for a while with constant velocities, shape (12,)."""
         sides = []
         joint = self.joints[name]
         for body, frame in enumerate((joint.frame_a, joint.frame_b)):
-            R0 = Rotation.from_quat(
-                self.state[body, ORIENTATION : ORIENTATION + 4], scalar_first=True
-            ).as_matrix()
+            R0 = Rotation.from_quat(self.state[body].orientation, scalar_first=True).as_matrix()
             R = R0 @ turn(time * motion[6 * body + 3 : 6 * body + 6])
-            x = self.state[body, POSITION : POSITION + 3] + time * motion[6 * body : 6 * body + 3]
+            x = self.state[body].position + time * motion[6 * body : 6 * body + 3]
             # the bodies of this scene have their centre of mass in the origin and principal axes along their own
             sides.append(Pose(x + R @ frame.point, R @ frame.axes))
         return sides[0], sides[1]
@@ -119,18 +115,16 @@ class Model:
         """Independent residual a while after `TIME`."""
         return np.array(RESIDUALS[name](*self.frames(name, motion, time), TIME + time))
 
-    def column(self, name: str, column: int) -> np.ndarray:
+    def column(self, name: str, field: str) -> np.ndarray:
         """One vector of the rows of a joint, a view."""
-        lanes = len(self.system.shape[1])
-        begin = (self.blocks[name] * ROW_COLUMNS + column) * lanes
-        return self.system.rows[begin : begin + COUNTS[name]]
+        return self.system.rows[field][self.blocks[name], : COUNTS[name]]
 
     def rows(self, name: str) -> np.ndarray:
         """Jacobian over the velocities of both bodies, shape (rows, 12)."""
         lanes = len(self.system.shape[1])
         sides = []
         for side in (0, 1):
-            begin = self.system.attachments[2 * self.blocks[name] + side, PANEL]
+            begin = self.system.attachments[2 * self.blocks[name] + side].panel
             sides.append(self.system.panels[begin : begin + 6 * lanes].reshape(6, lanes))
         return np.vstack(sides).T[: COUNTS[name]]
 
@@ -148,7 +142,7 @@ class Model:
     @property
     def velocity(self) -> np.ndarray:
         """Velocities of both bodies, shape (12,)."""
-        return np.concatenate([[*s[VELOCITY : VELOCITY + 3], *s[SPIN : SPIN + 3]] for s in self.state])
+        return np.concatenate([[*s.velocity, *s.spin] for s in self.state])
 
 
 @pytest.fixture(scope="module")
@@ -178,7 +172,7 @@ def test_residual_and_rows_are_those_of_the_geometry(model: Model, name: str, se
     model.place(np.random.default_rng(seed))
     model.evaluate()
     here = model.residual(name, np.zeros(12), 0.0)
-    np.testing.assert_allclose(model.column(name, RESIDUAL), here, atol=1e-13)
+    np.testing.assert_allclose(model.column(name, "residual"), here, atol=1e-13)
     assert len(here) == COUNTS[name]
     h, expected = 2e-4, np.empty((len(here), 12))
     for k, direction in enumerate(np.eye(12)):
@@ -198,7 +192,7 @@ def test_targets_of_accelerations_are_second_derivatives(model: Model, name: str
     at = [model.residual(name, velocity, i * h) for i in (-2, -1, 0, 1, 2)]
     second = (-at[0] + 16 * at[1] - 30 * at[2] + 16 * at[3] - at[4]) / (12 * h * h)
     np.testing.assert_allclose(
-        model.column(name, TARGET), -second, atol=2e-6 * max(1.0, np.abs(second).max())
+        model.column(name, "target"), -second, atol=2e-6 * max(1.0, np.abs(second).max())
     )
 
 
@@ -209,7 +203,7 @@ def test_rows_of_a_closed_joint_are_independent(model: Model, name: str, seed: i
     model.close(name, np.random.default_rng(seed))
     model.evaluate()
     np.testing.assert_allclose(model.residual(name, np.zeros(12), 0.0), 0.0, atol=1e-12)
-    np.testing.assert_allclose(model.column(name, RESIDUAL), 0.0, atol=1e-12)
+    np.testing.assert_allclose(model.column(name, "residual"), 0.0, atol=1e-12)
     values = np.linalg.svd(model.rows(name), compute_uv=False)
     assert len(values) == COUNTS[name]
     assert values[-1] > 1e-3 * values[0]
@@ -223,17 +217,15 @@ def test_reaction_is_the_wrench_of_the_rows(model: Model, name: str, seed: int) 
     model.close(name, rng)
     model.evaluate()
     rows = model.rows(name)
-    model.column(name, REACTION)[:] = rng.normal(size=len(rows))
-    generalised = model.column(name, REACTION) @ rows
+    model.column(name, "reaction")[:] = rng.normal(size=len(rows))
+    generalised = model.column(name, "reaction") @ rows
     record = model.record()
     column = next(c.column for c in model.layout.channels if c.name == f"{name}.reaction_force")
     force, moment = record[column : column + 3], record[column + 3 : column + 6]
     anchor = model.frames(name, np.zeros(12), 0.0)[1].point
     for body, sign in ((0, -1.0), (1, 1.0)):
-        R = Rotation.from_quat(
-            model.state[body, ORIENTATION : ORIENTATION + 4], scalar_first=True
-        ).as_matrix()
-        arm = anchor - model.state[body, POSITION : POSITION + 3]
+        R = Rotation.from_quat(model.state[body].orientation, scalar_first=True).as_matrix()
+        arm = anchor - model.state[body].position
         turned = R.T @ (moment + np.cross(arm, force))
         np.testing.assert_allclose(
             sign * np.concatenate([force, turned]), generalised[6 * body : 6 * body + 6], atol=1e-12
@@ -285,9 +277,9 @@ def test_driven_rows_aim_at_the_end_of_the_step(model: Model, name: str) -> None
     rate = (profile(TIME - 2 * h) - 8 * profile(TIME - h) + 8 * profile(TIME + h) - profile(TIME + 2 * h)) / (
         12 * h
     )
-    np.testing.assert_allclose(model.column(name, TARGET)[5], rate, atol=1e-9)
-    model.column(name, TARGET)[:] = 0.0
+    np.testing.assert_allclose(model.column(name, "target")[5], rate, atol=1e-9)
+    model.column(name, "target")[:] = 0.0
     model.evaluate(at_midpoint=True)
-    assert model.column(name, TARGET)[5] == pytest.approx(
+    assert model.column(name, "target")[5] == pytest.approx(
         (profile(TIME + 0.1) - profile(TIME)) / 0.1, abs=1e-12
     )

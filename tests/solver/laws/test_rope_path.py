@@ -7,13 +7,21 @@ import math
 import numpy as np
 import pytest
 
-from heavylift.solver.joints.rope_path import GRADIENT_WIDTH, START_WRAP, path_length
+from heavylift.numerics.records import records
+from heavylift.solver.joints.rope_path import START_WRAP, PlaceGradient, RopePlace, path_length
+
+
+def length_and_gradient(places: np.ndarray, wraps: np.ndarray) -> tuple[float, np.ndarray]:
+    """Of places with rows of centre, axis and radius; the gradient by centre and axis."""
+    path, gradient = records(RopePlace, len(places)), records(PlaceGradient, len(places))
+    path.view(np.float64)[:] = places.ravel()
+    found = path_length(path, gradient, wraps)
+    return found, gradient.view(np.float64).reshape(-1, 6)
 
 
 def length(places: np.ndarray, wraps: np.ndarray | None = None) -> float:
-    count = len(places)
-    wraps = np.full(count, START_WRAP) if wraps is None else wraps.copy()
-    return path_length(places, np.zeros((count, GRADIENT_WIDTH)), wraps)
+    wraps = np.full(len(places), START_WRAP) if wraps is None else wraps.copy()
+    return length_and_gradient(places, wraps)[0]
 
 
 def place(
@@ -73,8 +81,7 @@ def test_tangents_of_tilted_pulleys_are_square_to_both_radii() -> None:
     R = np.array([[math.cos(angle), -math.sin(angle), 0], [math.sin(angle), math.cos(angle), 0], [0, 0, 1.0]])
     turned[:, :3], turned[:, 3:6] = places[:, :3] @ R.T + 7.0, places[:, 3:6] @ R.T
     assert length(turned) == pytest.approx(length(places), rel=1e-14)
-    gradient = np.zeros((4, GRADIENT_WIDTH))
-    path_length(places, gradient, np.full(4, START_WRAP))
+    gradient = length_and_gradient(places, np.full(4, START_WRAP))[1]
     force, moment = (
         gradient[:, :3],
         np.cross(places[:, :3], gradient[:, :3]) + np.cross(places[:, 3:6], gradient[:, 3:]),
@@ -94,8 +101,8 @@ def test_gradient_by_differences(seed: int) -> None:
     axes = rng.normal(size=(count, 3))
     places[:, 3:6] = axes / np.linalg.norm(axes, axis=1)[:, None]
     places[1:-1, 6] = rng.uniform(0.1, 0.6, count - 2) * (rng.random(count - 2) < 0.8)
-    gradient, wraps = np.zeros((count, GRADIENT_WIDTH)), np.full(count, START_WRAP)
-    path_length(places, gradient, wraps)
+    wraps = np.full(count, START_WRAP)
+    gradient = length_and_gradient(places, wraps)[1]
     d = 2e-6
 
     def difference(change: np.ndarray) -> float:
@@ -126,5 +133,5 @@ def test_wrap_is_continuous_through_full_turns() -> None:
                 place((R * math.sin(angle), R * math.cos(angle), 0)),
             ]
         )
-        lengths.append(path_length(path, np.zeros((3, GRADIENT_WIDTH)), wraps))
+        lengths.append(length_and_gradient(path, wraps)[0])
     assert lengths[-1] - lengths[0] == pytest.approx(5.0 * math.pi * r, rel=1e-12)

@@ -9,16 +9,15 @@ import pytest
 from scipy.integrate import quad
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Records, records
 from heavylift.solver.marine.catenary import (
-    BRANCH,
     FAILED,
-    HORIZONTAL,
     RESTING,
     SLACK,
-    SPAN,
-    STATE_WIDTH,
     SUSPENDED,
-    VERTICAL,
+    LineData,
+    LineEnds,
+    LineState,
     solve_lines,
 )
 from heavylift.solver.marine.catenary_line import (
@@ -28,6 +27,7 @@ from heavylift.solver.marine.catenary_line import (
     line_profile,
     solve_catenary,
 )
+from heavylift.solver.marine.catenary_walk import SectionData
 from heavylift.solver.marine.moorings import LineSection
 
 # Table 3-21 of "Integrated simulation ... ships and offshore structures" (2018) read as 5 tonf, kgf/m and kN (EA) with
@@ -203,8 +203,8 @@ def test_ends_of_a_line_in_air_may_be_exchanged() -> None:
 
 def random_lines(
     count: int, seabed: bool, sections: int = 1
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Taut, nearly taut, ordinary and slack lines: sections, table, line, places."""
+) -> tuple[Records[SectionData], Records[LineData], np.ndarray]:
+    """Taut, nearly taut, ordinary and slack lines: sections, lines, places."""
     rng = np.random.default_rng(20)
     x, z = 10 ** rng.uniform(0, 3.3, count), rng.uniform(2, 500, count)
     if not seabed:
@@ -224,26 +224,25 @@ def random_lines(
     rows[:, :, 0] = length[:, None] * share
     rows[:, :, 1] = (10 ** rng.uniform(1, 4, count))[:, None] * rng.uniform(0.3, 1.7, (count, sections))
     rows[:, :, 2] = 10 ** -rng.uniform(6, 10, count)[:, None]
-    line = np.column_stack(
-        [
-            length,
-            (rows[:, :, 0] * rows[:, :, 1]).sum(1),
-            (rows[:, :, 0] * rows[:, :, 2]).sum(1),
-            np.zeros(count),
-        ]
-    )
-    first = np.arange(count) * sections
-    table = np.column_stack([first, np.full(count, sections), np.full(count, 0 if seabed else sections)])
-    return rows.reshape(-1, 4), table.astype(np.int64), line, np.column_stack([x, z])
+    lines = records(LineData, count)
+    lines["first"] = np.arange(count) * sections
+    lines["count"] = sections
+    lines["tail"] = 0 if seabed else sections
+    lines["length"] = length
+    lines["weight"] = (rows[:, :, 0] * rows[:, :, 1]).sum(1)
+    lines["stretch"] = (rows[:, :, 0] * rows[:, :, 2]).sum(1)
+    return records(SectionData, rows.reshape(-1, 4)), lines, np.column_stack([x, z])
 
 
 def solve(
-    problem: tuple[np.ndarray, ...], places: np.ndarray | None = None, state: np.ndarray | None = None
-) -> tuple[np.ndarray, np.ndarray]:
-    sections, table, line, start = problem
-    state = np.zeros((len(table), STATE_WIDTH)) if state is None else state.copy()
-    ends = np.zeros((len(table), 4))
-    solve_lines(sections, table, line, start if places is None else places, state, ends)
+    problem: tuple[Records[SectionData], Records[LineData], np.ndarray],
+    places: np.ndarray | None = None,
+    state: Records[LineState] | None = None,
+) -> tuple[Records[LineState], Records[LineEnds]]:
+    sections, lines, start = problem
+    state = records(LineState, len(lines)) if state is None else state.copy()
+    ends = records(LineEnds, len(lines))
+    solve_lines(sections, lines, start if places is None else places, state, ends)
     return state, ends
 
 
@@ -266,17 +265,18 @@ def test_random_lines(seabed: bool, sections: int) -> None:
     """Three thousand lines: none fails, all satisfy the textbook formulas, warm starts find the same."""
     problem = random_lines(3000, seabed, sections)
     state, _ = solve(problem)
-    branches = set(np.unique(state[:, BRANCH]))
+    branches = set(np.unique(state["branch"]))
     assert branches == ({SUSPENDED, RESTING, SLACK} if seabed else {SUSPENDED})
-    rows = problem[0].reshape(3000, sections, 4)
-    for i in np.flatnonzero(state[:, BRANCH] != SLACK):
-        found = textbook(rows[i], state[i, HORIZONTAL], state[i, VERTICAL], seabed)
-        assert found == pytest.approx(tuple(problem[3][i]), abs=2e-11 * problem[2][i, 0])
-    moved = problem[3] * (1 + 1e-2 * np.random.default_rng(1).standard_normal((3000, 2)))
+    rows = problem[0].view(np.float64).reshape(3000, sections, 4)
+    for i in np.flatnonzero(state["branch"] != SLACK):
+        found = textbook(rows[i], state[i].horizontal, state[i].vertical, seabed)
+        assert found == pytest.approx(tuple(problem[2][i]), abs=2e-11 * problem[1][i].length)
+    moved = problem[2] * (1 + 1e-2 * np.random.default_rng(1).standard_normal((3000, 2)))
     cold, warm = solve(problem, moved)[0], solve(problem, moved, state)[0]
-    scale = np.hypot(cold[:, HORIZONTAL], cold[:, VERTICAL])[:, None]
-    assert np.abs((warm - cold)[:, :SPAN] / scale).max() < 1e-10
-    assert not np.any(warm[:, BRANCH] == FAILED)
+    scale = np.hypot(cold["horizontal"], cold["vertical"])
+    for name in ("horizontal", "vertical"):
+        assert np.abs((warm[name] - cold[name]) / scale).max() < 1e-10
+    assert not np.any(warm["branch"] == FAILED)
 
 
 @pytest.mark.parametrize("seabed", [True, False])

@@ -8,18 +8,10 @@ from hull_shapes import icosphere, outward_hull
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
+from heavylift.numerics.records import records
 from heavylift.preprocess.primitive_surfaces import box_surface
 from heavylift.solver.marine.clipping import (
-    CLIP_WIDTH,
-    CROSSING,
-    PLANE_AREA,
-    PLANE_XX,
-    PLANE_XY,
-    VOLUME,
-    VOLUME_X,
-    VOLUME_Y,
-    VOLUME_Z,
-    WETTED_AREA,
+    Clip,
     buoyancy_stiffness,
     clip_surface_now,
 )
@@ -42,10 +34,11 @@ BOX = np.array([
 
 def clip(points, triangles, rotation=EYE, height=0.0):
     points = np.ascontiguousarray(points, dtype=np.float64)
-    out = np.full(CLIP_WIDTH, np.nan)
+    out = records(Clip, 1)
+    out.view(float)[:] = np.nan
     flat = np.ascontiguousarray(rotation).ravel()
     clip_surface_now(points, triangles, flat, float(height), np.empty_like(points), out)
-    return out
+    return out[0]
 
 
 def lopsided(seed):
@@ -60,16 +53,17 @@ def test_box_table(row):
     box = box_surface((97.5, 36.0, 6.0))
     rotation = Rotation.from_euler("xy", row[1:3], degrees=True).as_matrix()  # about the axes of the world
     out = clip(box.points, box.triangles, rotation, row[0])
-    found = [out[VOLUME], *(out[VOLUME_X : VOLUME_Z + 1] / out[VOLUME]), out[PLANE_AREA]]
+    found = [out.volume, *(out.moment / out.volume), out.plane_area]
     assert np.allclose(found, row[3:], rtol=0.0, atol=1e-6)
 
 
 def test_upright_box_moments():
     box = box_surface((97.5, 36.0, 6.0))
     out = clip(box.points, box.triangles, EYE, -1.5)
-    assert np.allclose(out[PLANE_XX : PLANE_XY + 1], [97.5**3 * 36 / 12, 97.5 * 36**3 / 12, 0.0], rtol=1e-14)
-    assert out[WETTED_AREA] == pytest.approx(97.5 * 36 + 4.5 * 2 * (97.5 + 36), rel=1e-14)
-    assert out[CROSSING] == 8
+    found = [out.plane_xx, out.plane_yy, out.plane_xy]
+    assert np.allclose(found, [97.5**3 * 36 / 12, 97.5 * 36**3 / 12, 0.0], rtol=1e-14)
+    assert out.wetted_area == pytest.approx(97.5 * 36 + 4.5 * 2 * (97.5 + 36), rel=1e-14)
+    assert out.crossing == 8
 
 
 def exact_tetrahedron(corners):
@@ -133,19 +127,21 @@ def test_tetrahedra_against_rational_arithmetic():
         cases.add(sum(p[2] < 0 for p in exact))
         real = points.astype(float)
         out = clip(real, outward_hull(real), np.array(rotation, dtype=float), height)
-        assert np.allclose(out[: PLANE_AREA + 1], exact_tetrahedron(exact), rtol=1e-12, atol=1e-9)
+        found = [out.volume, *out.moment, out.plane_area]
+        assert np.allclose(found, exact_tetrahedron(exact), rtol=1e-12, atol=1e-9)
     assert cases == {0, 1, 2, 3, 4}
 
 
 def test_dry_and_submerged():
     points, triangles = lopsided(1)
-    assert np.array_equal(clip(points, triangles, EYE, 50.0), np.zeros(CLIP_WIDTH))
+    dry = clip(points, triangles, EYE, 50.0)
+    assert not dry.words.any()
     out = clip(points, triangles, EYE, -50.0)
     hull = ConvexHull(points)
-    assert out[VOLUME] == pytest.approx(hull.volume, rel=1e-12)
-    assert out[WETTED_AREA] == pytest.approx(hull.area, rel=1e-12)
-    assert not out[PLANE_AREA : PLANE_XY + 1].any()
-    assert out[CROSSING] == 0
+    assert out.volume == pytest.approx(hull.volume, rel=1e-12)
+    assert out.wetted_area == pytest.approx(hull.area, rel=1e-12)
+    assert not any((out.plane_area, out.plane_x, out.plane_y, out.plane_xx, out.plane_yy, out.plane_xy))
+    assert out.crossing == 0
 
 
 def test_edges_in_the_water_plane():
@@ -158,11 +154,11 @@ def test_edges_in_the_water_plane():
         np.delete(lower.triangles, lids[0], axis=0), np.delete(upper.triangles, lids[1], axis=0) + 8
     ])  # fmt: skip
     belt, raised = clip(points, triangles), clip(points, triangles, EYE, 1e-12)
-    assert np.allclose(belt[:CROSSING], raised[:CROSSING], atol=1e-10)
-    assert belt[PLANE_AREA] == pytest.approx(8.0)
+    assert np.allclose(belt.words[:-1], raised.words[:-1], atol=1e-10)
+    assert belt.plane_area == pytest.approx(8.0)
     deck = clip(lower.points, lower.triangles, EYE, -0.5)
-    assert deck[PLANE_AREA] == pytest.approx(8.0)
-    assert deck[VOLUME] == pytest.approx(8.0)
+    assert deck.plane_area == pytest.approx(8.0)
+    assert deck.volume == pytest.approx(8.0)
 
 
 def test_what_is_not_a_number_stays_visible():
@@ -172,16 +168,16 @@ def test_what_is_not_a_number_stays_visible():
         clip(points, triangles, EYE * np.nan, 50.0),
         clip(np.where(np.arange(len(points))[:, None] == 3, np.nan, points), triangles, EYE, 50.0),
     ):
-        assert np.isnan(bad[VOLUME])
+        assert np.isnan(bad.volume)
 
 
 def test_open_deck_does_no_harm_while_dry():
     box = box_surface((4.0, 2.0, 1.0))
     rotation = Rotation.from_rotvec([0.1, -0.05, 0.3]).as_matrix()
     whole = clip(box.points, box.triangles, rotation, 0.1)
-    assert clip(box.points, np.delete(box.triangles, [2, 3], axis=0), rotation, 0.1) == pytest.approx(
-        whole, rel=1e-15
-    )
+    opened = clip(box.points, np.delete(box.triangles, [2, 3], axis=0), rotation, 0.1)
+    assert opened.crossing == whole.crossing
+    assert opened.words[:-1] == pytest.approx(whole.words[:-1], rel=1e-15)
 
 
 def test_sphere_converges_to_the_cap():
@@ -192,11 +188,8 @@ def test_sphere_converges_to_the_cap():
     moment = np.pi * (-(t**2) / 2.0 - (t**4 / -4.0 - 2.0 * height * (t**3 / 3.0) - height**2 * t**2 / 2.0))
     exact = np.array([volume, moment, np.pi * (1.0 - height**2)])
     rotation = Rotation.from_rotvec([0.4, -0.3, 0.2]).as_matrix()
-    levels = [
-        clip(*icosphere(k), rotation, height)[[VOLUME, VOLUME_Z, PLANE_AREA]] / exact - 1.0
-        for k in (2, 3, 4, 5)
-    ]
-    errors = np.abs(levels)
+    clips = [clip(*icosphere(k), rotation, height) for k in (2, 3, 4, 5)]
+    errors = np.abs([np.array([out.volume, out.moment[2], out.plane_area]) / exact - 1.0 for out in clips])
     assert (errors[-1] < 1e-3).all()
     assert np.allclose(np.log2(errors[0] / errors[-1]) / 3.0, 2.0, atol=0.15)
 
@@ -204,7 +197,7 @@ def test_sphere_converges_to_the_cap():
 def state(points, triangles, rotation, height):
     """Potential, and force with moment about the origin, for a unit weight of water, shape (6,)."""
     out = clip(points, triangles, rotation, height)
-    return -out[VOLUME_Z], np.array([0.0, 0.0, out[VOLUME], out[VOLUME_Y], -out[VOLUME_X], 0.0]), out
+    return -out.moment[2], np.array([0.0, 0.0, out.volume, out.moment[1], -out.moment[0], 0.0]), out
 
 
 def moved(rotation, height, shift):

@@ -12,14 +12,6 @@ import pytest
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.interface import (
-    CONTROL_COUNT,
-    ELASTIC,
-    EXTERNAL_WORK,
-    MARKER_WIDTH,
-    POINT,
-    POINT_FORCE,
-    POINT_VELOCITY,
-    SUM_COUNT,
     Workspace,
     add_forces,
     record_forces,
@@ -56,26 +48,18 @@ class Bench:
     def __init__(self, one: Fender) -> None:
         markers = fender_markers(MarkerBook(), [one])
         self.kind: Fenders = pack_fenders([one], markers, [0])
-        self.work = Workspace(
-            velocity=np.zeros(0),
-            markers=np.zeros((3, MARKER_WIDTH)),
-            jacobian=np.zeros((3, 3, 6)),
-            sums=np.zeros(SUM_COUNT),
-            control=np.zeros(CONTROL_COUNT),
-            corners=np.zeros(0),
-            status=np.zeros(3, dtype=np.int64),
-        )
+        self.work = Workspace.empty(0, 3)
         self.row = np.zeros(2)
 
     def at(self, *vectors: np.ndarray, rates: np.ndarray | None = None) -> np.ndarray:
         """Forces [N] on the three markers, shape (3, 3)."""
-        self.work.markers[:] = 0.0
-        self.work.sums[:] = 0.0
-        self.work.markers[:, POINT : POINT + 3] = vectors
+        self.work.markers.view(float)[:] = 0.0
+        self.work.sums.words[:] = 0.0
+        self.work.markers["point"] = vectors
         if rates is not None:
-            self.work.markers[:, POINT_VELOCITY : POINT_VELOCITY + 3] = rates
+            self.work.markers["velocity"] = rates
         evaluate((self.kind,), self.work, self.row)
-        return self.work.markers[:, POINT_FORCE : POINT_FORCE + 3].copy()
+        return self.work.markers["force"].copy()
 
 
 Y = np.array([0.0, 1.0, 0.0])
@@ -123,7 +107,7 @@ def test_energy_is_the_work_of_the_force(law: dict[str, Any]) -> None:
 
     times = np.linspace(0.0, 1.0, 8_001)
     bench.at(*places(0.0))
-    assert bench.work.sums[ELASTIC] == 0.0
+    assert bench.work.sums.elastic == 0.0
     work = 0.0
     before = np.array(places(0.0))
     for start, end in pairwise(times):
@@ -132,8 +116,8 @@ def test_energy_is_the_work_of_the_force(law: dict[str, Any]) -> None:
         before = after
     bench.at(*places(1.0))
     assert work > 100.0
-    assert bench.work.sums[ELASTIC] == pytest.approx(work, rel=3e-5)
-    assert bench.work.sums[EXTERNAL_WORK] == pytest.approx(bench.work.sums[ELASTIC], rel=1e-12)
+    assert bench.work.sums.elastic == pytest.approx(work, rel=3e-5)
+    assert bench.work.sums.external_work == pytest.approx(bench.work.sums.elastic, rel=1e-12)
 
 
 def test_damping_never_pulls() -> None:

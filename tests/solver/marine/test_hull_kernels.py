@@ -13,17 +13,10 @@ from scipy.spatial.transform import Rotation
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.surfaces import TriangleSurface
-from heavylift.solver.bodies.rigid import MID_POSITION, MID_ROTATION
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.marine.hull_restoring import restore, restoring_potential
 from heavylift.solver.marine.hull_stage import filtered, hull_yaw, put_transform
 from heavylift.solver.marine.hulls import (
-    AXIS_X,
-    AXIS_Y,
-    LIFT,
-    REFERENCE,
-    STIFFNESS,
-    TRANSFORM,
     Hulls,
 )
 from heavylift.solver.scene import Gravity, RigidBody, Scene
@@ -41,19 +34,19 @@ PLAIN, TANKED, LINEAR = range(3)
 def restore_at(kind, hull, position, R, out):  # type: ignore[no-untyped-def]
     """Force, moment, stiffness and potential at a pose."""
     for k in range(3):
-        kind.frame[hull, MID_POSITION + k] = position[k]
+        kind.frame[hull].mid_position[k] = position[k]
     for k in range(9):
-        kind.frame[hull, MID_ROTATION + k] = R[k]
+        kind.frame[hull].mid_rotation[k] = R[k]
     restore(kind, hull)
     for k in range(6):
-        out[k] = kind.stage[hull, LIFT + k]
-        out[6 + k] = kind.stage[hull, STIFFNESS + k]
+        out[k] = kind.stage[hull].lift[k]
+        out[6 + k] = kind.stage[hull].stiffness[k]
     out[12] = restoring_potential(kind, hull)
 
 
 @kernel
 def transform_at(kind, hull, heading, R, near):  # type: ignore[no-untyped-def]
-    put_transform(kind, hull, TRANSFORM, heading, R)
+    put_transform(kind, hull, heading, R, kind.stage[hull].transform)
     return hull_yaw(kind, hull, R, near)
 
 
@@ -107,7 +100,7 @@ def kind() -> Hulls:
 
 def axes() -> np.ndarray:
     """Columns: axes of the bodies in principal axes, as the kind has them."""
-    x, y = kind().hull[0, AXIS_X : AXIS_X + 3], kind().hull[0, AXIS_Y : AXIS_Y + 3]
+    x, y = kind().hulls[0].axis_x, kind().hulls[0].axis_y
     return np.column_stack([x, y, np.cross(x, y)])
 
 
@@ -222,12 +215,12 @@ def test_transform_to_hydrodynamic_velocities() -> None:
     """Velocity of the reference point and spin, in axes that are turned by the heading alone."""
     rng = np.random.default_rng(5)
     r = axes() @ (REFERENCE_POINT - CENTRE)
-    np.testing.assert_allclose(kind().hull[PLAIN, REFERENCE : REFERENCE + 3], r, atol=1e-12)
+    np.testing.assert_allclose(kind().hulls[PLAIN].reference, r, atol=1e-12)
     for heading in (0.0, 0.8, -2.9, 11.0):
         R = Rotation.from_rotvec(rng.normal(size=3)).as_matrix()
         U = rng.normal(size=6)
         transform_at(kind(), PLAIN, heading, R.ravel(), 0.0)
-        T = kind().stage[PLAIN, TRANSFORM : TRANSFORM + 36].reshape(6, 6)
+        T = kind().stage[PLAIN].transform
         back = Rotation.from_rotvec([0.0, 0.0, -heading]).as_matrix()
         point = back @ (U[:3] + R @ np.cross(U[3:], r))
         np.testing.assert_allclose(T @ U, np.append(point, back @ R @ U[3:]), atol=1e-12)

@@ -16,13 +16,12 @@ import pytest
 from scipy.optimize import brentq, fsolve
 from scipy.spatial.transform import Rotation
 
-from heavylift.numerics.outcome import Outcome
+from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.rotation import quaternion_from_rotation_vector
 from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
 from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
 from heavylift.preprocess.primitive_surfaces import box_surface
 from heavylift.solver.connections import GROUND, FixedJoint, JointFrame
-from heavylift.solver.marine.hulls import LOW_PASS
 from heavylift.solver.marine.moorings import LineSection, MooringLine
 from heavylift.solver.marine.wave_trains import regular_wave
 from heavylift.solver.scene import Gravity, RigidBody, Scene
@@ -228,7 +227,7 @@ class TestHullsAlone:
         t = times[-1]
         lag = 2.0 * spin / cut
         expected = spin * t - lag + (lag + spin * t) * np.exp(-cut * t)
-        heading = simulation._layout.bodies[0].state[LOW_PASS + 4]
+        heading = simulation._layout.bodies[0].state[0].low_pass[4]
         assert heading == pytest.approx(expected, abs=1e-4)
         assert heading > 4.0 * np.pi
         w, z = history("barge.orientation")[-1, [0, 3]]
@@ -287,6 +286,14 @@ class TestHullsAlone:
 
     def test_goes_on_bit_for_bit(self) -> None:
         check_restart(scene(barge()))
+
+    @pytest.mark.parametrize("water", [{"density": 1000.0}, {"level": 0.5}])
+    def test_a_state_of_other_water_is_refused(self, water: dict[str, float]) -> None:
+        state = Simulation(scene(barge()), 0.05).state()
+        other = scene(barge())
+        changed = replace(other, sea=replace(other.sea, water=replace(WATER, **water)))
+        with pytest.raises(InputError, match="digest"):
+            Simulation(changed, 0.05).restore(state)
 
 
 def check_restart(made: Scene) -> None:

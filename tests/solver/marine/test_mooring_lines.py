@@ -14,15 +14,6 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.channels import add_channels
 from heavylift.solver.connections import GROUND
 from heavylift.solver.interface import (
-    CONTROL_COUNT,
-    ELASTIC,
-    EXTERNAL_WORK,
-    MARKER_WIDTH,
-    POINT,
-    POINT_FORCE,
-    STATUS_BODY,
-    STATUS_OUTCOME,
-    SUM_COUNT,
     Workspace,
     add_forces,
     record_forces,
@@ -80,26 +71,18 @@ class Bench:
         book = MarkerBook()
         markers = line_markers(book, [line])
         self.kind: MooringLines = pack_mooring_lines([line], markers, [0], [(anchor, fairlead)])
-        self.work = Workspace(
-            velocity=np.zeros(0),
-            markers=np.zeros((book.count, MARKER_WIDTH)),
-            jacobian=np.zeros((book.count, 3, 6)),
-            sums=np.zeros(SUM_COUNT),
-            control=np.zeros(CONTROL_COUNT),
-            corners=np.zeros(0),
-            status=np.zeros(3, dtype=np.int64),
-        )
+        self.work = Workspace.empty(0, book.count)
         self.row = np.zeros(add_channels("line", LINE_CHANNELS, [], 0))
 
     def at(self, anchor: np.ndarray, fairlead: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces [N] on the anchor and on the fairlead at these places."""
-        self.work.markers[:] = 0.0
-        self.work.sums[:] = 0.0
-        self.work.markers[0, POINT : POINT + 3], self.work.markers[1, POINT : POINT + 3] = anchor, fairlead
+        self.work.markers.view(float)[:] = 0.0
+        self.work.sums.words[:] = 0.0
+        self.work.markers[0].point[:], self.work.markers[1].point[:] = anchor, fairlead
         evaluate((self.kind,), self.work, self.row)
         return (
-            self.work.markers[0, POINT_FORCE : POINT_FORCE + 3].copy(),
-            self.work.markers[1, POINT_FORCE : POINT_FORCE + 3].copy(),
+            self.work.markers[0].force.copy(),
+            self.work.markers[1].force.copy(),
         )
 
     @property
@@ -176,10 +159,10 @@ def test_energy_is_the_work_of_both_ends() -> None:
         on_a, on_b = bench.at(a0 + node * (a1 - a0), b0 + node * (b1 - b0))
         work -= weight * (on_a @ (a1 - a0) + on_b @ (b1 - b0))
     bench.at(a1, b1)
-    assert bench.work.sums[ELASTIC] == pytest.approx(work, rel=1e-8)
-    assert bench.work.sums[EXTERNAL_WORK] == bench.work.sums[ELASTIC]  # so the balance does not change
+    assert bench.work.sums.elastic == pytest.approx(work, rel=1e-8)
+    assert bench.work.sums.external_work == bench.work.sums.elastic  # so the balance does not change
     bench.at(a0, b0)
-    assert bench.work.sums[ELASTIC] == pytest.approx(0.0, abs=1e-9 * abs(work))
+    assert bench.work.sums.elastic == pytest.approx(0.0, abs=1e-9 * abs(work))
 
 
 def test_a_slack_line_pulls_straight_down() -> None:
@@ -223,15 +206,15 @@ def test_result_depends_on_places_and_state_only() -> None:
 def test_an_overstretched_line_stops_the_simulation() -> None:
     bench = Bench(in_air(strain_limit=0.05), BOLLARD, BOLLARD + np.array([80.0, 0.0, 0.0]))
     _, force = bench.at(BOLLARD, BOLLARD + np.array([94.0, 0.0, 0.0]))  # strain 0.044
-    assert bench.work.status[STATUS_OUTCOME] == 0
+    assert bench.work.status.outcome == 0
     assert force[0] == pytest.approx(-4e6 * 4.0 / 90.0, rel=1e-3)
     _, force = bench.at(BOLLARD, BOLLARD + np.array([95.0, 0.0, 0.0]))
-    assert bench.work.status[STATUS_OUTCOME] == LINE_OVERSTRETCHED
-    assert bench.work.status[STATUS_BODY] == 0
+    assert bench.work.status.outcome == LINE_OVERSTRETCHED
+    assert bench.work.status.body == 0
     assert np.all(np.isfinite(force))
     lost = Bench(in_air(), BOLLARD, BOLLARD + np.array([80.0, 0.0, 0.0]))
     lost.at(BOLLARD, BOLLARD + np.array([math.nan, 0.0, 0.0]))
-    assert lost.work.status[STATUS_OUTCOME] == LINE_OVERSTRETCHED
+    assert lost.work.status.outcome == LINE_OVERSTRETCHED
 
 
 @pytest.mark.parametrize(

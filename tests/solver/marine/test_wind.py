@@ -10,12 +10,6 @@ from scipy.spatial.transform import Rotation
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.interface import (
-    CONTROL_COUNT,
-    MARKER_WIDTH,
-    POINT,
-    POINT_FORCE,
-    POINT_VELOCITY,
-    SUM_COUNT,
     Forces,
     Workspace,
     add_forces,
@@ -79,23 +73,15 @@ def apply(body, fields, loads, time=0.0, **water):
     channels = fluid_channels(fields, loads)
     columns = np.cumsum([0, *[len(components) for *_, components in channels]])
     kind = pack_fluid_loads(fields, loads, markers, [int(c) for c in columns[:-1]], **water)
-    work = Workspace(
-        np.zeros(6),
-        np.zeros((book.count, MARKER_WIDTH)),
-        np.zeros((book.count, 3, 6)),
-        np.zeros(SUM_COUNT),
-        np.zeros(CONTROL_COUNT),
-        np.zeros(0),
-        np.zeros(3, dtype=np.int64),
-    )
+    work = Workspace.empty(6, book.count)
     for load, (point, heading) in zip(loads, markers, strict=True):
         for marker, vectors in ((point, body.place(load.point)), (heading, body.turn(load.axis))):
             if marker >= 0:
-                work.markers[marker, POINT : POINT + 6] = np.concatenate(vectors)
+                work.markers[marker].point[:], work.markers[marker].velocity[:] = vectors
     row = np.full(columns[-1], np.nan)
     act((kind,), time, work, row)
-    forces = work.markers[:, POINT_FORCE : POINT_FORCE + 3]
-    power = float(np.sum(forces * work.markers[:, POINT_VELOCITY : POINT_VELOCITY + 3]))
+    forces = work.markers["force"]
+    power = float(np.sum(forces * work.markers["velocity"]))
     record = {
         f"{owner}.{name}": row[start : start + len(components)]
         for (owner, name, _, components), start in zip(channels, columns, strict=False)
