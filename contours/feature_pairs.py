@@ -165,55 +165,19 @@ def contacts_of_pairs(
         flags_a, flags_b = triangles[ta].flags, triangles[tb].flags
         if flags_a & IS_FACE and flags_b & (7 * OWNS_A):
             found = vertices_on_face(
-                surfaces,
-                ta,
-                tb,
-                box_a,
-                b_in_a,
-                middle_a,
-                motion,
-                radius,
-                far,
-                rounding,
-                method,
-                judged,
-                found,
-                out,
-            )
+                surfaces, ta, tb, box_a, b_in_a, middle_a, motion, radius, far, rounding, method, judged,
+                found, out,
+            )  # fmt: skip
         if flags_b & IS_FACE and flags_a & (7 * OWNS_A) and found >= 0:
             found = face_on_vertices(
-                surfaces,
-                ta,
-                tb,
-                box_b,
-                a_in_b,
-                middle_b,
-                motion,
-                radius,
-                far,
-                rounding,
-                method,
-                judged,
-                found,
-                out,
-            )
+                surfaces, ta, tb, box_b, a_in_b, middle_b, motion, radius, far, rounding, method, judged,
+                found, out,
+            )  # fmt: skip
         if flags_a & (7 * OWNS_AB) and flags_b & (7 * OWNS_AB) and found >= 0:
             found = edges_on_edges(
-                surfaces,
-                ta,
-                tb,
-                box_b,
-                middle_a,
-                b_in_a,
-                motion,
-                radius,
-                far,
-                rounding,
-                method,
-                judged,
-                found,
-                out,
-            )
+                surfaces, ta, tb, box_b, middle_a, b_in_a, motion, radius, far, rounding, method, judged,
+                found, out,
+            )  # fmt: skip
         if radius > 0.0 and judged and found >= 0:
             found = rounded_contacts(surfaces, ta, tb, motion, radius, far, rounding, found, out)
         if found < 0:
@@ -254,32 +218,9 @@ def vertices_on_face(
         c = fixed_point(points, triangles[ta].corners[2])
         if method == POSITION_DIFFERENCE:
             hit, time = difference_vertex_face(
-                x0[0],
-                x0[1],
-                x0[2],
-                x1[0],
-                x1[1],
-                x1[2],
-                a[0],
-                a[1],
-                a[2],
-                a[0],
-                a[1],
-                a[2],
-                b[0],
-                b[1],
-                b[2],
-                b[0],
-                b[1],
-                b[2],
-                c[0],
-                c[1],
-                c[2],
-                c[0],
-                c[1],
-                c[2],
-                VERTEX_MOVES,
-            )
+                x0[0], x0[1], x0[2], x1[0], x1[1], x1[2], a[0], a[1], a[2], a[0], a[1], a[2], b[0], b[1],
+                b[2], b[0], b[1], b[2], c[0], c[1], c[2], c[0], c[1], c[2], VERTEX_MOVES,
+            )  # fmt: skip
         else:
             p, q, r = grown(a, b, c, min(GROWTH * rounding, far) if judged else 0.0)
             hit, time = swept_vertex_face(
@@ -289,45 +230,16 @@ def vertices_on_face(
         verdict, side, gap = HIT if hit else NEITHER, 1.0, 0.0
         if judged:
             verdict, time, side, gap = judge_vertex(
-                points,
-                surfaces.vertex_first,
-                surfaces.vertex_neighbours,
-                vertex,
-                (triangles[ta].corners[0], triangles[ta].corners[1], triangles[ta].corners[2]),
-                a,
-                b,
-                c,
-                fixed_point(surfaces.normals, ta),
-                b_in_a,
-                middle_a,
-                motion,
-                False,
-                x0,
-                x1,
-                hit,
-                time,
-                radius,
-                far,
-                rounding,
-            )
+                points, surfaces.vertex_first, surfaces.vertex_neighbours, vertex,
+                (triangles[ta].corners[0], triangles[ta].corners[1], triangles[ta].corners[2]), a, b, c,
+                fixed_point(surfaces.normals, ta), b_in_a, middle_a, motion, False, x0, x1, hit, time, radius,
+                far, rounding,
+            )  # fmt: skip
         if verdict != NEITHER:
             found = report(
-                points,
-                surfaces.edges,
-                surfaces.normals,
-                motion,
-                VERTEX_FACE,
-                ta,
-                vertex,
-                vertex if judged else -1,
-                verdict,
-                time,
-                side,
-                gap,
-                rounding,
-                found,
-                out,
-            )
+                points, surfaces.edges, surfaces.normals, motion, VERTEX_FACE, ta, vertex,
+                vertex if judged else -1, verdict, time, side, gap, rounding, found, out,
+            )  # fmt: skip
             if found < 0:
                 return found
     return found
@@ -365,101 +277,32 @@ def face_on_vertices(
         c0, c1 = fixed_point(out.corners, 2), fixed_point(out.corners, 5)
         if method == POSITION_DIFFERENCE:
             hit, time = difference_vertex_face(
-                x[0],
-                x[1],
-                x[2],
-                x[0],
-                x[1],
-                x[2],
-                a0[0],
-                a0[1],
-                a0[2],
-                a1[0],
-                a1[1],
-                a1[2],
-                b0[0],
-                b0[1],
-                b0[2],
-                b1[0],
-                b1[1],
-                b1[2],
-                c0[0],
-                c0[1],
-                c0[2],
-                c1[0],
-                c1[1],
-                c1[2],
-                FACE_SWEEPS,
-            )
+                x[0], x[1], x[2], x[0], x[1], x[2], a0[0], a0[1], a0[2], a1[0], a1[1], a1[2], b0[0], b0[1],
+                b0[2], b1[0], b1[1], b1[2], c0[0], c0[1], c0[2], c1[0], c1[1], c1[2], FACE_SWEEPS,
+            )  # fmt: skip
         else:
             a0, b0, c0 = grown(a0, b0, c0, min(GROWTH * rounding, far) if judged else 0.0)
             a1, b1, c1 = grown(a1, b1, c1, min(GROWTH * rounding, far) if judged else 0.0)
             hit, time = swept_face_vertex(
-                x[0],
-                x[1],
-                x[2],
-                a0[0],
-                a0[1],
-                a0[2],
-                a1[0],
-                a1[1],
-                a1[2],
-                b0[0],
-                b0[1],
-                b0[2],
-                b1[0],
-                b1[1],
-                b1[2],
-                c0[0],
-                c0[1],
-                c0[2],
-                c1[0],
-                c1[1],
-                c1[2],
-            )
+                x[0], x[1], x[2], a0[0], a0[1], a0[2], a1[0], a1[1], a1[2], b0[0], b0[1], b0[2], b1[0], b1[1],
+                b1[2], c0[0], c0[1], c0[2], c1[0], c1[1], c1[2],
+            )  # fmt: skip
         verdict, side, gap = HIT if hit else NEITHER, 1.0, 0.0
         if judged:
             verdict, time, side, gap = judge_vertex(
-                points,
-                surfaces.vertex_first,
-                surfaces.vertex_neighbours,
-                vertex,
+                points, surfaces.vertex_first, surfaces.vertex_neighbours, vertex,
                 (triangles[tb].corners[0], triangles[tb].corners[1], triangles[tb].corners[2]),
-                fixed_point(points, triangles[tb].corners[0]),
-                fixed_point(points, triangles[tb].corners[1]),
-                fixed_point(points, triangles[tb].corners[2]),
-                fixed_point(surfaces.normals, tb),
-                a_in_b,
-                middle_b,
-                motion,
-                True,
-                in_axes_of_b(x, motion.start),
-                in_axes_of_b(x, motion.end),
-                hit,
-                time,
-                radius,
-                far,
-                rounding,
-            )
+                fixed_point(points, triangles[tb].corners[0]), fixed_point(points, triangles[tb].corners[1]),
+                fixed_point(points, triangles[tb].corners[2]), fixed_point(surfaces.normals, tb), a_in_b,
+                middle_b, motion, True, in_axes_of_b(x, motion.start), in_axes_of_b(x, motion.end), hit, time,
+                radius, far, rounding,
+            )  # fmt: skip
         if verdict != NEITHER:
             # the vertex is on a side of the face; the face is on the other of the vertex
             found = report(
-                points,
-                surfaces.edges,
-                surfaces.normals,
-                motion,
-                FACE_VERTEX,
-                vertex,
-                tb,
-                vertex if judged else -1,
-                verdict,
-                time,
-                -side,
-                gap,
-                rounding,
-                found,
-                out,
-            )
+                points, surfaces.edges, surfaces.normals, motion, FACE_VERTEX, vertex, tb,
+                vertex if judged else -1, verdict, time, -side, gap, rounding, found, out,
+            )  # fmt: skip
             if found < 0:
                 return found
     return found
@@ -509,99 +352,28 @@ def edges_on_edges(
                 continue
             if method == POSITION_DIFFERENCE:
                 hit, time = difference_edges(
-                    a0[0],
-                    a0[1],
-                    a0[2],
-                    a0[0],
-                    a0[1],
-                    a0[2],
-                    a1[0],
-                    a1[1],
-                    a1[2],
-                    a1[0],
-                    a1[1],
-                    a1[2],
-                    p0[0],
-                    p0[1],
-                    p0[2],
-                    p1[0],
-                    p1[1],
-                    p1[2],
-                    q0[0],
-                    q0[1],
-                    q0[2],
-                    q1[0],
-                    q1[1],
-                    q1[2],
+                    a0[0], a0[1], a0[2], a0[0], a0[1], a0[2], a1[0], a1[1], a1[2], a1[0], a1[1], a1[2], p0[0],
+                    p0[1], p0[2], p1[0], p1[1], p1[2], q0[0], q0[1], q0[2], q1[0], q1[1], q1[2],
                     SECOND_EDGE_SWEEPS,
-                )
+                )  # fmt: skip
             else:
                 hit, time = swept_edges(
-                    a0[0],
-                    a0[1],
-                    a0[2],
-                    a1[0],
-                    a1[1],
-                    a1[2],
-                    p0[0],
-                    p0[1],
-                    p0[2],
-                    p1[0],
-                    p1[1],
-                    p1[2],
-                    q0[0],
-                    q0[1],
-                    q0[2],
-                    q1[0],
-                    q1[1],
-                    q1[2],
-                )
+                    a0[0], a0[1], a0[2], a1[0], a1[1], a1[2], p0[0], p0[1], p0[2], p1[0], p1[1], p1[2], q0[0],
+                    q0[1], q0[2], q1[0], q1[1], q1[2],
+                )  # fmt: skip
             verdict, side, gap, at = HIT if hit else NEITHER, 1.0, 0.0, -1
             if judged:
                 verdict, time, side, gap, along_a, along_b = judge_edges(
-                    points,
-                    surfaces.vertex_first,
-                    surfaces.vertex_neighbours,
-                    edges,
-                    surfaces.edge_first,
-                    surfaces.edge_inward,
-                    surfaces.edge_opposite,
-                    edge_a,
-                    edge_b,
-                    middle_a,
-                    b_in_a,
-                    motion,
-                    a0,
-                    a1,
-                    p0,
-                    q0,
-                    p1,
-                    q1,
-                    hit,
-                    time,
-                    radius,
-                    far,
-                    rounding,
-                )
+                    points, surfaces.vertex_first, surfaces.vertex_neighbours, edges, surfaces.edge_first,
+                    surfaces.edge_inward, surfaces.edge_opposite, edge_a, edge_b, middle_a, b_in_a, motion,
+                    a0, a1, p0, q0, p1, q1, hit, time, radius, far, rounding,
+                )  # fmt: skip
                 at = shared_end(edges, edge_a, edge_b, along_a, along_b)
             if verdict != NEITHER:
                 found = report(
-                    points,
-                    edges,
-                    surfaces.normals,
-                    motion,
-                    EDGE_EDGE,
-                    edge_a,
-                    edge_b,
-                    at,
-                    verdict,
-                    time,
-                    side,
-                    gap,
-                    rounding,
-                    found,
-                    out,
-                )
+                    points, edges, surfaces.normals, motion, EDGE_EDGE, edge_a, edge_b, at, verdict, time,
+                    side, gap, rounding, found, out,
+                )  # fmt: skip
                 if found < 0:
                     return found
     return found

@@ -176,71 +176,26 @@ def rounded_contacts(
                 if kind == VERTEX_EDGE and own_b and own_edge_a:
                     feature_a = edge_a
                     verdict, time, gap = judge_vertex_edge(
-                        points,
-                        edges,
-                        surfaces.vertex_first,
-                        surfaces.vertex_neighbours,
-                        surfaces.edge_first,
-                        surfaces.edge_inward,
-                        row_b,
-                        edge_a,
-                        motion,
-                        False,
-                        x0,
-                        x1,
-                        radius,
-                        far,
-                    )
+                        points, edges, surfaces.vertex_first, surfaces.vertex_neighbours, surfaces.edge_first,
+                        surfaces.edge_inward, row_b, edge_a, motion, False, x0, x1, radius, far,
+                    )  # fmt: skip
                 elif kind == EDGE_VERTEX and own_a and own_edge_b:
                     feature_b = edge_b
                     y0, y1 = in_axes_of_b(a, motion.start), in_axes_of_b(a, motion.end)
                     verdict, time, gap = judge_vertex_edge(
-                        points,
-                        edges,
-                        surfaces.vertex_first,
-                        surfaces.vertex_neighbours,
-                        surfaces.edge_first,
-                        surfaces.edge_inward,
-                        row_a,
-                        edge_b,
-                        motion,
-                        True,
-                        y0,
-                        y1,
-                        radius,
-                        far,
-                    )
+                        points, edges, surfaces.vertex_first, surfaces.vertex_neighbours, surfaces.edge_first,
+                        surfaces.edge_inward, row_a, edge_b, motion, True, y0, y1, radius, far,
+                    )  # fmt: skip
                 elif kind == VERTEX_VERTEX and own_a and own_b:
                     verdict, time, gap = judge_vertices(
-                        points,
-                        surfaces.vertex_first,
-                        surfaces.vertex_neighbours,
-                        row_a,
-                        row_b,
-                        motion,
-                        x0,
-                        x1,
-                        radius,
-                        far,
-                    )
+                        points, surfaces.vertex_first, surfaces.vertex_neighbours, row_a, row_b, motion, x0,
+                        x1, radius, far,
+                    )  # fmt: skip
                 if verdict != NEITHER:
                     found = report(
-                        points,
-                        edges,
-                        surfaces.normals,
-                        motion,
-                        kind,
-                        feature_a,
-                        feature_b,
-                        UNIQUE,
-                        verdict,
-                        time,
-                        1.0,
-                        gap,
-                        rounding,
-                        found,
-                        out,
-                    )
+                        points, edges, surfaces.normals, motion, kind, feature_a, feature_b, UNIQUE, verdict,
+                        time, 1.0, gap, rounding, found, out,
+                    )  # fmt: skip
                     if found < 0:
                         return found
     return found
