@@ -77,7 +77,7 @@ def refresh_pairs(
     Returns
     -------
     int
-        Number of pairs in the list, which begins at ``table[pair, PAIR_FIRST]``; -1 if it has no room for them.
+        Number of pairs in the list, which begins at ``table[pair].first``; -1 if it has no room for them.
 
     Notes
     -----

@@ -87,7 +87,7 @@ def closest_shape_on_surface(
 
     Returns
     -------
-    Status as there. DISTANCE_SQUARED is that of the core, shifted by the shift of the primitive; the gap is from
+    Status as there. `squared_distance` is that of the core, shifted by the shift of the primitive; the gap is from
     `shape_gap`. BEHIND is set if the normal of the surface points away from the primitive, DEEP if the gap is not above
     minus the radius.
     """

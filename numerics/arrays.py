@@ -148,27 +148,24 @@ class Arrays:
 
 
 class Words(types.Type):
-    """Numba type of what is handed over as several words, and rebuilt from them."""
+    """Numba type of what is handed over as several words, and rebuilt from them.
+
+    Attributes
+    ----------
+    word_count
+        How many.
+    words
+        From a value and the words that name its place to its words; a TypeError if kernels would misread it.
+    rebuild
+        From context, builder and words to the value in compiled code.
+    to_words
+        From context, builder and a value in compiled code to its words.
+    """
 
     word_count: typing.ClassVar[int]
-
-    def words(self, value: Any, where: str) -> list[int]:
-        """The words of a value.
-
-        Raises
-        ------
-        TypeError
-            If kernels would misread it; names the place and both types.
-        """
-        raise NotImplementedError
-
-    def rebuild(self, context: Any, builder: Any, words: list[Any]) -> Any:
-        """The value in compiled code."""
-        raise NotImplementedError
-
-    def to_words(self, context: Any, builder: Any, value: Any) -> list[Any]:
-        """The words of a value in compiled code."""
-        raise NotImplementedError
+    words: Callable[..., list[int]]
+    rebuild: Callable[..., Any]
+    to_words: Callable[..., list[Any]]
 
 
 class Pointer(types.Type):
@@ -291,6 +288,10 @@ class _ImportedForTypes(dict[str, Any]):
         raise KeyError(name)
 
 
+_RESOLVED: dict[tuple[str, str], Any] = {}
+"""What words mean in a module: hundreds of fields say the same few."""
+
+
 def declared_types(owner: Any) -> dict[str, Any]:
     """Annotations of a class or function, resolved; also those whose names are imported for the type checker alone."""
     if not isinstance(owner, type):
@@ -305,7 +306,13 @@ def declared_types(owner: Any) -> dict[str, Any]:
         module = sys.modules[part.__module__]
         names = _ImportedForTypes(module)
         for name, text in vars(part).get("__annotations__", {}).items():
-            found[name] = eval(text, vars(module), names) if isinstance(text, str) else text  # noqa: S307  our own words
+            if not isinstance(text, str):
+                found[name] = text
+                continue
+            key = part.__module__, text
+            if key not in _RESOLVED:
+                _RESOLVED[key] = eval(text, vars(module), names)  # noqa: S307  our own words
+            found[name] = _RESOLVED[key]
     return found
 
 

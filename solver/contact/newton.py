@@ -176,7 +176,7 @@ def solve_contacts(
     count
         Contacts.
     kinds, parameters
-        See the layout, shapes (count, 2) and (count, PARAMETERS) or more rows.
+        See the layout; `count` of them or more.
     w0, W
         Rates without impulses, shape (3 count,), and the symmetric positive semidefinite matrix of all rows,
         (3 count, 3 count); larger arrays: their first part.

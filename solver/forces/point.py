@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Record, Records, Vector, records
 from heavylift.solver.interface import (
     Workspace,
     add_forces,
@@ -23,20 +24,35 @@ if TYPE_CHECKING:
 __all__ = ["PointForces", "pack_point_forces"]
 
 
+class PointForceEntry(Record):
+    """Marker of the point, and of the first body axis or -1 in world axes; first row of its table, and how many."""
+
+    marker: int
+    axes: int
+    first: int
+    count: int
+
+
+class ForceAtTime(Record):
+    """Row of a table: time [s], and force [N] in the axes of its entry."""
+
+    time: float
+    force: Vector
+
+
 class PointForces(Arrays):
     """All tabulated point forces of a scene.
 
     Attributes
     ----------
     table
-        Marker of the point, marker of the first body axis or -1, first row and row count of the table;
-        shape (m, 4).
+        The forces.
     values
-        Time [s] and force [N] in the axes of the entry, shape (rows, 4).
+        Their tables, one after another.
     """
 
-    table: Ints2
-    values: Floats2
+    table: Records[PointForceEntry]
+    values: Records[ForceAtTime]
 
 
 def pack_point_forces(entries: Sequence[PointForce], first_markers: Sequence[int]) -> PointForces:
@@ -55,8 +71,7 @@ def pack_point_forces(entries: Sequence[PointForce], first_markers: Sequence[int
         If a table is empty, does not fit, or its times do not increase.
     """
     rows: list[tuple[int, int, int, int]] = []
-    tables: list[NDArray[np.float64]] = []
-    first_row = 0
+    tables: list[tuple[float, NDArray[np.float64]]] = []
     for entry, marker in zip(entries, first_markers, strict=True):
         times = np.atleast_1d(np.asarray(entry.times, dtype=np.float64))
         forces = np.asarray(entry.forces, dtype=np.float64).reshape(-1, 3)
@@ -67,10 +82,9 @@ def pack_point_forces(entries: Sequence[PointForce], first_markers: Sequence[int
                 key="times",
                 expected="one force a time, times increasing",
             )
-        rows.append((marker, marker + 1 if entry.frame == "body" else -1, first_row, len(times)))
-        tables.append(np.column_stack([times, forces]))
-        first_row += len(times)
-    return PointForces(np.array(rows, dtype=np.int64).reshape(-1, 4), np.vstack(tables))
+        rows.append((marker, marker + 1 if entry.frame == "body" else -1, len(tables), len(times)))
+        tables += zip(times, forces, strict=True)
+    return PointForces(records(PointForceEntry, rows), records(ForceAtTime, tables))
 
 
 @implement(add_forces, PointForces)
@@ -78,18 +92,20 @@ def pack_point_forces(entries: Sequence[PointForce], first_markers: Sequence[int
 def add_point_forces(kind: PointForces, time: float, work: Workspace) -> None:
     """Interpolate each table linearly and add the force to its marker."""
     for entry in range(kind.table.shape[0]):
-        marker, axes, first, count = kind.table[entry]
-        low, high = first, first + count - 1
+        own = kind.table[entry]
+        marker, axes = own.marker, own.axes
+        low, high = own.first, own.first + own.count - 1
         while high - low > 1:
             middle = (low + high) // 2
-            if kind.values[middle, 0] <= time:
+            if kind.values[middle].time <= time:
                 low = middle
             else:
                 high = middle
-        span = kind.values[high, 0] - kind.values[low, 0]
-        part = min(max((time - kind.values[low, 0]) / span, 0.0), 1.0) if span > 0.0 else 0.0
+        before, after = kind.values[low], kind.values[high]
+        span = after.time - before.time
+        part = min(max((time - before.time) / span, 0.0), 1.0) if span > 0.0 else 0.0
         for k in range(3):
-            component = kind.values[low, 1 + k] + part * (kind.values[high, 1 + k] - kind.values[low, 1 + k])
+            component = before.force[k] + part * (after.force[k] - before.force[k])
             if axes < 0:
                 work.markers[marker].force[k] += component
             else:

@@ -283,7 +283,7 @@ class MeshSystem:
     def _turning_loads(self) -> bool:
         """Whether point forces turn with bodies."""
         return any(
-            type(kind).__name__ == "PointForces" and np.any(kind.table[:, 1] >= 0) for kind in self._loads
+            type(kind).__name__ == "PointForces" and np.any(kind.table["axes"] >= 0) for kind in self._loads
         )
 
     def _follower(self, kind: Any, matrices: MeshMatrices) -> Any:

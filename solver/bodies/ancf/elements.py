@@ -92,7 +92,7 @@ def add_stiffness(
 
 @generic()
 def measure_strain_energy(kinds: Meshes, body: int, strain: Floats1) -> None:
-    """``body[ELASTIC_ENERGY] += e^T C e / 2`` with some strains."""
+    """``elastic_energy += e^T C e / 2`` of a body with some strains."""
 
 
 @generic()
