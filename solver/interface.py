@@ -59,7 +59,6 @@ __all__ = [
     "fill_rows",
     "finish",
     "free_acceleration",
-    "gather_reactions",
     "gather_rows",
     "iterate",
     "joint_rows",
@@ -245,6 +244,9 @@ class Workspace(Arrays):
         See there.
     corners
         Times at which an adaptive step must end [s].
+    row_force
+        Forces ``G^T reaction`` of the rows on all bodies but free rigid ones, by velocity [N, N m, modal], shape
+        (dof_count,); set while a record is written, for reactions of held bodies.
     """
 
     velocity: Floats1
@@ -254,6 +256,7 @@ class Workspace(Arrays):
     control: Control
     corners: Floats1
     status: Status
+    row_force: Floats1
 
     @classmethod
     def empty(
@@ -268,6 +271,7 @@ class Workspace(Arrays):
             control=Control.one(),
             corners=corners,
             status=Status.one(),
+            row_force=np.zeros(velocities),
         )
 
 
@@ -364,11 +368,6 @@ def apply_inverse(kinds: Bodies, at_midpoint: bool, system: RowArrays) -> None:
 @optional()
 def add_row_work(kinds: Bodies, weight: float, work: Workspace, system: RowArrays) -> None:
     """Bodies with drives: work of the impulses of the rows, times a weight, on the prescribed velocities."""
-
-
-@optional("record")
-def gather_reactions(kinds: Bodies, fresh: bool, system: RowArrays) -> None:
-    """Bodies that are held: forces ``G^T reaction`` of the rows at the carried state, added unless fresh."""
 
 
 @generic()

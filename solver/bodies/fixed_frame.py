@@ -182,14 +182,12 @@ def record_fixed(kind: FloatingFrameBodies, body: int, work: Workspace, row: NDA
     The reaction balances ``dp/dt = S qdd`` and ``dL/dt = I_tf(q) qdd``, gravity and the marker forces;
     ``(d I_tf/dt) qd`` vanishes because the matrices A_k are antisymmetric.
     """
+    add_joint_forces(kind, body, work)
     _gather_loads(kind, body, work)
     n, first, column = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].column
     frame, shape = kind.frame[body], shape_of(kind, body)
     R = frame.mid_rotation
     _deform(kind, body)
-    add_joint_forces(kind, body)
-    for i in range(first, first + n):
-        kind.modal_right_hand_side[i] += kind.joint_load[i]
     write_motion(frame, row, column)
     p1 = p2 = p3 = 0.0
     l1 = l2 = l3 = 0.0

@@ -128,8 +128,6 @@ class FloatingFrameBodies(FrameBodies):
     modal_position, modal_velocity, modal_acceleration
         State of the modes of all bodies: coordinates, rates, difference quotients of the rates; shape (modes,), as
         all of the following have for their last dimension.
-    joint_load
-        Modal forces of the joints on held bodies at the carried state.
     stiffness, damping
         Modal constants [1/s2, 1/s].
     translation
@@ -168,7 +166,6 @@ class FloatingFrameBodies(FrameBodies):
         "modal_position",
         "modal_velocity",
         "modal_acceleration",
-        "joint_load",
         "position_products",
         "velocity_products",
         "acceleration_products",
@@ -182,7 +179,6 @@ class FloatingFrameBodies(FrameBodies):
     modal_position: Floats1
     modal_velocity: Floats1
     modal_acceleration: Floats1
-    joint_load: Floats1
     stiffness: Floats1
     damping: Floats1
     translation: Floats2
@@ -362,7 +358,7 @@ def pack_floating_frames(
         constants=flat,
         markers=marker_index,
         sensors=sensor_index,
-        held=any(not isinstance(body.motion, Free) for body in bodies),
+        driven=any(isinstance(body.motion, Driven) for body in bodies),
         moves=any(not isinstance(body.motion, Fixed) for body in bodies),
     )
 
@@ -376,7 +372,6 @@ def _empty(bodies: int, modes: int) -> FloatingFrameBodies:
         modal_position=aligned(modes),
         modal_velocity=aligned(modes),
         modal_acceleration=aligned(modes),
-        joint_load=aligned(modes),
         stiffness=aligned(modes),
         damping=aligned(modes),
         translation=aligned((3, modes)),
@@ -395,7 +390,7 @@ def _empty(bodies: int, modes: int) -> FloatingFrameBodies:
         mid_velocity_products=aligned(8 * modes),
         markers=records(PackedMarker, 0),
         sensors=records(PackedMarker, 0),
-        held=False,
+        driven=False,
         moves=False,
     )
 

@@ -35,7 +35,7 @@ from heavylift.solver.bodies.floating_frame_panels import (
 )
 from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of
 from heavylift.solver.bodies.floating_frame_stage import factor_frame
-from heavylift.solver.bodies.frame_joints import attached_body, gather_reactions_on_frames, held_body
+from heavylift.solver.bodies.frame_joints import attached_body
 from heavylift.solver.bodies.frame_motion import write_frame_velocities
 from heavylift.solver.drive import FIXED, FREE
 from heavylift.solver.interface import (
@@ -43,7 +43,6 @@ from heavylift.solver.interface import (
     apply_inverse,
     end_velocity,
     estimate_error,
-    gather_reactions,
     set_velocity,
     write_velocity,
 )
@@ -149,30 +148,6 @@ def _apply_of_lanes(
         for k in range(3):
             G[out + k * lanes + r] = -v[k]
             G[out + (3 + k) * lanes + r] *= -1.0
-
-
-@implement(gather_reactions, FloatingFrameBodies)
-@kernel(internal=True)
-def gather_reactions_on_floating_frames(kind: FloatingFrameBodies, fresh: bool, system: RowArrays) -> None:
-    """On held frames, whose recorded reaction balances them, and on their modes."""
-    gather_reactions_on_frames(kind, fresh, system)
-    if not kind.held:
-        return
-    lanes = system.lanes
-    if fresh:
-        for i in range(kind.modal_position.shape[0]):
-            kind.joint_load[i] = 0.0
-    for i in range(system.attachments.shape[0]):
-        body = held_body(kind, system, i)
-        if body < 0:
-            continue
-        first, panel = kind.table[body].first_mode, system.attachments[i].panel + 6 * lanes
-        reaction = system.rows[system.attachments[i].owner].reaction
-        for k in range(system.attachments[i].width - 6):
-            force = 0.0
-            for r in range(lanes):
-                force += system.panels[panel + k * lanes + r] * reaction[r]
-            kind.joint_load[first + k] += force
 
 
 @implement(end_velocity, FloatingFrameBodies)

@@ -105,14 +105,13 @@ def gather_marker_forces(kind: FloatingFrameBodies, work: Workspace) -> None:
 
 
 @kernel(internal=True)
-def add_joint_forces(kind: FloatingFrameBodies, body: int) -> None:
-    """Add to the gathered forces those of the joints at the carried state."""
-    n, first = kind.table[body].mode_count, kind.table[body].first_mode
-    frame = kind.frame[body]
+def add_joint_forces(kind: FloatingFrameBodies, body: int, work: Workspace) -> None:
+    """Add to the gathered forces those of the rows at the carried state."""
+    n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
     for j in range(6):
-        frame.wrench[j] += frame.joint_force[j]
-    for i in range(first, first + n):
-        kind.modal_load[i] += kind.joint_load[i]
+        kind.frame[body].wrench[j] += work.row_force[dof + j]
+    for i in range(n):
+        kind.modal_load[first + i] += work.row_force[dof + 6 + i]
 
 
 @kernel(reassociate=True, internal=True)

@@ -86,7 +86,7 @@ def record_floating_frames(
             row[column + 13 + i] = kind.modal_position[first + i]
             row[column + 13 + n + i] = kind.modal_velocity[first + i]
         if kind.table[body].motion != FREE:
-            add_joint_forces(kind, body)
+            add_joint_forces(kind, body, work)
             reaction = row[column + 13 + 2 * n : column + 19 + 2 * n]
             _write_reaction(kind, body, time, work, reaction)
         elif kind.sensors.shape[0] > 0:

@@ -95,8 +95,6 @@ class Frame(FrameMotion):
         Pose that a drive prescribes to the frame of the user; velocity, spin, acceleration and spin rate.
     mean_twist
         Mean velocity and spin of a driven frame over a step.
-    joint_force
-        Force and moment of the rows on a held body at the carried state, as of a marker.
     """
 
     angular_momentum: Vector
@@ -114,7 +112,6 @@ class Frame(FrameMotion):
     drive_pose: Annotated[NDArray[np.float64], (7,)]
     drive_rates: Annotated[NDArray[np.float64], (12,)]
     mean_twist: Vector6
-    joint_force: Vector6
 
 
 class FrameBodies(BodyKind):
@@ -132,8 +129,8 @@ class FrameBodies(BodyKind):
         Points and directions that forces and joints act on.
     sensors
         Points that are recorded.
-    held
-        Whether the frame of any is fixed or driven.
+    driven
+        Whether the frame of any is driven.
     """
 
     kernel_modules: ClassVar[tuple[str, ...]] = (
@@ -149,7 +146,7 @@ class FrameBodies(BodyKind):
     frame: Records[Frame]
     markers: Records[PackedMarker]
     sensors: Records[PackedMarker]
-    held: bool
+    driven: bool
 
     def _dofs(self) -> NDArray[np.int64]:
         """Places of the velocities of the frames, shape (bodies, 6)."""

@@ -155,7 +155,7 @@ def pack_rigid_bodies(
         frame=frame,
         markers=marker_index,
         sensors=sensor_index,
-        held=bool((table["motion"] != FREE).any()),
+        driven=bool((table["motion"] == DRIVEN).any()),
     )
 
 

@@ -68,7 +68,7 @@ def _write_reaction(
     reaction: NDArray[np.float64],
 ) -> None:
     """Force, and moment about the origin of the body frame, world axes, that keep a body on its course."""
-    frame = kind.frame[body]
+    frame, dof = kind.frame[body], kind.table[body].dof
     driven = 1.0 if kind.table[body].motion == DRIVEN else 0.0
     w1, w2, w3 = frame.spin[0], frame.spin[1], frame.spin[2]
     l1, l2, l3 = (
@@ -81,19 +81,19 @@ def _write_reaction(
         frame.mid_rotation,
         driven * (frame.principal_inertia[0] * frame.spin_rate[0] + gyroscopic[0])
         - frame.moment[0]
-        - frame.joint_force[3],
+        - work.row_force[dof + 3],
         driven * (frame.principal_inertia[1] * frame.spin_rate[1] + gyroscopic[1])
         - frame.moment[1]
-        - frame.joint_force[4],
+        - work.row_force[dof + 4],
         driven * (frame.principal_inertia[2] * frame.spin_rate[2] + gyroscopic[2])
         - frame.moment[2]
-        - frame.joint_force[5],
+        - work.row_force[dof + 5],
     )
     for k in range(3):
         reaction[k] = (
             frame.mass * (driven * frame.acceleration[k] - work.sums.gravity[k])
             - frame.force[k]
-            - frame.joint_force[k]
+            - work.row_force[dof + k]
         )
     about_origin = cross(arm[0], arm[1], arm[2], reaction[0], reaction[1], reaction[2])
     for k in range(3):

@@ -117,7 +117,7 @@ def pack_hulls(
         frame=rigid.frame,
         markers=rigid.markers,
         sensors=rigid.sensors,
-        held=rigid.held,
+        driven=rigid.driven,
         hulls=rows,
         groups=records(HullGroup, group_rows),
         water=_still_water(sea),
