@@ -8,7 +8,11 @@ kind of body is behind them.
 
 from __future__ import annotations
 
+from abc import ABCMeta, abstractmethod
+from typing import ClassVar
+
 import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1, Floats3
 from heavylift.numerics.records import Record, Records, Vector, records
@@ -22,6 +26,7 @@ __all__ = [
     "RECORD",
     "ROWS",
     "Bodies",
+    "BodyKind",
     "Control",
     "Forces",
     "Joints",
@@ -39,13 +44,11 @@ __all__ = [
     "begin_stage",
     "check",
     "close_step",
-    "collect_load",
     "complete",
     "complete_accelerations",
     "complete_rates",
     "complete_thesis",
     "correct",
-    "correct_rows",
     "displace",
     "end_rows",
     "end_velocity",
@@ -56,15 +59,12 @@ __all__ = [
     "fill_rows",
     "finish",
     "free_acceleration",
-    "gather_reactions",
     "gather_rows",
     "iterate",
     "joint_rows",
     "load_state",
     "measure_error",
-    "move",
     "predict",
-    "put_velocity",
     "record",
     "record_forces",
     "record_joints",
@@ -80,7 +80,6 @@ __all__ = [
     "spread_impulses",
     "start",
     "store_state",
-    "survey",
     "thesis_advance",
     "thesis_velocity",
     "update_rows",
@@ -95,8 +94,47 @@ NO_CORNERS = np.zeros(0)
 ENERGY_NAMES = ("kinetic", "elastic", "potential", "external_work", "drive_work", "dissipated")
 
 
+class BodyKind(Arrays, metaclass=ABCMeta):
+    """Base of all kinds of bodies: what Python asks of them before time starts.
+
+    Vectors are those of the whole scene, of which a kind reads and writes the places of its bodies. After a change of
+    poses or velocities `start` completes the state.
+    """
+
+    @abstractmethod
+    def survey(
+        self, places: NDArray[np.float64], inertia: NDArray[np.float64], velocity: NDArray[np.float64]
+    ) -> None:
+        """Write where the bodies are, how heavy and how fast.
+
+        Parameters
+        ----------
+        places
+            By number of the body, shape (bodies, 8): its first velocity, the point [m] whose velocity that is, and the
+            quaternion of the axes of its spin.
+        inertia
+            By velocity, shape (dof_count,): a characteristic mass [kg, kg m2, 1], 0 if it is prescribed.
+        velocity
+            Carried velocities [m/s, rad/s, modal], shape (dof_count,).
+        """
+
+    @abstractmethod
+    def move(self, increment: NDArray[np.float64]) -> None:
+        """Displace along the exponential map by velocity coordinates [m, rad, modal], shape (dof_count,)."""
+
+    @abstractmethod
+    def put_velocity(self, velocity: NDArray[np.float64]) -> None:
+        """Take velocities [m/s, rad/s, modal], shape (dof_count,), and forget accelerations."""
+
+    @abstractmethod
+    def collect_load(self, work: Workspace, load: NDArray[np.float64]) -> None:
+        """Add gravity, forces of the markers and own elasticity at rest [N, N m, modal], shape (dof_count,)."""
+
+
 class Bodies(Table):
     """Kinds of bodies of a scene."""
+
+    members: ClassVar[type] = BodyKind
 
 
 class Forces(Table):
@@ -206,6 +244,9 @@ class Workspace(Arrays):
         See there.
     corners
         Times at which an adaptive step must end [s].
+    row_force
+        Forces ``G^T reaction`` of the rows on all bodies but free rigid ones, by velocity [N, N m, modal], shape
+        (dof_count,); set while a record is written, for reactions of held bodies.
     """
 
     velocity: Floats1
@@ -215,6 +256,7 @@ class Workspace(Arrays):
     control: Control
     corners: Floats1
     status: Status
+    row_force: Floats1
 
     @classmethod
     def empty(
@@ -229,6 +271,7 @@ class Workspace(Arrays):
             control=Control.one(),
             corners=corners,
             status=Status.one(),
+            row_force=np.zeros(velocities),
         )
 
 
@@ -259,14 +302,10 @@ def factor(kinds: Bodies, step: float, work: Workspace) -> None:
 
 @optional()
 def correct(kinds: Bodies, step: float, work: Workspace) -> None:
-    """Bodies with quadratic velocity forces: re-evaluate these at the velocity found, solve with the same factor."""
+    """Bodies with quadratic velocity forces: re-evaluate these at the velocity found, solve with the same factor.
 
-
-@optional()
-def correct_rows(
-    kinds: Bodies, systems: Systems, joints: Joints, work: Workspace, time: float, step: float
-) -> None:
-    """Bodies that implement `correct`: call `solve_again`. A scene without them solves its rows once."""
+    Counted in `control.changed` if velocities have changed: then rows are solved again.
+    """
 
 
 @optional()
@@ -301,7 +340,7 @@ def advance(kinds: Bodies, time: float, step: float, work: Workspace) -> None:
     """Bodies: configuration and momenta to the end of the step, work of the forces."""
 
 
-@generic()
+@generic("thesis")
 def write_velocity(kinds: Bodies, work: Workspace) -> None:
     """Bodies: velocities of the carried state into the workspace."""
 
@@ -329,11 +368,6 @@ def apply_inverse(kinds: Bodies, at_midpoint: bool, system: RowArrays) -> None:
 @optional()
 def add_row_work(kinds: Bodies, weight: float, work: Workspace, system: RowArrays) -> None:
     """Bodies with drives: work of the impulses of the rows, times a weight, on the prescribed velocities."""
-
-
-@optional("record")
-def gather_reactions(kinds: Bodies, fresh: bool, system: RowArrays) -> None:
-    """Bodies that are held: forces ``G^T reaction`` of the rows at the carried state, added unless fresh."""
 
 
 @generic()
@@ -506,28 +540,3 @@ def measure_error(kinds: Bodies, values: Floats1, fifth: int, third: int, work: 
 @optional("accurate")
 def store_state(kinds: Bodies, time: float, values: Floats1, at: int, rate: int, work: Workspace) -> None:
     """Bodies: carried state, and velocities of the state vector, from a configuration and its rates."""
-
-
-@generic()
-def survey(kinds: Bodies, places: Floats1, inertia: Floats1, velocity: Floats1) -> None:
-    """Bodies, in Python before the start: where they are, how heavy, how fast.
-
-    Into the row of each body of `places`, shape (bodies, 8): its first velocity, the point [m] whose velocity
-    that is, and the quaternion of the axes of its spin. Into `inertia`, by velocity: a characteristic mass
-    [kg, kg m2, 1], 0 if it is prescribed. Into `velocity`: the carried velocities.
-    """
-
-
-@generic()
-def move(kinds: Bodies, increment: Floats1) -> None:
-    """Bodies, in Python before the start: displace by a vector in velocity coordinates, along the exponential map."""
-
-
-@generic()
-def put_velocity(kinds: Bodies, velocity: Floats1) -> None:
-    """Bodies, in Python before the start: take velocities, forget accelerations; `start` completes the state."""
-
-
-@generic()
-def collect_load(kinds: Bodies, work: Workspace, load: Floats1) -> None:
-    """Bodies, in Python before the start: add gravity, marker forces and own elasticity at rest, shape (dof_count,)."""

@@ -71,9 +71,21 @@ STEP = "step"
 
 
 class Table(Sequence[Any]):
-    """Kinds that are served together; a subclass says which verbs it knows: those whose first parameter it is."""
+    """Kinds that are served together; a subclass says which verbs it knows: those whose first parameter it is.
+
+    Attributes
+    ----------
+    members
+        Base of the kinds that it takes.
+
+    Raises
+    ------
+    TypeError
+        If a kind is not made from that base.
+    """
 
     verbs: ClassVar[list[Any]] = []
+    members: ClassVar[type] = object
 
     def __init_subclass__(cls) -> None:
         """Every class of tables has verbs of its own."""
@@ -81,6 +93,11 @@ class Table(Sequence[Any]):
 
     def __init__(self, kinds: Iterable[Any] = (), groups: Iterable[str] | None = None) -> None:
         self.kinds = tuple(kinds)
+        for kind in self.kinds:
+            if not isinstance(kind, self.members):
+                raise TypeError(
+                    f"{type(kind).__name__} among {type(self).__name__}: expected a {self.members.__name__}"
+                )
         self.groups = None if groups is None else frozenset(groups)
         self._memory: Any = None
         self._kept: list[Any] = []
@@ -435,8 +452,15 @@ def _symbol(kind: type, verb: Verb) -> str:
 
 
 def kinds_with_verbs() -> list[type]:
-    """Kinds of the package that have versions of verbs, of the modules that are imported."""
-    return [kind for kind in _VERBS_OF if kind.__module__.startswith("heavylift.")]
+    """Kinds of the package that have versions of verbs, of the modules that are imported; bases of kinds are none."""
+    found = {kind: None for base in _VERBS_OF for kind in _final(base)}
+    return [kind for kind in found if kind.__module__.startswith("heavylift.")]
+
+
+def _final(base: type) -> list[type]:
+    """Classes that are made from one, itself included, and that no other one is made from."""
+    own: list[type] = base.__subclasses__()
+    return [kind for one in own for kind in _final(one)] if own else [base]
 
 
 def _kind_units(kind: Any) -> dict[str, Unit]:

@@ -19,11 +19,11 @@ from heavylift.solver.interface import (
     Bodies,
     Joints,
     Workspace,
-    gather_reactions,
     gather_rows,
     record_rows,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.row_impulses import add_reactions
 
 __all__ = ["CONTACT_CHANNELS"]
 
@@ -50,7 +50,7 @@ def gather_contact_rows(
 ) -> None:
     """The rows are still those of the end of the step; of what is far from touching only the gap is wanted."""
     restore_contacts(contacts.meshes, contacts)  # a state may have been restored since the last step
-    gather_reactions(bodies, False, contacts)
+    add_reactions(contacts, work.row_force)
     posed = False
     for c in range(contacts.counts.of_contours):
         state = contacts.state[c]

@@ -67,6 +67,8 @@ def write_record(
     """Write the carried state, energies and momenta into a record; totals come last."""
     begin_record(forces)
     evaluate_forces(bodies, forces, work, time, False, RECORD)
+    for i in range(work.row_force.shape[0]):
+        work.row_force[i] = 0.0
     gather_rows(systems, bodies, joints, work, time)
     record(bodies, time, work, row)
     sums = work.sums

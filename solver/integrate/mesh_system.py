@@ -29,7 +29,7 @@ from heavylift.solver.integrate.mesh_kernels import evaluate_loads
 from heavylift.solver.integrate.rows_at_rest import fill_at_rest
 from heavylift.solver.integrate.start_rows import StartRows
 from heavylift.solver.integrate.static_forces import STEP
-from heavylift.solver.interface import FORCES, collect_load, move
+from heavylift.solver.interface import FORCES
 
 __all__ = ["MeshSystem"]
 
@@ -151,7 +151,8 @@ class MeshSystem:
         if len(self.dofs):
             full = np.zeros(len(self.rows.inertia))
             full[self.dofs] = increment[self.first[-1] :]
-            move(self.others, full)
+            for kind in self.others:
+                kind.move(full)
 
     def stop(self) -> None:
         """Take all velocities away."""
@@ -186,7 +187,8 @@ class MeshSystem:
             part[:] = (kind.right_hand_side + kind.external_force)[matrices.places]
         if len(self.dofs):
             pull = np.zeros(len(self.rows.inertia))
-            collect_load(self.others, layout.work, pull)
+            for kind in self.others:
+                kind.collect_load(layout.work, pull)
             force[self.first[-1] :] = (pull - self._elasticity())[self.dofs]
         return force
 
@@ -209,7 +211,8 @@ class MeshSystem:
         work, pull = self.layout.work, np.zeros(len(self.rows.inertia))
         work.markers["force"] = 0.0
         work.sums.gravity[:] = 0.0
-        collect_load(self.others, work, pull)
+        for kind in self.others:
+            kind.collect_load(work, pull)
         return pull
 
     def _inner_pull(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -223,7 +226,8 @@ class MeshSystem:
         else:
             evaluate_loads(layout.bodies, self._inner, layout.work, rows.time)
         pull = np.zeros(len(rows.inertia))
-        collect_load(self.others, layout.work, pull)
+        for kind in self.others:
+            kind.collect_load(layout.work, pull)
         self._add_base_loads(pull)
         reaction = np.zeros(len(rows.block))
         if layout.systems:
@@ -374,7 +378,8 @@ class MeshSystem:
             pull = pull + rows.jacobian().T @ reaction
         evaluate_loads(layout.bodies, self._loads, layout.work, rows.time)
         load = np.zeros(len(rows.inertia))
-        collect_load(self.others, layout.work, load)
+        for kind in self.others:
+            kind.collect_load(layout.work, load)
         self._add_base_loads(load)
         load = load - self._elasticity()
         pull = pull + factor * load

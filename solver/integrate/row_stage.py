@@ -40,7 +40,6 @@ from heavylift.solver.interface import (
     end_velocity,
     fill_markers,
     fill_rows,
-    gather_reactions,
     gather_rows,
     record_joints,
     record_rows,
@@ -54,7 +53,7 @@ from heavylift.solver.interface import (
     update_rows,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.row_impulses import add_impulses
+from heavylift.solver.row_impulses import add_impulses, add_reactions
 from heavylift.solver.rows import (
     REGULARISATION,
     RowSystem,
@@ -314,7 +313,7 @@ def gather_row_system(
     """With their forces on bodies that are held."""
     fill_rows(joints, True, work, system)
     set_targets(joints, time, 1.0, False, work, system)  # drives are violated by their value at this time
-    gather_reactions(bodies, True, system)
+    add_reactions(system, work.row_force)
 
 
 @implement(record_rows, RowSystem)

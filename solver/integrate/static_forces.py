@@ -9,9 +9,6 @@ from numpy.typing import NDArray
 
 from heavylift.solver.integrate.rows_at_rest import fill_at_rest
 from heavylift.solver.integrate.start_rows import StartRows
-from heavylift.solver.interface import (
-    collect_load,
-)
 
 __all__ = ["StaticForces"]
 
@@ -70,7 +67,8 @@ class StaticForces:
             layout.bodies, layout.forces, layout.joints, layout.systems, layout.work, rows.time, STEP
         )
         load = np.zeros(len(rows.inertia))
-        collect_load(layout.bodies, layout.work, load)
+        for kind in layout.bodies:
+            kind.collect_load(layout.work, load)
         load[rows.inertia == 0.0] = 0.0
         G = rows.jacobian()
         soft = ~rows.rigid

@@ -18,7 +18,8 @@ from heavylift.numerics.sources import closure
 from heavylift.solver.bodies.ancf.kind import FrameMeshes
 from heavylift.solver.bodies.rigid import RigidBodies
 from heavylift.solver.compiling import all_units
-from heavylift.solver.kinds import Members, Table, generic, implement, kind_units, optional
+from heavylift.solver.interface import Bodies, BodyKind, Workspace
+from heavylift.solver.kinds import Members, Table, generic, implement, kind_units, kinds_with_verbs, optional
 
 compiled_only = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs compiled kernels")
 
@@ -285,3 +286,32 @@ def test_the_file_of_a_unit_does_not_depend_on_the_order_of_imports() -> None:
     turned = replace(unit, entries=dict(reversed(unit.entries.items())))
     assert list(turned.entries) != list(unit.entries)
     assert objects._place(turned) == objects._place(unit)
+
+
+class Stones(BodyKind):
+    """Bodies that cannot be moved before time starts."""
+
+    mass: Floats1
+
+    def survey(self, places: Any, inertia: Any, velocity: Any) -> None:
+        """Nowhere."""
+
+    def put_velocity(self, velocity: Any) -> None:
+        """None."""
+
+    def collect_load(self, work: Workspace, load: Any) -> None:
+        """None."""
+
+
+def test_a_kind_of_bodies_without_a_method_is_refused_by_name() -> None:
+    made: Any = Stones
+    with pytest.raises(TypeError, match=r"Stones.*move"):
+        made(np.ones(1))
+    with pytest.raises(TypeError, match="Weights among Bodies: expected a BodyKind"):
+        Bodies((Weights(np.ones(1)),))
+
+
+def test_bases_of_kinds_are_no_kinds() -> None:
+    known = kinds_with_verbs()
+    assert RigidBodies in known
+    assert not any(issubclass(other, kind) for kind in known for other in known if other is not kind)
