@@ -435,8 +435,15 @@ def _symbol(kind: type, verb: Verb) -> str:
 
 
 def kinds_with_verbs() -> list[type]:
-    """Kinds of the package that have versions of verbs, of the modules that are imported."""
-    return [kind for kind in _VERBS_OF if kind.__module__.startswith("heavylift.")]
+    """Kinds of the package that have versions of verbs, of the modules that are imported; bases of kinds are none."""
+    found = {kind: None for base in _VERBS_OF for kind in _final(base)}
+    return [kind for kind in found if kind.__module__.startswith("heavylift.")]
+
+
+def _final(base: type) -> list[type]:
+    """Classes that are made from one, itself included, and that no other one is made from."""
+    own: list[type] = base.__subclasses__()
+    return [kind for one in own for kind in _final(one)] if own else [base]
 
 
 def _kind_units(kind: Any) -> dict[str, Unit]:

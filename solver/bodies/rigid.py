@@ -22,6 +22,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Quaternion, Record, Records, Vector, Vector6, records
 from heavylift.numerics.rotation import quaternion_from_matrix, rotation_matrix
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
+from heavylift.solver.interface import Coordinates
 from heavylift.solver.markers import BodyMarkers, PackedMarker, pack_markers
 from heavylift.solver.scene_bodies import Driven, Fixed, Free, RigidBody
 
@@ -51,6 +52,8 @@ class RigidIndex(Record):
         First record column.
     number
         Of the body.
+    state_place
+        Of position and quaternion in a state vector of the accurate integrator.
     """
 
     dof: int
@@ -58,6 +61,7 @@ class RigidIndex(Record):
     drive: int
     column: int
     number: int
+    state_place: int
 
 
 class RigidMotion(Record):
@@ -186,6 +190,21 @@ class RigidBodies(Arrays):
     markers: Records[PackedMarker]
     sensors: Records[PackedMarker]
 
+    def place_coordinates(self, place: int) -> tuple[Records[Coordinates], int]:
+        """Coordinates in a state vector of the accurate integrator, from a place on, and the place behind them."""
+        table, found = self.table, records(Coordinates, len(self.table))
+        table["state_place"] = place + 7 * np.arange(len(table))
+        found["number"], found["motion"] = table["number"], table["motion"]
+        found["place"], found["velocity"] = table["state_place"], table["dof"]
+        found["reach"] = self.frame["reach"]
+        return found, place + 7 * len(table)
+
+    def write_state(self, values: Floats1) -> None:
+        """Carried state into a state vector."""
+        for one, frame in zip(self.table, self.frame, strict=True):
+            values[one.dof : one.dof + 6] = frame.twist
+            values[one.state_place : one.state_place + 7] = frame.pose
+
 
 def pack_rigid_bodies(
     bodies: Sequence[RigidBody],
@@ -214,7 +233,7 @@ def pack_rigid_bodies(
         one.centre[:], one.axes[:] = body.centre_of_mass, quaternion_from_matrix(axes)
         one.arc = 0.125
         motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
-        table[row] = first_dof + 6 * row, motion, sum(map(len, constants)), column, first_number + row
+        table[row] = first_dof + 6 * row, motion, sum(map(len, constants)), column, first_number + row, 0
         if isinstance(body.motion, Driven):
             constants.append(pack_drive(body.motion, body.position, body.orientation))
         R = rotation_matrix(body.orientation)

@@ -34,6 +34,7 @@ __all__ = [
     "prescribe",
     "stage_at_state",
     "stage_rotation",
+    "start_rigid_bodies",
 ]
 
 
