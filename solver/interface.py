@@ -28,6 +28,7 @@ __all__ = [
     "Bodies",
     "BodyKind",
     "Control",
+    "Coordinates",
     "Forces",
     "Joints",
     "Marker",
@@ -46,10 +47,8 @@ __all__ = [
     "close_step",
     "complete",
     "complete_accelerations",
-    "complete_rates",
     "complete_thesis",
     "correct",
-    "displace",
     "end_rows",
     "end_velocity",
     "estimate_error",
@@ -62,8 +61,6 @@ __all__ = [
     "gather_rows",
     "iterate",
     "joint_rows",
-    "load_state",
-    "measure_error",
     "predict",
     "record",
     "record_forces",
@@ -77,7 +74,6 @@ __all__ = [
     "solve_again",
     "solve_end",
     "solve_midpoint",
-    "spread_impulses",
     "start",
     "store_state",
     "thesis_advance",
@@ -209,6 +205,34 @@ class Marker(Record):
     velocity: Vector
     force: Vector
     bias: Vector
+
+
+class Coordinates(Record):
+    """Coordinates of a body in a state vector of the accurate integrator, which follow its velocities.
+
+    They are a pose, or nodal vectors. A pose has seven numbers, position and quaternion, and six velocities, those of
+    the position and the spin in the axes of the quaternion. Nodal vectors have as many velocities as numbers. Kinds
+    that the integrator serves say them by `place_coordinates`, and their values at the start by `write_state`.
+
+    Attributes
+    ----------
+    number, motion
+        Of the body; and whether it is `FREE`, `FIXED` or `DRIVEN`.
+    place, velocity
+        In a state vector, of the coordinates and of their velocities.
+    count, stride
+        Numbers of nodal vectors, 0 of a pose; from one node to the next. A node begins with its position.
+    reach
+        Of a pose: distance of what is attached [m]; else extension of the body.
+    """
+
+    number: int
+    motion: int
+    place: int
+    velocity: int
+    count: int
+    stride: int
+    reach: float
 
 
 class Sums(Record):
@@ -491,15 +515,10 @@ def record_rows(kinds: Systems, joints: Joints, work: Workspace, time: float, ro
 
 
 @optional("accurate")
-def load_state(kinds: Bodies, values: Floats1, at: int, work: Workspace) -> None:
-    """Bodies: write the carried state into the state vector that begins at a place of a flat array."""
-
-
-@optional("accurate")
-def begin_stage(kinds: Bodies, time: float, values: Floats1, at: int, rate: int, work: Workspace) -> None:
+def begin_stage(kinds: Bodies, time: float, values: Floats1, at: int, work: Workspace) -> None:
     """Bodies: take the state vector at `at`, and fill the markers with rates and second rates.
 
-    Prescribed motion is written into the state vector, the rates of the configuration into the vector at `rate`.
+    Prescribed motion is written into the state vector.
     """
 
 
@@ -510,33 +529,36 @@ def free_acceleration(kinds: Bodies, values: Floats1, at: int, work: Workspace) 
 
 @optional("accurate")
 def complete_accelerations(
-    kinds: Bodies, systems: Systems, values: Floats1, rate: int, work: Workspace
+    kinds: Bodies, systems: Systems, with_forces: bool, values: Floats1, rate: int
 ) -> None:
-    """Bodies that rows see through bases: all their accelerations into the vector at `rate`, by the impulses."""
+    """Bodies that rows see through bases: changes of all velocities by impulses, and by forces, into a state vector."""
 
 
 @optional("accurate")
-def spread_impulses(
-    kinds: Bodies, systems: Systems, values: Floats1, at: int, of_velocity: bool, work: Workspace
-) -> None:
-    """Bodies that rows see through bases: what impulses change in their coordinates, or in their velocities."""
+def store_state(kinds: Bodies, time: float, values: Floats1, at: int, work: Workspace) -> None:
+    """Bodies: carried state from the state vector at `at`, prescribed motion as it is at a time."""
 
 
-@optional("accurate")
-def displace(kinds: Bodies, values: Floats1, at: int, work: Workspace) -> None:
-    """Bodies: displace the configuration by `work.velocity`, as if it were a velocity over one second."""
+@generic()
+def survey(kinds: Bodies, places: Floats1, inertia: Floats1, velocity: Floats1) -> None:
+    """Bodies, in Python before the start: where they are, how heavy, how fast.
+
+    Into the row of each body of `places`, shape (bodies, 8): its first velocity, the point [m] whose velocity
+    that is, and the quaternion of the axes of its spin. Into `inertia`, by velocity: a characteristic mass
+    [kg, kg m2, 1], 0 if it is prescribed. Into `velocity`: the carried velocities.
+    """
 
 
-@optional("accurate")
-def complete_rates(kinds: Bodies, values: Floats1, at: int, rate: int, second: int, work: Workspace) -> None:
-    """Bodies: rates of the configuration at a state vector, and second rates from these and the accelerations."""
+@generic()
+def move(kinds: Bodies, increment: Floats1) -> None:
+    """Bodies, in Python before the start: displace by a vector in velocity coordinates, along the exponential map."""
 
 
-@optional("accurate")
-def measure_error(kinds: Bodies, values: Floats1, fifth: int, third: int, work: Workspace) -> None:
-    """Bodies: raise `work.control.error` to the largest error [m/s] of a point, of two vectors of velocity errors."""
+@generic()
+def put_velocity(kinds: Bodies, velocity: Floats1) -> None:
+    """Bodies, in Python before the start: take velocities, forget accelerations; `start` completes the state."""
 
 
-@optional("accurate")
-def store_state(kinds: Bodies, time: float, values: Floats1, at: int, rate: int, work: Workspace) -> None:
-    """Bodies: carried state, and velocities of the state vector, from a configuration and its rates."""
+@generic()
+def collect_load(kinds: Bodies, work: Workspace, load: Floats1) -> None:
+    """Bodies, in Python before the start: add gravity, marker forces and own elasticity at rest, shape (dof_count,)."""

@@ -17,15 +17,29 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Quaternion, Records, Vector, records
 from heavylift.numerics.rotation import quaternion_from_matrix, rotation_matrix
 from heavylift.solver.bodies.frames import Frame, FrameBodies, FrameIndex, FrameMotion
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
+from heavylift.solver.interface import Coordinates
 from heavylift.solver.markers import BodyMarkers, pack_markers
 from heavylift.solver.scene_bodies import Driven, Fixed, Free, RigidBody
 
-__all__ = ["RigidBodies", "RigidFrame", "RigidFrames", "pack_rigid_bodies", "principal_frame"]
+__all__ = ["RigidBodies", "RigidFrame", "RigidFrames", "RigidIndex", "pack_rigid_bodies", "principal_frame"]
+
+
+class RigidIndex(FrameIndex):
+    """Where a rigid body is among the others.
+
+    Attributes
+    ----------
+    state_place
+        Of position and quaternion in a state vector of the accurate integrator.
+    """
+
+    state_place: int
 
 
 class RigidFrame(Frame, whole_lines=True):
@@ -68,6 +82,7 @@ class RigidFrames(FrameBodies):
 
     largest_turn: ClassVar[float] = 1.0
 
+    table: Records[RigidIndex]
     frame: Records[RigidFrame]
 
     def _inertia(self) -> NDArray[np.float64]:
@@ -85,6 +100,21 @@ class RigidBodies(RigidFrames):
 
     carried_fields: ClassVar[tuple[str, ...]] = ("frame",)
 
+    def place_coordinates(self, place: int) -> tuple[Records[Coordinates], int]:
+        """Coordinates in a state vector of the accurate integrator, from a place on, and the place behind them."""
+        table, found = self.table, records(Coordinates, len(self.table))
+        table["state_place"] = place + 7 * np.arange(len(table))
+        found["number"], found["motion"] = table["number"], table["motion"]
+        found["place"], found["velocity"] = table["state_place"], table["dof"]
+        found["reach"] = self.frame["reach"]
+        return found, place + 7 * len(table)
+
+    def write_state(self, values: Floats1) -> None:
+        """Carried state into a state vector."""
+        for one, frame in zip(self.table, self.frame, strict=True):
+            values[one.dof : one.dof + 6] = frame.twist
+            values[one.state_place : one.state_place + 7] = frame.pose
+
 
 def pack_rigid_bodies(
     bodies: Sequence[RigidBody],
@@ -101,7 +131,7 @@ def pack_rigid_bodies(
     InputError
         If a mass is not positive, or an inertia is not that of a body (triangle rule).
     """
-    table = records(FrameIndex, len(bodies))
+    table = records(RigidIndex, len(bodies))
     frame = records(RigidFrame, len(bodies))
     constants: list[NDArray[np.float64]] = []
     column = first_column
@@ -113,7 +143,7 @@ def pack_rigid_bodies(
         one.centre[:], one.axes[:] = body.centre_of_mass, quaternion_from_matrix(axes)
         one.arc = 0.125
         motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
-        table[row] = first_dof + 6 * row, motion, sum(map(len, constants)), column, first_number + row
+        table[row] = first_dof + 6 * row, motion, sum(map(len, constants)), column, first_number + row, 0
         if isinstance(body.motion, Driven):
             constants.append(pack_drive(body.motion, body.position, body.orientation))
         R = rotation_matrix(body.orientation)

@@ -28,6 +28,7 @@ __all__ = [
     "prescribe",
     "spatial_momentum",
     "stage_at_state",
+    "start_rigid_bodies",
 ]
 
 

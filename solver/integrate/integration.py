@@ -1,7 +1,7 @@
 """What the accurate integrator carries between two calls, and the layout of its vectors.
 
-A state vector holds all velocities, then positions and quaternions, then the works of loads and drives. Meshes have the
-velocities of their bases among the first, and coordinates and velocities of all nodes behind the quaternions.
+A state vector holds all velocities, then the coordinates of all bodies, then the works of loads and drives. Meshes have
+the velocities of their bases among the first, and those of all nodes behind their coordinates.
 """
 
 from __future__ import annotations
@@ -15,12 +15,14 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Record, Vector
+from heavylift.numerics.records import Record, Records, Vector, records
 from heavylift.solver.combination import padded
+from heavylift.solver.drive import DRIVEN
 from heavylift.solver.integrate.accurate_rows import is_tree
 from heavylift.solver.integrate.dop853 import STAGES
 from heavylift.solver.interface import (
     Bodies,
+    Coordinates,
     Joints,
     Systems,
     Workspace,
@@ -116,6 +118,8 @@ class Integration(Arrays):
         The last ends of steps: state, rates and second rates each; flat.
     vectors
         State, rates and errors of a step, one after the other; flat.
+    coordinates
+        What stands where in each of them.
     """
 
     carried_fields: ClassVar[tuple[str, ...]] = (
@@ -126,6 +130,12 @@ class Integration(Arrays):
     progress: Progress
     nodes: Floats1
     vectors: Floats1
+    coordinates: Records[Coordinates]
+
+    def take_start(self, bodies: Bodies) -> None:
+        """The carried state of the bodies becomes the first node."""
+        for kind in bodies:
+            kind.write_state(self.nodes)
 
 
 carried = Members(Systems, Integration)
@@ -156,31 +166,24 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
                 key="integrator",
                 expected="rigid joints and explicit forces for 'accurate'; or 'dele2'",
             )
-    from heavylift.solver.bodies.rigid import RigidBodies
-    from heavylift.solver.drive import DRIVEN
-
-    rigid = [kind for kind in bodies if isinstance(kind, RigidBodies)]
-    meshes = [kind for kind in bodies if not isinstance(kind, RigidBodies)]
-    place = padded(work.velocity.shape[0] + 7 * sum(len(kind.table) for kind in rigid))
-    for kind in meshes:
-        kind.table["state_place"] = place
-        place += 2 * len(kind.position)
+    place, described = work.velocity.shape[0], []
+    for kind in bodies:
+        found, place = kind.place_coordinates(place)
+        described.append(found)
+    coordinates = records(Coordinates, np.concatenate(described).tolist())
     size = padded(place + QUADRATURES)
     progress = Progress.one()
-    progress.length = max(
-        [kind.frame["reach"].max() for kind in rigid] + [kind.body["size"].max() for kind in meshes]
-    )
-    loaded = [(kind.markers["level"] > 0).any() for kind in rigid]
-    progress.loaded = any(loaded + [(kind.markers["level"] > 0).any() for kind in meshes])
-    driven = any((kind.table["motion"] == DRIVEN).any() for kind in rigid)
+    progress.length = coordinates["reach"].max()
+    progress.loaded = any((kind.markers["level"] > 0).any() for kind in bodies)
+    driven = (coordinates["motion"] == DRIVEN).any()
     progress.driven = driven or any(hasattr(kind, "profiles") for kind in joints)
-    progress.based = bool(systems) and any(len(kind.bases) for kind in meshes)
+    progress.based = bool(systems) and any(len(getattr(kind, "bases", ())) for kind in bodies)
     if all(is_tree(system) for system in systems):
         progress.solutions, progress.softening, progress.largest_error = 1, TREE_SOFTENING, math.inf
     else:
         progress.solutions, progress.softening = 2, LOOP_SOFTENING
         progress.largest_error = LOOSEST_LOOP * progress.length
-    return Integration(progress, np.zeros(SLOTS * NODE_ROWS * size), np.zeros(VECTORS * size))
+    return Integration(progress, np.zeros(SLOTS * NODE_ROWS * size), np.zeros(VECTORS * size), coordinates)
 
 
 def stiffness_seen(integration: Integration) -> bool:

@@ -25,8 +25,10 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.block_pattern import FactorColumn, LowerBlock
 from heavylift.numerics.lanes import block_shape
-from heavylift.numerics.records import Matrix3, Record, Records, Vector
-from heavylift.solver.interface import BodyKind, Workspace
+from heavylift.numerics.records import Matrix3, Record, Records, Vector, records
+from heavylift.solver.combination import padded
+from heavylift.solver.drive import FREE
+from heavylift.solver.interface import BodyKind, Coordinates, Workspace
 
 __all__ = [
     "BaseBlock",
@@ -579,6 +581,26 @@ class Meshes(BodyKind):
 
     def collect_load(self, work: Workspace, load: NDArray[np.float64]) -> None:
         """Nothing: equilibrium of a mesh is found with all its coordinates, not with its bases."""
+
+    def place_coordinates(self, place: int) -> tuple[Records[Coordinates], int]:
+        """Coordinates in a state vector of the accurate integrator, from a place on, and the place behind them.
+
+        Nodal vectors of the kind stand there as they are, coordinates, then velocities.
+        """
+        place, count, lanes = padded(place), len(self.position), len(self.shape[1])
+        table, found = self.table, records(Coordinates, len(self.table))
+        table["state_place"] = place
+        found["number"], found["motion"], found["reach"] = table["number"], FREE, self.body["size"]
+        found["place"] = place + lanes * table["first_node"]
+        found["velocity"] = found["place"] + count
+        found["count"], found["stride"] = lanes * table["node_count"], lanes
+        return found, place + 2 * count
+
+    def write_state(self, values: Floats1) -> None:
+        """Carried state into a state vector; velocities of the bases follow from it."""
+        place, count = self.table[0].state_place, len(self.position)
+        values[place : place + count] = self.position
+        values[place + count : place + 2 * count] = self.velocity
 
 
 class FrameMeshes(Meshes):

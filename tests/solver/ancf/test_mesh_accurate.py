@@ -262,8 +262,8 @@ def test_forces_in_one_pass_are_those_of_independent_elements(shape: str) -> Non
 
 
 @kernel
-def begin(bodies: Any, values: np.ndarray, size: int, work: Any) -> None:
-    begin_stage(bodies, 0.0, values, 0, size, work)
+def begin(bodies: Any, values: np.ndarray, work: Any) -> None:
+    begin_stage(bodies, 0.0, values, 0, work)
 
 
 @pytest.mark.slow
@@ -274,7 +274,6 @@ def test_second_rates_of_directions_are_those_of_differences() -> None:
     )
     layout = pack_scene(Scene(bodies=(frame(2), shell()), joints=joints), "accurate")
     integration = make_integration(layout.bodies, layout.joints, layout.systems, layout.work)
-    size = len(integration.vectors) // 19
     rng = np.random.default_rng(3)
     types = set()
     states, step = {}, 1e-5
@@ -291,7 +290,7 @@ def test_second_rates_of_directions_are_those_of_differences() -> None:
         for place, (q, v) in states.items():
             integration.vectors[place : place + len(q)] = q + time * v
             integration.vectors[place + len(q) : place + 2 * len(q)] = v
-        begin(layout.bodies, integration.vectors, size, layout.work)
+        begin(layout.bodies, integration.vectors, layout.work)
         return layout.work.markers.copy()
 
     centre, before, after = markers(0.0), markers(-step), markers(step)
