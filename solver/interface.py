@@ -537,28 +537,3 @@ def complete_accelerations(
 @optional("accurate")
 def store_state(kinds: Bodies, time: float, values: Floats1, at: int, work: Workspace) -> None:
     """Bodies: carried state from the state vector at `at`, prescribed motion as it is at a time."""
-
-
-@generic()
-def survey(kinds: Bodies, places: Floats1, inertia: Floats1, velocity: Floats1) -> None:
-    """Bodies, in Python before the start: where they are, how heavy, how fast.
-
-    Into the row of each body of `places`, shape (bodies, 8): its first velocity, the point [m] whose velocity
-    that is, and the quaternion of the axes of its spin. Into `inertia`, by velocity: a characteristic mass
-    [kg, kg m2, 1], 0 if it is prescribed. Into `velocity`: the carried velocities.
-    """
-
-
-@generic()
-def move(kinds: Bodies, increment: Floats1) -> None:
-    """Bodies, in Python before the start: displace by a vector in velocity coordinates, along the exponential map."""
-
-
-@generic()
-def put_velocity(kinds: Bodies, velocity: Floats1) -> None:
-    """Bodies, in Python before the start: take velocities, forget accelerations; `start` completes the state."""
-
-
-@generic()
-def collect_load(kinds: Bodies, work: Workspace, load: Floats1) -> None:
-    """Bodies, in Python before the start: add gravity, marker forces and own elasticity at rest, shape (dof_count,)."""
