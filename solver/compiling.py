@@ -35,7 +35,6 @@ from heavylift.numerics.objects import (
 )
 from heavylift.numerics.sources import edited_since_start
 from heavylift.solver.kinds import kind_units, kinds_with_verbs
-from heavylift.solver.rows import SHAPES, RowSystem
 
 __all__ = ["all_units", "compile_units", "missing_units", "unit_of"]
 
@@ -52,10 +51,9 @@ def all_units() -> dict[str, list[Unit]]:
             importlib.import_module(module.name)
     found: dict[str, list[Unit]] = {}
     for kind in kinds_with_verbs():
-        for own in SHAPES.values() if kind is RowSystem else (kind,):
-            units = list(kind_units(own).values())
-            if units:
-                found[own.__name__] = units
+        units = list(kind_units(kind).values())
+        if units:
+            found[kind.__name__] = units
     for entry in ENTRIES:
         if entry.__module__.startswith("heavylift."):
             found[entry.unit.name] = [entry.unit]

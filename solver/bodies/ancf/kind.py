@@ -174,6 +174,8 @@ class MeshNumbers(Record, whole_lines=True):
         Of the explicit scheme [s].
     time
         Of the stage [s].
+    stage_set
+        Set of blocks whose factor the stage is solved with.
     iterations, change, change_before
         Of the energy-momentum scheme: rounds in the step, last change [m] and the one before; a negative change before
         the first round.
@@ -195,6 +197,7 @@ class MeshNumbers(Record, whole_lines=True):
     mass: float
     step_limit: float
     time: float
+    stage_set: int
     iterations: int
     size: float
     change: float
@@ -534,7 +537,6 @@ class ShellMeshes(Meshes):
         "heavylift.solver.bodies.ancf.advance",
         "heavylift.solver.bodies.ancf.at_rest",
         "heavylift.solver.bodies.ancf.contours",
-        "heavylift.solver.bodies.ancf.elastic_forces",
         "heavylift.solver.bodies.ancf.energy_momentum",
         "heavylift.solver.bodies.ancf.facets",
         "heavylift.solver.bodies.ancf.joints",

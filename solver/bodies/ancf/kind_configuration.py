@@ -37,9 +37,9 @@ def _spread(kind: Meshes, body: int, wanted: NDArray[np.float64]) -> NDArray[np.
         right[own] = 0.0
         right[places] = 0.0
         right[places[i]] = -1.0
-        spread_base((kind,), body)
+        spread_base(kind, body)
         motions[i] = right[own]
-        read_bases((kind,), body, kind.right_hand_side, compliance[i])
+        read_bases(kind, body, kind.right_hand_side, compliance[i])
     size = np.sqrt(np.diag(compliance))
     size[size == 0.0] = 1.0
     weights = np.linalg.pinv(compliance / np.outer(size, size), rcond=1e-11, hermitian=True) @ (wanted / size)
@@ -66,7 +66,7 @@ def survey_meshes(
         places[line.number, 4:] = 1.0, 0.0, 0.0, 0.0
         count = 3 * int(line.base_count)
         inertia[line.dof : line.dof + count] = numbers.mass
-        read_bases((kind,), body, kind.velocity, velocity[line.dof : line.dof + count])
+        read_bases(kind, body, kind.velocity, velocity[line.dof : line.dof + count])
 
 
 @implement(move, FrameMeshes)
@@ -87,7 +87,7 @@ def put_mesh_velocity(kind: Meshes, velocity: NDArray[np.float64]) -> None:
         count = 3 * int(line.base_count)
         own, before = _nodes(kind, body), np.zeros(count)
         kind.mean_acceleration[own] = 0.0
-        read_bases((kind,), body, kind.velocity, before)
+        read_bases(kind, body, kind.velocity, before)
         change = velocity[line.dof : line.dof + count] - before
         if np.any(change):
             kind.velocity[own] += _spread(kind, body, change)

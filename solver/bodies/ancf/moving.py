@@ -29,6 +29,7 @@ __all__ = [
     "add_point_compliance",
     "add_point_forces",
     "add_point_impulses",
+    "body_with_points",
     "find_free_points",
     "forget_vectors",
     "point_response",
@@ -41,6 +42,15 @@ __all__ = [
 ]
 
 Vector = tuple[float, float, float]
+
+
+@kernel(internal=True)
+def body_with_points(kind: Meshes, dof: int) -> int:
+    """Row of the body with moving points whose first velocity this is, -1 if it is not of this kind."""
+    for body in range(kind.table.shape[0]):
+        if kind.table[body].dof == dof and kind.table[body].moving_count > 0:
+            return body
+    return -1
 
 
 @kernel(internal=True)

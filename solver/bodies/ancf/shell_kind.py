@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import heavylift.solver.bodies.ancf.advance
-import heavylift.solver.bodies.ancf.elastic_forces
 import heavylift.solver.bodies.ancf.energy_momentum
 import heavylift.solver.bodies.ancf.joints
 import heavylift.solver.bodies.ancf.record
