@@ -10,8 +10,6 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-import heavylift.solver.bodies.ancf.frame_kind
-import heavylift.solver.bodies.ancf.shell_kind  # noqa: F401
 from heavylift.contours.packed_contour import PackedContour
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import records
