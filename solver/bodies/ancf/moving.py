@@ -122,17 +122,14 @@ def _find_vectors(moving: MovingPoints, kind: Meshes, body: int, point: int, whi
         moving.paths[path + count] = column
         count += 1
         pivot, at, below = columns[column].pivot, columns[column].first_lower, columns[column].lower_count
-        z0 = begin + node * lanes
-        z1, z2 = z0 + length, z0 + 2 * length
-        forward_pivot(shape, Z, z0, kind.blocks, base + pivot)
-        forward_pivot(shape, Z, z1, kind.blocks, base + pivot)
-        forward_pivot(shape, Z, z2, kind.blocks, base + pivot)
+        z = begin + node * lanes
+        for k in range(3):
+            forward_pivot(shape, Z, z + k * length, kind.blocks, base + pivot)
         for l in range(at, at + below):
             to, block = begin + lower[l].node * lanes, base + lower[l].place
             moving.marks[lower[l].node] = 1
-            subtract_forward(shape, Z, to, kind.blocks, block, Z, z0)
-            subtract_forward(shape, Z, to + length, kind.blocks, block, Z, z1)
-            subtract_forward(shape, Z, to + 2 * length, kind.blocks, block, Z, z2)
+            for k in range(3):
+                subtract_forward(shape, Z, to + k * length, kind.blocks, block, Z, z + k * length)
     moving.points[point].path_count = count
 
 
