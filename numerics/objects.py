@@ -12,6 +12,7 @@ from __future__ import annotations
 import atexit
 import contextlib
 import ctypes
+import gc
 import hashlib
 import os
 import re
@@ -312,6 +313,19 @@ def _remembered_answers() -> Iterator[None]:
         function_class.get_call_type, context_class.get_abi_sizeof = resolve, size_of
 
 
+@contextlib.contextmanager
+def _rare_collections() -> Iterator[None]:
+    """Collect garbage less often: millions of objects of Numba live to the end, and each collection looks at all."""
+    before = gc.get_threshold()
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 50)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
+        gc.unfreeze()
+
+
 def _compile(unit: Unit) -> bytes:
     """Object file of a unit.
 
@@ -324,7 +338,7 @@ def _compile(unit: Unit) -> bytes:
     codegen = context.codegen()
     wrappers = codegen._create_empty_module(unit.name)  # noqa: SLF001
     libraries: dict[Any, None] = {}
-    with global_compiler_lock, _remembered_answers():
+    with global_compiler_lock, _remembered_answers(), _rare_collections():
         for symbol, (callable_kernel, parameters, result) in unit.entries.items():
             dispatcher = getattr(callable_kernel, "part", callable_kernel)
             try:

@@ -47,7 +47,6 @@ __all__ = [
     "close_step",
     "complete",
     "complete_accelerations",
-    "complete_thesis",
     "correct",
     "end_rows",
     "end_velocity",
@@ -339,7 +338,10 @@ def solve_again(kinds: Systems, joints: Joints, work: Workspace, time: float, st
 
 @optional()
 def complete(kinds: Bodies, systems: Systems, at_midpoint: bool, step: float, work: Workspace) -> None:
-    """Bodies that rows see through bases: all their velocities, once the impulses of the rows are known."""
+    """Bodies that rows see through bases: all their velocities, once the impulses of the rows are known.
+
+    Those of the midpoint, or in the first-order scheme what stands for them; or the change by a projection at the end.
+    """
 
 
 @optional()
@@ -434,11 +436,6 @@ def finish(kinds: Bodies, step: float, work: Workspace) -> None:
 @optional("thesis")
 def thesis_velocity(kinds: Bodies, time: float, step: float, work: Workspace) -> None:
     """Bodies: end velocity of the first-order scheme from forces at the start of the step."""
-
-
-@optional("thesis")
-def complete_thesis(kinds: Bodies, systems: Systems, work: Workspace) -> None:
-    """Bodies that rows see through bases: all their end velocities of the first-order scheme."""
 
 
 @optional("thesis")

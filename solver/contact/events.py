@@ -23,7 +23,7 @@ from heavylift.solver.contact.interface import (
 from heavylift.solver.contact.kind import COMPLIANT, CURVE, RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.locate import locate
-from heavylift.solver.contact.mesh_interface import bound_surfaces, drop_contacts, keep_found, search_surfaces
+from heavylift.solver.contact.mesh_interface import drop_contacts, keep_found, search_surfaces
 from heavylift.solver.contact.stage import NEAR, looks_ahead
 from heavylift.solver.contact.system_interface import after_step, before_advance, go_back, locate_ends
 from heavylift.solver.interface import Bodies, Workspace, add_row_work
@@ -67,7 +67,6 @@ def before_contact_advance(contacts: ContactRows, bodies: Bodies, work: Workspac
     copy_carried(contacts, contacts.carried, contacts.saved)
     add_row_work(bodies, 2.0, work, contacts)
     bound_motion(bodies, contacts, step, work)
-    bound_surfaces(contacts.meshes, contacts, bodies, step)
     contacts.control.stopping_work = 0.0
     for c in range(contact_count(contacts)):
         _book_middle(contacts, c, work, step)

@@ -20,6 +20,7 @@ from heavylift.contours.surface_layout import RelativePose
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Matrix3, Record, Records, Vector
+from heavylift.solver.contact.facet_kind import FacetSurfaces
 from heavylift.solver.contact.layout import RowKind, RowParameters, Solution
 from heavylift.solver.kinds import Table
 from heavylift.solver.rows import RowArrays
@@ -519,6 +520,8 @@ class ContactRows(RowArrays):
         What the solver needs on the velocities of the touched bodies, if all of them are rigid.
     meshes
         Pairs of surfaces of triangles: one kind or none; their contacts come behind those of contours.
+    facets
+        Of those surfaces the ones that deform.
     placed
         Of those pairs, carried: poses of the surfaces at the end of the last step; sums over contacts that are gone;
         number of contacts. Shape (n, 12).
@@ -568,6 +571,7 @@ class ContactRows(RowArrays):
     solution: Solution
     reduced: Reduced
     meshes: Colliding
+    facets: FacetSurfaces
     placed: Floats2
     carried: Floats1
     saved: Floats1

@@ -9,7 +9,6 @@ from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import optional
 
 __all__ = [
-    "bound_surfaces",
     "drop_contacts",
     "find_first_contacts",
     "keep_found",
@@ -29,16 +28,11 @@ def restore_contacts(meshes: Colliding, contacts: ContactRows) -> None:
 
 
 @optional()
-def pose_surfaces(meshes: Colliding, contacts: ContactRows, bodies: Bodies) -> None:
+def pose_surfaces(meshes: Colliding, contacts: ContactRows) -> None:
     """Pose of the second surface of each pair in the axes of the first, from the poses of the stage.
 
-    Points of surfaces that deform come first.
+    What follows from the points of surfaces that deform comes first.
     """
-
-
-@optional("search")
-def bound_surfaces(meshes: Colliding, contacts: ContactRows, bodies: Bodies, step: float) -> None:
-    """How far surfaces that deform move in the step, into their poses."""
 
 
 @optional()

@@ -15,8 +15,8 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.delassus import contact_rates
-from heavylift.solver.contact.facet_interface import form_facets
 from heavylift.solver.contact.kind import COMPLIANT, RIGID, ContactRows
+from heavylift.solver.contact.mesh_facets import refit_facets
 from heavylift.solver.contact.mesh_handover import book_jump, goes_on, turn_memory
 from heavylift.solver.contact.mesh_interface import find_first_contacts, search_surfaces
 from heavylift.solver.contact.mesh_kind import SurfacePairs, placed_pose
@@ -63,7 +63,7 @@ def _search_all(
 ) -> None:
     """The same; at the start what is a little inside is found too."""
     first_row = contacts.poses.shape[0] - surface_count(contacts, meshes)
-    form_facets(meshes.facets, meshes.surfaces, bodies)
+    refit_facets(contacts, meshes.surfaces)
     fill_table(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
         a, b = meshes.pairs[pair].poses[0], meshes.pairs[pair].poses[1]

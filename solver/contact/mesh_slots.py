@@ -10,8 +10,8 @@ from heavylift.contours.feature_gap import copy_pose
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import clear_record, copy_record
 from heavylift.solver.contact.counts import contact_count
-from heavylift.solver.contact.facet_interface import take_slots
 from heavylift.solver.contact.kind import TRIANGLES, ContactRows
+from heavylift.solver.contact.mesh_facets import take_slots
 from heavylift.solver.contact.mesh_interface import (
     drop_contacts,
     keep_found,
@@ -105,7 +105,7 @@ def add_contact(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> int:
     contacts.state[c].touch_damping = -1.0
     _assign(meshes, contacts, c)
     _set_count(contacts, c + 1)
-    take_slots(meshes.facets, meshes, contacts, c)
+    take_slots(meshes, contacts, c)
     return c if contacts.state[c].slots[0] >= 0 else -1
 
 

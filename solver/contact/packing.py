@@ -245,6 +245,7 @@ def _kind(
         solution=told.Solution.one(),
         reduced=reduced,
         meshes=collided.meshes,
+        facets=collided.facets,
         placed=collided.placed,
         carried=np.zeros(0),
         saved=np.zeros(0),

@@ -121,7 +121,7 @@ def meet_contacts_midpoint(
     if count == 0:
         return
     pose_contours(bodies, True, contacts)
-    pose_surfaces(contacts.meshes, contacts, bodies)
+    pose_surfaces(contacts.meshes, contacts)
     kept = 0
     for j in range(count):
         c = present_at(contacts, j)

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.records import numbers_in
 from heavylift.solver.bodies.ancf.at_rest import (
     difference_follower,
-    fill_stiffness,
     fill_stress_forces,
     fill_weight_and_loads,
 )
@@ -170,7 +169,7 @@ class MeshSystem:
         """Stresses of the meshes; springs, ropes, compliant joints and modes, in balance with nothing."""
         force = np.zeros(self.count)
         for kind, matrices, part in zip(self.meshes, self.matrices, self._split(force), strict=True):
-            fill_stress_forces((kind,))
+            fill_stress_forces(kind, False)
             part[:] = kind.right_hand_side[matrices.places] + matrices.bending_force(kind.position)
         if self._has_inner():
             pull, _ = self._inner_pull()
@@ -183,7 +182,7 @@ class MeshSystem:
         evaluate_loads(layout.bodies, self._loads, layout.work, self.rows.time)
         force = np.zeros(self.count)
         for kind, matrices, part in zip(self.meshes, self.matrices, self._split(force), strict=True):
-            fill_weight_and_loads((kind,), layout.work, self.rows.time)
+            fill_weight_and_loads(kind, layout.work, self.rows.time)
             part[:] = (kind.right_hand_side + kind.external_force)[matrices.places]
         if len(self.dofs):
             pull = np.zeros(len(self.rows.inertia))
@@ -272,7 +271,7 @@ class MeshSystem:
 
         parts: list[Any] = []
         for kind, matrices in zip(self.meshes, self.matrices, strict=True):
-            fill_stiffness((kind,))
+            fill_stress_forces(kind, True)
             parts.append(matrices.stiffness(kind.blocks))
             follower = self._follower(kind, matrices)
             if follower is not None:
@@ -306,7 +305,7 @@ class MeshSystem:
                 nodes = kind.elements[line.place].nodes[: matrices.nodes]
                 places = (nodes[:, None] + np.arange(matrices.rows)).ravel()
                 out = np.zeros((len(places), len(places)))
-                difference_follower((kind,), int(body_of[load]), load, amount, DIFFERENCE, places, out)
+                difference_follower(kind, int(body_of[load]), load, amount, DIFFERENCE, places, out)
             else:
                 places = line.place + np.arange(matrices.rows)
                 given = frame_follower(kind.constants, line.data)

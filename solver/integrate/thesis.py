@@ -18,7 +18,7 @@ from heavylift.solver.interface import (
     Systems,
     Workspace,
     check,
-    complete_thesis,
+    complete,
     thesis_advance,
     thesis_velocity,
 )
@@ -48,7 +48,7 @@ def run(
         start_thesis(systems, bodies, joints, work, step)
         thesis_velocity(bodies, time, step, work)
         solve_thesis(systems, bodies, work, step)
-        complete_thesis(bodies, systems, work)
+        complete(bodies, systems, True, step, work)
         check(bodies, step, work)
         if work.status.outcome != 0:
             return index

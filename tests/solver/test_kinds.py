@@ -19,7 +19,16 @@ from heavylift.solver.bodies.ancf.kind import FrameMeshes
 from heavylift.solver.bodies.rigid import RigidBodies
 from heavylift.solver.compiling import all_units
 from heavylift.solver.interface import Bodies, BodyKind, Workspace
-from heavylift.solver.kinds import Members, Table, generic, implement, kind_units, kinds_with_verbs, optional
+from heavylift.solver.kinds import (
+    Members,
+    Table,
+    generic,
+    implement,
+    kind_units,
+    kinds_with_verbs,
+    method,
+    optional,
+)
 
 compiled_only = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs compiled kernels")
 
@@ -134,6 +143,14 @@ def weigh(kinds: Things) -> float:
     return total
 
 
+@method("rare")
+@kernel(internal=True)
+def heaviest(kind: Heavy, least: float) -> float:
+    for i in range(kind.mass.shape[0]):
+        least = max(least, kind.mass[i])
+    return least
+
+
 WEIGHTS = Weights(np.array([1.0, 2.0]))
 SPRINGS = Springs(np.array([4.0]), np.array([0.5]))
 
@@ -210,6 +227,25 @@ def test_a_copy_has_memory_of_its_own() -> None:
 @compiled_only
 def test_every_kind_of_the_solver_has_the_verbs_that_it_must_have() -> None:
     assert len(all_units()) > 50  # an incomplete kind, or two of one name, are a TypeError
+
+
+def test_a_method_of_a_base_serves_each_kind_of_it() -> None:
+    assert heaviest(WEIGHTS, 0.5) == 2.0
+    assert heaviest(WEIGHTS, 3.0) == 3.0
+
+
+@compiled_only
+def test_methods_are_compiled_with_the_verbs_of_their_group() -> None:
+    assert {symbol.rpartition(".")[2] for symbol in kind_units(Weights)["rare"].entries} == {
+        "shake",
+        "heaviest",
+    }
+
+
+@compiled_only
+def test_a_base_of_kinds_is_none_itself() -> None:
+    assert {"FrameMeshes", "RowSystem3"} <= set(all_units())
+    assert not {"Meshes", "RowSystem"} & set(all_units())
 
 
 def test_members_of_a_base_are_found_in_kernels() -> None:

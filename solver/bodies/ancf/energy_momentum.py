@@ -32,7 +32,7 @@ from heavylift.solver.bodies.ancf.assembly import (
 from heavylift.solver.bodies.ancf.elements import add_mean_stress_forces, add_stiffness, find_strains
 from heavylift.solver.bodies.ancf.faults import blame_element, blame_largest
 from heavylift.solver.bodies.ancf.joints import take_impulses
-from heavylift.solver.bodies.ancf.kind import AUTO, EXPLICIT, STEP_SET, FrameMeshes, Meshes, ShellMeshes
+from heavylift.solver.bodies.ancf.kind import AUTO, EXPLICIT, STEP_SET, Meshes
 from heavylift.solver.bodies.ancf.moving import add_point_impulses, forget_vectors
 from heavylift.solver.bodies.ancf.step import add_gravity, is_iterated, write_free_bases
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
@@ -159,8 +159,7 @@ def _watch_drift(kind: Meshes, body: int, time: float, step: float, work: Worksp
         blame_element(kind, body, kind.body[body].drift_element, STRAINS_LOST, work)
 
 
-@implement(iterate, FrameMeshes)
-@implement(iterate, ShellMeshes)
+@implement(iterate, Meshes)
 @kernel(internal=True)
 def iterate_meshes(
     kind: Meshes, bodies: Bodies, systems: Systems, joints: Joints, work: Workspace, time: float, step: float

@@ -177,6 +177,8 @@ class MeshNumbers(Record, whole_lines=True):
         Of the explicit scheme [s].
     time
         Of the stage [s].
+    stage_set
+        Set of blocks whose factor the stage is solved with.
     iterations, change, change_before
         Of the energy-momentum scheme: rounds in the step, last change [m] and the one before; a negative change before
         the first round.
@@ -198,6 +200,7 @@ class MeshNumbers(Record, whole_lines=True):
     mass: float
     step_limit: float
     time: float
+    stage_set: int
     iterations: int
     size: float
     change: float
@@ -527,9 +530,9 @@ class Meshes(BodyKind):
             right[own] = 0.0
             right[places] = 0.0
             right[places[i]] = -1.0
-            spread_base((self,), body)
+            spread_base(self, body)
             motions[i] = right[own]
-            read_bases((self,), body, self.right_hand_side, compliance[i])
+            read_bases(self, body, self.right_hand_side, compliance[i])
         size = np.sqrt(np.diag(compliance))
         size[size == 0.0] = 1.0
         weights = np.linalg.pinv(compliance / np.outer(size, size), rcond=1e-11, hermitian=True) @ (
@@ -557,7 +560,7 @@ class Meshes(BodyKind):
             places[line.number, 4:] = 1.0, 0.0, 0.0, 0.0
             count = 3 * int(line.base_count)
             inertia[line.dof : line.dof + count] = numbers.mass
-            read_bases((self,), body, self.velocity, velocity[line.dof : line.dof + count])
+            read_bases(self, body, self.velocity, velocity[line.dof : line.dof + count])
 
     def move(self, increment: NDArray[np.float64]) -> None:
         """Displace the bases, and all nodes with them."""
@@ -574,7 +577,7 @@ class Meshes(BodyKind):
             count = 3 * int(line.base_count)
             own, before = self._nodes(body), np.zeros(count)
             self.mean_acceleration[own] = 0.0
-            read_bases((self,), body, self.velocity, before)
+            read_bases(self, body, self.velocity, before)
             change = velocity[line.dof : line.dof + count] - before
             if np.any(change):
                 self.velocity[own] += self._spread(body, change)
@@ -635,7 +638,6 @@ class ShellMeshes(Meshes):
         "heavylift.solver.bodies.ancf.advance",
         "heavylift.solver.bodies.ancf.at_rest",
         "heavylift.solver.bodies.ancf.contours",
-        "heavylift.solver.bodies.ancf.elastic_forces",
         "heavylift.solver.bodies.ancf.energy_momentum",
         "heavylift.solver.bodies.ancf.facets",
         "heavylift.solver.bodies.ancf.joints",
