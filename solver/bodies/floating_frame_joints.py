@@ -37,7 +37,6 @@ from heavylift.solver.bodies.floating_frame_panels import (
 )
 from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of
 from heavylift.solver.bodies.floating_frame_stage import factor_frame
-from heavylift.solver.contact.system_interface import meet_again
 from heavylift.solver.drive import DRIVEN, FIXED, FREE
 from heavylift.solver.interface import (
     Joints,
@@ -165,8 +164,7 @@ def correct_rows_of_floating_frames(
 ) -> None:
     """`correct` has changed the velocities of those that move."""
     if kind.moves:
-        solve_again(systems, joints, work, time, step)
-        meet_again(systems, systems, joints, work, time, step)
+        solve_again(systems, systems, joints, work, time, step)
 
 
 @implement(add_row_work, FloatingFrameBodies)

@@ -47,7 +47,7 @@ def start_contacts(layout: Any, step: float) -> None:
     """
     contacts: ContactRows = layout.systems[1]
     first, count = contacts.counts.first_block, contacts.counts.of_contours
-    run_start(layout.bodies, layout.joints, layout.systems, layout.work, step)
+    run_start(contacts, layout.bodies, layout.joints, layout.systems, layout.work, step)
     if contacts.meshes:
         from heavylift.solver.contact.mesh_start import check_overlaps
 

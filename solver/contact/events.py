@@ -25,8 +25,8 @@ from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.locate import locate
 from heavylift.solver.contact.mesh_interface import bound_surfaces, drop_contacts, keep_found, search_surfaces
 from heavylift.solver.contact.stage import NEAR, looks_ahead
-from heavylift.solver.contact.system_interface import after_step, before_advance, go_back, locate_ends
-from heavylift.solver.interface import Bodies, Workspace, add_row_work
+from heavylift.solver.contact.system_interface import after_step, before_advance, go_back
+from heavylift.solver.interface import Bodies, Joints, Workspace, add_row_work, end_rows
 from heavylift.solver.kinds import implement
 
 __all__ = ["CLOSE", "MOST_EVENTS", "SHORTEST", "gap_tolerance"]
@@ -131,10 +131,10 @@ def _shift(contacts: ContactRows, c: int, work: Workspace, step: float) -> float
     return moved + contacts.poses[contacts.table[c].contour].step_shift
 
 
-@implement(locate_ends, ContactRows)
+@implement(end_rows, ContactRows)
 @kernel(internal=True)
-def locate_contact_ends(
-    contacts: ContactRows, bodies: Bodies, work: Workspace, time: float, step: float
+def end_contact_rows(
+    contacts: ContactRows, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
     """Search where a gap may have closed; ask for a shorter step if one without compliance has."""
     posed = False

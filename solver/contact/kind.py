@@ -533,7 +533,6 @@ class ContactRows(RowArrays):
         "heavylift.solver.contact.locate",
         "heavylift.solver.contact.record",
         "heavylift.solver.contact.stage",
-        "heavylift.solver.contact.start",
     )
 
     carried_fields: ClassVar[tuple[str, ...]] = (

@@ -20,8 +20,17 @@ from heavylift.solver.contact.mesh_interface import pose_surfaces, restore_conta
 from heavylift.solver.contact.newton import solve_dense
 from heavylift.solver.contact.reduced import assemble_reduced, solve_reduced
 from heavylift.solver.contact.search_end import judge_searches, mark_failure
-from heavylift.solver.contact.system_interface import follow, meet_again, meet_contacts
-from heavylift.solver.interface import Bodies, Joints, Systems, Workspace, apply_inverse, refactor_rows
+from heavylift.solver.contact.system_interface import follow
+from heavylift.solver.interface import (
+    Bodies,
+    Joints,
+    Systems,
+    Workspace,
+    apply_inverse,
+    refactor_rows,
+    solve_again,
+    solve_midpoint,
+)
 from heavylift.solver.kinds import implement
 from heavylift.solver.row_impulses import add_impulses
 
@@ -88,9 +97,9 @@ def _passes_by(contacts: ContactRows, c: int) -> bool:
     return bool(beside > PASSING * contacts.values[c].length_scale)
 
 
-@implement(meet_contacts, ContactRows)
+@implement(solve_midpoint, ContactRows)
 @kernel(internal=True)
-def meet_contacts_midpoint(
+def solve_contact_midpoint(
     contacts: ContactRows,
     rows: Systems,
     bodies: Bodies,
@@ -143,9 +152,9 @@ def meet_contacts_midpoint(
     _settle(contacts, rows, joints, count, work, time, step)
 
 
-@implement(meet_again, ContactRows)
+@implement(solve_again, ContactRows)
 @kernel(internal=True)
-def meet_contacts_again(
+def solve_contacts_again(
     contacts: ContactRows, rows: Systems, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
     """From the impulses that are there."""
@@ -170,7 +179,7 @@ def _settle(
         if not solve_present(contacts, count, work):
             return
         work.control.changed = 0
-        follow(rows, joints, work, time, step)
+        follow(rows, joints, True, work, time, step)
         if work.control.changed == 0:
             return
     mark_failure(contacts, present_at(contacts, 0), work)

@@ -21,13 +21,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.combination import PART, combine_part
-from heavylift.solver.integrate.accurate_rows import (
-    add_drive_power,
-    constrain,
-    correct_velocity,
-    find_displacement,
-    soften,
-)
+from heavylift.solver.integrate.accurate_rows import constrain, project, soften
 from heavylift.solver.integrate.dense_output import choose_nodes, node_weights, quadrature_weights
 from heavylift.solver.integrate.dop853 import NODES, ORDER, STAGES, write_end, write_errors, write_stage
 from heavylift.solver.integrate.integration import (
@@ -62,6 +56,7 @@ from heavylift.solver.interface import (
     complete_rates,
     displace,
     free_acceleration,
+    joint_rows,
     load_state,
     measure_error,
     spread_impulses,
@@ -108,12 +103,8 @@ def _evaluate(
     sums.external_work = sums.drive_work = sums.dissipated = 0.0
     add_forces(forces, time, work)
     free_acceleration(bodies, values, at, work)
-    driven = progress.driven
-    wanted = with_reactions or driven or progress.based
-    constrain(rows, bodies, joints, work, time, progress.solutions, wanted)
+    constrain(rows, bodies, joints, integration, at, with_reactions, work, time)
     complete_accelerations(bodies, rows, values, out, work)
-    if driven:
-        add_drive_power(rows, values, at, work)
     for i in range(work.velocity.shape[0]):
         values[out + i] = work.velocity[i]
     values[end], values[end + 1], values[end + 2] = sums.external_work, sums.drive_work, sums.dissipated
@@ -130,12 +121,12 @@ def _project(
     begin_stage(bodies, time, values, at, END_RATE * size, work)
     for i in range(work.velocity.shape[0]):
         work.velocity[i] = 0.0
-    find_displacement(rows, bodies, joints, work, time)
+    project(rows, bodies, joints, False, work, time)
     displace(bodies, values, at, work)
     spread_impulses(bodies, rows, values, at, False, work)
     for i in range(work.velocity.shape[0]):
         work.velocity[i] = values[at + i]
-    correct_velocity(rows, work)
+    project(rows, bodies, joints, True, work, time)
     for i in range(work.velocity.shape[0]):
         values[at + i] = work.velocity[i]
     spread_impulses(bodies, rows, values, at, True, work)
@@ -401,7 +392,8 @@ def run(
     integration, rows = carried(systems, 0), systems
     progress = integration.progress
     allowed = min(SHARE * tolerance, progress.largest_error)
-    soften(rows, progress.softening)
+    for i in range(joint_rows(rows)):
+        soften(joint_rows(rows, i), progress.softening)
     if not progress.started:  # reactions of the first record
         size = integration.vectors.shape[0] // VECTORS
         load_state(bodies, integration.vectors, END * size, work)

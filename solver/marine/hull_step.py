@@ -10,7 +10,6 @@ from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_ma
 from heavylift.numerics.small import cholesky_factor, cholesky_solve, cross, rotate, rotate_back
 from heavylift.solver.bodies.rigid_stage import orientation_of, stage_rotation
 from heavylift.solver.bodies.rigid_step import advance_rigid_bodies, finish_rigid_bodies
-from heavylift.solver.contact.system_interface import meet_again
 from heavylift.solver.interface import (
     Joints,
     Systems,
@@ -141,8 +140,7 @@ def correct_rows_of_hulls(
     kind: Hulls, systems: Systems, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
     """`correct` has changed the velocities of these bodies."""
-    solve_again(systems, joints, work, time, step)
-    meet_again(systems, systems, joints, work, time, step)
+    solve_again(systems, systems, joints, work, time, step)
 
 
 @implement(advance, Hulls)
