@@ -19,7 +19,13 @@ sys.path.append(str(Path(__file__).resolve().parent.parent / "tests" / "solver" 
 import contact_problems as problems
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.newton import solve_contacts, solve_contacts_reduced, workspace_length
+from heavylift.solver.contact.layout import Solution
+from heavylift.solver.contact.newton import (
+    ContactSolvers,
+    NonsmoothNewton,
+    solve_contacts,
+    workspace_length,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -29,61 +35,62 @@ MANY = 2000  # of the small problems
 
 
 @kernel
-def repeat_rows(times, count, kinds, parameters, w0, W, start, p, w, workspace):  # type: ignore[no-untyped-def]
-    status, iterations, residual = 0, 0, 0.0
+def repeat(  # type: ignore[no-untyped-def]
+    times, start, solvers, count, kinds, parameters, ends, blocks, size, y0, B, p, y, workspace, solution
+):
     for _ in range(times):
         for i in range(3 * count):
             p[i] = start[i]
-        status, iterations, residual = solve_contacts(count, kinds, parameters, w0, W, p, w, workspace)
-    return status, iterations, residual
+        solve_contacts(
+            solvers, count, kinds, parameters, ends, blocks, size, y0, B, p, y, workspace, solution
+        )
+
+
+def time_of(
+    problem: problems.ContactProblem, on_rows: bool, warm: bool, start: NDArray[np.float64] | None, times: int
+) -> str:
+    """Time of a solution, on the matrix of the rows or on the velocities."""
+    count = problem.count
+    size = 3 * count if on_rows else len(problem.y0)
+    begin_with, p, y = np.zeros(3 * count), np.zeros(3 * count), np.zeros(size)
+    if start is not None:
+        begin_with[:] = start
+    found = Solution.one()
+    arguments = (
+        ContactSolvers((NonsmoothNewton(),)),
+        count,
+        problem.kinds,
+        problem.parameters,
+        problem.ends[:0] if on_rows else problem.ends,
+        problem.blocks[:0] if on_rows else problem.blocks,
+        size,
+        problem.N @ problem.y0 if on_rows else problem.y0,
+        problem.W if on_rows else problem.B,
+        p,
+        y,
+        np.zeros(workspace_length(count, size)),
+        found,
+    )
+    repeat(1, begin_with, *arguments)
+    if warm:
+        begin_with[:] = p * (1.0 + 1e-4)
+    measured = []
+    for _ in range(REPEATS):
+        begin = time.process_time()
+        repeat(times, begin_with, *arguments)
+        measured.append((time.process_time() - begin) / times)
+    median = 1e6 * statistics.median(measured)
+    return f"{median:10.3f} us  status {found.status}, {found.iterations:3d} iterations, {found.residual:.0e}"
 
 
 def rows(problem: problems.ContactProblem, warm: bool) -> str:
     """Time on the matrix of the rows."""
-    n = 3 * problem.count
-    start, p, w = np.zeros(n), np.zeros(n), np.zeros(n)
-    workspace = np.zeros(workspace_length(problem.count, n))
-    arguments = (problem.count, problem.kinds, problem.parameters, problem.N @ problem.y0, problem.W)
-    repeat_rows(1, *arguments, start, p, w, workspace)
-    if warm:
-        start[:] = p * (1.0 + 1e-4)
-    times = []
-    for _ in range(REPEATS):
-        begin = time.process_time()
-        result = repeat_rows(MANY, *arguments, start, p, w, workspace)
-        times.append((time.process_time() - begin) / MANY)
-    return report(times, result)
+    return time_of(problem, True, warm, None, MANY)
 
 
 def reduced(problem: problems.ContactProblem, start: NDArray[np.float64] | None = None) -> str:
     """Time on the velocities."""
-    size = len(problem.y0)
-    p, y = np.zeros(3 * problem.count), np.zeros(size)
-    workspace = np.zeros(workspace_length(problem.count, size))
-    times = []
-    for _ in range(REPEATS):
-        p[:] = 0.0 if start is None else start
-        begin = time.process_time()
-        result = solve_contacts_reduced(
-            problem.count,
-            problem.kinds,
-            problem.parameters,
-            problem.ends,
-            problem.blocks,
-            size,
-            problem.y0,
-            problem.B,
-            p,
-            y,
-            workspace,
-        )
-        times.append(time.process_time() - begin)
-    return report(times, result)
-
-
-def report(times: list[float], result: tuple[int, int, float]) -> str:
-    status, iterations, residual = result
-    return f"{1e6 * statistics.median(times):10.3f} us  status {status}, {iterations:3d} iterations, {residual:.0e}"
+    return time_of(problem, False, False, start, 1)
 
 
 def small(count: int, mu: float, slip: float) -> problems.ContactProblem:

@@ -14,6 +14,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.copying import copy_carried
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.delassus import contact_rates
+from heavylift.solver.contact.facet_interface import bound_facets
 from heavylift.solver.contact.interface import (
     bound_motion,
     forget_accelerations,
@@ -23,7 +24,7 @@ from heavylift.solver.contact.interface import (
 from heavylift.solver.contact.kind import COMPLIANT, CURVE, RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.locate import locate
-from heavylift.solver.contact.mesh_interface import bound_surfaces, drop_contacts, keep_found, search_surfaces
+from heavylift.solver.contact.mesh_interface import keep_found, search_surfaces
 from heavylift.solver.contact.stage import NEAR, looks_ahead
 from heavylift.solver.contact.system_interface import after_step, before_advance, go_back
 from heavylift.solver.interface import Bodies, Joints, Workspace, add_row_work, end_rows
@@ -67,7 +68,7 @@ def before_contact_advance(contacts: ContactRows, bodies: Bodies, work: Workspac
     copy_carried(contacts, contacts.carried, contacts.saved)
     add_row_work(bodies, 2.0, work, contacts)
     bound_motion(bodies, contacts, step, work)
-    bound_surfaces(contacts.meshes, contacts, bodies, step)
+    bound_facets(contacts.facets, contacts, bodies, step)
     contacts.control.stopping_work = 0.0
     for c in range(contact_count(contacts)):
         _book_middle(contacts, c, work, step)
@@ -163,7 +164,7 @@ def end_contact_rows(
         if not posed:
             pose_contours(bodies, False, contacts)
             posed = True
-        search_surfaces(contacts.meshes, contacts, bodies, work, step)
+        search_surfaces(contacts.meshes, contacts, bodies, work, step, False)
         _repeat_with_found(contacts, work, step)
     if posed:
         settle_points(bodies, (), False, work)
@@ -322,7 +323,6 @@ def after_contact_step(
     control.impact = False
     control.watched = -1
     control.low = control.high = 0.0
-    drop_contacts(contacts.meshes, contacts)
     if whole:
         control.splits = 0
         for c in range(contact_count(contacts)):

@@ -8,8 +8,8 @@ from __future__ import annotations
 from heavylift.contours.surface_pack import CollisionSurfaces
 from heavylift.numerics.arrays import Floats2
 from heavylift.solver.contact.facet_kind import FacetSurfaces
-from heavylift.solver.contact.kind import ContactRows
-from heavylift.solver.contact.mesh_kind import DeformingSurfaces, SurfacePairs
+from heavylift.solver.contact.kind import ContactRows, DeformingSurfaces
+from heavylift.solver.contact.mesh_kind import SurfacePairs
 from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import optional
 

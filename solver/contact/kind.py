@@ -36,6 +36,7 @@ __all__ = [
     "ContactValues",
     "ContourPose",
     "Counts",
+    "DeformingSurfaces",
     "Events",
     "Features",
     "Reduced",
@@ -413,6 +414,10 @@ class Colliding(Table):
     """Pairs of surfaces of triangles, a kind or none."""
 
 
+class DeformingSurfaces(Table):
+    """The surfaces of triangles that deform, a kind or none."""
+
+
 class Samples(Arrays):
     """A grid of points on every contour, from which a search begins when nothing is known.
 
@@ -454,7 +459,7 @@ class Reduced(Arrays):
     Attributes
     ----------
     ends, blocks
-        Of each contact that takes part, shapes (nc, 4) and (nc, 36), see `solve_contacts_reduced`.
+        Of each contact that takes part, shapes (nc, 4) and (nc, 36), see `solve_contacts`.
     matrix
         B, shape (n, n).
     start, found
@@ -519,6 +524,8 @@ class ContactRows(RowArrays):
         What the solver needs on the velocities of the touched bodies, if all of them are rigid.
     meshes
         Pairs of surfaces of triangles: one kind or none; their contacts come behind those of contours.
+    facets
+        Surfaces of triangles that deform: one kind or none.
     placed
         Of those pairs, carried: poses of the surfaces at the end of the last step; sums over contacts that are gone;
         number of contacts. Shape (n, 12).
@@ -567,6 +574,7 @@ class ContactRows(RowArrays):
     solution: Solution
     reduced: Reduced
     meshes: Colliding
+    facets: DeformingSurfaces
     placed: Floats2
     carried: Floats1
     saved: Floats1

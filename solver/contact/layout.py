@@ -87,7 +87,7 @@ class RowParameters(Record):
 
 
 class Solution(Record):
-    """How a solution ended: as `solve_contacts` returns it, with its residual relative to the rates."""
+    """How a solution ended: see `solve_contacts`; its residual is relative to the rates."""
 
     status: int
     iterations: int

@@ -20,7 +20,6 @@ from heavylift.solver.kinds import Table
 __all__ = [
     "Clearing",
     "ContactHeader",
-    "DeformingSurfaces",
     "GoneContacts",
     "PairSide",
     "SurfacePair",
@@ -112,10 +111,6 @@ class Clearing(Table):
     """Pairs whose distance is recorded, a kind or none."""
 
 
-class DeformingSurfaces(Table):
-    """The surfaces of triangles that deform, a kind or none."""
-
-
 class SurfacePairs(Arrays):
     """Surfaces, pairs of them, and what their search needs.
 
@@ -150,8 +145,6 @@ class SurfacePairs(Arrays):
         Contacts found in a step that is taken back.
     clearances
         Pairs whose distance is recorded: one kind or none.
-    facets
-        Surfaces that deform: one kind or none.
     """
 
     kernel_modules: ClassVar[tuple[str, ...]] = (
@@ -185,4 +178,3 @@ class SurfacePairs(Arrays):
     chains: Ints1
     kept: Records[ContactState]
     clearances: Clearing
-    facets: DeformingSurfaces

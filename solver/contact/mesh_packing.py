@@ -28,12 +28,12 @@ from heavylift.solver.contact.kind import (
     ContactState,
     ContactValues,
     ContourPose,
+    DeformingSurfaces,
 )
 from heavylift.solver.contact.laws_packing import force_law, put_law
 from heavylift.solver.contact.mesh_clearance import make_clearances
 from heavylift.solver.contact.mesh_kind import (
     Clearing,
-    DeformingSurfaces,
     PairSide,
     SurfacePair,
     SurfacePairs,
@@ -183,10 +183,10 @@ def pack_collisions(
         chains=np.zeros(places, dtype=np.int64),
         kept=records(ContactState, places),
         clearances=Clearing(make_clearances(packed, [one.clearance for one in scene.collisions])),
-        facets=DeformingSurfaces(_pack_facets(scene, deforming, dofs, first_pose)),
     )
     return PackedCollisions(
         meshes=Colliding((meshes,)),
+        facets=DeformingSurfaces(_pack_facets(scene, deforming, dofs, first_pose)),
         contours=contours,
         poses=placed,
         placed=np.zeros((len(moved) + count + 1, 12)),

@@ -31,7 +31,6 @@ from heavylift.solver.contact.problem import (
     Problem,
     divide,
     fill_rows,
-    no_ends,
     prepare,
     workspace_length,
 )
@@ -46,9 +45,6 @@ __all__ = [
     "ContactSolvers",
     "NonsmoothNewton",
     "solve_contacts",
-    "solve_contacts_reduced",
-    "solve_dense",
-    "solve_on_velocities",
     "workspace_length",
 ]
 
@@ -158,113 +154,8 @@ def _solve_one(
     return False
 
 
-@kernel
-def solve_contacts(
-    count: int,
-    kinds: Records[RowKind],
-    parameters: Records[RowParameters],
-    w0: NDArray[np.float64],
-    W: NDArray[np.float64],
-    p: NDArray[np.float64],
-    w: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-) -> tuple[int, int, float]:
-    """Impulses of contacts from their matrix: ``w = w0 + W p``.
-
-    Parameters
-    ----------
-    count
-        Contacts.
-    kinds, parameters
-        See the layout; `count` of them or more.
-    w0, W
-        Rates without impulses, shape (3 count,), and the symmetric positive semidefinite matrix of all rows,
-        (3 count, 3 count); larger arrays: their first part.
-    p
-        In: impulses to begin with, those of the step before or zeros. Out: the solution, (3 count,).
-    w
-        Out: rates, (3 count,).
-    workspace
-        At least ``workspace_length(count, 3 count)`` numbers.
-
-    Returns
-    -------
-    status
-        BY_NEWTON, BY_PROXIMAL_STEPS: solved; FAILED: p is no solution.
-    iterations
-        Linear systems solved.
-    residual
-        Largest violation of the laws by a contact, as a rate, relative to the largest of w0 and W p.
-    """
-    status, iterations, residual = BY_NEWTON, 0, 0.0
-    if count == 0:
-        return status, iterations, residual
-    if count == 1 and kinds[0].kind == UNILATERAL and _solve_one(kinds, parameters, w0, W, p):
-        for i in range(3):
-            w[i] = w0[i] + W[i, 0] * p[0] + W[i, 1] * p[1] + W[i, 2] * p[2]
-        return status, iterations, residual
-    ends = no_ends(workspace, 0).ends
-    problem = Problem(count, kinds, parameters, ends, W[:0], 3 * count, w0, W)
-    status, iterations, residual = _solve(problem, workspace, p, w)
-    return status, iterations, residual
-
-
-@kernel
-def solve_contacts_reduced(
-    count: int,
-    kinds: Records[RowKind],
-    parameters: Records[RowParameters],
-    ends: NDArray[np.int64],
-    blocks: NDArray[np.float64],
-    size: int,
-    y0: NDArray[np.float64],
-    B: NDArray[np.float64],
-    p: NDArray[np.float64],
-    y: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-) -> tuple[int, int, float]:
-    """Impulses of many contacts on few velocities: ``w = N y``, ``y = y0 + B N^T p``.
-
-    Parameters
-    ----------
-    count, kinds, parameters
-        As of `solve_contacts`.
-    ends
-        Per contact first velocity and number of velocities, up to 6, of its first and of its second end, shape
-        (count, 4); number 0: no such end.
-    blocks
-        Rows of N per contact, shape (count, 36): three rows of stride 6 of the first end, then of the second.
-    size
-        Touched velocities.
-    y0, B
-        Velocities without impulses, (size,), and their symmetric positive semidefinite inverse mass, (size, size).
-    p
-        In: impulses to begin with; out: the solution, (3 count,).
-    y
-        Out: velocities, (size,).
-    workspace
-        At least ``workspace_length(count, size)`` numbers.
-
-    Returns
-    -------
-    status, iterations, residual
-        As of `solve_contacts`.
-    """
-    status, iterations, residual = BY_NEWTON, 0, 0.0
-    if count == 0:
-        for i in range(size):
-            y[i] = y0[i]
-        return status, iterations, residual
-    problem = Problem(count, kinds, parameters, ends, blocks, size, y0, B)
-    status, iterations, residual = _solve(problem, workspace, p, y)
-    return status, iterations, residual
-
-
-# ---- as a part of the contacts of a scene, compiled by itself ----
-
-
 class ContactSolvers(Table):
-    """What solves the contacts of a scene: one kind."""
+    """What solves the contacts of a scene, compiled by itself: one kind."""
 
 
 class NonsmoothNewton(Arrays):
@@ -272,23 +163,7 @@ class NonsmoothNewton(Arrays):
 
 
 @generic("contact")
-def solve_dense(
-    solvers: ContactSolvers,
-    count: int,
-    kinds: Records[RowKind],
-    parameters: Records[RowParameters],
-    w0: Floats1,
-    W: Floats2,
-    p: Floats1,
-    w: Floats1,
-    workspace: Floats1,
-    solution: Solution,
-) -> None:
-    """As `solve_contacts`; status, iterations and residual into `solution`."""
-
-
-@generic("contact")
-def solve_on_velocities(
+def solve_contacts(
     solvers: ContactSolvers,
     count: int,
     kinds: Records[RowKind],
@@ -303,31 +178,42 @@ def solve_on_velocities(
     workspace: Floats1,
     solution: Solution,
 ) -> None:
-    """As `solve_contacts_reduced`; status, iterations and residual into `solution`."""
+    """Impulses of contacts on bodies: ``w = N y``, ``y = y0 + B N^T p``.
+
+    Parameters
+    ----------
+    solvers
+        One kind.
+    count
+        Contacts.
+    kinds, parameters
+        See the layout; `count` of them or more.
+    ends
+        Per contact first velocity and number of velocities, up to 6, of its first and of its second end, shape
+        (count, 4); number 0: no such end. Of length 0: N is the identity, and velocities are the rates of the rows.
+    blocks
+        Rows of N per contact, shape (count, 36): three rows of stride 6 of the first end, then of the second.
+    size
+        Touched velocities, or rows.
+    y0, B
+        Velocities without impulses, (size,), and their symmetric positive semidefinite inverse mass, (size, size);
+        larger arrays: their first part.
+    p
+        In: impulses to begin with, those of the step before or zeros. Out: the solution, (3 count,).
+    y
+        Out: velocities, (size,).
+    workspace
+        At least ``workspace_length(count, size)`` numbers.
+    solution
+        Out: status (BY_NEWTON, BY_PROXIMAL_STEPS, BY_GAUSS_SEIDEL: solved; FAILED: p is no solution), number of
+        linear systems solved, and largest violation of the laws by a contact, as a rate, relative to the largest of w
+        without impulses or by them.
+    """
 
 
-@implement(solve_dense, NonsmoothNewton)
+@implement(solve_contacts, NonsmoothNewton)
 @kernel(internal=True)
-def _solve_dense(
-    solver: NonsmoothNewton,
-    count: int,
-    kinds: Records[RowKind],
-    parameters: Records[RowParameters],
-    w0: NDArray[np.float64],
-    W: NDArray[np.float64],
-    p: NDArray[np.float64],
-    w: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-    solution: Solution,
-) -> None:
-    solution.status, solution.iterations, solution.residual = solve_contacts(
-        count, kinds, parameters, w0, W, p, w, workspace
-    )
-
-
-@implement(solve_on_velocities, NonsmoothNewton)
-@kernel(internal=True)
-def _solve_on_velocities(
+def solve_by_newton(
     solver: NonsmoothNewton,
     count: int,
     kinds: Records[RowKind],
@@ -342,7 +228,17 @@ def _solve_on_velocities(
     workspace: NDArray[np.float64],
     solution: Solution,
 ) -> None:
-    status, iterations, residual = solve_contacts_reduced(
-        count, kinds, parameters, ends, blocks, size, y0, B, p, y, workspace
-    )
+    """A single contact often has a simple solution."""
+    solution.status, solution.iterations, solution.residual = BY_NEWTON, 0, 0.0
+    if count == 0:
+        for i in range(size):
+            y[i] = y0[i]
+        return
+    alone = ends.shape[0] == 0 and count == 1 and kinds[0].kind == UNILATERAL
+    if alone and _solve_one(kinds, parameters, y0, B, p):
+        for i in range(3):
+            y[i] = y0[i] + B[i, 0] * p[0] + B[i, 1] * p[1] + B[i, 2] * p[2]
+        return
+    problem = Problem(count, kinds, parameters, ends, blocks, size, y0, B)
+    status, iterations, residual = _solve(problem, workspace, p, y)
     solution.status, solution.iterations, solution.residual = status, iterations, residual

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.records import Records, records
-from heavylift.solver.contact.kind import Colliding, ContactContour, ContourPose
+from heavylift.solver.contact.kind import Colliding, ContactContour, ContourPose, DeformingSurfaces
 
 __all__ = ["PackedCollisions", "no_collisions"]
 
@@ -19,8 +19,8 @@ class PackedCollisions:
 
     Attributes
     ----------
-    meshes
-        The kind; empty without collisions.
+    meshes, facets
+        The pairs, and surfaces that deform: one kind or none each.
     contours, poses
         Rows for the surfaces, behind those of the contours.
     placed
@@ -34,6 +34,7 @@ class PackedCollisions:
     """
 
     meshes: Colliding
+    facets: DeformingSurfaces
     contours: Records[ContactContour]
     poses: Records[ContourPose]
     placed: NDArray[np.float64]
@@ -45,5 +46,11 @@ class PackedCollisions:
 def no_collisions() -> PackedCollisions:
     """Of scenes whose contacts are all with contours."""
     return PackedCollisions(
-        Colliding(()), records(ContactContour, 0), records(ContourPose, 0), np.zeros((1, 12)), 0, False
+        Colliding(),
+        DeformingSurfaces(),
+        records(ContactContour, 0),
+        records(ContourPose, 0),
+        np.zeros((1, 12)),
+        0,
+        False,
     )

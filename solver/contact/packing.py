@@ -245,6 +245,7 @@ def _kind(
         solution=told.Solution.one(),
         reduced=reduced,
         meshes=collided.meshes,
+        facets=collided.facets,
         placed=collided.placed,
         carried=np.zeros(0),
         saved=np.zeros(0),
@@ -280,12 +281,13 @@ def _features(
     on_curve = np.array([packed.is_curve[i] for i in table["contour"]], dtype=bool)
     deforms = packed.rows["owner"][table["contour"]] >= OF_MODES
     counts = {
+        # puts the samples where they are before the others begin a search at them
+        Deforming: np.count_nonzero(packed.samples.grids["points"] == 0),
         Surfaces: np.count_nonzero(~on_curve & (table["shape_kind"] == POINT)),
         SurfaceWeights: np.count_nonzero(~on_curve & deforms),
         Curves: np.count_nonzero(on_curve),
         Rings: np.count_nonzero(table["shape_kind"] == CIRCLE),
         Primitives: np.count_nonzero(table["shape_kind"] == CONVEX),
-        Deforming: np.count_nonzero(packed.samples.grids["points"] == 0),
         Footprints: np.count_nonzero(values["footprint"] > 0.0),
     }
     return Features(feature(members=int(count)) for feature, count in counts.items() if count)

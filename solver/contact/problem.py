@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +18,10 @@ from heavylift.solver.contact.twelve import COLUMNS
 
 __all__ = [
     "Marks",
-    "NoEnds",
     "Problem",
     "Work",
     "divide",
     "fill_rows",
-    "no_ends",
     "prepare",
     "workspace_length",
 ]
@@ -51,15 +49,6 @@ MARKS = Marks.layout.itemsize // 8
 """Numbers of them in the workspace."""
 
 marks_at = record_at(Marks)
-
-
-class NoEnds(Record):
-    """What contacts have that are given by the matrix of their rows alone."""
-
-    ends: Annotated[NDArray[np.int64], (0, 4)]
-
-
-no_ends = record_at(NoEnds)
 
 
 class Problem(NamedTuple):
@@ -116,7 +105,7 @@ def workspace_length(count: int, size: int) -> int:
     count
         Contacts.
     size
-        Touched velocities; three times the contacts for `solve_contacts`.
+        Touched velocities, or rows.
     """
     return (45 + CONTACT) * count + SCRATCH + 8 * size + 2 * size * size + 2 * COLUMNS + MARKS
 

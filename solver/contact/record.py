@@ -14,7 +14,7 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.locate import locate
-from heavylift.solver.contact.mesh_interface import record_pairs, restore_contacts
+from heavylift.solver.contact.mesh_interface import record_pairs
 from heavylift.solver.interface import (
     Bodies,
     Joints,
@@ -45,7 +45,6 @@ CONTACT_CHANNELS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
 @kernel(internal=True)
 def _gather(contacts: ContactRows, bodies: Bodies, work: Workspace) -> None:
     """The rows are still those of the end of the step; of what is far from touching only the gap is wanted."""
-    restore_contacts(contacts.meshes, contacts)  # a state may have been restored since the last step
     gather_reactions(bodies, False, contacts)
     posed = False
     for c in range(contacts.counts.of_contours):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.kind import ContactRows
-from heavylift.solver.contact.newton import solve_on_velocities
+from heavylift.solver.contact.newton import solve_contacts
 from heavylift.solver.contact.system_interface import respond
 from heavylift.solver.interface import Systems
 
@@ -82,7 +82,7 @@ def solve_reduced(contacts: ContactRows, count: int, velocity: NDArray[np.float6
         for k in range(size):
             total -= reduced.matrix[i, k] * reduced.found[k]
         reduced.start[i] = total
-    solve_on_velocities(
+    solve_contacts(
         contacts.solvers,
         count,
         contacts.kinds,

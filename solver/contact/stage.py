@@ -16,8 +16,8 @@ from heavylift.solver.contact.interface import pose_contours, settle_points
 from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, DENSE, RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.laws import hunt_crossley_damping
 from heavylift.solver.contact.locate import locate
-from heavylift.solver.contact.mesh_interface import pose_surfaces, restore_contacts
-from heavylift.solver.contact.newton import solve_dense
+from heavylift.solver.contact.mesh_interface import pose_surfaces
+from heavylift.solver.contact.newton import solve_contacts
 from heavylift.solver.contact.reduced import assemble_reduced, solve_reduced
 from heavylift.solver.contact.search_end import judge_searches, mark_failure
 from heavylift.solver.contact.system_interface import follow
@@ -110,7 +110,6 @@ def solve_contact_midpoint(
     nominal: float,
 ) -> None:
     """Rows at the predicted midpoint, then half impulses."""
-    restore_contacts(contacts.meshes, contacts)
     contacts.control.nominal_step = nominal
     contacts.control.residual, contacts.control.rounds = 0.0, 0
     count = 0
@@ -232,11 +231,14 @@ def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
     if reduced:
         solve_reduced(contacts, count, work.velocity)
     else:
-        solve_dense(
+        solve_contacts(
             contacts.solvers,
             count,
             contacts.kinds,
             contacts.laws,
+            contacts.reduced.ends[:0],
+            contacts.reduced.blocks[:0],
+            3 * count,
             free,
             contacts.delassus,
             p,

@@ -10,7 +10,7 @@ from heavylift.solver.contact.ends import REST, pressed_force
 from heavylift.solver.contact.interface import forget_accelerations, pose_contours, settle_points
 from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, ContactRows
 from heavylift.solver.contact.locate import locate
-from heavylift.solver.contact.mesh_interface import find_first_contacts
+from heavylift.solver.contact.mesh_interface import search_surfaces
 from heavylift.solver.interface import (
     FORCES,
     Bodies,
@@ -61,7 +61,7 @@ def _locate_all(contacts: ContactRows, bodies: Bodies, work: Workspace, step: fl
         state.gap, state.second_gap, state.sleep = state.end_gap, state.second_end_gap, state.end_gap
         state.present = False
         state.closed = contacts.table[c].law == BILATERAL or contacts.table[c].law == CURVE
-    find_first_contacts(contacts.meshes, contacts, bodies, work, step)
+    search_surfaces(contacts.meshes, contacts, bodies, work, step, True)
     settle_points(bodies, (), False, work)
 
 

@@ -11,8 +11,7 @@ from heavylift.numerics.records import Records, records
 from heavylift.solver.contact.layout import UNILATERAL, RowKind, RowParameters, Solution
 from heavylift.solver.contact.newton import (
     NonsmoothNewton,
-    solve_dense,
-    solve_on_velocities,
+    solve_contacts,
     workspace_length,
 )
 
@@ -47,7 +46,7 @@ class ContactProblem:
         y = np.zeros(len(self.y0))
         workspace = np.full(workspace_length(self.count, len(y)), np.nan)
         found = Solution.one()
-        solve_on_velocities(
+        solve_contacts(
             SOLVER,
             self.count,
             self.kinds,
@@ -70,8 +69,20 @@ class ContactProblem:
         w = np.zeros_like(p)
         workspace = np.full(workspace_length(self.count, len(p)), np.nan)
         found = Solution.one()
-        solve_dense(
-            SOLVER, self.count, self.kinds, self.parameters, self.N @ self.y0, self.W, p, w, workspace, found
+        solve_contacts(
+            SOLVER,
+            self.count,
+            self.kinds,
+            self.parameters,
+            self.ends[:0],
+            self.blocks[:0],
+            len(p),
+            self.N @ self.y0,
+            self.W,
+            p,
+            w,
+            workspace,
+            found,
         )
         return found.status, found.iterations, found.residual, p.reshape(-1, 3), w.reshape(-1, 3)
 
