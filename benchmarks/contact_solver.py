@@ -18,14 +18,10 @@ sys.path.append(str(Path(__file__).resolve().parent.parent / "tests" / "solver" 
 
 import contact_problems as problems
 
-from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.layout import Solution
-from heavylift.solver.contact.newton import (
-    ContactSolvers,
-    NonsmoothNewton,
-    solve_contacts,
-    workspace_length,
-)
+from heavylift.numerics.arrays import Floats1  # noqa: TC001  the entry needs it
+from heavylift.numerics.objects import entry
+from heavylift.solver.contact.layout import Problem  # noqa: TC001  the entry needs it
+from heavylift.solver.contact.newton import ContactSolvers, NonsmoothNewton, solve_contacts
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -34,52 +30,32 @@ REPEATS = 41
 MANY = 2000  # of the small problems
 
 
-@kernel
-def repeat(  # type: ignore[no-untyped-def]
-    times, start, solvers, count, kinds, parameters, ends, blocks, size, y0, B, p, y, workspace, solution
-):
+@entry
+def repeat(times: int, start: Floats1, solvers: ContactSolvers, problem: Problem) -> None:
+    """Solve several times from the same impulses."""
     for _ in range(times):
-        for i in range(3 * count):
-            p[i] = start[i]
-        solve_contacts(
-            solvers, count, kinds, parameters, ends, blocks, size, y0, B, p, y, workspace, solution
-        )
+        for i in range(start.shape[0]):
+            problem.p[i] = start[i]
+        solve_contacts(solvers, problem)
 
 
 def time_of(
     problem: problems.ContactProblem, on_rows: bool, warm: bool, start: NDArray[np.float64] | None, times: int
 ) -> str:
     """Time of a solution, on the matrix of the rows or on the velocities."""
-    count = problem.count
-    size = 3 * count if on_rows else len(problem.y0)
-    begin_with, p, y = np.zeros(3 * count), np.zeros(3 * count), np.zeros(size)
+    solvers, packed = ContactSolvers((NonsmoothNewton(),)), problem.packed(on_rows)
+    begin_with = np.zeros(3 * problem.count)
     if start is not None:
         begin_with[:] = start
-    found = Solution.one()
-    arguments = (
-        ContactSolvers((NonsmoothNewton(),)),
-        count,
-        problem.kinds,
-        problem.parameters,
-        problem.ends[:0] if on_rows else problem.ends,
-        problem.blocks[:0] if on_rows else problem.blocks,
-        size,
-        problem.N @ problem.y0 if on_rows else problem.y0,
-        problem.W if on_rows else problem.B,
-        p,
-        y,
-        np.zeros(workspace_length(count, size)),
-        found,
-    )
-    repeat(1, begin_with, *arguments)
+    repeat(1, begin_with, solvers, packed)
     if warm:
-        begin_with[:] = p * (1.0 + 1e-4)
+        begin_with[:] = packed.p * (1.0 + 1e-4)
     measured = []
     for _ in range(REPEATS):
         begin = time.process_time()
-        repeat(times, begin_with, *arguments)
+        repeat(times, begin_with, solvers, packed)
         measured.append((time.process_time() - begin) / times)
-    median = 1e6 * statistics.median(measured)
+    median, found = 1e6 * statistics.median(measured), packed.solution
     return f"{median:10.3f} us  status {found.status}, {found.iterations:3d} iterations, {found.residual:.0e}"
 
 

@@ -231,21 +231,8 @@ def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
     if reduced:
         solve_reduced(contacts, count, work.velocity)
     else:
-        solve_contacts(
-            contacts.solvers,
-            count,
-            contacts.kinds,
-            contacts.laws,
-            contacts.reduced.ends[:0],
-            contacts.reduced.blocks[:0],
-            3 * count,
-            free,
-            contacts.delassus,
-            p,
-            w,
-            contacts.workspace,
-            contacts.solution,
-        )
+        contacts.dense.counts.number, contacts.dense.counts.size = count, 3 * count
+        solve_contacts(contacts.solvers, contacts.dense)
     solution = contacts.solution
     contacts.control.residual = max(contacts.control.residual, solution.residual)
     contacts.control.rounds += solution.iterations
