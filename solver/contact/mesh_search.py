@@ -10,12 +10,12 @@ from __future__ import annotations
 import math
 
 from heavylift.contours.feature_gap import copy_pose
-from heavylift.contours.feature_pairs import find_contacts
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.delassus import contact_rates
 from heavylift.solver.contact.facet_interface import form_facets
+from heavylift.solver.contact.feature_search import find_features
 from heavylift.solver.contact.kind import COMPLIANT, RIGID, ContactRows
 from heavylift.solver.contact.mesh_handover import book_jump, goes_on, turn_memory
 from heavylift.solver.contact.mesh_interface import search_surfaces
@@ -112,15 +112,9 @@ def _search_pair(
     further = 0.0
     if meshes.pairs[pair].law == RIGID:
         further = DEEPER * deepest_of(meshes, contacts, pair)
-    count = find_contacts(
-        meshes.surfaces,
-        meshes.lists,
-        pair,
-        meshes.motions[pair],
-        reach + further,
-        meshes.pairs[pair].method,
-        meshes.found,
-    )
+    method = meshes.pairs[pair].method
+    find_features(meshes.searches, pair, meshes.motions[pair], reach + further, method)
+    count = meshes.counts.count
     if count < 0:
         _stop(contacts, pair, work)
         return
