@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 REPEATS = 41
-MANY = 2000  # of the small problems
+MANY, SOME = 2000, 10  # solutions in a measurement, of the small problems and of the others
 
 
 @entry
@@ -66,7 +66,7 @@ def rows(problem: problems.ContactProblem, warm: bool) -> str:
 
 def reduced(problem: problems.ContactProblem, start: NDArray[np.float64] | None = None) -> str:
     """Time on the velocities."""
-    return time_of(problem, False, False, start, 1)
+    return time_of(problem, False, False, start, SOME)
 
 
 def small(count: int, mu: float, slip: float) -> problems.ContactProblem:
