@@ -57,7 +57,6 @@ __all__ = [
     "fill_rows",
     "finish",
     "free_acceleration",
-    "gather_rows",
     "iterate",
     "joint_rows",
     "predict",
@@ -332,8 +331,10 @@ def correct(kinds: Bodies, step: float, work: Workspace) -> None:
 
 
 @optional()
-def solve_again(kinds: Systems, joints: Joints, work: Workspace, time: float, step: float) -> None:
-    """Rows: once more with the factor of the midpoint, after free velocities have changed."""
+def solve_again(
+    kinds: Systems, all_systems: Systems, joints: Joints, work: Workspace, time: float, step: float
+) -> None:
+    """Rows: once more with the factors of the midpoint, after free velocities have changed."""
 
 
 @optional()
@@ -463,12 +464,13 @@ def add_totals(kinds: Bodies, work: Workspace) -> None:
     """Bodies: add energies, works and momenta of the carried state to the totals."""
 
 
-# ---- of systems of rows, in the order of a step ----
+# ---- of systems of rows, in the order of a step: joints are served first, contacts ask them to respond ----
 
 
 @optional()
 def solve_midpoint(
     kinds: Systems,
+    all_systems: Systems,
     bodies: Bodies,
     joints: Joints,
     work: Workspace,
@@ -476,21 +478,36 @@ def solve_midpoint(
     step: float,
     nominal: float,
 ) -> None:
-    """Rows: velocities of the midpoint from free ones; the factor stays for `correct_impulses`."""
+    """Rows: velocities of the midpoint from free ones; the factor stays for `solve_again`.
+
+    Positions are corrected over the nominal step, of which the step may be a part.
+    """
 
 
 @optional()
 def end_rows(
     kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
-    """Rows: what they carry over the step; end velocities, markers there."""
+    """Rows: what they carry over the step; end velocities, markers there, gaps there.
+
+    `work.control.split` is set where contacts find an impact within the step: then all of it has to be taken back.
+    """
 
 
 @optional()
 def solve_end(
-    kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
+    kinds: Systems,
+    all_systems: Systems,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    step: float,
 ) -> None:
-    """Rows: project the velocities onto the rigid rows at the end of the step."""
+    """Rows: project the velocities at the end of the step onto the rigid rows there, and onto what is closed; impacts.
+
+    `work.control.split` is set where impulses are not found: then all of the step has to be taken back.
+    """
 
 
 @optional()
@@ -499,13 +516,14 @@ def close_step(kinds: Systems, all_systems: Systems, bodies: Bodies, work: Works
 
 
 @optional("record")
-def gather_rows(kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float) -> None:
-    """Rows at the carried state for a record: an integrator need not have left them there."""
+def record_rows(
+    kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, row: Floats1
+) -> None:
+    """Rows: find them at the carried state, where an integrator need not have left them, and record them.
 
-
-@optional("record")
-def record_rows(kinds: Systems, joints: Joints, work: Workspace, time: float, row: Floats1) -> None:
-    """Rows: joints into their columns, monitors into the last of them."""
+    Joints go into their columns, monitors into the last of them, energies into the totals, and forces to the bodies
+    that are held.
+    """
 
 
 # ---- of the accurate integrator, whose state is a vector: velocities, then configurations, then works ----

@@ -213,7 +213,6 @@ class RowSystem(RowArrays):
         "heavylift.solver.integrate.row_stage",
         "heavylift.solver.integrate.row_thesis",
         "heavylift.solver.integrate.accurate_rows",
-        "heavylift.solver.integrate.rows_at_rest",
     )
 
     columns: Records[FactorColumn]

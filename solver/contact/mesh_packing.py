@@ -99,6 +99,7 @@ def pack_collisions(
     from heavylift.contours.pair_list import make_pair_lists
     from heavylift.contours.patches import EXTREMES, patch_scratch_size
     from heavylift.contours.surface_pack import pack_surfaces
+    from heavylift.solver.contact.feature_search import FeatureSearch, FeatureSearches, FoundCount
 
     by_name = {body.name: body for body in ordered}
     contours = records(ContactContour, len(scene.surfaces))
@@ -159,15 +160,22 @@ def pack_collisions(
     for i, pose in enumerate(poses):
         placed[i] = pose
     places = len(scene.contacts) + most
-    meshes = SurfacePairs(
+    search = FeatureSearch(
         surfaces=packed,
         lists=make_pair_lists(packed, [(int(pair.surfaces[0]), int(pair.surfaces[1])) for pair in pairs]),
+        found=make_contact_list(room),
+        counts=FoundCount.one(),
+    )
+    meshes = SurfacePairs(
+        surfaces=packed,
+        searches=FeatureSearches((search,)),
         pairs=pairs,
         sides=sides,
         pair_values=values,
         relative=records(RelativePose, count),
         motions=records(RelativeMotion, count),
-        found=make_contact_list(room),
+        found=search.found,
+        counts=search.counts,
         touch=FeatureTouch.one(),
         points=np.zeros((items, 3)),
         normals=np.zeros((items, 3)),

@@ -49,7 +49,7 @@ class PackedCollisions:
 def no_collisions() -> PackedCollisions:
     """Of scenes whose contacts are all with contours."""
     return PackedCollisions(
-        Colliding(()),
+        Colliding(),
         FacetSurfaces.none(),
         records(ContactContour, 0),
         records(ContourPose, 0),

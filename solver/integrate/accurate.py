@@ -21,13 +21,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.combination import PART, combine_part
-from heavylift.solver.integrate.accurate_rows import (
-    add_drive_power,
-    constrain,
-    correct_velocity,
-    find_displacement,
-    soften,
-)
+from heavylift.solver.integrate.accurate_rows import constrain, project, soften
 from heavylift.solver.integrate.dense_output import choose_nodes, node_weights, quadrature_weights
 from heavylift.solver.integrate.dop853 import NODES, ORDER, STAGES, write_end, write_errors, write_stage
 from heavylift.solver.integrate.integration import (
@@ -69,6 +63,7 @@ from heavylift.solver.interface import (
     begin_stage,
     complete_accelerations,
     free_acceleration,
+    joint_rows,
     store_state,
 )
 
@@ -113,12 +108,8 @@ def _evaluate(
     sums.external_work = sums.drive_work = sums.dissipated = 0.0
     add_forces(forces, time, work)
     free_acceleration(bodies, values, at, work)
-    driven = progress.driven
-    wanted = with_reactions or driven or progress.based
-    constrain(rows, bodies, joints, work, time, progress.solutions, wanted)
+    constrain(rows, bodies, joints, integration, at, with_reactions, work, time)
     complete_accelerations(bodies, rows, True, values, out)
-    if driven:
-        add_drive_power(rows, values, at, work)
     for i in range(work.velocity.shape[0]):
         values[out + i] = work.velocity[i]
     values[end], values[end + 1], values[end + 2] = sums.external_work, sums.drive_work, sums.dissipated
@@ -135,12 +126,12 @@ def _project(
     begin_stage(bodies, time, values, at, work)
     for i in range(work.velocity.shape[0]):
         work.velocity[i] = 0.0
-    find_displacement(rows, bodies, joints, work, time)
+    project(rows, bodies, joints, False, work, time)
     displace_poses(integration.coordinates, values, at, work.velocity)
     _change_nodes(bodies, rows, integration, False)
     for i in range(work.velocity.shape[0]):
         work.velocity[i] = values[at + i]
-    correct_velocity(rows, work)
+    project(rows, bodies, joints, True, work, time)
     for i in range(work.velocity.shape[0]):
         values[at + i] = work.velocity[i]
     _change_nodes(bodies, rows, integration, True)
@@ -416,7 +407,8 @@ def run(
     integration, rows = carried(systems, 0), systems
     progress = integration.progress
     allowed = min(SHARE * tolerance, progress.largest_error)
-    soften(rows, progress.softening)
+    for i in range(joint_rows(rows)):
+        soften(joint_rows(rows, i), progress.softening)
     if not progress.started:  # reactions of the first record
         _take_newest(integration, END, 1)
         _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, 0.0, True)

@@ -18,7 +18,6 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Record, Records, Vector, records
 from heavylift.solver.combination import padded
 from heavylift.solver.drive import DRIVEN
-from heavylift.solver.integrate.accurate_rows import is_tree
 from heavylift.solver.integrate.dop853 import STAGES
 from heavylift.solver.interface import (
     Bodies,
@@ -30,6 +29,7 @@ from heavylift.solver.interface import (
     record_rows,
 )
 from heavylift.solver.kinds import Members, implement
+from heavylift.solver.rows import PRESCRIBED, RowSystem
 
 __all__ = ["Integration", "Progress", "carried", "make_integration", "stiffness_seen", "watch_stability"]
 
@@ -142,6 +142,25 @@ carried = Members(Systems, Integration)
 """What the integrator carries, among the systems of a scene."""
 
 
+def _is_tree(system: RowSystem) -> bool:
+    """Whether the joints form no loop, so that their rows are independent in every position."""
+    parent: dict[int, int] = {}
+
+    def root(body: int) -> int:
+        while parent.setdefault(body, body) != body:
+            body = parent[body]
+        return body
+
+    ground = -1
+    for first in range(0, len(system.attachments), 2):
+        ends = system.attachments[first], system.attachments[first + 1]
+        a, b = (ground if end.holder == PRESCRIBED else int(end.dof) for end in ends)
+        if root(a) == root(b):
+            return False
+        parent[root(a)] = root(b)
+    return True
+
+
 def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Workspace) -> Integration:
     """The last member of the systems of a scene that is integrated accurately.
 
@@ -178,7 +197,7 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
     driven = (coordinates["motion"] == DRIVEN).any()
     progress.driven = driven or any(hasattr(kind, "profiles") for kind in joints)
     progress.based = bool(systems) and any(len(getattr(kind, "bases", ())) for kind in bodies)
-    if all(is_tree(system) for system in systems):
+    if all(_is_tree(system) for system in systems):
         progress.solutions, progress.softening, progress.largest_error = 1, TREE_SOFTENING, math.inf
     else:
         progress.solutions, progress.softening = 2, LOOP_SOFTENING
@@ -194,7 +213,12 @@ def stiffness_seen(integration: Integration) -> bool:
 @implement(record_rows, Integration)
 @kernel(internal=True)
 def record_works(
-    integration: Integration, joints: Joints, work: Workspace, time: float, row: NDArray[np.float64]
+    integration: Integration,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    row: NDArray[np.float64],
 ) -> None:
     """Works that were integrated with the motion, into the totals."""
     work.sums.external_work += integration.progress.works[0]

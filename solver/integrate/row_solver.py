@@ -38,7 +38,7 @@ __all__ = [
 ]
 
 
-@kernel(inline=True, internal=True)
+@kernel(internal=True)
 def assemble(system: RowSystem) -> None:
     """``S = G A^-1 G^T + Z``; of rigid bodies from G and the inverse masses, of others from their X."""
     shape = system.shape
@@ -113,7 +113,7 @@ def _assemble_hubs(system: RowSystem) -> None:
                     system.blocks[place + k * lanes + r] += value
 
 
-@kernel(inline=True, internal=True)
+@kernel(internal=True)
 def factor_rows(system: RowSystem) -> None:
     """Right-looking block factorisation ``S = L D L^T``."""
     shape = system.shape

@@ -36,7 +36,6 @@ from heavylift.solver.bodies.ancf.kind import AUTO, EXPLICIT, STEP_SET, Meshes
 from heavylift.solver.bodies.ancf.moving import add_point_impulses, forget_vectors
 from heavylift.solver.bodies.ancf.step import add_gravity, is_iterated, write_free_bases
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
-from heavylift.solver.contact.system_interface import meet_again
 from heavylift.solver.interface import (
     Bodies,
     Joints,
@@ -191,8 +190,7 @@ def iterate_meshes(
             _write_residual(kind, body, step, work)
         solve_forward(kind, body, STEP_SET)
         write_free_bases(kind, body, kind.mid_velocity, 1.0, work)
-        solve_again(systems, joints, work, time, step)
-        meet_again(systems, systems, joints, work, time, step)
+        solve_again(systems, systems, joints, work, time, step)
         take_impulses(kind, systems, kind.right_hand_side)
         first_base = kind.table[body].first_base
         for base in range(first_base, first_base + count):
