@@ -282,6 +282,18 @@ def _from_words(context: Any, builder: Any, of_type: Any, words: list[Any]) -> A
 
 
 @contextlib.contextmanager
+def _cycles_kept() -> Iterator[None]:
+    """Do not search for unused cycles of objects: compiling makes millions of objects, most of which stay in use."""
+    searching = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if searching:
+            gc.enable()
+
+
+@contextlib.contextmanager
 def _remembered_answers() -> Iterator[None]:
     """Remember what Numba finds out thousands of times: types of operators on numbers, sizes of LLVM types."""
     context_class: Any = type(cpu_target.target_context)
@@ -313,19 +325,6 @@ def _remembered_answers() -> Iterator[None]:
         function_class.get_call_type, context_class.get_abi_sizeof = resolve, size_of
 
 
-@contextlib.contextmanager
-def _rare_collections() -> Iterator[None]:
-    """Collect garbage less often: millions of objects of Numba live to the end, and each collection looks at all."""
-    before = gc.get_threshold()
-    gc.freeze()
-    gc.set_threshold(20_000, 20, 50)
-    try:
-        yield
-    finally:
-        gc.set_threshold(*before)
-        gc.unfreeze()
-
-
 def _compile(unit: Unit) -> bytes:
     """Object file of a unit.
 
@@ -338,7 +337,7 @@ def _compile(unit: Unit) -> bytes:
     codegen = context.codegen()
     wrappers = codegen._create_empty_module(unit.name)  # noqa: SLF001
     libraries: dict[Any, None] = {}
-    with global_compiler_lock, _remembered_answers(), _rare_collections():
+    with global_compiler_lock, _cycles_kept(), _remembered_answers():
         for symbol, (callable_kernel, parameters, result) in unit.entries.items():
             dispatcher = getattr(callable_kernel, "part", callable_kernel)
             try:

@@ -7,6 +7,7 @@ unit a line, and answers with one line.
 from __future__ import annotations
 
 import contextlib
+import gc
 import importlib
 import os
 import pkgutil
@@ -167,6 +168,8 @@ def _serve() -> None:
             print(FAILED, str(error).replace("\n", " "), sep="\t", flush=True)  # noqa: T201
         else:
             print(DONE, f"{time.process_time() - begin:.3f}", sep="\t", flush=True)  # noqa: T201
+        gc.collect()
+        gc.freeze()  # what is still in use will be to the end: the next search is for what the next unit leaves
 
 
 if __name__ == "__main__":

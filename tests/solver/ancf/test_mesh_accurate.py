@@ -261,7 +261,6 @@ def test_forces_in_one_pass_are_those_of_independent_elements(shape: str) -> Non
     )
 
 
-@kernel
 def begin(bodies: Any, values: np.ndarray, work: Any) -> None:
     begin_stage(bodies, 0.0, values, 0, work)
 

@@ -10,7 +10,6 @@ import pytest
 from joint_scenes import CLOSED, RESIDUALS, SLIDE_AXIS, Pose, angle, make_joint, profile, travel, turn
 from scipy.spatial.transform import Rotation
 
-from heavylift.numerics.jit import kernel
 from heavylift.solver.connections import JointFrame
 from heavylift.solver.integrate.loop import start_scene
 from heavylift.solver.interface import (
@@ -43,7 +42,6 @@ COUNTS = {
 """Rows: six less the motions that a joint leaves."""
 
 
-@kernel
 def probe(bodies: Any, joints: Any, system: Any, work: Any, time: float, at_midpoint: bool) -> None:
     """All rows at the carried state, aimed at a time."""
     fill_markers(bodies, False, ACCELERATIONS, work)
@@ -51,13 +49,11 @@ def probe(bodies: Any, joints: Any, system: Any, work: Any, time: float, at_midp
     set_targets(joints, time, 0.1, at_midpoint, work, system)
 
 
-@kernel
 def probe_bias(joints: Any, system: Any, work: Any, time: float) -> None:
     """Targets of accelerations."""
     fill_bias(joints, time, work, system)
 
 
-@kernel
 def probe_record(joints: Any, system: Any, work: Any, time: float, row: np.ndarray) -> None:
     """Channels of the joints."""
     record_joints(joints, time, work, system, row)
