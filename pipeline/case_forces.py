@@ -15,7 +15,7 @@ from pydantic import (
 )
 
 from heavylift.pipeline.case_joints import check_sides
-from heavylift.pipeline.channel_kinds import JOINT_TRAVELS
+from heavylift.pipeline.channel_kinds import joint_coordinate
 from heavylift.pipeline.fields import (
     BodyName,
     CaseContext,
@@ -30,6 +30,7 @@ from heavylift.pipeline.fields import (
     reject,
     type_tag,
 )
+from heavylift.solver.connections import JOINTS
 
 __all__ = [
     "Force",
@@ -121,9 +122,10 @@ class _AlongJoint(Section):
             return name
         joints = context.names.joints
         refuse_unknown("joint", name, joints)
-        travels = JOINT_TRAVELS.get(joints[name])
-        if travels is not None and len(travels) != 1:
-            has = "an angle and a travel" if travels else "neither an angle nor a travel"
+        described = JOINTS.get(joints[name])
+        if described is not None and not described.COORDINATE:
+            both = {"angle", "travel"} <= {channel.name for channel in described.CHANNELS}
+            has = "an angle and a travel" if both else "neither an angle nor a travel"
             reject(f"joint {name!r} of type {joints[name]!r} has {has}", "a hinge or a slider")
         return name
 
@@ -132,7 +134,7 @@ def _slides(info: ValidationInfo) -> bool:
     """Whether the joint of a validated section has a travel, not an angle."""
     context = CaseContext.of(info)
     joints = {} if context is None else context.names.joints
-    return JOINT_TRAVELS.get(joints.get(info.data.get("joint", ""), "")) == {"travel"}
+    return joint_coordinate(joints.get(info.data.get("joint", ""), "")) == "travel"
 
 
 class JointSpringSection(_AlongJoint):

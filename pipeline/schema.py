@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import inspect
 import textwrap
 from typing import TYPE_CHECKING, Any
@@ -39,7 +40,8 @@ class _Described(GenerateJsonSchema):
         found = super().model_schema(schema)
         section = schema["cls"]
         docs: dict[str, str] = {}
-        for base in reversed(section.__mro__):
+        described = getattr(section, "DESCRIBED", object)
+        for base in reversed((*described.__mro__, *section.__mro__)):
             docs |= _attribute_docs(base)
         for name, field in section.model_fields.items():
             key = field.alias or name
@@ -52,6 +54,7 @@ def _attribute_docs(section: type) -> dict[str, str]:
     """Annotated names of a class and the docstrings below them, which may be empty."""
     if not section.__module__.startswith("heavylift."):
         return {}
+    importlib.import_module(section.__module__)  # of a kind only the description may have been executed
     try:
         source = inspect.getsource(section)
     except OSError:  # a table for one type of values, made from that for any

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.solver.channels import Channel, add_channels
+from heavylift.solver.channels import Channel, add_channels, add_described
 from heavylift.solver.coordinates import attachments, first_dofs, inverse_masses, inverse_scales
 from heavylift.solver.interface import FORCES
 from heavylift.solver.markers import MarkerBook
@@ -125,12 +125,12 @@ def _pack(
     attachment = attachments(ordered, first_dofs(ordered, bases), bases)
     make_system: Any = None
     if scene.joints:
-        from heavylift.solver.joints.registry import joint_channels, pack_joints
+        from heavylift.solver.joints.registry import pack_joints
 
         columns = []
         for joint in scene.joints:
             columns.append(packed.column)
-            packed.column = add_channels(joint.name, joint_channels(joint), packed.channels, packed.column)
+            packed.column = add_described(joint.name, joint.CHANNELS, packed.channels, packed.column)
         packed.joints, make_system, packed.block_names = pack_joints(
             scene.joints, columns, book, attachment, inverse_scales(ordered), ordered
         )

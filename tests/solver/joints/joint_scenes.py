@@ -8,19 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from heavylift.solver.connections import (
-    Ball,
-    Cylindrical,
-    Distance,
-    FixedJoint,
-    Hinge,
-    Joint,
-    JointFrame,
-    Planar,
-    Slider,
-    SliderHinge,
-    Universal,
-)
+from heavylift.solver.connections import Joint, JointFrame
+from heavylift.solver.joints.ball import Ball
+from heavylift.solver.joints.distance import Distance
+from heavylift.solver.joints.fixed import FixedJoint
+from heavylift.solver.joints.hinge import Hinge
+from heavylift.solver.joints.planar import Planar
+from heavylift.solver.joints.slider import Slider
+from heavylift.solver.joints.slider_hinge import Cylindrical, SliderHinge
+from heavylift.solver.joints.universal import Universal
 from heavylift.solver.scene import Harmonic, Profile
 
 TURNS = 4.0 * np.pi  # a drive may go round more than once

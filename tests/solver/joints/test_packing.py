@@ -10,9 +10,13 @@ import pytest
 from joint_scenes import CLOSED, LENGTH, RESIDUALS, Pose, make_joint, turn
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, Ball, Distance, Hinge, Joint, JointFrame, SliderHinge
+from heavylift.solver.connections import GROUND, Joint, JointFrame
+from heavylift.solver.joints.ball import Ball
+from heavylift.solver.joints.distance import Distance
+from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.packing import JointPlace, MarkerBook, start_frames, travel_direction
 from heavylift.solver.joints.registry import joint_channels, joint_module
+from heavylift.solver.joints.slider_hinge import SliderHinge
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene import Driven, Fixed, Harmonic, Profile, RigidBody, Scene
 
