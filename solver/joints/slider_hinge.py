@@ -9,7 +9,7 @@ two directions m, n of a, square to e and to each other::
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -65,9 +65,7 @@ class SliderHinge(Joint):
     ROTATIONAL: ClassVar = (False, False, True, True)
     CHANNELS: ClassVar = (*Joint.CHANNELS, *ANGLE_CHANNELS, *TRAVEL_CHANNELS)
 
-    slide_axis: Annotated[NDArray[np.float64], WorldDirection()] = field(
-        default_factory=lambda: np.array([1.0, 0.0, 0.0])
-    )
+    slide_axis: Annotated[NDArray[np.float64], WorldDirection()]
     """World direction of the travel at the start, any length; `axis` is that of the turn."""
 
     @property
