@@ -88,7 +88,8 @@ class Quantity:
             number["minimum" if self.closed else "exclusiveMinimum"] = self.minimum
         if self.maximum is not None:
             number["maximum" if self.closed else "exclusiveMaximum"] = self.maximum
-        return quantity_schema(f"{self.kind}: number in {self.unit}, or a string with a unit", **number)
+        words = f"{self.kind}: number in {self.unit}, or a string with a unit"
+        return quantity_schema(words, **number) | {"quantity": self.kind}
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic.json_schema import GenerateJsonSchema
 
 from heavylift.pipeline.case import Case
+from heavylift.solver.descriptions import described_fields
 
 if TYPE_CHECKING:
     from pydantic.json_schema import JsonSchemaValue
@@ -40,9 +41,17 @@ class _Described(GenerateJsonSchema):
         found = super().model_schema(schema)
         section = schema["cls"]
         docs: dict[str, str] = {}
-        described = getattr(section, "DESCRIBED", object)
-        for base in reversed((*described.__mro__, *section.__mro__)):
+        for base in reversed(section.__mro__):
             docs |= _attribute_docs(base)
+        described = getattr(section, "DESCRIBED", None)
+        if described is not None:
+            found["channels"] = [
+                {"name": channel.name, "quantity": channel.quantity, "sentence": channel.sentence}
+                for channel in described.CHANNELS
+            ]
+            own = {field.name for field in described_fields(described)}
+            for base in reversed(described.__mro__):
+                docs |= {name: text for name, text in _attribute_docs(base).items() if name in own}
         for name, field in section.model_fields.items():
             key = field.alias or name
             if docs.get(name) and key in found.get("properties", {}):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND
+from heavylift.solver.connections import GROUND, JOINTS
 from heavylift.solver.joints.packing import JointPlace, start_frames
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import Attachment, RowSystem, pack_rows
@@ -27,8 +27,22 @@ OPEN = 3.0
 
 
 def joint_module(joint: Joint) -> Any:
-    """The module that makes the kind of a joint."""
-    return importlib.import_module(joint.kind_module)
+    """The module that makes the kind of a joint.
+
+    Raises
+    ------
+    InputError
+        If it is of no sort.
+    """
+    module = importlib.import_module(joint.kind_module)
+    if not hasattr(module, "pack"):
+        raise InputError(
+            f"a {type(joint).__name__}",
+            source=joint.name,
+            key="type",
+            expected="one of " + ", ".join(JOINTS.words),
+        )
+    return module
 
 
 def pack_joints(
