@@ -198,9 +198,16 @@ def _spring_rope(rope: SpringRopeSection, sides: Mapping[str, Side]) -> c.Spring
 
 def assemble_loads(
     case: Case, sides: Mapping[str, Side]
-) -> list[s.PointForce | c.Spring | c.JointSpring | c.JointMotor]:
+) -> list[s.PointForce | c.PairForce | c.Spring | c.JointSpring | c.JointMotor]:
     """Forces, springs and motors of a case."""
-    return [_LOADS[force.type](force, sides) for force in case.forces]
+    return [_LOADS.get(force.type, _pair_force)(force, sides) for force in case.forces]
+
+
+def _pair_force(force: Any, sides: Mapping[str, Side]) -> c.PairForce:
+    ends, _ = _ends(force.between, force.points, sides)
+    own = {field.name: getattr(force, field.name) for field in described_fields(force.DESCRIBED)}
+    made: c.PairForce = force.DESCRIBED(name=force.name, **ends, **own)
+    return made
 
 
 def _point_force(force: Any, sides: Mapping[str, Side]) -> s.PointForce:

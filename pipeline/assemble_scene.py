@@ -198,10 +198,11 @@ def _points_on(
     found: list[tuple[str, str, ArrayLike]] = []
     for i, sensor in enumerate(case.sensors):
         found.append((f"sensors.{i}.point", sensor.body, sensor.point))
+    force: Any
     for i, force in enumerate(case.forces):
         if force.type == "point":
             found.append((f"forces.{i}.point", force.body, force.point))
-        elif force.type == "spring":
+        elif hasattr(force, "points"):
             sides = zip(force.between, force.points, strict=True)
             found += [(f"forces.{i}.points.{k}", side, point) for k, (side, point) in enumerate(sides)]
     for i, joint in enumerate(joints):

@@ -2,6 +2,7 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
+from functools import cache
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
@@ -16,7 +17,9 @@ from pydantic import (
 
 from heavylift.pipeline.case_joints import check_sides
 from heavylift.pipeline.channel_kinds import joint_coordinate
+from heavylift.pipeline.described import Chosen, make_section
 from heavylift.pipeline.fields import (
+    TAG,
     BodyName,
     CaseContext,
     ForceVector,
@@ -30,7 +33,7 @@ from heavylift.pipeline.fields import (
     reject,
     type_tag,
 )
-from heavylift.solver.connections import JOINTS
+from heavylift.solver.connections import JOINTS, PAIR_FORCES, PairForce
 
 __all__ = [
     "Force",
@@ -104,6 +107,23 @@ class SpringForceSection(Section):
     def _has_a_law(self) -> "SpringForceSection":
         _check_law(self.stiffness, self.damping, "elongations", self.elongations, "forces", self.forces)
         return self
+
+
+class PairForceSection(Section):
+    """What all other forces between two points have."""
+
+    name: UniqueName
+    """Name; the first part of its channels."""
+    between: tuple[SideName, SideName]
+    """Its two sides a and b: names of bodies, or ``"ground"`` for the world."""
+    points: tuple[LengthVector, LengthVector]
+    """One point a side [m] in the coordinates of the geometry of the body; of the ground in the world."""
+
+    @field_validator("between")
+    @classmethod
+    def _joins_two(cls, value: tuple[str, str]) -> tuple[str, str]:
+        check_sides(value)
+        return value
 
 
 class _AlongJoint(Section):
@@ -234,13 +254,26 @@ def _check_law(
 
 
 def _force_type(value: Any) -> str:
-    return type_tag(value, "point")
+    tag = type_tag(value, "point")
+    return tag if tag in _TAGS else _DESCRIBED
+
+
+@cache
+def pair_section(described: type[PairForce]) -> type[Section]:
+    """Section of a sort of forces between two points."""
+    return make_section(described, PairForceSection, {})
+
+
+_DESCRIBED = f"{TAG}described"
+_TYPES = ("point", "spring", "joint_spring", "motor")
+_TAGS = {f"{TAG}{word}" for word in _TYPES}
 
 
 Force = Annotated[
     Annotated[PointForceSection, Tag("type point")]
     | Annotated[SpringForceSection, Tag("type spring")]
     | Annotated[JointSpringSection, Tag("type joint_spring")]
-    | Annotated[MotorSection, Tag("type motor")],
+    | Annotated[MotorSection, Tag("type motor")]
+    | Annotated[Any, Chosen(PAIR_FORCES, pair_section, _TYPES), Tag(_DESCRIBED)],
     Discriminator(_force_type),
 ]

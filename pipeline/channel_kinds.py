@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from heavylift.pipeline.collision_pairs import declared_collisions, yields
-from heavylift.solver.connections import JOINTS, Joint, Place
+from heavylift.solver.connections import JOINTS, PAIR_FORCES, Joint, Place
 from heavylift.solver.descriptions import known_channels
 
 if TYPE_CHECKING:
@@ -378,4 +378,7 @@ def _force_channels(row: Mapping[str, Any], joints: Mapping[str, str]) -> Mappin
     kind = row.get("type", "point")
     if kind in {"joint_spring", "motor"}:
         return {"load": load_kind(joints.get(str(row.get("joint")), ""))}
+    described = PAIR_FORCES.get(str(kind)) if kind not in {"spring", "point"} else None
+    if described is not None:
+        return _quantities(described.CHANNELS)
     return _SPRING if kind == "spring" else {}

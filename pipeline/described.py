@@ -2,7 +2,7 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING
 from functools import reduce
 from operator import or_
@@ -84,10 +84,14 @@ class Chosen:
         Its descriptions.
     section
         Section of a description.
+    others
+        Words for tables that stand beside, for the message.
     """
 
-    def __init__(self, family: Family[Any], section: Callable[[Any], type[Section]]) -> None:
-        self.family, self.section = family, section
+    def __init__(
+        self, family: Family[Any], section: Callable[[Any], type[Section]], others: Sequence[str] = ()
+    ) -> None:
+        self.family, self.section, self.others = family, section, others
 
     def validate(self, value: Any, info: ValidationInfo) -> Section:
         """The section of a table."""
@@ -100,7 +104,8 @@ class Chosen:
         word = value["type"]
         described = self.family.get(word) if isinstance(word, str) else None
         if described is None:
-            reject(f"type = {word!r}", "one of " + ", ".join(f"'{word}'" for word in self.family.words))
+            words = (*self.others, *self.family.words)
+            reject(f"type = {word!r}", "one of " + ", ".join(f"'{word}'" for word in words))
         return self.section(described).model_validate(value, context=info.context)
 
     @property

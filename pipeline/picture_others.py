@@ -11,7 +11,7 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.picture_contacts import ContactParts
 from heavylift.pipeline.picture_render import Lines, Patch, Points
 from heavylift.pipeline.picture_triangles import drawn_triangles
-from heavylift.solver.connections import GROUND, Joint, Rope, RopePoint, Spring, SpringRope
+from heavylift.solver.connections import GROUND, Joint, PairForce, Rope, RopePoint, Spring, SpringRope
 from heavylift.solver.joints.edges import EdgeJoint, expand_edge
 from heavylift.solver.meshes import FrameBody, ShellBody
 from heavylift.solver.scene import FlexibleBody, RigidBody
@@ -97,7 +97,7 @@ class Others:
         self._springs = [
             (self._place(force.body_a, force.point_a), self._place(force.body_b, force.point_b))
             for force in scene.forces
-            if isinstance(force, Spring)
+            if isinstance(force, (Spring, PairForce))
         ]
         self._joints = [
             (self._place(joint.body_a, joint.frame_a.point), self._place(joint.body_b, joint.frame_b.point))

@@ -132,6 +132,11 @@ def _force(force: Any, kinds: dict[str, str]) -> tuple[str, ...]:
         length = "as drawn" if force.length is None else number_words(force.length, "m")
         law = _law(force.stiffness, force.damping, force.elongations, ("m", "N"))
         return (force.name, "spring", " – ".join(force.between), place, f"{law}; length {length}")
+    if hasattr(force, "DESCRIBED"):
+        place = " and ".join(numbers_words(point, "m") for point in force.points)
+        words = [_own_words(field, getattr(force, field.name)) for field in described_fields(force.DESCRIBED)]
+        kind = force.type.replace("_", " ")
+        return (force.name, kind, " – ".join(force.between), place, "; ".join(filter(None, words)))
     turns = joint_coordinate(kinds[force.joint]) == "angle"
     units = ("rad", "N m") if turns else ("m", "N")
     if force.type == "motor":

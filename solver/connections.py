@@ -23,6 +23,7 @@ __all__ = [
     "ANGLE_CHANNELS",
     "GROUND",
     "JOINTS",
+    "PAIR_FORCES",
     "REACTION_FORCE",
     "REACTION_MOMENT",
     "TRAVEL_CHANNELS",
@@ -31,6 +32,7 @@ __all__ = [
     "JointMotor",
     "JointSpring",
     "Limits",
+    "PairForce",
     "Place",
     "Rope",
     "RopePoint",
@@ -198,6 +200,37 @@ class Joint:
 
 JOINTS: Family[Joint] = Family("joint", "heavylift.solver.joints")
 """All sorts of joints, by their types in a case file."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PairForce:
+    """What all forces between two points have. Each sort is a subclass in a file of `heavylift.solver.forces`.
+
+    Its module has a function ``pack(forces, columns, book)`` that makes the kind from its members, the first record
+    column of each and the book of markers; its kind implements `add_forces` and `record_forces`.
+
+    Attributes
+    ----------
+    name
+        Prefix of its channels.
+    body_a, point_a, body_b, point_b
+        Ends: body (or `GROUND`) and point in its frame [m], shape (3,).
+    """
+
+    WORD: ClassVar[str]
+    """Its type in a case file."""
+    CHANNELS: ClassVar[tuple[ChannelKind, ...]]
+    """What it records, in the order of its columns."""
+
+    name: str
+    body_a: str
+    point_a: NDArray[np.float64]
+    body_b: str
+    point_b: NDArray[np.float64]
+
+
+PAIR_FORCES: Family[PairForce] = Family("force", "heavylift.solver.forces")
+"""All sorts of forces between two points, by their types in a case file."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -29,7 +29,6 @@ from typing import (
     TypeVar,
     get_args,
     get_origin,
-    get_type_hints,
 )
 
 from heavylift.numerics.quantity import Quantity, WorldDirection
@@ -230,18 +229,14 @@ def described_fields(described: Any) -> tuple[DescribedField, ...]:
 
 def _find_fields(described: type) -> tuple[DescribedField, ...]:
     """Keys of a description; a field without quantity is a `TypeError`."""
-    own = [
-        name
-        for base in reversed(described.__mro__)
-        if "WORD" in base.__dict__
-        for name in inspect.get_annotations(base)
-        if name in _named_in(base, described)
-    ]
-    hints = get_type_hints(described, include_extras=True)
+    hints: dict[str, Any] = {}
+    for base in reversed(described.__mro__):
+        if "WORD" in base.__dict__:
+            own = _named_in(base, described)
+            hints |= {k: v for k, v in inspect.get_annotations(base, eval_str=True).items() if k in own}
     by_name: dict[str, Field[Any]] = {field.name: field for field in fields(described)}
     found = []
-    for name in own:
-        hint = hints[name]
+    for name, hint in hints.items():
         marks = [mark for mark in get_args(hint)[1:] if isinstance(mark, (Quantity, WorldDirection))]
         if get_origin(hint) is not Annotated or len(marks) != 1:
             raise TypeError(f"{_place(described)}.{name}: {hint}, expected an annotation with its quantity")
