@@ -205,8 +205,19 @@ for _command in SEA_COMMANDS:
 
 
 @app.command
-def schema() -> int:
-    """Print the JSON Schema of case.toml, for editors."""
+def schema(*, tables: bool = False) -> int:
+    """Print the JSON Schema of case.toml, for editors.
+
+    Parameters
+    ----------
+    tables
+        Tables of all keys in Markdown instead, as in docs/case_keys.md.
+    """
+    if tables:
+        from heavylift.pipeline.key_tables import key_tables
+
+        print(key_tables())  # noqa: T201
+        return 0
     from heavylift.pipeline.schema import case_schema
 
     print_json(case_schema())

@@ -8,7 +8,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from heavylift.numerics.rotation import quaternion_product, rotation_matrix
-from heavylift.solver.connections import GROUND, Hinge, Joint, JointFrame, Rope, RopePoint, axes_about
+from heavylift.solver.connections import GROUND, Joint, JointFrame, Rope, RopePoint, axes_about
+from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.scene import Gravity, RigidBody, Scene, Sensor
 
 STANDARD_GRAVITY = 9.81

@@ -17,15 +17,7 @@ from joint_scenes import RESIDUALS, Pose, make_joint
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.kind import FrameMeshes, ShellMeshes
 from heavylift.solver.bodies.ancf.second_rates import write_second_rates
-from heavylift.solver.connections import (
-    GROUND,
-    EdgeClamp,
-    EdgeHinge,
-    FixedJoint,
-    Hinge,
-    JointFrame,
-    axes_about,
-)
+from heavylift.solver.connections import GROUND, JointFrame, axes_about
 from heavylift.solver.integrate.loop import start_scene
 from heavylift.solver.interface import (
     RECORD,
@@ -35,6 +27,9 @@ from heavylift.solver.interface import (
     set_targets,
     write_velocity,
 )
+from heavylift.solver.joints.edges import EdgeClamp, EdgeHinge
+from heavylift.solver.joints.fixed import FixedJoint
+from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.mesh_shapes import line, quadrilateral, rectangle
 from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSection

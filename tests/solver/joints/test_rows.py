@@ -35,6 +35,7 @@ COUNTS = {
     "fixed": 6,
     "hinge": 5,
     "planar": 3,
+    "screw": 5,
     "slider": 5,
     "slider_hinge": 4,
     "universal": 4,
@@ -253,7 +254,7 @@ def test_angles_and_travels_with_their_rates(model: Model, seed: int) -> None:
         rate = (value(-2 * h) - 8 * value(-h) + 8 * value(h) - value(2 * h)) / (12 * h)
         assert record[channel.column + 1] == pytest.approx(rate, abs=1e-8)
         seen += 1
-    assert seen == 8
+    assert seen == 10
 
 
 def test_driven_angle_counts_the_turns_of_its_profile(model: Model) -> None:

@@ -1,0 +1,139 @@
+"""Descriptions: what is wrong with one is told when its file is read, and kernels are imported only for a run."""
+
+from __future__ import annotations
+
+import importlib
+import subprocess
+import sys
+from dataclasses import MISSING, dataclass
+from typing import Annotated, ClassVar
+
+import pytest
+
+from heavylift.numerics.quantity import Positive, Quantity
+from heavylift.solver.connections import JOINTS, Joint, Place
+from heavylift.solver.descriptions import ChannelKind, Family, described_fields
+
+WORDS = (
+    "ball",
+    "cylindrical",
+    "distance",
+    "edge_clamp",
+    "edge_hinge",
+    "fixed",
+    "hinge",
+    "planar",
+    "screw",
+    "slider",
+    "slider_hinge",
+    "universal",
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Thing:
+    name: str
+    mass: float = 0.0
+
+
+def family() -> Family[Thing]:
+    return Family("thing", "heavylift.solver.joints")
+
+
+def test_a_family_knows_all_its_files():
+    assert set(WORDS) <= set(JOINTS.words)
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_every_joint_says_its_rows_and_channels(word):
+    described = JOINTS.get(word)
+    assert word == described.WORD
+    assert described.__doc__
+    assert described.PLACE is Place.EDGE or described.ROTATIONAL
+    assert [channel.name for channel in described.CHANNELS[:2]] == ["reaction_force", "reaction_moment"]
+    assert all(channel.sentence and channel.unit for channel in described.CHANNELS)
+
+
+def test_a_description_that_was_read_is_the_one_of_its_module():
+    read = JOINTS.get("screw")
+    assert importlib.import_module("heavylift.solver.joints.screw").Screw is read
+
+
+def test_descriptions_are_read_without_a_compiler():
+    code = (
+        "import sys\n"
+        "from heavylift.solver.connections import JOINTS\n"
+        "assert JOINTS.get('screw').__name__ == 'Screw'\n"
+        "assert len(JOINTS.words) >= 12\n"
+        "print(sorted({'numba', 'scipy', 'heavylift.solver.joints.screw'} & set(sys.modules)))\n"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"
+
+
+def test_fields_are_keys_with_their_quantities():
+    @dataclass(frozen=True, kw_only=True)
+    class Rod(Thing):
+        COUNT: ClassVar[int] = 1
+        length: Annotated[float, Positive("length")]
+        friction: Annotated[float | None, Quantity("force")] = None
+
+    fields = {field.name: field for field in described_fields(family().describe("rod")(Rod))}
+    assert set(fields) == {"length", "friction"}
+    assert fields["length"].quantity == Positive("length")
+    assert fields["length"].default is MISSING
+    assert fields["friction"].default is None
+
+
+def test_two_descriptions_with_one_word_are_refused():
+    @dataclass(frozen=True, kw_only=True)
+    class First(Thing):
+        pass
+
+    @dataclass(frozen=True, kw_only=True)
+    class Second(Thing):
+        pass
+
+    things = family()
+    things.describe("rod")(First)
+    with pytest.raises(TypeError, match=r"thing 'rod' is described twice: .*First and .*Second"):
+        things.describe("rod")(Second)
+
+
+def test_a_field_that_hides_one_of_the_base_is_refused():
+    @dataclass(frozen=True, kw_only=True)
+    class Heavy(Thing):
+        mass: Annotated[float, Quantity("mass")] = 1.0
+
+    with pytest.raises(TypeError, match="Heavy: mass hides that of Thing"):
+        family().describe("heavy")(Heavy)
+
+
+def test_a_key_that_hides_one_of_where_a_joint_is_is_refused():
+    from heavylift.pipeline.case_joints import joint_section
+
+    @dataclass(frozen=True, eq=False, kw_only=True)
+    class Placed(Joint):
+        at: Annotated[float, Quantity("length")] = 0.0
+
+    made = Family[Joint]("joint", "heavylift.solver.joints").describe("placed")(Placed)
+    with pytest.raises(TypeError, match="at hides a key"):
+        joint_section(made)
+
+
+def test_a_field_without_unit_is_refused():
+    @dataclass(frozen=True, kw_only=True)
+    class Bare(Thing):
+        length: float = 1.0
+
+    with pytest.raises(TypeError, match=r"Bare\.length.*expected an annotation with its quantity"):
+        family().describe("bare")(Bare)
+
+
+def test_a_channel_has_a_known_quantity_and_a_sentence():
+    with pytest.raises(TypeError, match="'weird': 'furlong'"):
+        ChannelKind("weird", "furlong", "how far")
+    with pytest.raises(TypeError, match="'silent'"):
+        ChannelKind("silent", "length", "")
+    with pytest.raises(TypeError, match=r"'angle' is a length .*elsewhere a angle"):
+        ChannelKind("angle", "length", "how far")
