@@ -38,6 +38,8 @@ __all__ = [
     "assemble_ropes",
 ]
 
+COINCIDENT = 1e-9
+"""Distance [m] below which two points are one."""
 LARGEST_STRAIN = 0.02
 """Strain of a rope at the start beyond which its length is taken for a mistake."""
 
@@ -68,6 +70,10 @@ def _joint(joint: Any, sides: Mapping[str, Side]) -> c.Joint:
         points = a.from_world(joint.at), b.from_world(joint.at)
     else:
         points = a.local(joint.points[0]), b.local(joint.points[1])
+    if described.PLACE is Place.APART:
+        ends = a.to_world(points[0]) - b.to_world(points[1])
+        if np.linalg.norm(ends) <= COINCIDENT:
+            raise InputError("the two points coincide", key="points", expected="two places, or a ball joint")
     own = {
         field.name: _value(getattr(joint, field.name), field.quantity, axes_a)
         for field in described_fields(described)

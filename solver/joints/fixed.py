@@ -1,5 +1,7 @@
 """Fixed joints: the frames of both sides coincide; 6 rows.
 
+"Integrated simulation ... (2018)", section 2.4.5, by direction cosines in place of angles.
+
 ::
 
     p_b - p_a = 0,    z_a . x_b = 0,    z_a . y_b = 0,    x_a . y_b = 0

@@ -1,6 +1,6 @@
 """Sliders: the point of b slides along z of a without turning; 5 rows.
 
-"Integrated simulation ... (2018)", section 2.4.3, with independent rows in place of cross products::
+"Integrated simulation ... (2018)", section 2.4.4, with independent rows in place of cross products::
 
     x_a . (p_b - p_a) = 0,  y_a . (p_b - p_a) = 0,  z_a . x_b = 0,  z_a . y_b = 0,  x_a . y_b = 0
 """

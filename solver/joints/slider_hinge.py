@@ -1,5 +1,7 @@
 """Slider hinges: the point of b slides along a direction e of a, and b turns about z of a; 4 rows.
 
+"Integrated simulation ... (2018)", section 2.4.6, with independent rows in place of cross products.
+
 A cylindrical joint is the slider hinge that slides along its own z axis, so this file serves both. With
 two directions m, n of a, square to e and to each other::
 

@@ -1,6 +1,6 @@
 """Universal joints: the points of both sides coincide, and z of a stays square to z of b; 4 rows.
 
-"Integrated simulation ... (2018)", section 2.4.3: a ball joint and ``z_a . z_b = 0``.
+"Integrated simulation ... (2018)", section 2.4.2: a ball joint and ``z_a . z_b = 0``.
 """
 
 from __future__ import annotations
