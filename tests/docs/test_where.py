@@ -10,7 +10,7 @@ PAGE = ROOT / "docs" / "where.md"
 
 
 def test_the_page_is_that_of_the_sources():
-    assert PAGE.read_text(encoding="utf-8") == table(), "python tests/where.py"
+    assert PAGE.read_text(encoding="utf-8") == table(), "python tests/docs/where.py"
 
 
 def test_every_link_leads_to_a_file_or_case():

@@ -1,6 +1,6 @@
 """Write `docs/where.md`: which file implements which section of the two theses, and which case checks it.
 
-    python tests/where.py
+    python tests/docs/where.py
 
 Files are found by what their docstrings cite (``"... (2018)", section 2.4.3`` or ``eqs. 163-164``), cases by what their
 ``case.toml`` and ``README.md`` cite, and by the sorts of joints that they contain.
@@ -14,7 +14,7 @@ import tomllib
 from collections import defaultdict
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 ROOMS = ("solver", "contours", "modal", "preprocess", "numerics", "pipeline")
 THESES = {
     "2018": "Integrated simulation for design verification of ships and offshore structures (2018)",
@@ -82,8 +82,8 @@ SECTIONS: dict[str, tuple[tuple[str, str, float], ...]] = {
 
 HEAD = """# Where the theses are
 
-Written by `python tests/where.py` from what docstrings and cases cite; do not edit. Corrections to the theses stand
-in the docstrings of the files.
+Written by `python tests/docs/where.py` from what docstrings and cases cite; do not edit. Corrections to the theses
+stand in the docstrings of the files.
 """
 
 CITED = re.compile(r"\((2018|2014)\)\W{0,3}\s*(.{0,70})|(2018|2014) thesis\W{0,2}\s*(.{0,70})")
