@@ -8,7 +8,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble_mesh_shapes import Place, shell_mesh
-from heavylift.solver.joints.edges import EdgeJoint, expand_edge
+from heavylift.solver.joints.edges import expand_edge
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.assemble_sides import Side
     from heavylift.pipeline.case import Case
-    from heavylift.solver.connections import Joint
+    from heavylift.solver.connections import EdgeJoint, Joint
     from heavylift.solver.scene import AnyBody
 
 __all__ = ["assemble_edge", "joints_of_edge"]

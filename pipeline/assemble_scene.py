@@ -20,7 +20,7 @@ from heavylift.pipeline.case_bodies import FlexibleBodySection
 from heavylift.pipeline.case_places import located
 from heavylift.pipeline.model_io import read_header, read_model, read_reduced
 from heavylift.solver import scene as s
-from heavylift.solver.joints.edges import EdgeJoint
+from heavylift.solver.connections import EdgeJoint
 from heavylift.solver.meshes import FrameBody, ShellBody
 
 if TYPE_CHECKING:

@@ -70,7 +70,12 @@ def _annotation(field: DescribedField, parts: Mapping[Any, Callable[[Quantity], 
         return Direction
     choices = get_args(field.hint) or (field.hint,)
     optional = type(None) in choices
-    (one,) = (choice for choice in choices if choice is not type(None))
+    kinds = [choice for choice in choices if choice is not type(None)]
+    if len(kinds) != 1 or (kinds[0] is not float and kinds[0] not in parts):
+        raise TypeError(
+            f"{field.name}: {field.hint}, expected float, or one of {', '.join(kind.__name__ for kind in parts)}"
+        )
+    one = kinds[0]
     made = parts[one](field.quantity) if one in parts else Annotated[one, field.quantity]
     return Optional[made] if optional else made  # noqa: UP045
 

@@ -11,8 +11,17 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.picture_contacts import ContactParts
 from heavylift.pipeline.picture_render import Lines, Patch, Points
 from heavylift.pipeline.picture_triangles import drawn_triangles
-from heavylift.solver.connections import GROUND, Joint, PairForce, Rope, RopePoint, Spring, SpringRope
-from heavylift.solver.joints.edges import EdgeJoint, expand_edge
+from heavylift.solver.connections import (
+    GROUND,
+    EdgeJoint,
+    Joint,
+    PairForce,
+    Rope,
+    RopePoint,
+    Spring,
+    SpringRope,
+)
+from heavylift.solver.joints.edges import expand_edge
 from heavylift.solver.meshes import FrameBody, ShellBody
 from heavylift.solver.scene import FlexibleBody, RigidBody
 

@@ -27,6 +27,7 @@ __all__ = [
     "REACTION_FORCE",
     "REACTION_MOMENT",
     "TRAVEL_CHANNELS",
+    "EdgeJoint",
     "Joint",
     "JointFrame",
     "JointMotor",
@@ -198,6 +199,32 @@ class Joint:
         return np.array([0.0, 0.0, 1.0])
 
 
+def _no_nodes() -> NDArray[np.int64]:
+    return np.zeros(0, dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EdgeJoint(Joint):
+    """An edge of a shell on the ground, a body or the edge of another shell.
+
+    All along the edge, not in its nodes alone: nodes and tangents of the edge are kept. It stays straight on a
+    rigid or floating body, and bends with the edge of another shell. Joint frames are not used; what counts is
+    how the bodies stand at the start. Reactions are those of each node: ``name.0``, ``name.1``, ...
+
+    Attributes
+    ----------
+    nodes_a
+        Numbers of nodes of the shell `body_a` along the edge, in order, shape (n,).
+    nodes_b
+        Those of `body_b` at the same places, if that is a shell.
+    """
+
+    PLACE: ClassVar = Place.EDGE
+
+    nodes_a: NDArray[np.int64]
+    nodes_b: NDArray[np.int64] = field(default_factory=_no_nodes)
+
+
 JOINTS: Family[Joint] = Family("joint", "heavylift.solver.joints")
 """All sorts of joints, by their types in a case file."""
 
@@ -229,7 +256,9 @@ class PairForce:
     point_b: NDArray[np.float64]
 
 
-PAIR_FORCES: Family[PairForce] = Family("force", "heavylift.solver.forces")
+PAIR_FORCES: Family[PairForce] = Family(
+    "force", "heavylift.solver.forces", ("point", "spring", "joint_spring", "motor")
+)
 """All sorts of forces between two points, by their types in a case file."""
 
 

@@ -35,7 +35,7 @@ from heavylift.numerics.quantity import Quantity, WorldDirection
 from heavylift.numerics.units import KINDS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Collection, Iterable
 
 __all__ = ["ChannelKind", "DescribedField", "Family", "described_fields"]
 
@@ -111,10 +111,12 @@ class Family(Generic[T]):
         What a member is called in messages, e.g. "joint".
     package
         Modules of this package may describe members; the one with the name of a word is looked at first.
+    reserved
+        Words that stand for something else.
     """
 
-    def __init__(self, name: str, package: str) -> None:
-        self.name, self.package = name, package
+    def __init__(self, name: str, package: str, reserved: Collection[str] = ()) -> None:
+        self.name, self.package, self.reserved = name, package, reserved
         self._members: dict[str, type[T]] = {}
         self._complete = False
 
@@ -131,6 +133,8 @@ class Family(Generic[T]):
             other = self._members.get(word)
             if other is not None and _place(other) == _place(described):
                 return other  # its kernels are imported now
+            if word in self.reserved:
+                raise TypeError(f"{_place(described)}: {word!r} stands for another {self.name}")
             if other is not None:
                 raise TypeError(
                     f"{self.name} {word!r} is described twice: {_place(other)} and {_place(described)}"
@@ -180,7 +184,10 @@ def _read(file: Path, name: str) -> None:
     if name in sys.modules:
         return
     tree = ast.parse(file.read_text(encoding="utf-8"), str(file))
-    given = {bound: node for node in tree.body for bound in _bound(node)}
+    given: dict[str, list[ast.stmt]] = {}
+    for node in tree.body:
+        for bound in _bound(node):
+            given.setdefault(bound, []).append(node)
     wanted = [node for node in tree.body if any(map(_describes, getattr(node, "decorator_list", ())))]
     if not wanted:
         return
@@ -191,8 +198,13 @@ def _read(file: Path, name: str) -> None:
         node = wanted.pop()
         if id(node) not in kept:
             kept.add(id(node))
+            if isinstance(node, ast.ClassDef) and not any(map(_describes, node.decorator_list)):
+                # imported again with the kernels it would be another class
+                raise TypeError(
+                    f"{name}.{node.name}: what descriptions are made of stands in a module without kernels"
+                )
             names = {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
-            wanted += [given[used] for used in names if used in given]
+            wanted += [definition for used in names for definition in given.get(used, ())]
     tree.body = [node for node in tree.body if id(node) in kept]
     module = types.ModuleType(name)
     module.__file__ = str(file)
@@ -213,12 +225,15 @@ def _describes(decorator: ast.expr) -> bool:
 
 def _bound(node: ast.stmt) -> list[str]:
     """Names that a statement of a module binds."""
-    if isinstance(node, (ast.Import, ast.ImportFrom)):
-        return [alias.asname or alias.name.partition(".")[0] for alias in node.names]
     if isinstance(node, (ast.ClassDef, ast.FunctionDef)):
         return [node.name]
-    targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
-    return [target.id for target in targets if isinstance(target, ast.Name)]
+    found = []
+    for part in ast.walk(node):
+        if isinstance(part, ast.alias):
+            found.append(part.asname or part.name.partition(".")[0])
+        elif isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store):
+            found.append(part.id)
+    return found
 
 
 def described_fields(described: Any) -> tuple[DescribedField, ...]:

@@ -167,7 +167,7 @@ class Control(Record):
     step_count
         Steps done.
     changed
-        Laws that moved in the last iteration.
+        Laws that moved in the last round of an iteration, and bodies that corrected their velocities or iterate.
     corner
         Number of the next corner.
     split

@@ -37,7 +37,6 @@ __all__ = [
     "ContactValues",
     "ContourPose",
     "Counts",
-    "DeformingSurfaces",
     "Events",
     "Features",
     "Reduced",
@@ -412,10 +411,6 @@ class Features(Table):
 
 class Colliding(Table):
     """Pairs of surfaces of triangles, a kind or none."""
-
-
-class DeformingSurfaces(Table):
-    """The surfaces of triangles that deform, a kind or none."""
 
 
 class Samples(Arrays):

@@ -67,7 +67,6 @@ class MeshSystem:
 
         self.rows, self.layout = rows, rows.layout
         layout = rows.layout
-        layout.systems.need("rest")
         self.meshes = [kind for kind in layout.bodies if isinstance(kind, (FrameMeshes, ShellMeshes))]
         self.others = tuple(
             kind for kind in layout.bodies if not isinstance(kind, (FrameMeshes, ShellMeshes))

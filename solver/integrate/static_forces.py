@@ -40,7 +40,6 @@ class StaticForces:
 
     def __init__(self, rows: StartRows) -> None:
         self.rows, self.weight = rows, 0.0
-        rows.layout.systems.need("rest")
         inertia, owner = rows.inertia, rows.owner
         places = rows.survey()[0]
         firsts = places[:, 0].astype(np.int64)

@@ -7,21 +7,20 @@ all four vectors of each node hold everywhere: conditions on nodes and slopes al
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import ClassVar
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.connections import JOINTS, Joint, JointFrame, Place
+from heavylift.solver.connections import JOINTS, EdgeJoint, Joint, JointFrame
 from heavylift.solver.joints.mesh_rows import EdgeSeam, Square, SquareJoint
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.meshes import MeshBody, ShellBody
 from heavylift.solver.scene import AnyBody
 
-__all__ = ["EdgeClamp", "EdgeHinge", "EdgeJoint", "expand_edge"]
+__all__ = ["EdgeClamp", "EdgeHinge", "expand_edge"]
 
 STRAIGHT = 1e-6
 """Sine of angles, and relative differences of lengths, that are taken for none."""
@@ -31,32 +30,6 @@ TWIST = XY
 
 # sides of an element: two of its nodes, and the direction of the mesh along them
 SIDES = (((0, 1), X), ((3, 2), X), ((0, 3), Y), ((1, 2), Y))
-
-
-def _no_nodes() -> NDArray[np.int64]:
-    return np.zeros(0, dtype=np.int64)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class EdgeJoint(Joint):
-    """An edge of a shell on the ground, a body or the edge of another shell.
-
-    All along the edge, not in its nodes alone: nodes and tangents of the edge are kept. It stays straight on a
-    rigid or floating body, and bends with the edge of another shell. Joint frames are not used; what counts is
-    how the bodies stand at the start. Reactions are those of each node: ``name.0``, ``name.1``, ...
-
-    Attributes
-    ----------
-    nodes_a
-        Numbers of nodes of the shell `body_a` along the edge, in order, shape (n,).
-    nodes_b
-        Those of `body_b` at the same places, if that is a shell.
-    """
-
-    PLACE: ClassVar = Place.EDGE
-
-    nodes_a: NDArray[np.int64]
-    nodes_b: NDArray[np.int64] = field(default_factory=_no_nodes)
 
 
 @JOINTS.describe("edge_hinge")

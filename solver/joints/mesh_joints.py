@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.bodies.ancf.bases import ALONG, frame_tangent, plan_bases
-from heavylift.solver.connections import Joint, JointMotor, JointSpring
-from heavylift.solver.joints.edges import EdgeJoint, expand_edge
+from heavylift.solver.connections import EdgeJoint, Joint, JointMotor, JointSpring
+from heavylift.solver.joints.edges import expand_edge
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.mesh_rows import FrameWeld, Square, SquareJoint

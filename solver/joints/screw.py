@@ -4,9 +4,10 @@ With the pitch p, the travel a radian, and two directions x, y of a across the a
 
     x_a . (p_b - p_a) = 0,  y_a . (p_b - p_a) = 0,  z_a . x_b = 0,  z_a . y_b = 0,  z_a . (p_b - p_a) - p phi = 0
 
-The travel says how many whole turns the angle ``phi`` has made. The last row transmits the force f of the thread along
-the axis and the moment ``-p f`` about it (R. Featherstone, Rigid Body Dynamics Algorithms, 2008, section 4.4: the
-helical joint).
+The travel says how many whole turns the angle ``phi`` has made: that is certain while the last row is off by less than
+half a lead, so a screw is rigid, and starts on the turn on which both are zero. The last row transmits the force f of
+the thread along the axis and the moment ``-p f`` about it (R. Featherstone, Rigid Body Dynamics Algorithms, 2008,
+section 4.4: the helical joint).
 """
 
 from __future__ import annotations
@@ -39,12 +40,10 @@ from heavylift.solver.joints.packing import (
 )
 from heavylift.solver.joints.reactions import (
     REACTION_WIDTH,
-    AngleState,
     add_force,
     add_moment,
     clear_reaction,
     reactions,
-    record_angle,
     record_travel,
 )
 from heavylift.solver.joints.row_writing import (
@@ -53,6 +52,8 @@ from heavylift.solver.joints.row_writing import (
     angle_row,
     difference,
     dot,
+    hinge_angle,
+    hinge_rate,
     near_angle,
     residuals,
     square_bias,
@@ -105,20 +106,9 @@ class ScrewEntry(JointEntry):
 
 
 class Screws(Arrays):
-    """All screws of a scene.
-
-    Attributes
-    ----------
-    table
-        What each keeps.
-    state
-        Whole turns of the recorded angles, see `record_angle`.
-    """
-
-    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+    """All screws of a scene."""
 
     table: Records[ScrewEntry]
-    state: Records[AngleState]
 
 
 def pack(joints: Sequence[Screw], places: Sequence[JointPlace], book: MarkerBook) -> Screws:
@@ -127,7 +117,8 @@ def pack(joints: Sequence[Screw], places: Sequence[JointPlace], book: MarkerBook
     Raises
     ------
     InputError
-        If a lead is zero or not finite, or the axes point away from each other at the start.
+        If a lead is zero or not finite, the screw is compliant, its axes point away from each other at the start, or
+        travel and angle do not belong to one turn there.
     """
     rows = []
     for joint, place in zip(joints, places, strict=True):
@@ -138,7 +129,17 @@ def pack(joints: Sequence[Screw], places: Sequence[JointPlace], book: MarkerBook
                 key="lead",
                 expected="a travel a turn that is not zero, or a hinge",
             )
+        if joint.compliance > 0.0 or joint.relaxation > 0.0:
+            key = "compliance" if joint.compliance > 0.0 else "relaxation"
+            raise InputError(
+                f"{getattr(joint, key):g} of a screw, whose thread could slip",
+                source=joint.name,
+                key=key,
+                expected="none: a screw is rigid; a soft body or joint beside it",
+            )
         refuse_opposite(joint, place, (2,))
+        pitch = joint.lead / (2.0 * math.pi)
+        _refuse_other_turns(joint, place, pitch)
         axes_a = (
             book.direction(joint.body_a, joint.frame_a.axes[:, k], at=joint.frame_a.point) for k in range(3)
         )
@@ -147,9 +148,22 @@ def pack(joints: Sequence[Screw], places: Sequence[JointPlace], book: MarkerBook
         )
         points = point_markers(book, joint)
         recorded = (angle_markers(book, joint, RECORD), travel_markers(book, joint, RECORD))
-        pitch = joint.lead / (2.0 * math.pi)
         rows.append((place.block, *points, place.column, *axes_a, *axes_b, pitch, *recorded))
-    return Screws(records(ScrewEntry, rows), records(AngleState, len(rows)))
+    return Screws(records(ScrewEntry, rows))
+
+
+def _refuse_other_turns(joint: Screw, place: JointPlace, pitch: float) -> None:
+    """Refuse a start whose travel belongs to another turn than its angle, which lies in (-pi, pi]."""
+    a, b = place.frames
+    along = float(a.axes[:, 2] @ (b.point - a.point))
+    angle = math.atan2(-float(b.axes[:, 1] @ a.axes[:, 0]), float(b.axes[:, 0] @ a.axes[:, 0]))
+    if not abs(along / pitch - angle) < math.pi:
+        raise InputError(
+            f"a travel of {along:.6g} m, {along / joint.lead:.3g} turns, at an angle of {angle:.6g} rad",
+            source=joint.name,
+            key="points",
+            expected="a start within half a turn of where both are zero: move the point of side a along the axis",
+        )
 
 
 @kernel(internal=True)
@@ -216,6 +230,9 @@ def record_screws(
         force, e = reactions(system, block)[THREAD], vector(work, entry.z_a)
         for k in range(3):
             row[column + 3 + k] -= entry.pitch * force * e[k]
-        record_angle(work, entry.angle, kind.state[j], time, row, column + REACTION_WIDTH)
         record_travel(work, entry.travel, row, column + REACTION_WIDTH + 2)
+        seen, expected = entry.angle, row[column + REACTION_WIDTH + 2] / entry.pitch
+        angle = hinge_angle(work, seen.x_a, seen.x_b, seen.y_b)
+        row[column + REACTION_WIDTH] = near_angle(angle, expected)
+        row[column + REACTION_WIDTH + 1] = hinge_rate(work, seen.x_a, seen.x_b, seen.y_b)
         row[column + REACTION_WIDTH + 4] = force

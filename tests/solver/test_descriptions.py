@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import importlib
 import subprocess
 import sys
+import textwrap
 from dataclasses import MISSING, dataclass
-from typing import Annotated, ClassVar
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
 
 import pytest
 
 from heavylift.numerics.quantity import Positive, Quantity
-from heavylift.solver.connections import JOINTS, Joint, Place
-from heavylift.solver.descriptions import ChannelKind, Family, described_fields
+from heavylift.solver.connections import JOINTS, PAIR_FORCES, Joint, Place
+from heavylift.solver.descriptions import ChannelKind, Family, _read, described_fields
 
 WORDS = (
     "ball",
@@ -54,9 +55,98 @@ def test_every_joint_says_its_rows_and_channels(word):
     assert all(channel.sentence and channel.unit for channel in described.CHANNELS)
 
 
-def test_a_description_that_was_read_is_the_one_of_its_module():
-    read = JOINTS.get("screw")
-    assert importlib.import_module("heavylift.solver.joints.screw").Screw is read
+@pytest.mark.parametrize(("name", "family"), [("JOINTS", JOINTS), ("PAIR_FORCES", PAIR_FORCES)])
+def test_a_description_that_was_read_is_the_one_of_its_module(name, family):
+    code = (
+        "import importlib\n"
+        "from heavylift.solver.connections import EdgeJoint, Joint, PairForce\n"
+        f"from heavylift.solver.connections import {name} as family\n"
+        "for word in family.words:\n"
+        "    read = family.get(word)\n"
+        "    module = importlib.import_module(read.__module__)\n"
+        "    assert getattr(module, read.__name__) is read, word\n"
+        "    assert issubclass(read, (Joint, PairForce))\n"
+        "    assert word.startswith('edge') == issubclass(read, EdgeJoint)\n"
+        "print(len(family.words))\n"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert int(result.stdout) == len(family.words)
+
+
+def test_a_word_that_stands_for_something_else_is_refused():
+    @dataclass(frozen=True, kw_only=True)
+    class Other(Thing):
+        pass
+
+    things = Family[Thing]("thing", "heavylift.solver.joints", ("rod",))
+    with pytest.raises(TypeError, match="'rod' stands for another thing"):
+        things.describe("rod")(Other)
+
+
+def read(folder: Path, text: str) -> Family[Any]:
+    """A family with one file."""
+    (folder / "made.py").write_text("from __future__ import annotations\n" + textwrap.dedent(text))
+    things: Family[Any] = Family("thing", "made_package")
+    _read(folder / "made.py", f"made_{folder.name}")
+    return things
+
+
+HEAD = """
+    from dataclasses import dataclass
+    from typing import Annotated
+    from heavylift.numerics.quantity import Quantity
+    from heavylift.solver.connections import PAIR_FORCES, PairForce
+"""
+
+
+def test_what_a_description_refers_to_is_executed_and_nothing_else(tmp_path):
+    text = (
+        HEAD
+        + """
+    raise_if_executed = 1 / int("0") if "never" else None
+
+    LOW, HIGH = 1.0, 2.0
+    if HIGH > LOW:
+        DEFAULT = LOW
+    else:
+        DEFAULT = HIGH
+    DEFAULT += 0.5
+
+    @PAIR_FORCES.describe("made_of_parts")
+    @dataclass(frozen=True, eq=False, kw_only=True)
+    class Made(PairForce):
+        \"\"\"Made.\"\"\"
+
+        CHANNELS = ()
+        length: Annotated[float, Quantity("length")] = DEFAULT
+        \"\"\"Length [m].\"\"\"
+    """
+    )
+    try:
+        read(tmp_path, text)
+        (field,) = described_fields(PAIR_FORCES.get("made_of_parts"))
+        assert field.default == 1.5
+    finally:
+        PAIR_FORCES._members.pop("made_of_parts", None)
+
+
+def test_a_base_beside_its_description_is_refused(tmp_path):
+    """Imported again with the kernels it would be another class."""
+    text = (
+        HEAD
+        + """
+    @dataclass(frozen=True, eq=False, kw_only=True)
+    class Base(PairForce):
+        pass
+
+    @PAIR_FORCES.describe("made_on_a_base")
+    @dataclass(frozen=True, eq=False, kw_only=True)
+    class Made(Base):
+        CHANNELS = ()
+    """
+    )
+    with pytest.raises(TypeError, match=r"Base: what descriptions are made of stands in a module without"):
+        read(tmp_path, text)
 
 
 def test_descriptions_are_read_without_a_compiler():

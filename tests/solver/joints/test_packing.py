@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from joint_scenes import CLOSED, LENGTH, RESIDUALS, Pose, make_joint, turn
+from joint_scenes import CLOSED, LEAD, LENGTH, RESIDUALS, Pose, make_joint, turn
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.connections import GROUND, Joint, JointFrame
@@ -159,3 +159,21 @@ def test_a_screw_needs_a_lead() -> None:
     for lead in (0.0, np.nan, np.inf):
         joint = Screw(name="j", body_a=GROUND, body_b="b", lead=lead)
         assert refused(joint).key == "lead"
+
+
+@pytest.mark.parametrize("key", ["compliance", "relaxation"])
+def test_a_screw_is_rigid(key: str) -> None:
+    """A soft thread would slip to another turn, and nobody could tell."""
+    assert refused(replace(closed("screw"), **{key: 1e-6})).key == key
+
+
+@pytest.mark.parametrize("turns", [-3, 1, 2])
+def test_a_screw_starts_on_the_turn_of_its_angle(turns: int) -> None:
+    joint = closed("screw")
+    away = replace(
+        joint,
+        frame_b=replace(joint.frame_b, point=joint.frame_b.point - turns * LEAD * joint.frame_b.axes[:, 2]),
+    )
+    error = refused(away)
+    assert error.key == "points"
+    assert "turns" in error.problem
