@@ -45,7 +45,7 @@ def measure(name, out):
     lists = make_pair_lists(surfaces, [(0, 1)])
 
     def ask(reach=0.0):
-        return contacts_kernel(surfaces, lists, 0, motion, reach, SWEPT, out)
+        return contacts_kernel(surfaces, lists, 0, motion, reach, SWEPT, True, out)
 
     def forget():
         lists.table[0].count = -1
@@ -74,7 +74,7 @@ def lower(out):
     found = 0
     for k, motion in enumerate(motions):
         begin = time.thread_time()
-        found = contacts_kernel(surfaces, lists, 0, motion, 1e-3, SWEPT, out)
+        found = contacts_kernel(surfaces, lists, 0, motion, 1e-3, SWEPT, True, out)
         times[k] = time.thread_time() - begin
     print(
         f"lowering: {times.sum():.2f} s in {STEPS} steps, mean {1e3 * times.mean():.3f}, median "
@@ -88,7 +88,7 @@ def contacts(found):
     a, b, motion = query("tank_hull")
     surfaces = pack_surfaces([a, b])
     lists = make_pair_lists(surfaces, [(0, 1)])
-    n = contacts_kernel(surfaces, lists, 0, motion, 0.0, SWEPT, found)
+    n = contacts_kernel(surfaces, lists, 0, motion, 0.0, SWEPT, True, found)
     out = FeatureTouch.one()
     pose = motion[12:].copy()
     gaps_kernel(surfaces, found.contacts[:n], 0.0, pose, 1, out)

@@ -72,7 +72,9 @@ class Step:
         self.contacts = self._on_list()
 
     def _on_list(self) -> int:
-        return int(contacts_kernel(self._surfaces, self._lists, 0, self._motion, REACH, SWEPT, self._found))
+        return int(
+            contacts_kernel(self._surfaces, self._lists, 0, self._motion, REACH, SWEPT, True, self._found)
+        )
 
     def _fresh(self) -> int:
         self._lists.table[0].count = -1

@@ -18,72 +18,55 @@ sys.path.append(str(Path(__file__).resolve().parent.parent / "tests" / "solver" 
 
 import contact_problems as problems
 
-from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.newton import solve_contacts, solve_contacts_reduced, workspace_length
+from heavylift.numerics.arrays import Floats1  # noqa: TC001  the entry needs it
+from heavylift.numerics.objects import entry
+from heavylift.solver.contact.layout import Problem  # noqa: TC001  the entry needs it
+from heavylift.solver.contact.newton import ContactSolvers, NonsmoothNewton, solve_contacts
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 REPEATS = 41
-MANY = 2000  # of the small problems
+MANY, SOME = 2000, 10  # solutions in a measurement, of the small problems and of the others
 
 
-@kernel
-def repeat_rows(times, count, kinds, parameters, w0, W, start, p, w, workspace):  # type: ignore[no-untyped-def]
-    status, iterations, residual = 0, 0, 0.0
+@entry
+def repeat(times: int, start: Floats1, solvers: ContactSolvers, problem: Problem) -> None:
+    """Solve several times from the same impulses."""
     for _ in range(times):
-        for i in range(3 * count):
-            p[i] = start[i]
-        status, iterations, residual = solve_contacts(count, kinds, parameters, w0, W, p, w, workspace)
-    return status, iterations, residual
+        for i in range(start.shape[0]):
+            problem.p[i] = start[i]
+        solve_contacts(solvers, problem)
+
+
+def time_of(
+    problem: problems.ContactProblem, on_rows: bool, warm: bool, start: NDArray[np.float64] | None, times: int
+) -> str:
+    """Time of a solution, on the matrix of the rows or on the velocities."""
+    solvers, packed = ContactSolvers((NonsmoothNewton(),)), problem.packed(on_rows)
+    begin_with = np.zeros(3 * problem.count)
+    if start is not None:
+        begin_with[:] = start
+    repeat(1, begin_with, solvers, packed)
+    if warm:
+        begin_with[:] = packed.p * (1.0 + 1e-4)
+    measured = []
+    for _ in range(REPEATS):
+        begin = time.process_time()
+        repeat(times, begin_with, solvers, packed)
+        measured.append((time.process_time() - begin) / times)
+    median, found = 1e6 * statistics.median(measured), packed.solution
+    return f"{median:10.3f} us  status {found.status}, {found.iterations:3d} iterations, {found.residual:.0e}"
 
 
 def rows(problem: problems.ContactProblem, warm: bool) -> str:
     """Time on the matrix of the rows."""
-    n = 3 * problem.count
-    start, p, w = np.zeros(n), np.zeros(n), np.zeros(n)
-    workspace = np.zeros(workspace_length(problem.count, n))
-    arguments = (problem.count, problem.kinds, problem.parameters, problem.N @ problem.y0, problem.W)
-    repeat_rows(1, *arguments, start, p, w, workspace)
-    if warm:
-        start[:] = p * (1.0 + 1e-4)
-    times = []
-    for _ in range(REPEATS):
-        begin = time.process_time()
-        result = repeat_rows(MANY, *arguments, start, p, w, workspace)
-        times.append((time.process_time() - begin) / MANY)
-    return report(times, result)
+    return time_of(problem, True, warm, None, MANY)
 
 
 def reduced(problem: problems.ContactProblem, start: NDArray[np.float64] | None = None) -> str:
     """Time on the velocities."""
-    size = len(problem.y0)
-    p, y = np.zeros(3 * problem.count), np.zeros(size)
-    workspace = np.zeros(workspace_length(problem.count, size))
-    times = []
-    for _ in range(REPEATS):
-        p[:] = 0.0 if start is None else start
-        begin = time.process_time()
-        result = solve_contacts_reduced(
-            problem.count,
-            problem.kinds,
-            problem.parameters,
-            problem.ends,
-            problem.blocks,
-            size,
-            problem.y0,
-            problem.B,
-            p,
-            y,
-            workspace,
-        )
-        times.append(time.process_time() - begin)
-    return report(times, result)
-
-
-def report(times: list[float], result: tuple[int, int, float]) -> str:
-    status, iterations, residual = result
-    return f"{1e6 * statistics.median(times):10.3f} us  status {status}, {iterations:3d} iterations, {residual:.0e}"
+    return time_of(problem, False, False, start, SOME)
 
 
 def small(count: int, mu: float, slip: float) -> problems.ContactProblem:

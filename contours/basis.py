@@ -1,5 +1,7 @@
 """Kernels of the B-spline basis: the span of a parameter, its non-zero functions and their first two derivatives.
 
+"Deformable bodies with complex geometries ... sliding contacts" (2014), section 3.2.1.
+
 Piegl & Tiller, The NURBS Book, algorithms A2.1 to A2.3, arranged so that nothing but the result is stored: values of
 degree ``p - 2`` are differenced twice, those of degree ``p - 1`` once, and the same values go on to degree p.
 """

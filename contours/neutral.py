@@ -1,5 +1,7 @@
 """Neutral contours: splines through points of a body, control points linear in its modal coordinates.
 
+"Deformable bodies with complex geometries ... sliding contacts" (2014), section 4.4.1.
+
 ``P(q) = N^-1 (x + Phi q)``: with parameters from the undeformed shape the matrix N is constant, so that position,
 tangents, velocity and Jacobian of a contour follow from a few control points, and nothing is fitted again in a step.
 """

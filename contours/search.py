@@ -1,5 +1,7 @@
 """Closest point of a contour to a point: one search for surfaces and one for curves, on packed arrays.
 
+"Deformable bodies with complex geometries ... sliding contacts" (2014), section 3.3.
+
 The point is given in the axes of the contour's control points. A search begins with `start_search` and is then called
 until it returns something else than `NEED_SPAN`::
 

@@ -1,4 +1,7 @@
-"""From a set of vectors to a reduced body: rigid part out, Ritz step, shape integrals."""
+"""From a set of vectors to a reduced body: rigid part out, Ritz step, shape integrals.
+
+"Deformable bodies with complex geometries ... sliding contacts" (2014), section 2.3.
+"""
 
 from __future__ import annotations
 

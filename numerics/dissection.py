@@ -63,7 +63,7 @@ def order_nodes(
     order, structure, work = _factor_work(_minimum_degree(inner.tolist(), neighbours), ends, neighbours)
     fills = sum(map(len, structure)) > sum(map(len, neighbours)) // 2
     if fills and inner.size > LEAF:
-        other = _factor_work(dissect(inner, neighbours, edges, coordinates).tolist(), ends, neighbours)
+        other = _factor_work(dissect(inner, neighbours, coordinates).tolist(), ends, neighbours)
         if other[2] < work:
             order, structure, work = other
     order = _follow_tree(order, structure, inner.size)
@@ -82,7 +82,6 @@ def _factor_work(
 def dissect(
     nodes: NDArray[np.int64],
     neighbours: list[set[int]],
-    edges: NDArray[np.int64],
     coordinates: NDArray[np.float64] | None = None,
 ) -> NDArray[np.int64]:
     """Nested dissection of some nodes of a graph.
@@ -93,44 +92,36 @@ def dissect(
         Those to be ordered, shape (k,).
     neighbours
         Of all nodes of the graph.
-    edges
-        The same graph, shape (m, 2).
     coordinates
         As in `order_nodes`.
     """
-    from scipy import sparse
-
-    count = len(neighbours)
-    both = np.concatenate([edges, edges[:, ::-1]])
-    graph = sparse.csr_array((np.ones(len(both)), (both[:, 0], both[:, 1])), shape=(count, count))
     order: list[int] = []
-    _dissect(nodes, graph, neighbours, coordinates, order)
+    _dissect(nodes, neighbours, coordinates, order)
     return np.array(order, dtype=np.int64)
 
 
 def _dissect(
     nodes: NDArray[np.int64],
-    graph: object,
     neighbours: list[set[int]],
     coordinates: NDArray[np.float64] | None,
     order: list[int],
 ) -> None:
     """Append the nodes to the order."""
-    from scipy.sparse import csgraph
-
     if nodes.size <= LEAF:
         order += _minimum_degree(nodes.tolist(), neighbours)
         return
-    part = graph[nodes][:, nodes].tocsr()  # type: ignore[index]
-    pieces, piece = csgraph.connected_components(part, directed=False)
-    if pieces > 1:
-        for i in range(pieces):
-            _dissect(nodes[piece == i], graph, neighbours, coordinates, order)
+    place = {node: i for i, node in enumerate(nodes.tolist())}
+    around = [[place[other] for other in neighbours[node] if other in place] for node in place]
+    piece = _pieces(around)
+    if piece.any():
+        for i in range(int(piece.max()) + 1):
+            _dissect(nodes[piece == i], neighbours, coordinates, order)
         return
-    rows = np.repeat(np.arange(nodes.size), np.diff(part.indptr))
+    rows = np.repeat(np.arange(nodes.size), [len(others) for others in around])
+    columns = np.array([other for others in around for other in others], dtype=np.int64)
     best: tuple[float, NDArray[np.int64]] | None = None
-    for direction in _directions(part, None if coordinates is None else coordinates[nodes]):
-        found = _cut(rows, part.indices, direction)
+    for direction in _directions(around, None if coordinates is None else coordinates[nodes]):
+        found = _cut(rows, columns, direction)
         if found is not None and (best is None or found[0] < best[0]):
             best = found
     if best is None:  # too dense to be split
@@ -138,14 +129,46 @@ def _dissect(
         return
     side = best[1]
     for i in (0, 1):
-        _dissect(nodes[side == i], graph, neighbours, coordinates, order)
+        _dissect(nodes[side == i], neighbours, coordinates, order)
     order += _minimum_degree(nodes[side == 2].tolist(), neighbours)
 
 
-def _directions(part: object, points: NDArray[np.float64] | None) -> Iterator[NDArray[np.float64]]:
-    """Numbers of the nodes that grow from one end of the part to the other."""
-    from scipy.sparse import csgraph
+def _pieces(around: list[list[int]]) -> NDArray[np.int64]:
+    """Number of the connected piece of each node, from 0 in the order of their first nodes."""
+    piece = [-1] * len(around)
+    count = 0
+    for first in range(len(around)):
+        if piece[first] < 0:
+            piece[first] = count
+            waiting = [first]
+            while waiting:
+                for other in around[waiting.pop()]:
+                    if piece[other] < 0:
+                        piece[other] = count
+                        waiting.append(other)
+            count += 1
+    return np.array(piece)
 
+
+def _steps_from(first: int, around: list[list[int]]) -> NDArray[np.float64]:
+    """Least number of steps from a node to each that it is connected with; `around` are the neighbours of each."""
+    steps = [-1.0] * len(around)
+    steps[first] = 0.0
+    front, count = [first], 0.0
+    while front:
+        count += 1.0
+        reached = []
+        for node in front:
+            for other in around[node]:
+                if steps[other] < 0.0:
+                    steps[other] = count
+                    reached.append(other)
+        front = reached
+    return np.array(steps)
+
+
+def _directions(around: list[list[int]], points: NDArray[np.float64] | None) -> Iterator[NDArray[np.float64]]:
+    """Numbers of the nodes that grow from one end of the part to the other."""
     if points is not None:
         centred = points - points.mean(axis=0)
         spread, axes = np.linalg.eigh(centred.T @ centred)
@@ -155,10 +178,9 @@ def _directions(part: object, points: NDArray[np.float64] | None) -> Iterator[ND
             yield np.round(along / np.abs(along).max(), 9)
     far = 0
     for _ in range(2):
-        distance = csgraph.dijkstra(part, directed=False, indices=far, unweighted=True)
+        distance = _steps_from(far, around)
         far = int(np.argmax(distance))
-    other = csgraph.dijkstra(part, directed=False, indices=far, unweighted=True)
-    yield distance - other
+    yield distance - _steps_from(far, around)
     yield distance
 
 

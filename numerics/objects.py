@@ -12,6 +12,7 @@ from __future__ import annotations
 import atexit
 import contextlib
 import ctypes
+import gc
 import hashlib
 import os
 import re
@@ -281,6 +282,18 @@ def _from_words(context: Any, builder: Any, of_type: Any, words: list[Any]) -> A
 
 
 @contextlib.contextmanager
+def _cycles_kept() -> Iterator[None]:
+    """Do not search for unused cycles of objects: compiling makes millions of objects, most of which stay in use."""
+    searching = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if searching:
+            gc.enable()
+
+
+@contextlib.contextmanager
 def _remembered_answers() -> Iterator[None]:
     """Remember what Numba finds out thousands of times: types of operators on numbers, sizes of LLVM types."""
     context_class: Any = type(cpu_target.target_context)
@@ -324,7 +337,7 @@ def _compile(unit: Unit) -> bytes:
     codegen = context.codegen()
     wrappers = codegen._create_empty_module(unit.name)  # noqa: SLF001
     libraries: dict[Any, None] = {}
-    with global_compiler_lock, _remembered_answers():
+    with global_compiler_lock, _cycles_kept(), _remembered_answers():
         for symbol, (callable_kernel, parameters, result) in unit.entries.items():
             dispatcher = getattr(callable_kernel, "part", callable_kernel)
             try:

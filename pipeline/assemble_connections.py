@@ -12,16 +12,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import Quantity, WorldDirection
 from heavylift.pipeline.assemble_sides import make_profile
-from heavylift.pipeline.case_joints import EdgeJointSection
+from heavylift.pipeline.case_bodies import ProfileSection
+from heavylift.pipeline.case_joints import AngleLimitsSection, TravelLimitsSection
 from heavylift.pipeline.case_places import located
 from heavylift.solver import connections as c
 from heavylift.solver import scene as s
+from heavylift.solver.connections import Place
+from heavylift.solver.descriptions import described_fields
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
     from heavylift.pipeline.assemble_sides import Side
     from heavylift.pipeline.case import Case
@@ -45,111 +49,88 @@ def assemble_joints(case: Case, sides: Mapping[str, Side]) -> tuple[c.Joint, ...
     found: list[c.Joint] = []
     for index, joint in enumerate(case.joints):
         with located(case, f"joints.{index}"):
-            if isinstance(joint, EdgeJointSection):
+            if joint.DESCRIBED.PLACE is Place.EDGE:
                 from heavylift.pipeline.assemble_edges import assemble_edge
 
                 found.append(assemble_edge(case, joint, sides))
             else:
-                found.append(_JOINTS[joint.type](joint, sides))
+                found.append(_joint(joint, sides))
     return tuple(found)
 
 
-def _common(joint: Any, a: Side, b: Side, axes_a: Any, axes_b: Any) -> dict[str, Any]:
-    """What all joints have, from the world axes of both joint frames at the start, columns, shape (3, 3)."""
+def _joint(joint: Any, sides: Mapping[str, Side]) -> c.Joint:
+    """What the solver takes, from where a joint is and the keys of its description."""
+    described = joint.DESCRIBED
+    a, b = (sides[name] for name in joint.between)
+    if described.PLACE in {Place.POINT, Place.APART}:
+        axes_a, axes_b = np.eye(3), np.eye(3)  # both joint frames are upright in the world at the start
+    else:
+        axes_a, axes_b = _axes(joint, a, b)
     if getattr(joint, "at", None) is not None:
         points = a.from_world(joint.at), b.from_world(joint.at)
     else:
         points = a.local(joint.points[0]), b.local(joint.points[1])
-    return {
-        "name": joint.name,
-        "body_a": joint.between[0],
-        "body_b": joint.between[1],
-        "frame_a": c.JointFrame(points[0], a.rotation.T @ axes_a),
-        "frame_b": c.JointFrame(points[1], b.rotation.T @ axes_b),
-        "compliance": joint.compliance,
-        "relaxation": joint.relaxation,
+    if described.PLACE is Place.APART:
+        ends = a.to_world(points[0]) - b.to_world(points[1])
+        if np.linalg.norm(ends) <= COINCIDENT:
+            raise InputError("the two points coincide", key="points", expected="two places, or a ball joint")
+    own = {
+        field.name: _value(getattr(joint, field.name), field.quantity, axes_a)
+        for field in described_fields(described)
     }
+    return described(
+        name=joint.name,
+        body_a=joint.between[0],
+        body_b=joint.between[1],
+        frame_a=c.JointFrame(points[0], a.rotation.T @ axes_a),
+        frame_b=c.JointFrame(points[1], b.rotation.T @ axes_b),
+        compliance=joint.compliance,
+        relaxation=joint.relaxation,
+        **own,
+    )
 
 
-def _plain(joint: Any, sides: Mapping[str, Side]) -> dict[str, Any]:
-    """A joint without axis: both joint frames are upright in the world at the start."""
-    a, b = (sides[name] for name in joint.between)
-    return _common(joint, a, b, np.eye(3), np.eye(3))
-
-
-def _along_axis(joint: Any, sides: Mapping[str, Side], second: Any = None) -> dict[str, Any]:
-    """A joint with an axis; angle and travel are zero at the start where both sides fit.
+def _axes(joint: Any, a: Side, b: Side) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """World axes of both joint frames at the start, columns: where both sides fit, angle and travel are zero.
 
     The x axes of both frames are as near to the reference direction, or to that of a, as they can be.
     """
-    a, b = (sides[name] for name in joint.between)
     if joint.axes is not None:
         z_a, z_b = a.rotation @ np.array(joint.axes[0]), b.rotation @ np.array(joint.axes[1])
     else:
         z_a = np.array(joint.axis)
+        second = getattr(joint, "second_axis", None)
         z_b = z_a if second is None else np.array(second)
     reference = None if joint.reference is None else np.array(joint.reference)
     axes_a = c.axes_about(z_a, reference, source=joint.name)
-    if joint.type == "universal":
+    if joint.DESCRIBED.PLACE is Place.CROSS:
         if np.linalg.norm(np.cross(z_a, z_b)) <= 1e-9 * np.linalg.norm(z_a) * np.linalg.norm(z_b):
             raise InputError(
                 "the axes of its two sides are parallel", key="axes", expected="axes square to each other"
             )
-        return _common(joint, a, b, axes_a, c.axes_about(z_b, source=joint.name))
+        return axes_a, c.axes_about(z_b, source=joint.name)
     try:
-        axes_b = c.axes_about(z_b, axes_a[:, 0], source=joint.name)
+        return axes_a, c.axes_about(z_b, axes_a[:, 0], source=joint.name)
     except InputError:
         raise InputError(
             "the axes of its two sides are square to each other", key="axes", expected="axes that agree"
         ) from None
-    return _common(joint, a, b, axes_a, axes_b)
 
 
-def _limits(limits: Any) -> c.Limits | None:
-    if limits is None:
-        return None
-    return c.Limits(
-        lower=-np.inf if limits.lower is None else limits.lower,
-        upper=np.inf if limits.upper is None else limits.upper,
-        stiffness=limits.stiffness,
-        damping=limits.damping,
-    )
-
-
-def _driven(joint: Any) -> dict[str, Any]:
-    return {
-        "drive": make_profile(joint.drive),
-        "limits": _limits(joint.limits),
-        "friction": joint.friction,
-    }
-
-
-def _slider_hinge(joint: Any, sides: Mapping[str, Side]) -> c.SliderHinge:
-    parts = _along_axis(joint, sides)
-    to_frame = (sides[joint.between[0]].rotation @ parts["frame_a"].axes).T
-    return c.SliderHinge(**parts, slide_axis=to_frame @ np.array(joint.slide_axis))
-
-
-def _distance(joint: Any, sides: Mapping[str, Side]) -> c.Distance:
-    parts = _plain(joint, sides)
-    ends = [sides[name].to_world(parts[key].point) for name, key in zip(joint.between, _FRAMES, strict=True)]
-    if joint.length is None and np.linalg.norm(ends[0] - ends[1]) <= COINCIDENT:
-        raise InputError("the two points coincide", key="points", expected="two places, or a ball joint")
-    return c.Distance(**parts, length=joint.length)
-
-
-_FRAMES = ("frame_a", "frame_b")
-_JOINTS: dict[str, Any] = {
-    "ball": lambda joint, sides: c.Ball(**_plain(joint, sides)),
-    "fixed": lambda joint, sides: c.FixedJoint(**_plain(joint, sides)),
-    "distance": _distance,
-    "universal": lambda joint, sides: c.Universal(**_along_axis(joint, sides, joint.second_axis)),
-    "hinge": lambda joint, sides: c.Hinge(**_along_axis(joint, sides), **_driven(joint)),
-    "slider": lambda joint, sides: c.Slider(**_along_axis(joint, sides), **_driven(joint)),
-    "cylindrical": lambda joint, sides: c.Cylindrical(**_along_axis(joint, sides)),
-    "planar": lambda joint, sides: c.Planar(**_along_axis(joint, sides)),
-    "slider_hinge": _slider_hinge,
-}
+def _value(value: Any, quantity: Quantity | WorldDirection, axes_a: NDArray[np.float64]) -> Any:
+    """What a description keeps of the value of a key."""
+    if isinstance(quantity, WorldDirection):
+        return axes_a.T @ np.array(value)
+    if isinstance(value, ProfileSection):
+        return make_profile(value)
+    if isinstance(value, (AngleLimitsSection, TravelLimitsSection)):
+        return c.Limits(
+            lower=-np.inf if value.lower is None else value.lower,
+            upper=np.inf if value.upper is None else value.upper,
+            stiffness=value.stiffness,
+            damping=value.damping,
+        )
+    return value
 
 
 def assemble_ropes(case: Case, sides: Mapping[str, Side]) -> tuple[c.Rope | c.SpringRope, ...]:
@@ -223,9 +204,16 @@ def _spring_rope(rope: SpringRopeSection, sides: Mapping[str, Side]) -> c.Spring
 
 def assemble_loads(
     case: Case, sides: Mapping[str, Side]
-) -> list[s.PointForce | c.Spring | c.JointSpring | c.JointMotor]:
+) -> list[s.PointForce | c.PairForce | c.Spring | c.JointSpring | c.JointMotor]:
     """Forces, springs and motors of a case."""
-    return [_LOADS[force.type](force, sides) for force in case.forces]
+    return [_LOADS.get(force.type, _pair_force)(force, sides) for force in case.forces]
+
+
+def _pair_force(force: Any, sides: Mapping[str, Side]) -> c.PairForce:
+    ends, _ = _ends(force.between, force.points, sides)
+    own = {field.name: getattr(force, field.name) for field in described_fields(force.DESCRIBED)}
+    made: c.PairForce = force.DESCRIBED(name=force.name, **ends, **own)
+    return made
 
 
 def _point_force(force: Any, sides: Mapping[str, Side]) -> s.PointForce:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble_mesh_shapes import Place, shell_mesh
-from heavylift.solver import connections as c
+from heavylift.solver.joints.edges import expand_edge
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.assemble_sides import Side
     from heavylift.pipeline.case import Case
-    from heavylift.pipeline.case_joints import EdgeJointSection
+    from heavylift.solver.connections import EdgeJoint, Joint
     from heavylift.solver.scene import AnyBody
 
 __all__ = ["assemble_edge", "joints_of_edge"]
@@ -26,9 +26,7 @@ NEAR = 1e-6
 """Distance of two nodes that are meant to be at one place, relative to the length of the edge."""
 
 
-def assemble_edge(
-    case: Case, joint: EdgeJointSection, sides: Mapping[str, Side]
-) -> c.EdgeHinge | c.EdgeClamp:
+def assemble_edge(case: Case, joint: Any, sides: Mapping[str, Side]) -> EdgeJoint:
     """Hinge or clamp of a case.
 
     Nodes of the second edge are put in the order of the first.
@@ -58,8 +56,7 @@ def assemble_edge(
         places.append(side.position + mesh.nodes[nodes] @ side.rotation.T)
     if len(given) == 2:
         given[1] = _matched(joint, given[1], places)
-    kind = c.EdgeHinge if joint.type == "edge_hinge" else c.EdgeClamp  # type: ignore[attr-defined]
-    return kind(
+    return joint.DESCRIBED(
         name=joint.name,
         body_a=joint.between[0],
         body_b=joint.between[1],
@@ -71,7 +68,7 @@ def assemble_edge(
 
 
 def _matched(
-    joint: EdgeJointSection, nodes: NDArray[np.int64], places: Sequence[NDArray[np.float64]]
+    joint: Any, nodes: NDArray[np.int64], places: Sequence[NDArray[np.float64]]
 ) -> NDArray[np.int64]:
     """Nodes of the second edge in the order of the first."""
     first, second = places
@@ -94,12 +91,8 @@ def _matched(
     return nodes[::-1].copy() if turned else nodes
 
 
-def joints_of_edge(
-    joint: EdgeJointSection, made: c.EdgeHinge | c.EdgeClamp, bodies: Sequence[AnyBody]
-) -> list[c.Joint]:
+def joints_of_edge(joint: Any, made: EdgeJoint, bodies: Sequence[AnyBody]) -> list[Joint]:
     """Joints of its nodes, as the solver makes them; what it refuses is told by keys of the case."""
-    from heavylift.solver.joints.edges import expand_edge
-
     try:
         return expand_edge(made, bodies)
     except InputError as error:
@@ -108,7 +101,7 @@ def joints_of_edge(
         raise InputError(error.problem, key=key, expected=error.expected) from None
 
 
-def _key(joint: EdgeJointSection, number: int | None = None) -> str:
+def _key(joint: Any, number: int | None = None) -> str:
     """Key of the edges of a joint, or of one of them."""
     if joint.edge:
         return "edge"

@@ -17,11 +17,10 @@ from heavylift.pipeline.assemble_connections import (
 from heavylift.pipeline.assemble_sides import make_profile, start_sides
 from heavylift.pipeline.assemble_water import has_sea
 from heavylift.pipeline.case_bodies import FlexibleBodySection
-from heavylift.pipeline.case_joints import EdgeJointSection
 from heavylift.pipeline.case_places import located
 from heavylift.pipeline.model_io import read_header, read_model, read_reduced
 from heavylift.solver import scene as s
-from heavylift.solver.connections import EdgeClamp, EdgeHinge
+from heavylift.solver.connections import EdgeJoint
 from heavylift.solver.meshes import FrameBody, ShellBody
 
 if TYPE_CHECKING:
@@ -179,10 +178,9 @@ def _edges(case: Case, joints: Sequence[Joint], bodies: Sequence[AnyBody]) -> li
     """Dotted keys of sides b, and joints of all nodes of edges; refuses edges that cannot be joined."""
     found: list[tuple[str, Joint]] = []
     for index, (joint, made) in enumerate(zip(case.joints, joints, strict=True)):
-        if isinstance(joint, EdgeJointSection):
+        if isinstance(made, EdgeJoint):
             from heavylift.pipeline.assemble_edges import joints_of_edge
 
-            assert isinstance(made, (EdgeHinge, EdgeClamp))
             with located(case, f"joints.{index}"):
                 place = case.place(f"joints.{index}.between.1")
                 found += [(place, part) for part in joints_of_edge(joint, made, bodies)]
@@ -200,14 +198,15 @@ def _points_on(
     found: list[tuple[str, str, ArrayLike]] = []
     for i, sensor in enumerate(case.sensors):
         found.append((f"sensors.{i}.point", sensor.body, sensor.point))
+    force: Any
     for i, force in enumerate(case.forces):
         if force.type == "point":
             found.append((f"forces.{i}.point", force.body, force.point))
-        elif force.type == "spring":
+        elif hasattr(force, "points"):
             sides = zip(force.between, force.points, strict=True)
             found += [(f"forces.{i}.points.{k}", side, point) for k, (side, point) in enumerate(sides)]
     for i, joint in enumerate(joints):
-        if isinstance(joint, (EdgeHinge, EdgeClamp)):
+        if isinstance(joint, EdgeJoint):
             continue
         at = getattr(case.joints[i], "at", None) is not None
         ends = ((joint.body_a, joint.frame_a), (joint.body_b, joint.frame_b))

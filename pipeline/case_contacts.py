@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.units import Dimension, Kind, parse_quantity
 from heavylift.pipeline.channel_kinds import CONTOUR_TYPES
 from heavylift.pipeline.fields import (
     GROUND,
@@ -21,7 +22,6 @@ from heavylift.pipeline.fields import (
     refuse_unknown,
     reject,
 )
-from heavylift.pipeline.units import Dimension, Kind, parse_quantity
 
 __all__ = [
     "BilateralContactSection",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin
 from pydantic import BaseModel
 
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.described import Chosen
 from heavylift.pipeline.fields import TAG
 
 if TYPE_CHECKING:
@@ -186,6 +187,8 @@ def sections_below(sections: Iterable[type[BaseModel]], key: str | int) -> set[t
 
 def _models(annotation: Any) -> Iterable[type[BaseModel]]:
     """All section types inside a type annotation."""
+    if isinstance(annotation, Chosen):
+        yield from annotation.sections
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
     for argument in get_args(annotation):

@@ -2,6 +2,7 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
+from functools import cache
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
@@ -15,8 +16,10 @@ from pydantic import (
 )
 
 from heavylift.pipeline.case_joints import check_sides
-from heavylift.pipeline.channel_kinds import JOINT_TRAVELS
+from heavylift.pipeline.channel_kinds import joint_coordinate
+from heavylift.pipeline.described import Chosen, make_section
 from heavylift.pipeline.fields import (
+    TAG,
     BodyName,
     CaseContext,
     ForceVector,
@@ -30,6 +33,7 @@ from heavylift.pipeline.fields import (
     reject,
     type_tag,
 )
+from heavylift.solver.connections import JOINTS, PAIR_FORCES, PairForce
 
 __all__ = [
     "Force",
@@ -105,6 +109,23 @@ class SpringForceSection(Section):
         return self
 
 
+class PairForceSection(Section):
+    """What all other forces between two points have."""
+
+    name: UniqueName
+    """Name; the first part of its channels."""
+    between: tuple[SideName, SideName]
+    """Its two sides a and b: names of bodies, or ``"ground"`` for the world."""
+    points: tuple[LengthVector, LengthVector]
+    """One point a side [m] in the coordinates of the geometry of the body; of the ground in the world."""
+
+    @field_validator("between")
+    @classmethod
+    def _joins_two(cls, value: tuple[str, str]) -> tuple[str, str]:
+        check_sides(value)
+        return value
+
+
 class _AlongJoint(Section):
     """What loads along a joint have."""
 
@@ -121,9 +142,10 @@ class _AlongJoint(Section):
             return name
         joints = context.names.joints
         refuse_unknown("joint", name, joints)
-        travels = JOINT_TRAVELS.get(joints[name])
-        if travels is not None and len(travels) != 1:
-            has = "an angle and a travel" if travels else "neither an angle nor a travel"
+        described = JOINTS.get(joints[name])
+        if described is not None and not described.COORDINATE:
+            both = {"angle", "travel"} <= {channel.name for channel in described.CHANNELS}
+            has = "an angle and a travel" if both else "neither an angle nor a travel"
             reject(f"joint {name!r} of type {joints[name]!r} has {has}", "a hinge or a slider")
         return name
 
@@ -132,7 +154,7 @@ def _slides(info: ValidationInfo) -> bool:
     """Whether the joint of a validated section has a travel, not an angle."""
     context = CaseContext.of(info)
     joints = {} if context is None else context.names.joints
-    return JOINT_TRAVELS.get(joints.get(info.data.get("joint", ""), "")) == {"travel"}
+    return joint_coordinate(joints.get(info.data.get("joint", ""), "")) == "travel"
 
 
 class JointSpringSection(_AlongJoint):
@@ -232,13 +254,26 @@ def _check_law(
 
 
 def _force_type(value: Any) -> str:
-    return type_tag(value, "point")
+    tag = type_tag(value, "point")
+    return tag if tag in _TAGS else _DESCRIBED
+
+
+@cache
+def pair_section(described: type[PairForce]) -> type[Section]:
+    """Section of a sort of forces between two points."""
+    return make_section(described, PairForceSection, {})
+
+
+_DESCRIBED = f"{TAG}described"
+_TYPES = ("point", "spring", "joint_spring", "motor")
+_TAGS = {f"{TAG}{word}" for word in _TYPES}
 
 
 Force = Annotated[
     Annotated[PointForceSection, Tag("type point")]
     | Annotated[SpringForceSection, Tag("type spring")]
     | Annotated[JointSpringSection, Tag("type joint_spring")]
-    | Annotated[MotorSection, Tag("type motor")],
+    | Annotated[MotorSection, Tag("type motor")]
+    | Annotated[Any, Chosen(PAIR_FORCES, pair_section, _TYPES), Tag(_DESCRIBED)],
     Discriminator(_force_type),
 ]

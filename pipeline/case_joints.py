@@ -1,13 +1,15 @@
-"""Tables of a case file that describe joints, one a type, named by what they allow."""
+"""Tables of a case file that describe joints: what all have, and where they are; the rest is in `solver.joints`."""
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-from typing import Annotated, Any, Literal, Self
+from functools import cache
+from typing import Annotated, Any, Self
 
 from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 
 from heavylift.pipeline.case_bodies import ProfileSection
 from heavylift.pipeline.case_mesh_supports import EdgeName, NodeNumber
+from heavylift.pipeline.described import Chosen, make_section
 from heavylift.pipeline.fields import (
     GROUND,
     AnyOf,
@@ -22,33 +24,24 @@ from heavylift.pipeline.fields import (
     is_parallel,
     reject,
 )
+from heavylift.solver import connections as c
+from heavylift.solver.connections import Place
+from heavylift.solver.scene_bodies import Profile
 
 __all__ = [
     "AngleLimitsSection",
-    "AxisJointSection",
-    "BallJointSection",
-    "CylindricalJointSection",
-    "DistanceJointSection",
-    "EdgeClampSection",
-    "EdgeHingeSection",
     "EdgeJointSection",
-    "FixedJointSection",
-    "HingeJointSection",
     "Joint",
     "JointSection",
-    "PlacedJointSection",
-    "PlanarJointSection",
-    "SliderHingeJointSection",
-    "SliderJointSection",
     "TravelLimitsSection",
-    "UniversalJointSection",
     "check_sides",
+    "joint_section",
 ]
 
 Sides = tuple[SideName, SideName]
 Pair = tuple[LengthVector, LengthVector]
 Axes = tuple[Direction, Direction]
-Compliance = Annotated[float, Quantity("compliance", minimum=0.0, closed=True)]
+_COMPLIANCE = Annotated[float, Quantity("compliance", minimum=0.0, closed=True)]
 AnyCompliance = Annotated[
     float,
     AnyOf(
@@ -180,23 +173,14 @@ def _shown(vector: tuple[float, float, float]) -> str:
     return "[" + ", ".join(f"{entry:g}" for entry in vector) + "]"
 
 
-class BallJointSection(PlacedJointSection):
-    """The two points coincide."""
+class CrossJointSection(AxisJointSection):
+    """What joints have with an axis on either side, square to each other."""
 
-    type: Literal["ball"]
-    compliance: Compliance = 0.0
-    """Physical compliance of its rows [m/N]; 0 is rigid."""
-
-
-class UniversalJointSection(AxisJointSection):
-    """The points coincide, and the axis of a stays square to the axis of b."""
-
-    type: Literal["universal"]
     second_axis: Direction | None = None
     """With `axis`, the axis of a: world direction of the axis of b at the start, any length."""
 
     @model_validator(mode="after")
-    def _is_a_cross(self) -> "UniversalJointSection":
+    def _is_a_cross(self) -> "CrossJointSection":
         if self.axes is not None and self.second_axis is not None:
             reject("both 'axes' and 'second_axis'", "'axis' and 'second_axis', or 'axes'")
         if self.axis is not None and self.second_axis is None:
@@ -211,66 +195,11 @@ class UniversalJointSection(AxisJointSection):
         return self
 
 
-class HingeJointSection(AxisJointSection):
-    """The points and the axes coincide; b turns about the axis, by the angle."""
+class ApartJointSection(JointSection):
+    """What joints have whose two points lie apart."""
 
-    type: Literal["hinge"]
-    drive: ProfileSection[Angle] | None = None
-    """The angle as a function of time [rad]."""
-    limits: AngleLimitsSection | None = None
-    """Stops of the angle."""
-    friction: Annotated[float, Quantity("moment or energy", minimum=0.0, closed=True)] = 0.0
-    """Dry friction [N m]."""
-
-
-class CylindricalJointSection(AxisJointSection):
-    """The point of b slides along the axis, and b turns about it."""
-
-    type: Literal["cylindrical"]
-
-
-class SliderJointSection(AxisJointSection):
-    """The point of b slides along the axis without turning, by the travel."""
-
-    type: Literal["slider"]
-    drive: ProfileSection[Length] | None = None
-    """The travel as a function of time [m]."""
-    limits: TravelLimitsSection | None = None
-    """Stops of the travel."""
-    friction: Annotated[float, Quantity("force", minimum=0.0, closed=True)] = 0.0
-    """Dry friction [N]."""
-
-
-class SliderHingeJointSection(AxisJointSection):
-    """The point of b slides along one axis of a, and b turns about another."""
-
-    type: Literal["slider_hinge"]
-    slide_axis: Direction
-    """World direction of the travel at the start, any length; `axis` is that of the turn."""
-
-
-class FixedJointSection(PlacedJointSection):
-    """The two sides move as one."""
-
-    type: Literal["fixed"]
-
-
-class PlanarJointSection(AxisJointSection):
-    """The point of b stays in the plane across the axis of a, and the axes are parallel."""
-
-    type: Literal["planar"]
-
-
-class DistanceJointSection(JointSection):
-    """The distance of the two points is kept."""
-
-    type: Literal["distance"]
     points: Pair
     """One point a side [m] in the coordinates of the geometry of the body; of the ground in the world."""
-    length: Annotated[float, Positive("length")] | None = None
-    """Distance [m]; as at the start if absent."""
-    compliance: Compliance = 0.0
-    """Physical compliance [m/N]; 0 is rigid."""
 
 
 NodeList = Annotated[tuple[NodeNumber, ...], Field(min_length=2)]
@@ -344,29 +273,32 @@ class EdgeJointSection(JointSection):
         return (self.nodes,) if isinstance(self.nodes[0], int) else self.nodes
 
 
-class EdgeHingeSection(EdgeJointSection):
-    """A straight edge of a shell turns about itself on the ground, a body or the edge of another shell."""
-
-    type: Literal["edge_hinge"]
-
-
-class EdgeClampSection(EdgeJointSection):
-    """An edge of a shell is built in at the ground, a body or the edge of another shell, and keeps its angle."""
-
-    type: Literal["edge_clamp"]
+_PLACES: dict[Place, type[JointSection]] = {
+    Place.POINT: PlacedJointSection,
+    Place.AXIS: AxisJointSection,
+    Place.CROSS: CrossJointSection,
+    Place.APART: ApartJointSection,
+    Place.EDGE: EdgeJointSection,
+}
+"""What a joint says of where it is."""
 
 
-Joint = Annotated[
-    BallJointSection
-    | UniversalJointSection
-    | HingeJointSection
-    | CylindricalJointSection
-    | SliderJointSection
-    | SliderHingeJointSection
-    | FixedJointSection
-    | PlanarJointSection
-    | DistanceJointSection
-    | EdgeHingeSection
-    | EdgeClampSection,
-    Field(discriminator="type"),
-]
+def _profile_section(quantity: Quantity) -> Any:
+    return ProfileSection[Annotated[float, Quantity(quantity.kind)]]
+
+
+def _limits_section(quantity: Quantity) -> Any:
+    return AngleLimitsSection if quantity.kind == "angle" else TravelLimitsSection
+
+
+@cache
+def joint_section(described: type[c.Joint]) -> type[Section]:
+    """Section of a sort of joints."""
+    base = _PLACES[described.PLACE]
+    turning = described.ROTATIONAL
+    changed = {"compliance": (_COMPLIANCE, 0.0)} if turning and not any(turning) else None
+    return make_section(described, base, {Profile: _profile_section, c.Limits: _limits_section}, changed)
+
+
+Joint = Annotated[Any, Chosen(c.JOINTS, joint_section)]
+"""A joint of any sort."""

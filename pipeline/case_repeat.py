@@ -17,10 +17,10 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.units import KINDS, parse_quantity
 from heavylift.pipeline.arithmetic import Numbers, filled, value_of
 from heavylift.pipeline.channel_kinds import NAMED_LISTS as LISTS
 from heavylift.pipeline.fields import GROUND, LengthVector, Section, reject
-from heavylift.pipeline.units import KINDS, parse_quantity
 
 __all__ = ["Expansion", "Origin", "Parameters", "RepeatSection", "expand"]
 

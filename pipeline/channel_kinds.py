@@ -7,23 +7,27 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from heavylift.pipeline.collision_pairs import declared_collisions, yields
+from heavylift.solver.connections import JOINTS, PAIR_FORCES, Joint, Place
+from heavylift.solver.descriptions import known_channels
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
+    from heavylift.solver.descriptions import ChannelKind
+
 __all__ = [
-    "ALL_CHANNELS",
     "COLLISION_CONTACT",
     "CONTOUR_TYPES",
-    "EDGE_JOINTS",
-    "JOINT_TRAVELS",
     "MESH_TYPES",
     "NAMED_LISTS",
     "RESERVED_NAMES",
     "SCENE_CHANNELS",
     "Declared",
+    "all_channels",
     "channel_components",
     "declared",
+    "joint_coordinate",
+    "lies_along_edge",
     "load_kind",
 ]
 
@@ -53,12 +57,16 @@ NAMED_LISTS = (
 )
 """Lists of a case file whose tables have names."""
 
+
+def _quantities(channels: Iterable[ChannelKind]) -> dict[str, str]:
+    """Last parts of channels, and their quantities."""
+    return {channel.name: channel.quantity for channel in channels}
+
+
 _POINT = {"position": "length", "velocity": "velocity"}
 _FRAME = _POINT | {"orientation": "number", "angular_velocity": "angular velocity"}
 _MODAL = {"modal_position": "modal coordinate", "modal_velocity": "modal velocity"}
-_REACTION = {"reaction_force": "force", "reaction_moment": "moment or energy"}
-_ANGLE = {"angle": "angle", "angular_rate": "angular velocity"}
-_TRAVEL = {"travel": "length", "travel_rate": "velocity"}
+_REACTION = _quantities(Joint.CHANNELS)
 _ROPE = {
     "tension": "force",
     "segment_tension": "force",
@@ -145,29 +153,9 @@ MESH_TYPES = frozenset({"frame", "shell"})
 CONTOUR_TYPES = frozenset({"surface", "curve", "cylinder", "band"})
 """Types of contours."""
 
-JOINT_TRAVELS: dict[str, frozenset[str]] = {
-    "ball": frozenset(),
-    "universal": frozenset(),
-    "hinge": frozenset({"angle"}),
-    "cylindrical": frozenset({"angle", "travel"}),
-    "slider": frozenset({"travel"}),
-    "slider_hinge": frozenset({"angle", "travel"}),
-    "fixed": frozenset(),
-    "planar": frozenset(),
-    "distance": frozenset(),
-    "edge_hinge": frozenset(),
-    "edge_clamp": frozenset(),
-}
-"""Types of joints, and whether they have an angle or a travel."""
-EDGE_JOINTS = frozenset({"edge_hinge", "edge_clamp"})
-"""Types of joints whose channels are those of each node along an edge: ``NAME.0.reaction_force``."""
-
-ALL_CHANNELS = (
+_OTHERS = (
     _FRAME
     | _MODAL
-    | _REACTION
-    | _ANGLE
-    | _TRAVEL
     | _ROPE
     | _SPRING
     | _LOAD
@@ -181,7 +169,6 @@ ALL_CHANNELS = (
     | _SHELL_MESH
     | _FRAME_MESH
 )
-"""Every last part of a channel that anything in a case may have: name to kind."""
 
 _VECTORS = frozenset(
     {*_POINT, "angular_velocity", *_REACTION, "linear", "angular", "point", "normal", "buoyancy_centre"}
@@ -189,6 +176,11 @@ _VECTORS = frozenset(
 )
 _BY_OWNER = frozenset({*_MODAL, "segment_tension", "force", *_FRAME_MESH, *_SHELL_MESH})
 """Channels whose components the scene decides: a force is a vector of a contact, and one number of a spring."""
+
+
+def all_channels() -> dict[str, str]:
+    """Every last part of a channel that anything in the cases read so far may have: name to kind."""
+    return _quantities(known_channels()) | _OTHERS
 
 
 def channel_components(kind: str) -> tuple[str, ...] | None:
@@ -206,7 +198,19 @@ def channel_components(kind: str) -> tuple[str, ...] | None:
 
 def load_kind(joint_type: str) -> str:
     """Kind of the load along a joint: a force where it slides, a moment where it turns."""
-    return "force" if JOINT_TRAVELS.get(joint_type) == {"travel"} else "moment or energy"
+    return "force" if joint_coordinate(joint_type) == "travel" else "moment or energy"
+
+
+def joint_coordinate(joint_type: str) -> str:
+    """The scalar on which springs and motors of a sort of joints act, ``"angle"`` or ``"travel"``; empty if none."""
+    described = JOINTS.get(joint_type)
+    return "" if described is None else described.COORDINATE
+
+
+def lies_along_edge(joint_type: str) -> bool:
+    """Whether the channels of a sort of joints are those of each node along an edge: ``NAME.0.reaction_force``."""
+    described = JOINTS.get(joint_type)
+    return described is not None and described.PLACE is Place.EDGE
 
 
 @dataclass(frozen=True)
@@ -366,12 +370,15 @@ def _fluid_load_channels(row: Mapping[str, Any]) -> Mapping[str, str]:
 
 
 def _joint_channels(kind: str) -> Mapping[str, str]:
-    travels = JOINT_TRAVELS.get(kind, frozenset())
-    return _REACTION | (_ANGLE if "angle" in travels else {}) | (_TRAVEL if "travel" in travels else {})
+    described = JOINTS.get(kind)
+    return _quantities(Joint.CHANNELS if described is None else described.CHANNELS)
 
 
 def _force_channels(row: Mapping[str, Any], joints: Mapping[str, str]) -> Mapping[str, str]:
     kind = row.get("type", "point")
     if kind in {"joint_spring", "motor"}:
         return {"load": load_kind(joints.get(str(row.get("joint")), ""))}
+    described = PAIR_FORCES.get(str(kind)) if kind not in {"spring", "point"} else None
+    if described is not None:
+        return _quantities(described.CHANNELS)
     return _SPRING if kind == "spring" else {}

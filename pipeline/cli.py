@@ -5,6 +5,8 @@ Only what is needed to read the command line is imported here; each command impo
 
 # cyclopts evaluates the annotations of the commands, so the imports below are needed at run time.
 
+import atexit
+import gc
 import os
 import sys
 from pathlib import Path
@@ -35,6 +37,9 @@ if TYPE_CHECKING:
 
 __all__ = ["app", "main"]
 
+YOUNG = 500_000
+"""Objects made between two searches for cycles: a start makes fewer, and all of them stay."""
+
 
 def _version() -> str:
     from importlib.metadata import version
@@ -52,6 +57,8 @@ app = App(
 
 def main() -> None:
     """Entry point of the ``heavylift`` command."""
+    gc.set_threshold(YOUNG, 2, 2)
+    atexit.register(gc.freeze)  # the process ends as it is: what modules hold is not searched once more
     try:
         app()
         sys.stdout.flush()
@@ -198,8 +205,19 @@ for _command in SEA_COMMANDS:
 
 
 @app.command
-def schema() -> int:
-    """Print the JSON Schema of case.toml, for editors."""
+def schema(*, tables: bool = False) -> int:
+    """Print the JSON Schema of case.toml, for editors.
+
+    Parameters
+    ----------
+    tables
+        Tables of all keys in Markdown instead, as in docs/case_keys.md.
+    """
+    if tables:
+        from heavylift.pipeline.key_tables import key_tables
+
+        print(key_tables())  # noqa: T201
+        return 0
     from heavylift.pipeline.schema import case_schema
 
     print_json(case_schema())

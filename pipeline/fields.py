@@ -21,9 +21,10 @@ from pydantic import (
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import Positive, Quantity, quantity_schema
+from heavylift.numerics.units import KINDS, parse_quantity
 from heavylift.pipeline.channel_kinds import RESERVED_NAMES, Declared
 from heavylift.pipeline.quantity_names import parse_quantity_name
-from heavylift.pipeline.units import KINDS, parse_quantity, with_article
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -113,64 +114,6 @@ def type_tag(value: object, default: str) -> str:
 
 
 @dataclass(frozen=True)
-class Quantity:
-    """Annotation of a number in SI or a string with a unit; validates to the SI number.
-
-    Attributes
-    ----------
-    kind
-        Name of a `heavylift.pipeline.units.Kind`.
-    minimum, maximum
-        Bounds in SI; they themselves are allowed if `closed`.
-    closed
-        Whether the bounds belong to the range.
-    """
-
-    kind: str
-    minimum: float | None = None
-    maximum: float | None = None
-    closed: bool = False
-
-    def parse(self, value: object) -> float:
-        """SI number of an input value; a rejected one ends the validation of this field only."""
-        try:
-            number = parse_quantity(value, KINDS[self.kind])
-        except InputError as error:
-            reject(error.problem, error.expected)
-        name, unit = with_article(self.kind), KINDS[self.kind].unit
-        unit = "" if unit == "1" else f" {unit}"
-        if self.minimum is not None and (
-            number < self.minimum or (number == self.minimum and not self.closed)
-        ):
-            reject(
-                f"{value!r} is too small",
-                f"{name} {'>=' if self.closed else '>'} {self.minimum:g}{unit}",
-            )
-        if self.maximum is not None and (
-            number > self.maximum or (number == self.maximum and not self.closed)
-        ):
-            reject(
-                f"{value!r} is too large",
-                f"{name} {'<=' if self.closed else '<'} {self.maximum:g}{unit}",
-            )
-        return number
-
-    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.parse)
-
-    def __get_pydantic_json_schema__(
-        self, _schema: CoreSchema, _handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        number: dict[str, Any] = {}
-        if self.minimum is not None:
-            number["minimum" if self.closed else "exclusiveMinimum"] = self.minimum
-        if self.maximum is not None:
-            number["maximum" if self.closed else "exclusiveMaximum"] = self.maximum
-        unit = KINDS[self.kind].unit
-        return quantity_schema(f"{self.kind}: number in {unit}, or a string with a unit", **number)
-
-
-@dataclass(frozen=True)
 class AnyOf:
     """Annotation of a number in SI, or a string with a unit of one of two kinds; validates to the SI number."""
 
@@ -182,8 +125,8 @@ class AnyOf:
         if isinstance(value, str):
             with contextlib.suppress(InputError):
                 parse_quantity(value, KINDS[self.second.kind])
-                return self.second.parse(value)
-        return self.first.parse(value)
+                return self.second.validate(value)
+        return self.first.validate(value)
 
     def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.parse)
@@ -192,18 +135,6 @@ class AnyOf:
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
         return self.first.__get_pydantic_json_schema__(schema, handler)
-
-
-def quantity_schema(description: str = "", **limits: float) -> dict[str, Any]:
-    """JSON Schema of a number within limits, or a string that begins with a number."""
-    text = {"type": "string", "pattern": r"^\s*[+-]?(\d|\.\d)"}
-    schema: dict[str, Any] = {"anyOf": [{"type": "number", **limits}, text]}
-    return schema | ({"description": description} if description else {})
-
-
-def Positive(kind: str) -> Quantity:
-    """Quantity greater than zero."""
-    return Quantity(kind, minimum=0.0)
 
 
 _Length = Annotated[float, Quantity("length")]

@@ -13,9 +13,9 @@ from heavylift.pipeline.picture_render import Lines, Patch, Points
 from heavylift.pipeline.picture_triangles import drawn_triangles
 from heavylift.solver.connections import (
     GROUND,
-    EdgeClamp,
-    EdgeHinge,
+    EdgeJoint,
     Joint,
+    PairForce,
     Rope,
     RopePoint,
     Spring,
@@ -106,7 +106,7 @@ class Others:
         self._springs = [
             (self._place(force.body_a, force.point_a), self._place(force.body_b, force.point_b))
             for force in scene.forces
-            if isinstance(force, Spring)
+            if isinstance(force, (Spring, PairForce))
         ]
         self._joints = [
             (self._place(joint.body_a, joint.frame_a.point), self._place(joint.body_b, joint.frame_b.point))
@@ -314,9 +314,7 @@ def _single_joints(scene: Scene) -> list[Joint]:
     return [
         part
         for joint in scene.joints
-        for part in (
-            expand_edge(joint, scene.bodies) if isinstance(joint, (EdgeHinge, EdgeClamp)) else (joint,)
-        )
+        for part in (expand_edge(joint, scene.bodies) if isinstance(joint, EdgeJoint) else (joint,))
     ]
 
 

@@ -37,18 +37,21 @@ from __future__ import annotations
 import contextlib
 import re
 from difflib import get_close_matches
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.units import KINDS, Kind
 from heavylift.pipeline.channel_kinds import (
-    ALL_CHANNELS,
     COLLISION_CONTACT,
-    EDGE_JOINTS,
     RESERVED_NAMES,
     SCENE_CHANNELS,
     Declared,
+    all_channels,
+    lies_along_edge,
 )
-from heavylift.pipeline.units import KINDS, Kind
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 __all__ = ["QuantityName", "channel_kind", "parse_quantity_name"]
 
@@ -231,14 +234,14 @@ def channel_kind(name: str, text: str, names: Declared | None) -> Kind:
     """Kind of a channel such as ``"tip.position"``; `text` is what a message says is unknown."""
     owner, _, last = name.partition(".")
     scene = owner in RESERVED_NAMES
-    known = SCENE_CHANNELS if scene else ALL_CHANNELS
+    known: Mapping[str, str] = SCENE_CHANNELS if scene else all_channels()
     if not scene and names is not None:
-        known = dict(names.channels.get(owner, ALL_CHANNELS))
+        known = dict(names.channels.get(owner, known))
     key = name if scene else last
     number, dot, kind = last.partition(".")
     if not scene and _CONTACT.fullmatch(number):
         return KINDS[_contact_channel(owner, number, kind, text, names)]
-    edge = names is not None and names.joints.get(owner) in EDGE_JOINTS
+    edge = names is not None and lies_along_edge(names.joints.get(owner, ""))
     if dot and number.isdecimal() and (edge or names is None):
         key = kind
     elif edge:

@@ -6,7 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.pipeline.channel_kinds import EDGE_JOINTS, JOINT_TRAVELS
+from heavylift.numerics.quantity import Quantity
+from heavylift.pipeline.case_bodies import ProfileSection
+from heavylift.pipeline.case_joints import AngleLimitsSection, TravelLimitsSection
+from heavylift.pipeline.channel_kinds import joint_coordinate, lies_along_edge
 from heavylift.pipeline.report_words import (
     number_words,
     numbers_words,
@@ -14,6 +17,7 @@ from heavylift.pipeline.report_words import (
     range_words,
     short_table,
 )
+from heavylift.solver.descriptions import DescribedField, described_fields
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -45,7 +49,7 @@ def connection_tables(case: Case) -> list[Table]:
 
 def _joint(joint: Any) -> tuple[str, ...]:
     at = getattr(joint, "at", None)
-    if joint.type in EDGE_JOINTS:
+    if lies_along_edge(joint.type):
         place = _edges(joint)
     elif at is not None:
         place = numbers_words(at, "m")
@@ -55,7 +59,9 @@ def _joint(joint: Any) -> tuple[str, ...]:
     axis = numbers_words(axes[0], "") if axes[0] is not None else ""
     if axes[1] is not None:
         axis = " and ".join(numbers_words(entry, "") for entry in axes[1])
-    for key in ("second_axis", "slide_axis"):
+    own = described_fields(joint.DESCRIBED)
+    directions = [field.name for field in own if not isinstance(field.quantity, Quantity)]
+    for key in ("second_axis", *directions):
         if getattr(joint, key, None) is not None:
             axis += f", {key.replace('_', ' ')} {numbers_words(getattr(joint, key), '')}"
     return (joint.name, joint.type.replace("_", "-"), " – ".join(joint.between), place, axis, _besides(joint))
@@ -69,22 +75,27 @@ def _edges(joint: Any) -> str:
 
 
 def _besides(joint: Any) -> str:
-    """Drive, limits, friction, compliance and length of a joint."""
-    turns = JOINT_TRAVELS[joint.type] == {"angle"}
-    words = []
-    if getattr(joint, "drive", None) is not None:
-        words.append(f"driven: {profile_words(joint.drive, 'rad' if turns else 'm')}")
-    if getattr(joint, "limits", None) is not None:
-        words.append(_limits(joint.limits, turns=turns))
-    if getattr(joint, "friction", 0.0):
-        words.append(f"friction {number_words(joint.friction, 'N m' if turns else 'N')}")
-    if getattr(joint, "length", None) is not None:
-        words.append(f"length {number_words(joint.length, 'm')}")
+    """Drive, limits, friction, length and whatever else a joint has, compliance."""
+    words = [_own_words(field, getattr(joint, field.name)) for field in described_fields(joint.DESCRIBED)]
     if joint.compliance:
         words.append(f"compliance {joint.compliance:g} m/N")
     if joint.relaxation:
         words.append(f"relaxation {number_words(joint.relaxation, 's')}")
-    return "; ".join(words)
+    return "; ".join(filter(None, words))
+
+
+def _own_words(field: DescribedField, value: Any) -> str:
+    """Value of a key of its own; nothing where it is as if absent."""
+    if not isinstance(field.quantity, Quantity) or value == field.default:
+        return ""
+    if isinstance(value, ProfileSection):
+        return f"{_PARTICIPLES.get(field.name, field.name)}: {profile_words(value, field.quantity.unit)}"
+    if isinstance(value, (AngleLimitsSection, TravelLimitsSection)):
+        return _limits(value, turns=isinstance(value, AngleLimitsSection))
+    return f"{field.name.replace('_', ' ')} {number_words(value, field.quantity.unit)}"
+
+
+_PARTICIPLES = {"drive": "driven"}
 
 
 def _limits(limits: Any, *, turns: bool) -> str:
@@ -121,7 +132,12 @@ def _force(force: Any, kinds: dict[str, str]) -> tuple[str, ...]:
         length = "as drawn" if force.length is None else number_words(force.length, "m")
         law = _law(force.stiffness, force.damping, force.elongations, ("m", "N"))
         return (force.name, "spring", " – ".join(force.between), place, f"{law}; length {length}")
-    turns = JOINT_TRAVELS[kinds[force.joint]] == {"angle"}
+    if hasattr(force, "DESCRIBED"):
+        place = " and ".join(numbers_words(point, "m") for point in force.points)
+        words = [_own_words(field, getattr(force, field.name)) for field in described_fields(force.DESCRIBED)]
+        kind = force.type.replace("_", " ")
+        return (force.name, kind, " – ".join(force.between), place, "; ".join(filter(None, words)))
+    turns = joint_coordinate(kinds[force.joint]) == "angle"
     units = ("rad", "N m") if turns else ("m", "N")
     if force.type == "motor":
         return (force.name, "motor", force.joint, "", _load(force.load, force.times, force.loads, units[1]))

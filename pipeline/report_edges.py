@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.pipeline.channel_kinds import EDGE_JOINTS
+from heavylift.pipeline.channel_kinds import lies_along_edge
 from heavylift.pipeline.report_document import Section, Table
 from heavylift.pipeline.report_words import number_words, numbers_words, short_table
 
@@ -21,7 +21,7 @@ __all__ = ["edge_sections"]
 
 def edge_sections(case: Case, results: Results | None) -> list[Section]:
     """Reactions along the edges of a case, one row a joint; nothing without such joints or records."""
-    joints = [joint for joint in case.joints if joint.type in EDGE_JOINTS]
+    joints = [joint for joint in case.joints if lies_along_edge(joint.type)]
     if results is None or not len(results.time) or not joints:
         return []
     rows = []

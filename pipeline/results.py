@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -156,6 +157,10 @@ class _Hdf5Columns(dict[str, Any]):
         return array
 
 
+CHUNK, FEW = 65536, 256
+"""Bytes of a channel that are stored together, and records for which there is always room: the file of a short run
+would be much larger than its records."""
+
 _REMEDY = "make it again with `heavylift simulate CASE --force`"
 
 
@@ -268,6 +273,9 @@ def merge_segments(
     """
     import h5py
 
+    segments = read_segments(segments_folder)
+    first = next(segments, None)
+    expected = 0 if first is None else len(first.times)
     with replacing(file) as temporary, h5py.File(temporary, "w") as target:
         target.attrs["format"] = FORMAT
         target.attrs["channel_order"] = json.dumps([channel.name for channel in channels])
@@ -280,7 +288,7 @@ def merge_segments(
         group = target.create_group("channels")
         for channel in channels:
             width = len(channel.components)
-            rows = max(1, 65536 // (8 * width))
+            rows = max(1, min(CHUNK // (8 * width), max(expected, FEW)))
             dataset = group.create_dataset(
                 channel.name, shape=(0, width), maxshape=(None, width), dtype="f8", chunks=(rows, width)
             )
@@ -290,7 +298,7 @@ def merge_segments(
             words = descriptions.get(channel.name) or descriptions.get(channel.name.rpartition(".")[2], "")
             dataset.attrs["description"] = words
         count = 0
-        for segment in read_segments(segments_folder):
+        for segment in () if first is None else chain((first,), segments):
             end = count + len(segment.times)
             time.resize(end, axis=0)
             time[count:end] = segment.times

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import inspect
 import textwrap
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic.json_schema import GenerateJsonSchema
 
 from heavylift.pipeline.case import Case
+from heavylift.solver.descriptions import described_fields
 
 if TYPE_CHECKING:
     from pydantic.json_schema import JsonSchemaValue
@@ -41,6 +43,15 @@ class _Described(GenerateJsonSchema):
         docs: dict[str, str] = {}
         for base in reversed(section.__mro__):
             docs |= _attribute_docs(base)
+        described = getattr(section, "DESCRIBED", None)
+        if described is not None:
+            found["channels"] = [
+                {"name": channel.name, "quantity": channel.quantity, "sentence": channel.sentence}
+                for channel in described.CHANNELS
+            ]
+            own = {field.name for field in described_fields(described)}
+            for base in reversed(described.__mro__):
+                docs |= {name: text for name, text in _attribute_docs(base).items() if name in own}
         for name, field in section.model_fields.items():
             key = field.alias or name
             if docs.get(name) and key in found.get("properties", {}):
@@ -52,6 +63,7 @@ def _attribute_docs(section: type) -> dict[str, str]:
     """Annotated names of a class and the docstrings below them, which may be empty."""
     if not section.__module__.startswith("heavylift."):
         return {}
+    importlib.import_module(section.__module__)  # of a kind only the description may have been executed
     try:
         source = inspect.getsource(section)
     except OSError:  # a table for one type of values, made from that for any

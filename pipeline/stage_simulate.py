@@ -203,7 +203,12 @@ def _merge(
         "overrides": list(work.case.overrides),
     }
     merge_segments(
-        work.folder.segments, work.folder.results, channels, CHANNEL_DESCRIPTIONS, metadata, meshes
+        work.folder.segments,
+        work.folder.results,
+        channels,
+        CHANNEL_DESCRIPTIONS | {c.name: c.sentence for c in simulation.channels if c.sentence},
+        metadata,
+        meshes,
     )
 
 

@@ -29,6 +29,9 @@ __all__ = [
 
 WELD_TOLERANCE = 1e-7  # of the extent
 
+FEW = 256
+"""Points of which each is compared with each: sooner done than a tree is imported."""
+
 
 @dataclass(frozen=True, eq=False)
 class TriangleSurface:
@@ -260,10 +263,6 @@ def placed(
 
 def _first_of_same_place(points: NDArray[np.float64], reach: float) -> NDArray[np.int64]:
     """Number of the first of the points that lie in one place, for each point, shape (n,)."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
-
     # equal coordinates first, by sorting: a corner of hundreds of triangles would make a pair of each two of them
     order = np.lexsort(points.T)  # stable: the first of equal points is the one with the lowest number
     rows = points[order]
@@ -271,8 +270,11 @@ def _first_of_same_place(points: NDArray[np.float64], reach: float) -> NDArray[n
     group = np.empty(len(points), dtype=np.int64)
     group[order] = np.cumsum(new) - 1
     first = order[new]
-    pairs = cKDTree(points[first]).query_pairs(reach, output_type="ndarray")
+    pairs = _near_pairs(points[first], reach)
     if len(pairs):
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+
         size = first.size
         graph = coo_array((np.ones(len(pairs), dtype=np.int8), pairs.T), shape=(size, size))
         count, part = connected_components(graph, directed=False)
@@ -280,6 +282,17 @@ def _first_of_same_place(points: NDArray[np.float64], reach: float) -> NDArray[n
         np.minimum.at(lowest, part, first)
         first = lowest[part]
     return first[group]
+
+
+def _near_pairs(points: NDArray[np.float64], reach: float) -> NDArray[np.int64]:
+    """Pairs of points that are not farther apart than `reach`, each once, shape (n, 2)."""
+    if len(points) <= FEW:
+        squares = ((points[:, None] - points) ** 2).sum(axis=2)
+        return np.argwhere(np.triu(squares <= reach * reach, 1))
+    from scipy.spatial import cKDTree
+
+    pairs: NDArray[np.int64] = cKDTree(points).query_pairs(reach, output_type="ndarray")
+    return pairs
 
 
 def _smallest_heights(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:

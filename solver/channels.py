@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-__all__ = ["XYZ", "Channel", "add_channels"]
+from heavylift.solver.descriptions import ChannelKind
+
+__all__ = ["XYZ", "Channel", "add_channels", "add_described"]
 
 XYZ = ("x", "y", "z")
 
@@ -24,12 +26,15 @@ class Channel:
         Name of each column.
     column
         Index of the first column.
+    sentence
+        What it is, in words.
     """
 
     name: str
     unit: str
     components: tuple[str, ...]
     column: int
+    sentence: str = ""
 
 
 def add_channels(
@@ -39,4 +44,12 @@ def add_channels(
     for name, unit, components in entries:
         channels.append(Channel(f"{owner}.{name}", unit, components, column))
         column += len(components)
+    return column
+
+
+def add_described(owner: str, kinds: Sequence[ChannelKind], channels: list[Channel], column: int) -> int:
+    """Append channels of an owner from their descriptions; returns the next free column."""
+    for kind in kinds:
+        channels.append(Channel(f"{owner}.{kind.name}", kind.unit, kind.columns, column, kind.sentence))
+        column += len(kind.columns)
     return column

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 
-__all__ = ["PART", "combine", "combine_part", "padded"]
+__all__ = ["PART", "combine", "combine_part", "copy_parts", "padded"]
 
 PART = 8
 """Numbers that are combined together; vectors are padded to a multiple of it."""
@@ -73,3 +73,10 @@ def combine(
     """Row `to` becomes the sum of weighted rows, each of `size` numbers, in a flat array."""
     for i in range(0, size, PART):
         combine_part(values, to * size + i, values, i, size, rows, weights)
+
+
+@kernel(inline=True, internal=True)
+def copy_parts(source: NDArray[np.float64], at: int, to: NDArray[np.float64], to_at: int, count: int) -> None:
+    """Numbers of a flat array into another one, or elsewhere in it; their count is a multiple of `PART`."""
+    for i in range(0, count, PART):
+        combine_part(to, to_at + i, source, at + i, 0, (0,), (1.0,))

@@ -7,6 +7,7 @@ unit a line, and answers with one line.
 from __future__ import annotations
 
 import contextlib
+import gc
 import importlib
 import os
 import pkgutil
@@ -35,7 +36,6 @@ from heavylift.numerics.objects import (
 )
 from heavylift.numerics.sources import edited_since_start
 from heavylift.solver.kinds import kind_units, kinds_with_verbs
-from heavylift.solver.rows import SHAPES, RowSystem
 
 __all__ = ["all_units", "compile_units", "missing_units", "unit_of"]
 
@@ -52,10 +52,9 @@ def all_units() -> dict[str, list[Unit]]:
             importlib.import_module(module.name)
     found: dict[str, list[Unit]] = {}
     for kind in kinds_with_verbs():
-        for own in SHAPES.values() if kind is RowSystem else (kind,):
-            units = list(kind_units(own).values())
-            if units:
-                found[own.__name__] = units
+        units = list(kind_units(kind).values())
+        if units:
+            found[kind.__name__] = units
     for entry in ENTRIES:
         if entry.__module__.startswith("heavylift."):
             found[entry.unit.name] = [entry.unit]
@@ -169,6 +168,8 @@ def _serve() -> None:
             print(FAILED, str(error).replace("\n", " "), sep="\t", flush=True)  # noqa: T201
         else:
             print(DONE, f"{time.process_time() - begin:.3f}", sep="\t", flush=True)  # noqa: T201
+        gc.collect()
+        gc.freeze()  # what is still in use will be to the end: the next search is for what the next unit leaves
 
 
 if __name__ == "__main__":

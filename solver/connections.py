@@ -7,43 +7,71 @@ world axes on the ground). The joint is closed when the two frames fit, each typ
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from enum import Enum
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.scene_bodies import GROUND, Profile
+from heavylift.solver.descriptions import XYZ, ChannelKind, Family
+from heavylift.solver.scene_bodies import GROUND
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = [
+    "ANGLE_CHANNELS",
     "GROUND",
-    "Ball",
-    "Cylindrical",
-    "Distance",
-    "EdgeClamp",
-    "EdgeHinge",
-    "FixedJoint",
-    "Hinge",
+    "JOINTS",
+    "PAIR_FORCES",
+    "REACTION_FORCE",
+    "REACTION_MOMENT",
+    "TRAVEL_CHANNELS",
+    "EdgeJoint",
     "Joint",
     "JointFrame",
     "JointMotor",
     "JointSpring",
     "Limits",
-    "Planar",
+    "PairForce",
+    "Place",
     "Rope",
     "RopePoint",
-    "Slider",
-    "SliderHinge",
     "Spring",
     "SpringRope",
-    "Universal",
     "Winch",
     "axes_about",
     "frame_in_body",
 ]
+
+
+class Place(Enum):
+    """What a case file says of where a joint is."""
+
+    POINT = "point"
+    """A point for both sides, or one each."""
+    AXIS = "axis"
+    """And an axis for both sides, or one each: z of the joint frames."""
+    CROSS = "cross"
+    """And a second axis for the other side."""
+    APART = "apart"
+    """Two points."""
+    EDGE = "edge"
+    """Edges of shells."""
+
+
+REACTION_FORCE = ChannelKind("reaction_force", "force", "force on side b, world axes", XYZ)
+REACTION_MOMENT = ChannelKind(
+    "reaction_moment", "moment or energy", "moment on side b at its point, world axes", XYZ
+)
+ANGLE_CHANNELS = (
+    ChannelKind("angle", "angle", "angle of side b to side a about the axis of the joint"),
+    ChannelKind("angular_rate", "angular velocity", "rate of that angle"),
+)
+TRAVEL_CHANNELS = (
+    ChannelKind("travel", "length", "travel of side b to side a along the axis of the joint"),
+    ChannelKind("travel_rate", "velocity", "rate of that travel"),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +128,10 @@ def frame_in_body(
     orientation: NDArray[np.float64],
 ) -> JointFrame:
     """Joint frame of a body from a point [m] and axes in the world and the pose of the body."""
+    from heavylift.numerics.rotation import (
+        rotation_matrix,  # compiled code, which who reads a case does not need
+    )
+
     R = rotation_matrix(orientation)
     return JointFrame(R.T @ (np.asarray(point, dtype=np.float64) - position), R.T @ axes)
 
@@ -116,7 +148,7 @@ class Limits:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Joint:
-    """What all joints have.
+    """What all joints have. Each sort is a subclass in a file of `heavylift.solver.joints`, see `JOINTS`.
 
     Attributes
     ----------
@@ -132,6 +164,17 @@ class Joint:
         Time in which a violation decays (its ``tau``) [s]; a compliant joint is damped by it.
     """
 
+    WORD: ClassVar[str]
+    """Its type in a case file."""
+    PLACE: ClassVar[Place] = Place.POINT
+    """What a case file says of where it is."""
+    ROTATIONAL: ClassVar[tuple[bool, ...]] = ()
+    """Whether each of its rows is an angle, not a length."""
+    CHANNELS: ClassVar[tuple[ChannelKind, ...]] = (REACTION_FORCE, REACTION_MOMENT)
+    """What it records, in the order of its columns."""
+    COORDINATE: ClassVar[Literal["", "angle", "travel"]] = ""
+    """The one scalar on which springs, motors, stops and friction act, if it has one."""
+
     name: str
     body_a: str
     body_b: str
@@ -140,94 +183,20 @@ class Joint:
     compliance: float = 0.0
     relaxation: float = 0.0
 
+    @property
+    def kind_module(self) -> str:
+        """Module with the function `pack` that makes the kind of such joints."""
+        return type(self).__module__
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Ball(Joint):
-    """The two points coincide: 3 rows."""
+    @property
+    def rotational(self) -> tuple[bool, ...]:
+        """Whether each of its rows is an angle."""
+        return self.ROTATIONAL
 
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Universal(Joint):
-    """The points coincide, and z of a stays square to z of b: 4 rows."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Hinge(Joint):
-    """The points and the z axes coincide: 5 rows. The angle turns x of a into x of b about z.
-
-    Attributes
-    ----------
-    drive
-        The angle as a function of time [rad]: one row more.
-    limits
-        Stops of the angle.
-    friction
-        Dry friction torque [N m].
-    """
-
-    drive: Profile | None = None
-    limits: Limits | None = None
-    friction: float = 0.0
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Cylindrical(Joint):
-    """The point of b slides along z of a, and the z axes are parallel: 4 rows."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Slider(Joint):
-    """The point of b slides along z of a without turning: 5 rows. The travel is measured along z of a.
-
-    Attributes
-    ----------
-    drive
-        The travel as a function of time [m]: one row more.
-    limits
-        Stops of the travel.
-    friction
-        Dry friction force [N].
-    """
-
-    drive: Profile | None = None
-    limits: Limits | None = None
-    friction: float = 0.0
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SliderHinge(Joint):
-    """The point of b slides along an axis of a, and b turns about z of a: 4 rows.
-
-    Attributes
-    ----------
-    slide_axis
-        Direction of the travel in the joint frame of a, any length, shape (3,).
-    """
-
-    slide_axis: NDArray[np.float64] = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class FixedJoint(Joint):
-    """The two frames coincide: 6 rows. A frame of ANCF elements keeps its tangent, 5 rows: it has no torsion."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Planar(Joint):
-    """The point of b stays in the plane of x and y of a, and the z axes are parallel: 3 rows."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Distance(Joint):
-    """The distance of the two points is kept: 1 row.
-
-    Attributes
-    ----------
-    length
-        [m]; the distance at the start if None.
-    """
-
-    length: float | None = None
+    @property
+    def travel_axis(self) -> NDArray[np.float64]:
+        """Direction of its travel in the joint frame of a, any length, shape (3,)."""
+        return np.array([0.0, 0.0, 1.0])
 
 
 def _no_nodes() -> NDArray[np.int64]:
@@ -235,8 +204,8 @@ def _no_nodes() -> NDArray[np.int64]:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class EdgeHinge(Joint):
-    """An edge of a shell turns about itself on the ground, a body or the edge of another shell.
+class EdgeJoint(Joint):
+    """An edge of a shell on the ground, a body or the edge of another shell.
 
     All along the edge, not in its nodes alone: nodes and tangents of the edge are kept. It stays straight on a
     rigid or floating body, and bends with the edge of another shell. Joint frames are not used; what counts is
@@ -250,24 +219,47 @@ class EdgeHinge(Joint):
         Those of `body_b` at the same places, if that is a shell.
     """
 
+    PLACE: ClassVar = Place.EDGE
+
     nodes_a: NDArray[np.int64]
     nodes_b: NDArray[np.int64] = field(default_factory=_no_nodes)
+
+
+JOINTS: Family[Joint] = Family("joint", "heavylift.solver.joints")
+"""All sorts of joints, by their types in a case file."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class EdgeClamp(Joint):
-    """An edge of a shell is built in: as `EdgeHinge`, and the surface keeps its angle to the other side.
+class PairForce:
+    """What all forces between two points have. Each sort is a subclass in a file of `heavylift.solver.forces`.
 
-    Stretch and shear angle of the surface stay free at the edge.
+    Its module has a function ``pack(forces, columns, book)`` that makes the kind from its members, the first record
+    column of each and the book of markers; its kind implements `add_forces` and `record_forces`.
 
     Attributes
     ----------
-    nodes_a, nodes_b
-        As in `EdgeHinge`.
+    name
+        Prefix of its channels.
+    body_a, point_a, body_b, point_b
+        Ends: body (or `GROUND`) and point in its frame [m], shape (3,).
     """
 
-    nodes_a: NDArray[np.int64]
-    nodes_b: NDArray[np.int64] = field(default_factory=_no_nodes)
+    WORD: ClassVar[str]
+    """Its type in a case file."""
+    CHANNELS: ClassVar[tuple[ChannelKind, ...]]
+    """What it records, in the order of its columns."""
+
+    name: str
+    body_a: str
+    point_a: NDArray[np.float64]
+    body_b: str
+    point_b: NDArray[np.float64]
+
+
+PAIR_FORCES: Family[PairForce] = Family(
+    "force", "heavylift.solver.forces", ("point", "spring", "joint_spring", "motor")
+)
+"""All sorts of forces between two points, by their types in a case file."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -8,7 +8,11 @@ kind of body is behind them.
 
 from __future__ import annotations
 
+from abc import ABCMeta, abstractmethod
+from typing import ClassVar
+
 import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1, Floats3
 from heavylift.numerics.records import Record, Records, Vector, records
@@ -22,7 +26,9 @@ __all__ = [
     "RECORD",
     "ROWS",
     "Bodies",
+    "BodyKind",
     "Control",
+    "Coordinates",
     "Forces",
     "Joints",
     "Marker",
@@ -39,14 +45,9 @@ __all__ = [
     "begin_stage",
     "check",
     "close_step",
-    "collect_load",
     "complete",
     "complete_accelerations",
-    "complete_rates",
-    "complete_thesis",
     "correct",
-    "correct_rows",
-    "displace",
     "end_rows",
     "end_velocity",
     "estimate_error",
@@ -56,15 +57,9 @@ __all__ = [
     "fill_rows",
     "finish",
     "free_acceleration",
-    "gather_reactions",
-    "gather_rows",
     "iterate",
     "joint_rows",
-    "load_state",
-    "measure_error",
-    "move",
     "predict",
-    "put_velocity",
     "record",
     "record_forces",
     "record_joints",
@@ -77,10 +72,8 @@ __all__ = [
     "solve_again",
     "solve_end",
     "solve_midpoint",
-    "spread_impulses",
     "start",
     "store_state",
-    "survey",
     "thesis_advance",
     "thesis_velocity",
     "update_rows",
@@ -95,8 +88,47 @@ NO_CORNERS = np.zeros(0)
 ENERGY_NAMES = ("kinetic", "elastic", "potential", "external_work", "drive_work", "dissipated")
 
 
+class BodyKind(Arrays, metaclass=ABCMeta):
+    """Base of all kinds of bodies: what Python asks of them before time starts.
+
+    Vectors are those of the whole scene, of which a kind reads and writes the places of its bodies. After a change of
+    poses or velocities `start` completes the state.
+    """
+
+    @abstractmethod
+    def survey(
+        self, places: NDArray[np.float64], inertia: NDArray[np.float64], velocity: NDArray[np.float64]
+    ) -> None:
+        """Write where the bodies are, how heavy and how fast.
+
+        Parameters
+        ----------
+        places
+            By number of the body, shape (bodies, 8): its first velocity, the point [m] whose velocity that is, and the
+            quaternion of the axes of its spin.
+        inertia
+            By velocity, shape (dof_count,): a characteristic mass [kg, kg m2, 1], 0 if it is prescribed.
+        velocity
+            Carried velocities [m/s, rad/s, modal], shape (dof_count,).
+        """
+
+    @abstractmethod
+    def move(self, increment: NDArray[np.float64]) -> None:
+        """Displace along the exponential map by velocity coordinates [m, rad, modal], shape (dof_count,)."""
+
+    @abstractmethod
+    def put_velocity(self, velocity: NDArray[np.float64]) -> None:
+        """Take velocities [m/s, rad/s, modal], shape (dof_count,), and forget accelerations."""
+
+    @abstractmethod
+    def collect_load(self, work: Workspace, load: NDArray[np.float64]) -> None:
+        """Add gravity, forces of the markers and own elasticity at rest [N, N m, modal], shape (dof_count,)."""
+
+
 class Bodies(Table):
     """Kinds of bodies of a scene."""
+
+    members: ClassVar[type] = BodyKind
 
 
 class Forces(Table):
@@ -135,7 +167,7 @@ class Control(Record):
     step_count
         Steps done.
     changed
-        Laws that moved in the last iteration.
+        Laws that moved in the last round of an iteration, and bodies that corrected their velocities or iterate.
     corner
         Number of the next corner.
     split
@@ -173,6 +205,34 @@ class Marker(Record):
     bias: Vector
 
 
+class Coordinates(Record):
+    """Coordinates of a body in a state vector of the accurate integrator, which follow its velocities.
+
+    They are a pose, or nodal vectors. A pose has seven numbers, position and quaternion, and six velocities, those of
+    the position and the spin in the axes of the quaternion. Nodal vectors have as many velocities as numbers. Kinds
+    that the integrator serves say them by `place_coordinates`, and their values at the start by `write_state`.
+
+    Attributes
+    ----------
+    number, motion
+        Of the body; and whether it is `FREE`, `FIXED` or `DRIVEN`.
+    place, velocity
+        In a state vector, of the coordinates and of their velocities.
+    count, stride
+        Numbers of nodal vectors, 0 of a pose; from one node to the next. A node begins with its position.
+    reach
+        Of a pose: distance of what is attached [m]; else extension of the body.
+    """
+
+    number: int
+    motion: int
+    place: int
+    velocity: int
+    count: int
+    stride: int
+    reach: float
+
+
 class Sums(Record):
     """What concerns all bodies: acceleration of gravity [m/s2], energies [J], momenta about the world origin.
 
@@ -206,6 +266,9 @@ class Workspace(Arrays):
         See there.
     corners
         Times at which an adaptive step must end [s].
+    row_force
+        Forces ``G^T reaction`` of the rows on all bodies but free rigid ones, by velocity [N, N m, modal], shape
+        (dof_count,); set while a record is written, for reactions of held bodies.
     """
 
     velocity: Floats1
@@ -215,6 +278,7 @@ class Workspace(Arrays):
     control: Control
     corners: Floats1
     status: Status
+    row_force: Floats1
 
     @classmethod
     def empty(
@@ -229,6 +293,7 @@ class Workspace(Arrays):
             control=Control.one(),
             corners=corners,
             status=Status.one(),
+            row_force=np.zeros(velocities),
         )
 
 
@@ -259,24 +324,25 @@ def factor(kinds: Bodies, step: float, work: Workspace) -> None:
 
 @optional()
 def correct(kinds: Bodies, step: float, work: Workspace) -> None:
-    """Bodies with quadratic velocity forces: re-evaluate these at the velocity found, solve with the same factor."""
+    """Bodies with quadratic velocity forces: re-evaluate these at the velocity found, solve with the same factor.
+
+    Counted in `control.changed` if velocities have changed: then rows are solved again.
+    """
 
 
 @optional()
-def correct_rows(
-    kinds: Bodies, systems: Systems, joints: Joints, work: Workspace, time: float, step: float
+def solve_again(
+    kinds: Systems, all_systems: Systems, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
-    """Bodies that implement `correct`: call `solve_again`. A scene without them solves its rows once."""
-
-
-@optional()
-def solve_again(kinds: Systems, joints: Joints, work: Workspace, time: float, step: float) -> None:
-    """Rows: once more with the factor of the midpoint, after free velocities have changed."""
+    """Rows: once more with the factors of the midpoint, after free velocities have changed."""
 
 
 @optional()
 def complete(kinds: Bodies, systems: Systems, at_midpoint: bool, step: float, work: Workspace) -> None:
-    """Bodies that rows see through bases: all their velocities, once the impulses of the rows are known."""
+    """Bodies that rows see through bases: all their velocities, once the impulses of the rows are known.
+
+    Those of the midpoint, or in the first-order scheme what stands for them; or the change by a projection at the end.
+    """
 
 
 @optional()
@@ -301,7 +367,7 @@ def advance(kinds: Bodies, time: float, step: float, work: Workspace) -> None:
     """Bodies: configuration and momenta to the end of the step, work of the forces."""
 
 
-@generic()
+@generic("thesis")
 def write_velocity(kinds: Bodies, work: Workspace) -> None:
     """Bodies: velocities of the carried state into the workspace."""
 
@@ -329,11 +395,6 @@ def apply_inverse(kinds: Bodies, at_midpoint: bool, system: RowArrays) -> None:
 @optional()
 def add_row_work(kinds: Bodies, weight: float, work: Workspace, system: RowArrays) -> None:
     """Bodies with drives: work of the impulses of the rows, times a weight, on the prescribed velocities."""
-
-
-@optional("record")
-def gather_reactions(kinds: Bodies, fresh: bool, system: RowArrays) -> None:
-    """Bodies that are held: forces ``G^T reaction`` of the rows at the carried state, added unless fresh."""
 
 
 @generic()
@@ -379,11 +440,6 @@ def thesis_velocity(kinds: Bodies, time: float, step: float, work: Workspace) ->
 
 
 @optional("thesis")
-def complete_thesis(kinds: Bodies, systems: Systems, work: Workspace) -> None:
-    """Bodies that rows see through bases: all their end velocities of the first-order scheme."""
-
-
-@optional("thesis")
 def thesis_advance(kinds: Bodies, time: float, step: float, work: Workspace) -> None:
     """Bodies: configuration by the end velocity."""
 
@@ -408,12 +464,13 @@ def add_totals(kinds: Bodies, work: Workspace) -> None:
     """Bodies: add energies, works and momenta of the carried state to the totals."""
 
 
-# ---- of systems of rows, in the order of a step ----
+# ---- of systems of rows, in the order of a step: joints are served first, contacts ask them to respond ----
 
 
 @optional()
 def solve_midpoint(
     kinds: Systems,
+    all_systems: Systems,
     bodies: Bodies,
     joints: Joints,
     work: Workspace,
@@ -421,21 +478,36 @@ def solve_midpoint(
     step: float,
     nominal: float,
 ) -> None:
-    """Rows: velocities of the midpoint from free ones; the factor stays for `correct_impulses`."""
+    """Rows: velocities of the midpoint from free ones; the factor stays for `solve_again`.
+
+    Positions are corrected over the nominal step, of which the step may be a part.
+    """
 
 
 @optional()
 def end_rows(
     kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
-    """Rows: what they carry over the step; end velocities, markers there."""
+    """Rows: what they carry over the step; end velocities, markers there, gaps there.
+
+    `work.control.split` is set where contacts find an impact within the step: then all of it has to be taken back.
+    """
 
 
 @optional()
 def solve_end(
-    kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
+    kinds: Systems,
+    all_systems: Systems,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    step: float,
 ) -> None:
-    """Rows: project the velocities onto the rigid rows at the end of the step."""
+    """Rows: project the velocities at the end of the step onto the rigid rows there, and onto what is closed; impacts.
+
+    `work.control.split` is set where impulses are not found: then all of the step has to be taken back.
+    """
 
 
 @optional()
@@ -444,28 +516,24 @@ def close_step(kinds: Systems, all_systems: Systems, bodies: Bodies, work: Works
 
 
 @optional("record")
-def gather_rows(kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float) -> None:
-    """Rows at the carried state for a record: an integrator need not have left them there."""
+def record_rows(
+    kinds: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, row: Floats1
+) -> None:
+    """Rows: find them at the carried state, where an integrator need not have left them, and record them.
 
-
-@optional("record")
-def record_rows(kinds: Systems, joints: Joints, work: Workspace, time: float, row: Floats1) -> None:
-    """Rows: joints into their columns, monitors into the last of them."""
+    Joints go into their columns, monitors into the last of them, energies into the totals, and forces to the bodies
+    that are held.
+    """
 
 
 # ---- of the accurate integrator, whose state is a vector: velocities, then configurations, then works ----
 
 
 @optional("accurate")
-def load_state(kinds: Bodies, values: Floats1, at: int, work: Workspace) -> None:
-    """Bodies: write the carried state into the state vector that begins at a place of a flat array."""
-
-
-@optional("accurate")
-def begin_stage(kinds: Bodies, time: float, values: Floats1, at: int, rate: int, work: Workspace) -> None:
+def begin_stage(kinds: Bodies, time: float, values: Floats1, at: int, work: Workspace) -> None:
     """Bodies: take the state vector at `at`, and fill the markers with rates and second rates.
 
-    Prescribed motion is written into the state vector, the rates of the configuration into the vector at `rate`.
+    Prescribed motion is written into the state vector.
     """
 
 
@@ -476,58 +544,11 @@ def free_acceleration(kinds: Bodies, values: Floats1, at: int, work: Workspace) 
 
 @optional("accurate")
 def complete_accelerations(
-    kinds: Bodies, systems: Systems, values: Floats1, rate: int, work: Workspace
+    kinds: Bodies, systems: Systems, with_forces: bool, values: Floats1, rate: int
 ) -> None:
-    """Bodies that rows see through bases: all their accelerations into the vector at `rate`, by the impulses."""
+    """Bodies that rows see through bases: changes of all velocities by impulses, and by forces, into a state vector."""
 
 
 @optional("accurate")
-def spread_impulses(
-    kinds: Bodies, systems: Systems, values: Floats1, at: int, of_velocity: bool, work: Workspace
-) -> None:
-    """Bodies that rows see through bases: what impulses change in their coordinates, or in their velocities."""
-
-
-@optional("accurate")
-def displace(kinds: Bodies, values: Floats1, at: int, work: Workspace) -> None:
-    """Bodies: displace the configuration by `work.velocity`, as if it were a velocity over one second."""
-
-
-@optional("accurate")
-def complete_rates(kinds: Bodies, values: Floats1, at: int, rate: int, second: int, work: Workspace) -> None:
-    """Bodies: rates of the configuration at a state vector, and second rates from these and the accelerations."""
-
-
-@optional("accurate")
-def measure_error(kinds: Bodies, values: Floats1, fifth: int, third: int, work: Workspace) -> None:
-    """Bodies: raise `work.control.error` to the largest error [m/s] of a point, of two vectors of velocity errors."""
-
-
-@optional("accurate")
-def store_state(kinds: Bodies, time: float, values: Floats1, at: int, rate: int, work: Workspace) -> None:
-    """Bodies: carried state, and velocities of the state vector, from a configuration and its rates."""
-
-
-@generic()
-def survey(kinds: Bodies, places: Floats1, inertia: Floats1, velocity: Floats1) -> None:
-    """Bodies, in Python before the start: where they are, how heavy, how fast.
-
-    Into the row of each body of `places`, shape (bodies, 8): its first velocity, the point [m] whose velocity
-    that is, and the quaternion of the axes of its spin. Into `inertia`, by velocity: a characteristic mass
-    [kg, kg m2, 1], 0 if it is prescribed. Into `velocity`: the carried velocities.
-    """
-
-
-@generic()
-def move(kinds: Bodies, increment: Floats1) -> None:
-    """Bodies, in Python before the start: displace by a vector in velocity coordinates, along the exponential map."""
-
-
-@generic()
-def put_velocity(kinds: Bodies, velocity: Floats1) -> None:
-    """Bodies, in Python before the start: take velocities, forget accelerations; `start` completes the state."""
-
-
-@generic()
-def collect_load(kinds: Bodies, work: Workspace, load: Floats1) -> None:
-    """Bodies, in Python before the start: add gravity, marker forces and own elasticity at rest, shape (dof_count,)."""
+def store_state(kinds: Bodies, time: float, values: Floats1, at: int, work: Workspace) -> None:
+    """Bodies: carried state from the state vector at `at`, prescribed motion as it is at a time."""

@@ -16,7 +16,7 @@ import importlib
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache, update_wrapper
-from typing import Any, ClassVar, Self, overload
+from typing import Any, ClassVar, Self, TypeVar, cast, overload
 
 import llvmlite.binding as llvm
 import numpy as np
@@ -50,6 +50,7 @@ from heavylift.numerics.objects import (
     native_function,
     to_words,
 )
+from heavylift.numerics.objects import signature as declared_signature
 
 __all__ = [
     "STEP",
@@ -60,9 +61,12 @@ __all__ = [
     "implement",
     "kind_units",
     "kinds_with_verbs",
+    "method",
     "optional",
     "tables_in",
 ]
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 WORD_BYTES = 8
 
@@ -71,9 +75,21 @@ STEP = "step"
 
 
 class Table(Sequence[Any]):
-    """Kinds that are served together; a subclass says which verbs it knows: those whose first parameter it is."""
+    """Kinds that are served together; a subclass says which verbs it knows: those whose first parameter it is.
+
+    Attributes
+    ----------
+    members
+        Base of the kinds that it takes.
+
+    Raises
+    ------
+    TypeError
+        If a kind is not made from that base.
+    """
 
     verbs: ClassVar[list[Any]] = []
+    members: ClassVar[type] = object
 
     def __init_subclass__(cls) -> None:
         """Every class of tables has verbs of its own."""
@@ -81,6 +97,11 @@ class Table(Sequence[Any]):
 
     def __init__(self, kinds: Iterable[Any] = (), groups: Iterable[str] | None = None) -> None:
         self.kinds = tuple(kinds)
+        for kind in self.kinds:
+            if not isinstance(kind, self.members):
+                raise TypeError(
+                    f"{type(kind).__name__} among {type(self).__name__}: expected a {self.members.__name__}"
+                )
         self.groups = None if groups is None else frozenset(groups)
         self._memory: Any = None
         self._kept: list[Any] = []
@@ -401,7 +422,45 @@ def implement(verb: Verb, kind: type) -> Callable[[Callable[..., Any]], Callable
 
 
 _VERBS_OF: dict[type, list[Verb]] = {}
+_METHODS_OF: dict[type, list[Method]] = {}
 _KINDS: dict[str, type] = {}
+
+
+class Method:
+    """What `method` makes of a kernel; see there."""
+
+    def __init__(self, function: Any, group: str) -> None:
+        update_wrapper(self, function)
+        self.kernel, self.group, self.name = function, group, function.__name__
+        self._native: dict[type, Callable[..., Any]] = {}
+        (of, *_), _ = declared_signature(getattr(function, "py_func", function))
+        _METHODS_OF.setdefault(of.group, []).append(self)
+
+    def __call__(self, kind: Any, *arguments: Any) -> Any:
+        """Serve one kind from Python."""
+        if not isinstance(self.kernel, Dispatcher):
+            return self.kernel(kind, *arguments)
+        if type(kind) not in self._native:
+            unit, symbol = kind_units(type(kind))[self.group], _symbol(type(kind), self)
+            _, parameters, result = unit.entries[symbol]
+            self._native[type(kind)] = native_function(load_unit(unit).addresses[symbol], parameters, result)
+        return self._native[type(kind)](kind, *arguments)
+
+
+def method(group: str) -> Callable[[F], F]:
+    """Let Python call a kernel on a single kind, before time starts: no verb, for no kernel and no table knows it.
+
+    Parameters
+    ----------
+    group
+        It is compiled with the verbs of this group of its kind.
+
+    Returns
+    -------
+    callable
+        Takes a kernel with annotations that say all types, the first of them the class of the kind or a base of some.
+    """
+    return lambda function: cast("Any", Method(function, group))
 
 
 @cache
@@ -430,13 +489,20 @@ def _name(kind: type) -> str:
     return kind.__name__ if kind.__module__.startswith("heavylift.") else f"{kind.__module__}.{kind.__name__}"
 
 
-def _symbol(kind: type, verb: Verb) -> str:
+def _symbol(kind: type, verb: Verb | Method) -> str:
     return f"{_name(kind)}.{verb.name}"
 
 
 def kinds_with_verbs() -> list[type]:
-    """Kinds of the package that have versions of verbs, of the modules that are imported."""
-    return [kind for kind in _VERBS_OF if kind.__module__.startswith("heavylift.")]
+    """Kinds of the package that have versions of verbs, of the modules that are imported; bases of kinds are none."""
+    found = {kind: None for base in _VERBS_OF for kind in _final(base)}
+    return [kind for kind in found if kind.__module__.startswith("heavylift.")]
+
+
+def _final(base: type) -> list[type]:
+    """Classes that are made from one, itself included, and that no other one is made from."""
+    own: list[type] = base.__subclasses__()
+    return [kind for one in own for kind in _final(one)] if own else [base]
 
 
 def _kind_units(kind: Any) -> dict[str, Unit]:
@@ -456,6 +522,12 @@ def _kind_units(kind: Any) -> dict[str, Unit]:
             types_of = (Reference(kind), *verb.parameters)
             entries.setdefault(verb.group, {})[_symbol(kind, verb)] = function, types_of, types.none
             modules.setdefault(verb.group, set()).add(function.py_func.__module__)
+        for called in _METHODS_OF.get(base, ()):
+            if isinstance(called.kernel, Dispatcher):
+                (_, *parameters), result = declared_signature(called.kernel.py_func)
+                entry = called.kernel, (Reference(kind), *parameters), result
+                entries.setdefault(called.group, {})[_symbol(kind, called)] = entry
+                modules.setdefault(called.group, set()).add(called.kernel.py_func.__module__)
     return {
         group: Unit(
             _name(kind) if group == STEP else f"{_name(kind)}.{group}",

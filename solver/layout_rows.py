@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.solver.channels import Channel, add_channels
+from heavylift.solver.channels import Channel, add_channels, add_described
+from heavylift.solver.connections import PairForce
 from heavylift.solver.coordinates import attachments, first_dofs, inverse_masses, inverse_scales
 from heavylift.solver.interface import FORCES
 from heavylift.solver.markers import MarkerBook
@@ -122,15 +124,16 @@ def _pack(
         from heavylift.solver.layout_sea import pack_sea
 
         packed.sea, packed.column = pack_sea(scene, book, packed.channels, packed.column)
+    _pack_pair_forces(scene, packed)
     attachment = attachments(ordered, first_dofs(ordered, bases), bases)
     make_system: Any = None
     if scene.joints:
-        from heavylift.solver.joints.registry import joint_channels, pack_joints
+        from heavylift.solver.joints.registry import pack_joints
 
         columns = []
         for joint in scene.joints:
             columns.append(packed.column)
-            packed.column = add_channels(joint.name, joint_channels(joint), packed.channels, packed.column)
+            packed.column = add_described(joint.name, joint.CHANNELS, packed.channels, packed.column)
         packed.joints, make_system, packed.block_names = pack_joints(
             scene.joints, columns, book, attachment, inverse_scales(ordered), ordered
         )
@@ -138,7 +141,7 @@ def _pack(
     if laws is not None:
         packed.joints += tuple(laws.joints)
         packed.block_names += laws.block_names
-        packed.forces = laws.forces
+        packed.forces += laws.forces
     markers = _contact_markers(scene, book)
     if scene.joints or laws is not None or scene.touches:
         inverse_mass = inverse_masses(ordered, bases)
@@ -160,6 +163,18 @@ def _pack(
         if scene.touches:
             _add_contacts(scene, ordered, packed, markers, attachment, inverse_mass)
     return packed
+
+
+def _pack_pair_forces(scene: Scene, packed: PackedConnections) -> None:
+    """Forces between two points, one kind a sort, with their channels."""
+    groups: dict[str, list[tuple[PairForce, int]]] = {}
+    for force in scene.forces:
+        if isinstance(force, PairForce):
+            groups.setdefault(type(force).__module__, []).append((force, packed.column))
+            packed.column = add_described(force.name, force.CHANNELS, packed.channels, packed.column)
+    for module, members in groups.items():
+        pack = importlib.import_module(module).pack
+        packed.forces.append(pack([force for force, _ in members], [at for _, at in members], packed.book))
 
 
 def _contact_markers(scene: Scene, book: MarkerBook) -> list[Any]:
@@ -234,7 +249,7 @@ def _pack_laws(
 
 def _has_laws(scene: Scene) -> bool:
     """Whether there is anything beside joints, gravity and point forces."""
-    plain = all(isinstance(force, (Gravity, PointForce)) for force in scene.forces)
+    plain = all(isinstance(force, (Gravity, PointForce, PairForce)) for force in scene.forces)
     cornered = any(
         getattr(joint, "limits", None) is not None or getattr(joint, "friction", 0.0) != 0.0
         for joint in scene.joints

@@ -9,10 +9,11 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.rows import (
     DIAGONAL,
     FACTORED,
+    PRESCRIBED,
     RowArrays,
 )
 
-__all__ = ["add_impulses", "row_power"]
+__all__ = ["add_impulses", "add_reactions", "row_power"]
 
 
 @kernel(internal=True)
@@ -34,6 +35,23 @@ def add_impulses(system: RowArrays, velocity: NDArray[np.float64], factor: float
             if holder == DIAGONAL:
                 total *= system.inverse_mass[dof + k]
             velocity[dof + k] += factor * total
+
+
+@kernel(internal=True)
+def add_reactions(system: RowArrays, force: NDArray[np.float64]) -> None:
+    """``F += G^T reaction``, by velocity, shape (dof_count,), but on free rigid bodies, which nobody asks for it."""
+    lanes = system.lanes
+    for i in range(system.attachments.shape[0]):
+        holder = system.attachments[i].holder
+        if holder != PRESCRIBED and holder != FACTORED:  # noqa: PLR1714  a set costs time here
+            continue
+        dof, panel = system.attachments[i].dof, system.attachments[i].panel
+        reaction = system.rows[system.attachments[i].owner].reaction
+        for k in range(system.attachments[i].width):
+            total = 0.0
+            for r in range(lanes):
+                total += system.panels[panel + k * lanes + r] * reaction[r]
+            force[dof + k] += total
 
 
 @kernel(internal=True)

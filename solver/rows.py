@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1, Ints1
+from heavylift.numerics.block_pattern import FactorColumn, LowerBlock
 from heavylift.numerics.elimination import eliminate
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import LaneRecords, Lanes, Record, Records, known_lanes, lane_records, records
@@ -111,33 +112,6 @@ class Side(Record):
     panel: int
     holder: int
     owner: int
-
-
-class Column(Record):
-    """A column of the factor, in the order of elimination.
-
-    Attributes
-    ----------
-    node, pivot
-        Which, and where its pivot is in the blocks.
-    lower, lower_count
-        First of its blocks below, and how many.
-    update
-        First of the places that their products change.
-    """
-
-    node: int
-    lower: int
-    lower_count: int
-    update: int
-    pivot: int
-
-
-class LowerBlock(Record):
-    """A block below a pivot: its node, and its place in the blocks."""
-
-    node: int
-    place: int
 
 
 class Product(Record):
@@ -239,10 +213,9 @@ class RowSystem(RowArrays):
         "heavylift.solver.integrate.row_stage",
         "heavylift.solver.integrate.row_thesis",
         "heavylift.solver.integrate.accurate_rows",
-        "heavylift.solver.integrate.rows_at_rest",
     )
 
-    columns: Records[Column]
+    columns: Records[FactorColumn]
     lower: Records[LowerBlock]
     updates: Ints1
     pairs: Records[Product]
@@ -391,7 +364,7 @@ def pack_rows(
     return SHAPES[rows](
         lanes=lanes,
         attachments=attachments,
-        columns=records(Column, columns),
+        columns=records(FactorColumn, columns),
         lower=records(LowerBlock, lower),
         updates=np.array(updates, dtype=np.int64),
         pairs=table,

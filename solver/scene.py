@@ -22,7 +22,15 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.solver.collisions import Collision, CollisionSurface
-    from heavylift.solver.connections import Joint, JointMotor, JointSpring, Rope, Spring, SpringRope
+    from heavylift.solver.connections import (
+        Joint,
+        JointMotor,
+        JointSpring,
+        PairForce,
+        Rope,
+        Spring,
+        SpringRope,
+    )
     from heavylift.solver.contacts import Contact, Contour
     from heavylift.solver.meshes import MeshBody
     from heavylift.solver.seas import Sea
@@ -92,7 +100,7 @@ class Scene:
     """Everything that is simulated together."""
 
     bodies: tuple[AnyBody, ...]
-    forces: tuple[Gravity | PointForce | Spring | JointSpring | JointMotor, ...] = ()
+    forces: tuple[Gravity | PointForce | PairForce | Spring | JointSpring | JointMotor, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     joints: tuple[Joint, ...] = ()
     ropes: tuple[Rope | SpringRope, ...] = ()

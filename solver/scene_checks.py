@@ -7,7 +7,16 @@ from typing import Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, Joint, JointMotor, JointSpring, Rope, Spring, SpringRope
+from heavylift.solver.connections import (
+    GROUND,
+    Joint,
+    JointMotor,
+    JointSpring,
+    PairForce,
+    Rope,
+    Spring,
+    SpringRope,
+)
 from heavylift.solver.meshes import MeshBody
 from heavylift.solver.scene import AnyBody, FlexibleBody, Gravity, PointForce, RigidBody, Scene
 
@@ -29,7 +38,7 @@ def check_scene(scene: Scene) -> None:
         raise InputError("no body", source="scene", expected="at least one")
     kinds = (
         (scene.bodies, (FlexibleBody, RigidBody, MeshBody), "bodies"),
-        (scene.forces, (Gravity, PointForce, Spring, JointSpring, JointMotor), "forces"),
+        (scene.forces, (Gravity, PointForce, PairForce, Spring, JointSpring, JointMotor), "forces"),
         (scene.joints, (Joint,), "joints"),
         (scene.ropes, (Rope, SpringRope), "ropes"),
     )

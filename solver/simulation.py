@@ -224,6 +224,8 @@ class Simulation:
         layout.work.control.next_step = FIRST_STEP * self.step if self.tolerance else self.step
         if layout.joints or self._start_mode in AT_REST:
             self._fit_joints()
+        if self.integrator == "accurate":
+            layout.systems[-1].take_start(layout.bodies)
         if self._touches:
             from heavylift.solver.contact.check_start import start_contacts
 

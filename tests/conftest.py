@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from pathlib import Path
 
@@ -18,6 +19,12 @@ def pytest_sessionstart(session: pytest.Session) -> None:
         from heavylift.pipeline.log import Log
 
         compile_kinds((), Log())
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Modules and what is compiled of them stay: cycles are sought among what tests make, and not at each turn."""
+    gc.freeze()
+    gc.set_threshold(100_000, 10, 10)
 
 
 @pytest.fixture(scope="session")

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.rotation import write_rotation_matrix
 from heavylift.numerics.small import cross, rotate, rotate_back
 from heavylift.solver.bodies.floating_frame import FloatingFrameBodies
 from heavylift.solver.bodies.floating_frame_inertia import deformed_inertia, stacked_products
 from heavylift.solver.bodies.floating_frame_markers import add_joint_forces
-from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of, write_frame
+from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of
+from heavylift.solver.bodies.frame_motion import add_momenta, pose_stage, write_motion
 from heavylift.solver.interface import Sums, Workspace
 
 __all__ = [
@@ -36,11 +36,7 @@ __all__ = [
 @kernel(internal=True)
 def place_fixed(kind: FloatingFrameBodies, body: int) -> None:
     """The pose of the stage is that of the frame, once and for all."""
-    frame = kind.frame[body]
-    q = (frame.orientation[0], frame.orientation[1], frame.orientation[2], frame.orientation[3])
-    write_rotation_matrix(q, frame.mid_rotation)
-    for k in range(3):
-        frame.mid_position[k] = frame.position[k]
+    pose_stage(kind.frame[body])
 
 
 @kernel(internal=True)
@@ -108,8 +104,8 @@ def _add_work(kind: FloatingFrameBodies, body: int, step: float, rates: NDArray[
     for i in range(n):
         external += modal_load[i] * rates[i]
         dissipated += damping[i] * rates[i] * rates[i]
-    kind.frame[body].work[0] += step * external
-    kind.frame[body].work[2] += step * dissipated
+    kind.frame[body].external_work += step * external
+    kind.frame[body].dissipated_work += step * dissipated
 
 
 @kernel(internal=True)
@@ -186,15 +182,13 @@ def record_fixed(kind: FloatingFrameBodies, body: int, work: Workspace, row: NDA
     The reaction balances ``dp/dt = S qdd`` and ``dL/dt = I_tf(q) qdd``, gravity and the marker forces;
     ``(d I_tf/dt) qd`` vanishes because the matrices A_k are antisymmetric.
     """
+    add_joint_forces(kind, body, work)
     _gather_loads(kind, body, work)
     n, first, column = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].column
     frame, shape = kind.frame[body], shape_of(kind, body)
     R = frame.mid_rotation
     _deform(kind, body)
-    add_joint_forces(kind, body)
-    for i in range(first, first + n):
-        kind.modal_right_hand_side[i] += kind.joint_load[i]
-    write_frame(frame, row, column)
+    write_motion(frame, row, column)
     p1 = p2 = p3 = 0.0
     l1 = l2 = l3 = 0.0
     for i in range(n):
@@ -251,11 +245,7 @@ def add_totals_of_fixed(kind: FloatingFrameBodies, body: int, sums: Sums) -> Non
     sums.elastic += 0.5 * elastic
     s = rotate(R, frame.first_moment[0], frame.first_moment[1], frame.first_moment[2])
     p = rotate(R, p1, p2, p3)
-    l = rotate(R, l1, l2, l3)
-    x = cross(frame.position[0], frame.position[1], frame.position[2], p[0], p[1], p[2])
     for k in range(3):
         sums.potential -= sums.gravity[k] * (frame.mass * frame.position[k] + s[k])
-        sums.linear_momentum[k] += p[k]
-        sums.angular_momentum[k] += l[k] + x[k]
-    sums.external_work += frame.work[0]
-    sums.dissipated += frame.work[2]
+    add_momenta(frame, p, rotate(R, l1, l2, l3), sums)
+    sums.dissipated += frame.dissipated_work

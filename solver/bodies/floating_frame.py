@@ -23,16 +23,19 @@ from numpy.typing import NDArray
 
 from heavylift.modal.invariants import ShapeIntegrals
 from heavylift.modal.reduced import ReducedBody
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2
+from heavylift.numerics.arrays import Floats1, Floats2
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Quaternion, Record, Records, Vector, Vector6, records
+from heavylift.numerics.records import Records, Vector, Vector6, records
+from heavylift.numerics.rotation import rotation_matrix
 from heavylift.numerics.small import aligned
+from heavylift.solver.bodies.frames import Frame, FrameBodies, FrameIndex
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
+from heavylift.solver.interface import Workspace
 from heavylift.solver.markers import BodyMarkers, PackedMarker, pack_markers
 from heavylift.solver.scene_bodies import Driven, Fixed, FlexibleBody, Free
 
 __all__ = [
-    "FlexibleRow",
+    "FlexibleIndex",
     "FloatingFrame",
     "FloatingFrameBodies",
     "pack_floating_frames",
@@ -43,62 +46,39 @@ SMALLEST_FRAME_SHARE = 0.1
 """Of the inertia of a free body that its modes must not carry with them."""
 
 
-class FlexibleRow(Record):
-    """What a body is and where its parts lie.
+class FlexibleIndex(FrameIndex):
+    """Where a flexible body is among the others.
 
     Attributes
     ----------
     mode_count, first_mode
         Modes, and place of the first of them among those of all bodies.
-    dof
-        First velocity.
-    shape_start, drive
-        Places of shape and drive in the constants.
-    motion
-        How the frame moves: free, fixed or driven.
-    column, number
-        First record column, and number in the scene.
+    shape_start
+        Place of its shape in the constants.
     """
 
     mode_count: int
     first_mode: int
-    dof: int
     shape_start: int
-    motion: int
-    drive: int
-    column: int
-    number: int
 
 
-class FloatingFrame(Record, whole_lines=True):
+class FloatingFrame(Frame, whole_lines=True):
     """Frame of a flexible body: its carried state, constants of the body, scratch of a step.
+
+    Accelerations are difference quotients of the last step. The reach is that of the farthest node.
 
     Attributes
     ----------
-    position, orientation
-        Frame origin, world [m]; unit quaternion.
-    velocity, spin
-        World [m/s]; body axes [rad/s].
-    acceleration, spin_rate
-        Difference quotients of the last step, likewise [m/s2, rad/s2].
-    linear_momentum, angular_momentum
-        World axes [kg m/s]; about the frame origin, world axes [kg m2/s].
-    work
-        Of external forces, of the drive, and dissipated [J].
+    dissipated_work
+        [J].
+    linear_momentum
+        World axes [kg m/s].
     lag
         How far the midpoint velocity lies from the mean of both ends of a step: velocity, spin.
-    joint_force
-        Of the joints on a held frame at the carried state, as force and moment.
-    mass, reach
-        Mass [kg]; largest distance of a node from the frame origin [m].
     undeformed_first_moment, undeformed_second_moments
         Integrals of ``x`` [kg m], and of ``x x^T``: 11 22 33 12 13 23 [kg m2], body axes.
-    mid_position, mid_velocity, mid_spin, mid_rotation
-        Of the stage: the midpoint, the predicted velocities, body axes, and the rotation matrix, row by row.
     transported_momentum
         Angular momentum about the midpoint origin, world axes.
-    force, moment
-        Resultant of the marker forces, world axes; their moment about the origin of the stage, body axes.
     first_moment, inertia
         ``S_t = I1 + S q`` and ``I_tt``: 11 22 33 12 13 23.
     right_hand_side
@@ -107,12 +87,8 @@ class FloatingFrame(Record, whole_lines=True):
         Velocity and spin at the start of the step.
     stage_velocity
         Velocity found for the stage: world, and spin in body axes, of driven frames in world axes.
-    pose, mid_pose
-        Position and quaternion of a driven frame, and those at the midpoint.
-    prescribed
-        Velocity, spin, acceleration, spin rate of a driven frame.
-    mean_velocity
-        Velocity and spin of a driven frame, the mean of both ends of the step.
+    mid_pose
+        Position and quaternion of a driven frame at the midpoint.
     end_rotation
         Rotation matrix at the end of the step, row by row.
     at_end
@@ -122,61 +98,36 @@ class FloatingFrame(Record, whole_lines=True):
         sign.
     """
 
-    position: Vector
-    orientation: Quaternion
-    velocity: Vector
-    spin: Vector
-    acceleration: Vector
-    spin_rate: Vector
+    dissipated_work: float
     linear_momentum: Vector
-    angular_momentum: Vector
-    work: Vector
     lag: Vector6
-    joint_force: Vector6
-    mass: float
     undeformed_first_moment: Vector
     undeformed_second_moments: Vector6
-    mid_position: Vector
-    mid_velocity: Vector
-    mid_spin: Vector
-    force: Vector
-    moment: Vector
-    mid_rotation: Annotated[NDArray[np.float64], (9,)]
-    reach: float
     transported_momentum: Vector
     first_moment: Vector
     inertia: Vector6
     right_hand_side: Vector6
     start_velocity: Vector6
     stage_velocity: Vector6
-    pose: Annotated[NDArray[np.float64], (7,)]
     mid_pose: Annotated[NDArray[np.float64], (7,)]
-    prescribed: Annotated[NDArray[np.float64], (12,)]
-    mean_velocity: Vector6
     end_rotation: Annotated[NDArray[np.float64], (9,)]
     at_end: bool
     factor: Annotated[NDArray[np.float64], (36,)]
     negative_factor: Annotated[NDArray[np.float64], (36,)]
 
 
-class FloatingFrameBodies(Arrays):
+class FloatingFrameBodies(FrameBodies):
     """All bodies of a scene with modes: their frames are free, driven or fixed.
 
     Attributes
     ----------
-    table
-        One a body.
     constants
         Packed inertia shapes (bodies of one reduced model share one), drives, and marker data: of a
         point its body-frame position [m] and mode shapes, 3 + 3 nf, component by component; of a
         direction the body-frame vector.
-    frame
-        State of the frames and scratch of the step, one a body.
     modal_position, modal_velocity, modal_acceleration
         State of the modes of all bodies: coordinates, rates, difference quotients of the rates; shape (modes,), as
         all of the following have for their last dimension.
-    joint_load
-        Modal forces of the joints on held bodies at the carried state.
     stiffness, damping
         Modal constants [1/s2, 1/s].
     translation
@@ -196,17 +147,13 @@ class FloatingFrameBodies(Arrays):
         difference quotients only the first 3 n.
     midpoint_products, mid_velocity_products
         The same at the midpoint, and with the rates there.
-    markers
-        Points and directions that forces act on.
-    sensors
-        Points that are recorded.
     moves
         Whether the frame of any is free or driven.
     """
 
     kernel_modules: ClassVar[tuple[str, ...]] = (
+        *FrameBodies.kernel_modules,
         "heavylift.solver.bodies.floating_frame_advance",
-        "heavylift.solver.bodies.floating_frame_configuration",
         "heavylift.solver.bodies.floating_frame_contours",
         "heavylift.solver.bodies.floating_frame_joints",
         "heavylift.solver.bodies.floating_frame_record",
@@ -219,19 +166,19 @@ class FloatingFrameBodies(Arrays):
         "modal_position",
         "modal_velocity",
         "modal_acceleration",
-        "joint_load",
         "position_products",
         "velocity_products",
         "acceleration_products",
     )
 
-    table: Records[FlexibleRow]
-    constants: Floats1
+    # thin bodies first: above it errors are of order one
+    largest_turn: ClassVar[float] = 0.25
+
+    table: Records[FlexibleIndex]
     frame: Records[FloatingFrame]
     modal_position: Floats1
     modal_velocity: Floats1
     modal_acceleration: Floats1
-    joint_load: Floats1
     stiffness: Floats1
     damping: Floats1
     translation: Floats2
@@ -248,9 +195,54 @@ class FloatingFrameBodies(Arrays):
     acceleration_products: Floats1
     midpoint_products: Floats1
     mid_velocity_products: Floats1
-    markers: Records[PackedMarker]
-    sensors: Records[PackedMarker]
-    moves: bool = False
+    moves: bool
+
+    def _inertia(self) -> NDArray[np.float64]:
+        """Masses, and undeformed inertias about the centres of mass."""
+        frame, mass = self.frame, self.frame["mass"][:, None]
+        centre = frame["undeformed_first_moment"] / mass
+        second = frame["undeformed_second_moments"][:, :3] - mass * centre**2
+        return np.hstack([np.repeat(mass, 3, axis=1), second.sum(axis=1, keepdims=True) - second])
+
+    def _modal_dofs(self) -> NDArray[np.int64]:
+        """Places of the velocities of all modes, shape (modes,)."""
+        first = self.table["dof"] + 6 - self.table["first_mode"]
+        return np.repeat(first, self.table["mode_count"]) + np.arange(len(self.modal_position))
+
+    def survey(
+        self, places: NDArray[np.float64], inertia: NDArray[np.float64], velocity: NDArray[np.float64]
+    ) -> None:
+        """Frames, held ones too, and modes of unit mass."""
+        super().survey(places, inertia, velocity)
+        inertia[self._modal_dofs()] = 1.0
+        velocity[self._modal_dofs()] = self.modal_velocity
+
+    def move(self, increment: NDArray[np.float64]) -> None:
+        """Frames, and ``q += e``."""
+        super().move(increment)
+        self.modal_position[:] += increment[self._modal_dofs()]
+        self.frame["at_end"] = False
+
+    def put_velocity(self, velocity: NDArray[np.float64]) -> None:
+        """Of free frames, and of all modes."""
+        super().put_velocity(velocity)
+        self.modal_velocity[:] = velocity[self._modal_dofs()]
+        self.modal_acceleration[:] = 0.0
+        self.frame["lag"] = 0.0
+        self.frame["at_end"] = False
+
+    def collect_load(self, work: Workspace, load: NDArray[np.float64]) -> None:
+        """The weight of the deformed bodies, and ``-k q``."""
+        super().collect_load(work, load)
+        own = self._modal_dofs()
+        load[own] -= self.stiffness * self.modal_position
+        for row, frame in zip(self.table, self.frame, strict=True):
+            modes = slice(row.first_mode, row.first_mode + row.mode_count)
+            inside = rotation_matrix(frame.orientation).T @ work.sums.gravity
+            S = self.translation[:, modes]
+            first_moment = frame.undeformed_first_moment + S @ self.modal_position[modes]
+            load[row.dof + 3 : row.dof + 6] += np.cross(first_moment, inside)
+            load[own[modes]] += inside @ S
 
 
 def pack_shape(integrals: ShapeIntegrals) -> NDArray[np.float64]:
@@ -324,14 +316,14 @@ def pack_floating_frames(
         modes = slice(modal_starts[row], modal_starts[row + 1])
         motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
         kind.table[row] = (
-            counts[row],
-            modal_starts[row],
             dof,
-            shape_starts[id(reduced)],
             motion,
             sum(map(len, constants)),
             column,
             first_number + row,
+            counts[row],
+            modal_starts[row],
+            shape_starts[id(reduced)],
         )
         if isinstance(body.motion, Driven):
             constants.append(pack_drive(body.motion, body.position, body.orientation))
@@ -362,20 +354,24 @@ def pack_floating_frames(
     sensor_index = pack_markers(sensors, shapes_of, constants)
     flat = aligned(sum(map(len, constants)))
     flat[:] = np.concatenate(constants)
-    moves = any(not isinstance(body.motion, Fixed) for body in bodies)
-    return kind._replace(constants=flat, markers=marker_index, sensors=sensor_index, moves=moves)
+    return kind._replace(
+        constants=flat,
+        markers=marker_index,
+        sensors=sensor_index,
+        driven=any(isinstance(body.motion, Driven) for body in bodies),
+        moves=any(not isinstance(body.motion, Fixed) for body in bodies),
+    )
 
 
 def _empty(bodies: int, modes: int) -> FloatingFrameBodies:
     """All zeros, for some bodies that have some modes together; no constants and markers."""
     return FloatingFrameBodies(
-        table=records(FlexibleRow, bodies),
+        table=records(FlexibleIndex, bodies),
         constants=np.zeros(0),
         frame=records(FloatingFrame, bodies),
         modal_position=aligned(modes),
         modal_velocity=aligned(modes),
         modal_acceleration=aligned(modes),
-        joint_load=aligned(modes),
         stiffness=aligned(modes),
         damping=aligned(modes),
         translation=aligned((3, modes)),
@@ -394,6 +390,8 @@ def _empty(bodies: int, modes: int) -> FloatingFrameBodies:
         mid_velocity_products=aligned(8 * modes),
         markers=records(PackedMarker, 0),
         sensors=records(PackedMarker, 0),
+        driven=False,
+        moves=False,
     )
 
 

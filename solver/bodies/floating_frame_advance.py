@@ -6,7 +6,7 @@ import math
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
-from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
+from heavylift.numerics.rotation import write_rotation_matrix
 from heavylift.numerics.small import cross, rotate, rotate_back
 from heavylift.solver.bodies.fixed_frame import advance_fixed
 from heavylift.solver.bodies.floating_frame import (
@@ -20,6 +20,7 @@ from heavylift.solver.bodies.floating_frame_inertia import (
 )
 from heavylift.solver.bodies.floating_frame_shape import lag_scale, product_columns, shape_of
 from heavylift.solver.bodies.floating_frame_stage import drive_frame, update_products
+from heavylift.solver.bodies.frame_motion import advance_pose, check_frames, orientation_of
 from heavylift.solver.drive import DRIVEN, FIXED, FREE
 from heavylift.solver.interface import (
     Workspace,
@@ -29,30 +30,23 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement
 
-__all__ = ["LARGEST_TURN", "evaluate_end"]
+__all__ = ["evaluate_end"]
 
-LARGEST_TURN = 0.25
-"""Turn of a frame in one step [rad] above which errors are of order one (thin bodies first)."""
-
-NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE)
+NOT_FINITE = int(Outcome.NOT_FINITE)
 
 
 @implement(check, FloatingFrameBodies)
 @kernel(internal=True, reassociate=True)
 def check_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
-    """Refuse what is not finite, and turns of more than `LARGEST_TURN` in a step."""
+    """Frames; and modal rates that are not finite."""
+    check_frames(kind, step, work)
     for body in range(kind.table.shape[0]):
-        n, dof = kind.table[body].mode_count, kind.table[body].dof
+        dof = kind.table[body].dof
         total = 0.0
-        for i in range(dof, dof + 6 + n):
+        for i in range(dof + 6, dof + 6 + kind.table[body].mode_count):
             total += abs(work.velocity[i])
-        w1, w2, w3 = work.velocity[dof + 3], work.velocity[dof + 4], work.velocity[dof + 5]
-        turn = step * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
         if not math.isfinite(total):
             work.status.outcome = NOT_FINITE
-            work.status.body = kind.table[body].number
-        elif turn > LARGEST_TURN and kind.table[body].motion == FREE:
-            work.status.outcome = STEP_TOO_LARGE
             work.status.body = kind.table[body].number
 
 
@@ -84,8 +78,8 @@ def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float,
             rate = velocity[6 + i]
             external += modal_load[i] * rate
             dissipated += damping[i] * rate * rate
-        frame.work[0] += h * external
-        frame.work[2] += h * dissipated
+        frame.external_work += h * external
+        frame.dissipated_work += h * dissipated
         for j in range(6):
             frame.stage_velocity[j] = velocity[j]
         if motion == FREE:
@@ -97,8 +91,7 @@ def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float,
             )
             p1, p2, p3 = rotate(R, p[0], p[1], p[2])
             l1, l2, l3 = rotate(R, l[0], l[1], l[2])
-            for k in range(3):
-                frame.position[k] += h * velocity[k]
+            advance_pose(frame, velocity, h)
             frame.linear_momentum[0] = 2.0 * p1 - frame.linear_momentum[0]
             frame.linear_momentum[1] = 2.0 * p2 - frame.linear_momentum[1]
             frame.linear_momentum[2] = 2.0 * p3 - frame.linear_momentum[2]
@@ -113,20 +106,12 @@ def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float,
             frame.angular_momentum[0] = 2.0 * l1 - frame.transported_momentum[0] + moved[0]
             frame.angular_momentum[1] = 2.0 * l2 - frame.transported_momentum[1] + moved[1]
             frame.angular_momentum[2] = 2.0 * l3 - frame.transported_momentum[2] + moved[2]
-            quaternion = rotate_by_exponential(
-                (frame.orientation[0], frame.orientation[1], frame.orientation[2], frame.orientation[3]),
-                h * w[0],
-                h * w[1],
-                h * w[2],
-            )
-            for k in range(4):
-                frame.orientation[k] = quaternion[k]
         elif motion == DRIVEN:
             _begin_drive_work(kind, body, h, work)
             drive_frame(kind, body, time + h)
             for k in range(3):
-                frame.velocity[k] = frame.prescribed[k]
-                frame.spin[k] = frame.prescribed[3 + k]
+                frame.velocity[k] = frame.drive_rates[k]
+                frame.spin[k] = frame.drive_rates[3 + k]
         for i in range(n):
             rate = 2.0 * velocity[6 + i] - modal_velocity[i]
             modal_position[i] += h * velocity[6 + i]
@@ -149,9 +134,7 @@ def evaluate_end(kind: FloatingFrameBodies, body: int) -> None:
         kind.coupling[:, modes],
     )
     R = frame.end_rotation
-    write_rotation_matrix(
-        (frame.orientation[0], frame.orientation[1], frame.orientation[2], frame.orientation[3]), R
-    )
+    write_rotation_matrix(orientation_of(frame), R)
     if kind.table[body].motion == FREE:
         p = rotate_back(R, frame.linear_momentum[0], frame.linear_momentum[1], frame.linear_momentum[2])
         l = rotate_back(R, frame.angular_momentum[0], frame.angular_momentum[1], frame.angular_momentum[2])
@@ -247,4 +230,4 @@ def _finish_drive_work(kind: FloatingFrameBodies, body: int) -> None:
         done += (l[k] + moved[k] - frame.right_hand_side[3 + k]) * frame.stage_velocity[3 + k]
         frame.linear_momentum[k] = p[k]
         frame.angular_momentum[k] = l[k]
-    frame.work[1] += done
+    frame.drive_work += done

@@ -7,8 +7,6 @@ position, tangents and Jacobian come from the same products of basis functions.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,16 +14,15 @@ from heavylift.contours.modal_sums import modal_points, modal_shapes
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.bodies.floating_frame import FloatingFrameBodies
-from heavylift.solver.bodies.floating_frame_stage import stage_at_state
+from heavylift.solver.bodies.frame_contours import frame_speed, owner_of
 from heavylift.solver.contact.contour_rows import put_frame_rows
 from heavylift.solver.contact.interface import (
     bound_motion,
     forget_accelerations,
     form_controls,
-    pose_contours,
     put_contour_rows,
 )
-from heavylift.solver.contact.kind import OF_MODES, ContactRows
+from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.drive import FIXED
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
@@ -34,39 +31,6 @@ __all__: list[str] = []
 
 AT_ONCE = 512
 """Control points that are formed together: `places` has room for so many."""
-
-
-@kernel(inline=True, internal=True)
-def owner_of(kind: FloatingFrameBodies, contacts: ContactRows, contour: int) -> int:
-    """Row of the body that a contour is on, -1 if that is not of this kind."""
-    if contacts.contours[contour].owner == OF_MODES:
-        dof = contacts.contours[contour].dof
-        for body in range(kind.table.shape[0]):
-            if kind.table[body].dof == dof:
-                return body
-    return -1
-
-
-@implement(pose_contours, FloatingFrameBodies)
-@kernel(internal=True)
-def pose_floating_contours(kind: FloatingFrameBodies, at_midpoint: bool, contacts: ContactRows) -> None:
-    """Pose of the body frame; without markers nothing else has brought the stage to the end of the step."""
-    if not at_midpoint and kind.markers.shape[0] == 0:
-        for body in range(kind.table.shape[0]):
-            stage_at_state(kind, body, False)
-    _write_poses(kind, contacts)
-
-
-@kernel(internal=True)
-def _write_poses(kind: FloatingFrameBodies, contacts: ContactRows) -> None:
-    """Of all contours on bodies of a kind at the stage."""
-    for contour in range(contacts.contours.shape[0]):
-        body = owner_of(kind, contacts, contour)
-        if body >= 0:
-            for k in range(9):
-                contacts.poses[contour].rotation[k] = kind.frame[body].mid_rotation[k]
-            for k in range(3):
-                contacts.poses[contour].origin[k] = kind.frame[body].mid_position[k]
 
 
 @implement(form_controls, FloatingFrameBodies)
@@ -176,11 +140,7 @@ def bound_flexible_motion(
         for i in range(n):
             speed += abs(work.velocity[dof + 6 + i]) * contacts.constants[largest + i]
         if kind.table[body].motion != FIXED:
-            v, w = 0.0, 0.0
-            for k in range(3):
-                v += work.velocity[dof + k] ** 2
-                w += work.velocity[dof + 3 + k] ** 2
-            speed += math.sqrt(v) + 2.0 * math.sqrt(w) * contacts.poses[contour].reach
+            speed += frame_speed(dof, 2.0 * contacts.poses[contour].reach, work)
         contacts.poses[contour].step_shift = step * speed
 
 

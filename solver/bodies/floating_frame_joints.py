@@ -31,30 +31,22 @@ from heavylift.solver.bodies.floating_frame_panels import (
     LANES_2,
     LANES_4,
     LANES_8,
-    attached_body,
-    gather_row_forces,
     scale_modal_panel,
 )
 from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of
 from heavylift.solver.bodies.floating_frame_stage import factor_frame
-from heavylift.solver.contact.system_interface import meet_again
-from heavylift.solver.drive import DRIVEN, FIXED, FREE
+from heavylift.solver.bodies.frame_joints import attached_body
+from heavylift.solver.bodies.frame_motion import write_frame_velocities
+from heavylift.solver.drive import FIXED, FREE
 from heavylift.solver.interface import (
-    Joints,
-    Systems,
     Workspace,
-    add_row_work,
     apply_inverse,
-    correct_rows,
     end_velocity,
     estimate_error,
-    gather_reactions,
     set_velocity,
-    solve_again,
     write_velocity,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.row_impulses import row_power
 from heavylift.solver.rows import RowArrays
 
 __all__: list[str] = []
@@ -158,36 +150,6 @@ def _apply_of_lanes(
             G[out + (3 + k) * lanes + r] *= -1.0
 
 
-@implement(correct_rows, FloatingFrameBodies)
-@kernel(internal=True)
-def correct_rows_of_floating_frames(
-    kind: FloatingFrameBodies, systems: Systems, joints: Joints, work: Workspace, time: float, step: float
-) -> None:
-    """`correct` has changed the velocities of those that move."""
-    if kind.moves:
-        solve_again(systems, joints, work, time, step)
-        meet_again(systems, systems, joints, work, time, step)
-
-
-@implement(add_row_work, FloatingFrameBodies)
-@kernel(internal=True)
-def add_row_work_of_floating_frames(
-    kind: FloatingFrameBodies, weight: float, work: Workspace, system: RowArrays
-) -> None:
-    """A drive does the work that joints take out of its frame."""
-    for i in range(system.attachments.shape[0]):
-        body = attached_body(kind, system, i)
-        if body >= 0 and kind.table[body].motion == DRIVEN:
-            kind.frame[body].work[1] -= weight * row_power(system, i, work.velocity)
-
-
-@implement(gather_reactions, FloatingFrameBodies)
-@kernel(internal=True)
-def gather_reactions_on_floating_frames(kind: FloatingFrameBodies, fresh: bool, system: RowArrays) -> None:
-    """On driven frames, whose recorded reaction balances them."""
-    gather_row_forces(kind, fresh, system)
-
-
 @implement(end_velocity, FloatingFrameBodies)
 @kernel(internal=True)
 def end_velocity_of_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
@@ -206,14 +168,11 @@ def end_velocity_of_floating_frames(kind: FloatingFrameBodies, step: float, work
 @implement(write_velocity, FloatingFrameBodies)
 @kernel(internal=True)
 def write_velocity_of_floating_frames(kind: FloatingFrameBodies, work: Workspace) -> None:
-    """World velocity, body-axis spin, modal rates."""
+    """Frames, and modal rates."""
+    write_frame_velocities(kind, work)
     for body in range(kind.table.shape[0]):
         n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
-        modes = slice(first, first + n)
-        modal_velocity = kind.modal_velocity[modes]
-        for k in range(3):
-            work.velocity[dof + k] = kind.frame[body].velocity[k]
-            work.velocity[dof + 3 + k] = kind.frame[body].spin[k]
+        modal_velocity = kind.modal_velocity[first : first + n]
         for i in range(n):
             work.velocity[dof + 6 + i] = modal_velocity[i]
 

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate
-from heavylift.solver.bodies.floating_frame import (
-    FloatingFrameBodies,
-)
+from heavylift.solver.bodies.floating_frame import FloatingFrameBodies
+from heavylift.solver.bodies.frame_motion import add_wrench, write_point
 from heavylift.solver.interface import (
     ROWS,
     Workspace,
@@ -83,8 +82,8 @@ def write_markers(kind: FloatingFrameBodies, level: int, work: Workspace) -> Non
 def gather_marker_forces(kind: FloatingFrameBodies, work: Workspace) -> None:
     """Generalised forces ``J^T f`` of all markers, into the stages of their bodies."""
     for body in range(kind.table.shape[0]):
-        for j in range(3):
-            kind.frame[body].force[j] = kind.frame[body].moment[j] = 0.0
+        for j in range(6):
+            kind.frame[body].wrench[j] = 0.0
     for i in range(kind.modal_position.shape[0]):
         kind.modal_load[i] = 0.0
     for marker in range(kind.markers.shape[0]):
@@ -97,27 +96,22 @@ def gather_marker_forces(kind: FloatingFrameBodies, work: Workspace) -> None:
             work.markers[number].force[1],
             work.markers[number].force[2],
         )
-        frame, jacobian = kind.frame[body], work.jacobian[number]
+        jacobian = work.jacobian[number]
         modes = slice(first, first + n)
         modal_load = kind.modal_load[modes]
-        for j in range(3):
-            frame.force[j] += jacobian[0, j] * f1 + jacobian[1, j] * f2 + jacobian[2, j] * f3
-        for j in range(3):
-            frame.moment[j] += jacobian[0, 3 + j] * f1 + jacobian[1, 3 + j] * f2 + jacobian[2, 3 + j] * f3
+        add_wrench(kind.frame[body], jacobian, 0, work.markers[number].force)
         for i in range(n):
             modal_load[i] += jacobian[0, 6 + i] * f1 + jacobian[1, 6 + i] * f2 + jacobian[2, 6 + i] * f3
 
 
 @kernel(internal=True)
-def add_joint_forces(kind: FloatingFrameBodies, body: int) -> None:
-    """Add to the gathered forces those of the joints at the carried state."""
-    n, first = kind.table[body].mode_count, kind.table[body].first_mode
-    frame = kind.frame[body]
-    for j in range(3):
-        frame.force[j] += frame.joint_force[j]
-        frame.moment[j] += frame.joint_force[3 + j]
-    for i in range(first, first + n):
-        kind.modal_load[i] += kind.joint_load[i]
+def add_joint_forces(kind: FloatingFrameBodies, body: int, work: Workspace) -> None:
+    """Add to the gathered forces those of the rows at the carried state."""
+    n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
+    for j in range(6):
+        kind.frame[body].wrench[j] += work.row_force[dof + j]
+    for i in range(n):
+        kind.modal_load[first + i] += work.row_force[dof + 6 + i]
 
 
 @kernel(reassociate=True, internal=True)
@@ -127,7 +121,6 @@ def write_sensor(kind: FloatingFrameBodies, sensor: int, row: NDArray[np.float64
     n, first = kind.table[body].mode_count, kind.table[body].first_mode
     data = kind.constants[start:]
     frame = kind.frame[body]
-    R = frame.mid_rotation
     modes = slice(first, first + n)
     modal_position = kind.modal_position[modes]
     modal_velocity = kind.modal_velocity[modes]
@@ -141,9 +134,4 @@ def write_sensor(kind: FloatingFrameBodies, sensor: int, row: NDArray[np.float64
         d1 += data[3 + i] * qd
         d2 += data[3 + n + i] * qd
         d3 += data[3 + 2 * n + i] * qd
-    c1, c2, c3 = cross(frame.spin[0], frame.spin[1], frame.spin[2], u1, u2, u3)
-    point = rotate(R, u1, u2, u3)
-    rate = rotate(R, c1 + d1, c2 + d2, c3 + d3)
-    for k in range(3):
-        row[column + k] = frame.position[k] + point[k]
-        row[column + 3 + k] = frame.velocity[k] + rate[k]
+    write_point(frame, (u1, u2, u3), (d1, d2, d3), row, column)

@@ -22,8 +22,9 @@ from heavylift.solver.bodies.floating_frame_markers import (
     gather_marker_forces,
     write_sensor,
 )
-from heavylift.solver.bodies.floating_frame_shape import shape_of, write_frame
+from heavylift.solver.bodies.floating_frame_shape import shape_of
 from heavylift.solver.bodies.floating_frame_stage import drive_frame, stage_at_state
+from heavylift.solver.bodies.frame_motion import add_momenta, write_motion
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_velocity
 from heavylift.solver.interface import (
     Workspace,
@@ -48,10 +49,10 @@ def start_floating_frames(kind: FloatingFrameBodies, time: float, work: Workspac
             continue
         if kind.table[body].motion == DRIVEN:
             drive_frame(kind, body, time)
-            drive_velocity(kind.constants[kind.table[body].drive :], time, frame.prescribed)
+            drive_velocity(kind.constants[kind.table[body].drive :], time, frame.drive_rates)
             for k in range(3):
-                frame.velocity[k] = frame.prescribed[k]
-                frame.spin[k] = frame.prescribed[3 + k]
+                frame.velocity[k] = frame.drive_rates[k]
+                frame.spin[k] = frame.drive_rates[3 + k]
         stage_at_state(kind, body, True)
         R = frame.mid_rotation
         v = rotate_back(R, frame.velocity[0], frame.velocity[1], frame.velocity[2])
@@ -80,12 +81,12 @@ def record_floating_frames(
         if kind.table[body].motion == FIXED:
             record_fixed(kind, body, work, row)
             continue
-        write_frame(frame, row, column)
+        write_motion(frame, row, column)
         for i in range(n):
             row[column + 13 + i] = kind.modal_position[first + i]
             row[column + 13 + n + i] = kind.modal_velocity[first + i]
         if kind.table[body].motion != FREE:
-            add_joint_forces(kind, body)
+            add_joint_forces(kind, body, work)
             reaction = row[column + 13 + 2 * n : column + 19 + 2 * n]
             _write_reaction(kind, body, time, work, reaction)
         elif kind.sensors.shape[0] > 0:
@@ -121,7 +122,7 @@ def _write_reaction(
     position_products = kind.position_products[rows]
     velocity_products = kind.velocity_products[rows]
     R = frame.mid_rotation
-    motion = frame.prescribed
+    motion = frame.drive_rates
     drive_velocity(kind.constants[kind.table[body].drive :], time, motion)
     w1, w2, w3 = motion[3], motion[4], motion[5]
     b1, b2, b3 = motion[9], motion[10], motion[11]
@@ -214,12 +215,5 @@ def add_floating_frame_totals(kind: FloatingFrameBodies, work: Workspace) -> Non
         s = rotate(R, frame.first_moment[0], frame.first_moment[1], frame.first_moment[2])
         for k in range(3):
             totals.potential -= work.sums.gravity[k] * (m * frame.position[k] + s[k])
-        totals.external_work += frame.work[0]
-        totals.drive_work += frame.work[1]
-        totals.dissipated += frame.work[2]
-        p = rotate(R, p[0], p[1], p[2])
-        l = rotate(R, l[0], l[1], l[2])
-        x = cross(frame.position[0], frame.position[1], frame.position[2], p[0], p[1], p[2])
-        for k in range(3):
-            totals.linear_momentum[k] += p[k]
-            totals.angular_momentum[k] += l[k] + x[k]
+        totals.dissipated += frame.dissipated_work
+        add_momenta(frame, rotate(R, p[0], p[1], p[2]), rotate(R, l[0], l[1], l[2]), totals)

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel, view
-from heavylift.solver.bodies.floating_frame import FloatingFrame, FloatingFrameBodies
+from heavylift.solver.bodies.floating_frame import FloatingFrameBodies
 from heavylift.solver.interface import Workspace
 
-__all__ = ["lag_scale", "product_columns", "shape_of", "write_frame"]
+__all__ = ["lag_scale", "product_columns", "shape_of"]
 
 
 @kernel(inline=True, internal=True)
@@ -33,14 +33,3 @@ def product_columns(kind: FloatingFrameBodies, body: int) -> NDArray[np.float64]
     n = kind.table[body].mode_count
     start = kind.table[body].shape_start
     return kind.constants[start : start + 8 * n * n]
-
-
-@kernel(inline=True, internal=True)
-def write_frame(frame: FloatingFrame, row: NDArray[np.float64], column: int) -> None:
-    """Position, quaternion, velocity and spin into 13 columns of a record."""
-    for k in range(3):
-        row[column + k] = frame.position[k]
-        row[column + 7 + k] = frame.velocity[k]
-        row[column + 10 + k] = frame.spin[k]
-    for k in range(4):
-        row[column + 3 + k] = frame.orientation[k]

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.rotation import write_rotation_matrix
 from heavylift.numerics.small import cholesky_factor, cholesky_solve, rotate, rotate_back
 from heavylift.solver.bodies.floating_frame import (
     FloatingFrame,
@@ -15,6 +14,7 @@ from heavylift.solver.bodies.floating_frame import (
 from heavylift.solver.bodies.floating_frame_inertia import deformed_inertia, stacked_products
 from heavylift.solver.bodies.floating_frame_markers import write_markers
 from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of
+from heavylift.solver.bodies.frame_motion import pose_stage
 from heavylift.solver.drive import FREE, drive_pose
 from heavylift.solver.interface import (
     Workspace,
@@ -51,11 +51,11 @@ def update_products(kind: FloatingFrameBodies, body: int) -> None:
 def drive_frame(kind: FloatingFrameBodies, body: int, time: float) -> None:
     """Pose of a driven frame at a time [s]."""
     frame = kind.frame[body]
-    drive_pose(kind.constants[kind.table[body].drive :], time, frame.pose)
+    drive_pose(kind.constants[kind.table[body].drive :], time, frame.drive_pose)
     for k in range(3):
-        frame.position[k] = frame.pose[k]
+        frame.position[k] = frame.drive_pose[k]
     for k in range(4):
-        frame.orientation[k] = frame.pose[3 + k]
+        frame.orientation[k] = frame.drive_pose[3 + k]
 
 
 @kernel(internal=True)
@@ -76,13 +76,9 @@ def stage_at_state(kind: FloatingFrameBodies, body: int, with_inertia: bool) -> 
     modal_velocity = kind.modal_velocity[modes]
     mid_modal_position = kind.mid_modal_position[modes]
     mid_modal_velocity = kind.mid_modal_velocity[modes]
-    R = frame.mid_rotation
-    write_rotation_matrix(
-        (frame.orientation[0], frame.orientation[1], frame.orientation[2], frame.orientation[3]), R
-    )
-    v = rotate_back(R, frame.velocity[0], frame.velocity[1], frame.velocity[2])
+    pose_stage(frame)
+    v = rotate_back(frame.mid_rotation, frame.velocity[0], frame.velocity[1], frame.velocity[2])
     for k in range(3):
-        frame.mid_position[k] = frame.position[k]
         frame.mid_velocity[k] = v[k]
         frame.mid_spin[k] = frame.spin[k]
     for i in range(n):
@@ -105,11 +101,10 @@ def fill_floating_frame_markers(
     kind: FloatingFrameBodies, at_midpoint: bool, level: int, work: Workspace
 ) -> None:
     """Markers at the midpoint, which `predict` has set, or at the carried state."""
-    if kind.markers.shape[0] > 0:
-        if not at_midpoint:
-            for body in range(kind.table.shape[0]):
-                stage_at_state(kind, body, False)
-        write_markers(kind, level, work)
+    if not at_midpoint:
+        for body in range(kind.table.shape[0]):
+            stage_at_state(kind, body, False)
+    write_markers(kind, level, work)
 
 
 @kernel(reassociate=True)

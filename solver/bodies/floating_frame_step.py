@@ -30,7 +30,7 @@ What joints add stands in `floating_frame_joints`; their impulses are part of Ub
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
+from heavylift.numerics.rotation import write_rotation_matrix
 from heavylift.numerics.small import cross, rotate_back
 from heavylift.solver.bodies.fixed_frame import factor_fixed, predict_fixed
 from heavylift.solver.bodies.floating_frame import (
@@ -44,6 +44,7 @@ from heavylift.solver.bodies.floating_frame_inertia import (
 from heavylift.solver.bodies.floating_frame_markers import gather_marker_forces
 from heavylift.solver.bodies.floating_frame_shape import lag_scale, product_columns, shape_of
 from heavylift.solver.bodies.floating_frame_stage import clear_velocity, factor_frame, solve_stage
+from heavylift.solver.bodies.frame_motion import predict_pose
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_pose, drive_velocity
 from heavylift.solver.interface import (
     Workspace,
@@ -85,23 +86,12 @@ def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float)
             for k in range(3):
                 frame.mid_position[k] = pose[k]
             write_rotation_matrix((pose[3], pose[4], pose[5], pose[6]), R)
-            drive_velocity(kind.constants[kind.table[body].drive :], time + h, frame.prescribed)
+            drive_velocity(kind.constants[kind.table[body].drive :], time + h, frame.drive_rates)
             for k in range(3):  # the mean of both ends makes the momentum balance of the modes second order
-                frame.mean_velocity[k] = 0.5 * (frame.velocity[k] + frame.prescribed[k])
-                frame.mean_velocity[3 + k] = 0.5 * (frame.spin[k] + frame.prescribed[3 + k])
+                frame.mean_twist[k] = 0.5 * (frame.velocity[k] + frame.drive_rates[k])
+                frame.mean_twist[3 + k] = 0.5 * (frame.spin[k] + frame.drive_rates[3 + k])
         else:
-            a = 0.125 * h * h
-            for k in range(3):
-                frame.mid_position[k] = (
-                    frame.position[k] + 0.5 * h * frame.velocity[k] + a * frame.acceleration[k]
-                )
-            quaternion = rotate_by_exponential(
-                (frame.orientation[0], frame.orientation[1], frame.orientation[2], frame.orientation[3]),
-                0.5 * h * frame.spin[0] + a * frame.spin_rate[0],
-                0.5 * h * frame.spin[1] + a * frame.spin_rate[1],
-                0.5 * h * frame.spin[2] + a * frame.spin_rate[2],
-            )
-            write_rotation_matrix(quaternion, R)
+            predict_pose(frame, h, 0.125 * h * h)
         v = rotate_back(
             R,
             frame.velocity[0] + 0.5 * h * frame.acceleration[0],
@@ -226,12 +216,10 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
                 frame.right_hand_side[3 + k] = l[k] + 0.5 * h * (frame.moment[k] + t[k])
             factor_frame(frame, inverse_diagonal, kind.translation[:, modes], coupling)
         elif motion == DRIVEN:
-            v1, v2, v3 = rotate_back(
-                R, frame.mean_velocity[0], frame.mean_velocity[1], frame.mean_velocity[2]
-            )
+            v1, v2, v3 = rotate_back(R, frame.mean_twist[0], frame.mean_twist[1], frame.mean_twist[2])
             frame.right_hand_side[0], frame.right_hand_side[1], frame.right_hand_side[2] = v1, v2, v3
             for k in range(3):
-                frame.right_hand_side[3 + k] = frame.mean_velocity[3 + k]
+                frame.right_hand_side[3 + k] = frame.mean_twist[3 + k]
         clear_velocity(kind, body, work)
         solve_stage(kind, body, 0.5 * h, work)
 
@@ -256,6 +244,7 @@ def correct_floating_frames(kind: FloatingFrameBodies, step: float, work: Worksp
         for k in range(6):
             kind.frame[body].right_hand_side[k] = 0.0
         antisymmetric_products(product_columns(kind, body), velocity[6:], mid_velocity_products)
+        work.control.changed += 1
         quadratic_modal_force(
             shape_of(kind, body),
             kind.mid_modal_position[first : first + n],

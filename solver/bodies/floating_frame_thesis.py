@@ -12,7 +12,6 @@ rule between velocities at half steps; everything else is first order. For compa
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.rotation import rotate_by_exponential
 from heavylift.numerics.small import cross, rotate_back
 from heavylift.solver.bodies.fixed_frame import thesis_advance_fixed, thesis_velocity_fixed
 from heavylift.solver.bodies.floating_frame import (
@@ -32,6 +31,7 @@ from heavylift.solver.bodies.floating_frame_stage import (
     solve_stage,
     stage_at_state,
 )
+from heavylift.solver.bodies.frame_motion import advance_pose
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_velocity
 from heavylift.solver.interface import (
     Workspace,
@@ -115,7 +115,7 @@ def thesis_velocity_floating_frames(
                 frame.right_hand_side[3 + k] = l[k] + h * (frame.moment[k] + moment[k] + t[k])
             factor_frame(frame, inverse_diagonal, kind.translation[:, modes], coupling)
         elif motion == DRIVEN:
-            prescribed = frame.prescribed
+            prescribed = frame.drive_rates
             drive_velocity(kind.constants[kind.table[body].drive :], time + h, prescribed)
             a = rotate_back(R, prescribed[0], prescribed[1], prescribed[2])
             for k in range(3):
@@ -152,23 +152,14 @@ def thesis_advance_floating_frames(
             dissipated += kind.damping[first + i] * rate * rate
             kind.modal_position[first + i] += h * rate
             kind.modal_velocity[first + i] = rate
-        frame.work[0] += h * external
-        frame.work[2] += h * dissipated
+        frame.external_work += h * external
+        frame.dissipated_work += h * dissipated
         for k in range(3):
             frame.acceleration[k] = frame.spin_rate[k] = 0.0
             frame.velocity[k] = velocity[k]
             frame.spin[k] = velocity[3 + k]
         if kind.table[body].motion == FREE:
-            quaternion = rotate_by_exponential(
-                (frame.orientation[0], frame.orientation[1], frame.orientation[2], frame.orientation[3]),
-                h * velocity[3],
-                h * velocity[4],
-                h * velocity[5],
-            )
-            for k in range(3):
-                frame.position[k] += h * velocity[k]
-            for k in range(4):
-                frame.orientation[k] = quaternion[k]
+            advance_pose(frame, velocity, h)
         elif kind.table[body].motion == DRIVEN:
             drive_frame(kind, body, time + h)
 
@@ -201,4 +192,4 @@ def _add_drive_work(kind: FloatingFrameBodies, body: int, step: float, work: Wor
     for k in range(3):
         impulse = p1[k] - p[k] - h * (force[k] + m * g[k] + f[k])
         twist = l1[k] - l[k] - h * (frame.moment[k] + weight[k] + t[k])
-        frame.work[1] += impulse * v1[k] + twist * w1[k]
+        frame.drive_work += impulse * v1[k] + twist * w1[k]

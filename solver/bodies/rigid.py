@@ -12,179 +12,108 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Annotated, ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Quaternion, Record, Records, Vector, Vector6, records
+from heavylift.numerics.records import Quaternion, Records, Vector, records
 from heavylift.numerics.rotation import quaternion_from_matrix, rotation_matrix
+from heavylift.solver.bodies.frames import Frame, FrameBodies, FrameIndex, FrameMotion
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
-from heavylift.solver.markers import BodyMarkers, PackedMarker, pack_markers
+from heavylift.solver.interface import Coordinates
+from heavylift.solver.markers import BodyMarkers, pack_markers
 from heavylift.solver.scene_bodies import Driven, Fixed, Free, RigidBody
 
-__all__ = [
-    "RigidBodies",
-    "RigidFrame",
-    "RigidFrames",
-    "RigidIndex",
-    "RigidMotion",
-    "pack_rigid_bodies",
-    "principal_frame",
-]
+__all__ = ["RigidBodies", "RigidFrame", "RigidFrames", "RigidIndex", "pack_rigid_bodies", "principal_frame"]
 
 
-class RigidIndex(Record):
+class RigidIndex(FrameIndex):
     """Where a rigid body is among the others.
 
     Attributes
     ----------
-    dof
-        First velocity.
-    motion
-        `FREE`, `FIXED` or `DRIVEN`.
-    drive
-        Start of its drive in the constants.
-    column
-        First record column.
-    number
-        Of the body.
+    state_place
+        Of position and quaternion in a state vector of the accurate integrator.
     """
 
-    dof: int
-    motion: int
-    drive: int
-    column: int
-    number: int
+    state_place: int
 
 
-class RigidMotion(Record):
-    """Motion of a principal frame, whose origin is the centre of mass.
+class RigidFrame(Frame, whole_lines=True):
+    """What is known of a rigid body. Its frame has the centre of mass as origin, and principal axes.
 
     Attributes
     ----------
-    position, velocity, acceleration
-        Of the centre of mass, world axes [m, m/s, m/s2].
-    orientation
-        Quaternion of the principal axes.
-    spin, spin_rate
-        Angular velocity and acceleration in principal axes [rad/s, rad/s2].
-    pose, twist
-        Position and orientation; velocity and spin.
-    """
-
-    position: Vector
-    orientation: Quaternion
-    velocity: Vector
-    spin: Vector
-    acceleration: Vector
-    spin_rate: Vector
-    pose: Annotated[NDArray[np.float64], (7,), "position"]
-    twist: Annotated[NDArray[np.float64], (6,), "velocity"]
-
-
-class RigidFrame(RigidMotion, whole_lines=True):
-    """What is known of a rigid body: its carried state, constants and the scratch of a step.
-
-    Attributes
-    ----------
-    angular_momentum
-        About the centre of mass, world axes [kg m2/s].
-    external_work, drive_work
-        Of forces and of the drive [J].
-    mass, principal_inertia, inverse_mass, inverse_inertia
-        Constants, and their reciprocals [kg, kg m2].
+    principal_inertia, inverse_mass, inverse_inertia
+        Constants, and reciprocals of them and of the mass [kg, kg m2].
     centre, axes
-        Centre of mass [m] and principal axes (quaternion) in the frame of the body.
-    reach
-        Distance of what is attached from the centre of mass, at least the radius of gyration [m].
+        Centre of mass [m] and principal axes (quaternion) in the frame of the user.
     arc
         Share of ``h^2 a`` in the midpoint: 1/8 along an arc, 0 along a straight line.
-    mid_position, mid_velocity, mid_spin, mid_rotation
-        The stage in the middle of a step; rotation matrix, row by row.
-    force, moment
-        Resultant (world axes) and moment about the centre of mass (principal axes) of all marker forces.
-    wrench
-        Force and moment.
-    drive_pose, drive_rates
-        Pose, velocities and accelerations that a drive prescribes to the frame of the body.
-    mean_twist
-        Mean velocity and spin of a driven body over a step.
     end
-        Motion of a driven body at the end of the step.
-    joint_force
-        Force and moment of the rows on a held body, as of a marker.
+        Motion of a driven body at the end of the step; in records that of the frame of the user.
     """
 
-    angular_momentum: Vector
-    external_work: float
-    drive_work: float
-    mass: float
     principal_inertia: Vector
     inverse_mass: float
     inverse_inertia: Vector
     centre: Vector
     axes: Quaternion
-    reach: float
     arc: float
-    mid_position: Vector
-    mid_velocity: Vector
-    mid_spin: Vector
-    force: Vector
-    moment: Vector
-    mid_rotation: Annotated[NDArray[np.float64], (9,)]
-    wrench: Annotated[NDArray[np.float64], (6,), "force"]
-    drive_pose: Annotated[NDArray[np.float64], (7,)]
-    drive_rates: Annotated[NDArray[np.float64], (12,)]
-    mean_twist: Vector6
-    end: RigidMotion
-    joint_force: Vector6
+    end: FrameMotion
 
 
-class RigidFrames(Protocol):
-    """What kinds of rigid bodies share."""
+class RigidFrames(FrameBodies):
+    """Base of the kinds of rigid bodies: marker data are points from the centre of mass and directions, principal axes.
 
-    @property
-    def table(self) -> Records[RigidIndex]:
-        """As in `RigidBodies`."""
-
-    @property
-    def frame(self) -> Records[RigidFrame]:
-        """As in `RigidBodies`."""
-
-
-class RigidBodies(Arrays):
-    """All rigid bodies of a scene.
-
-    Attributes
-    ----------
-    table, frame
-        What is known of each.
-    constants
-        Drives and marker data: points from the centre of mass and directions, in principal axes.
-    markers, sensors
-        As in the kind of floating frames.
+    The reach of a body is the distance of what is attached from the centre of mass, at least the radius of gyration.
     """
 
     kernel_modules: ClassVar[tuple[str, ...]] = (
-        "heavylift.solver.bodies.rigid_accurate",
-        "heavylift.solver.bodies.rigid_configuration",
+        *FrameBodies.kernel_modules,
         "heavylift.solver.bodies.rigid_contours",
-        "heavylift.solver.bodies.rigid_joints",
         "heavylift.solver.bodies.rigid_record",
         "heavylift.solver.bodies.rigid_stage",
         "heavylift.solver.bodies.rigid_step",
     )
 
-    carried_fields: ClassVar[tuple[str, ...]] = ("frame",)
+    largest_turn: ClassVar[float] = 1.0
 
     table: Records[RigidIndex]
-    constants: Floats1
     frame: Records[RigidFrame]
-    markers: Records[PackedMarker]
-    sensors: Records[PackedMarker]
+
+    def _inertia(self) -> NDArray[np.float64]:
+        """Masses and principal inertias."""
+        return np.hstack([np.repeat(self.frame["mass"][:, None], 3, axis=1), self.frame["principal_inertia"]])
+
+
+class RigidBodies(RigidFrames):
+    """All rigid bodies of a scene but those that float."""
+
+    kernel_modules: ClassVar[tuple[str, ...]] = (
+        *RigidFrames.kernel_modules,
+        "heavylift.solver.bodies.rigid_accurate",
+    )
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("frame",)
+
+    def place_coordinates(self, place: int) -> tuple[Records[Coordinates], int]:
+        """Coordinates in a state vector of the accurate integrator, from a place on, and the place behind them."""
+        table, found = self.table, records(Coordinates, len(self.table))
+        table["state_place"] = place + 7 * np.arange(len(table))
+        found["number"], found["motion"] = table["number"], table["motion"]
+        found["place"], found["velocity"] = table["state_place"], table["dof"]
+        found["reach"] = self.frame["reach"]
+        return found, place + 7 * len(table)
+
+    def write_state(self, values: Floats1) -> None:
+        """Carried state into a state vector."""
+        for one, frame in zip(self.table, self.frame, strict=True):
+            values[one.dof : one.dof + 6] = frame.twist
+            values[one.state_place : one.state_place + 7] = frame.pose
 
 
 def pack_rigid_bodies(
@@ -214,7 +143,7 @@ def pack_rigid_bodies(
         one.centre[:], one.axes[:] = body.centre_of_mass, quaternion_from_matrix(axes)
         one.arc = 0.125
         motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
-        table[row] = first_dof + 6 * row, motion, sum(map(len, constants)), column, first_number + row
+        table[row] = first_dof + 6 * row, motion, sum(map(len, constants)), column, first_number + row, 0
         if isinstance(body.motion, Driven):
             constants.append(pack_drive(body.motion, body.position, body.orientation))
         R = rotation_matrix(body.orientation)
@@ -250,7 +179,14 @@ def pack_rigid_bodies(
         frame[row].reach = max([gyration, *arms])
     marker_index = pack_markers(turned, to_principal, constants)
     sensor_index = pack_markers(sensors, to_principal, constants)
-    return RigidBodies(table, np.concatenate([np.zeros(0), *constants]), frame, marker_index, sensor_index)
+    return RigidBodies(
+        table=table,
+        constants=np.concatenate([np.zeros(0), *constants]),
+        frame=frame,
+        markers=marker_index,
+        sensors=sensor_index,
+        driven=bool((table["motion"] == DRIVEN).any()),
+    )
 
 
 def principal_frame(body: RigidBody) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
-from heavylift.numerics.jit import kernel, view
-from heavylift.numerics.rotation import quaternion_product, rotate_by_quaternion, write_rotation_matrix
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.rotation import quaternion_product, rotate_by_quaternion
 from heavylift.numerics.small import cross, rotate
-from heavylift.solver.bodies.rigid import (
-    RigidBodies,
-    RigidFrames,
-    RigidMotion,
-)
+from heavylift.solver.bodies.frame_motion import add_wrench, orientation_of, pose_stage
+from heavylift.solver.bodies.frames import FrameMotion
+from heavylift.solver.bodies.rigid import RigidFrame, RigidFrames
 from heavylift.solver.drive import DRIVEN, drive_pose, drive_velocity
 from heavylift.solver.interface import (
     ACCELERATIONS,
@@ -30,28 +25,26 @@ __all__ = [
     "gather_marker_forces",
     "mean_velocity",
     "move_driven",
-    "orientation_of",
     "prescribe",
+    "spatial_momentum",
     "stage_at_state",
-    "stage_rotation",
+    "start_rigid_bodies",
 ]
 
 
-@view
-def stage_rotation(kind: RigidFrames, body: int) -> NDArray[np.float64]:
-    """Rotation matrix of the stage, row by row, a view of shape (9,)."""
-    return kind.frame[body].mid_rotation
-
-
 @kernel(inline=True, internal=True)
-def orientation_of(kind: RigidFrames, body: int) -> tuple[float, float, float, float]:
-    """Carried quaternion of the principal frame."""
-    q = kind.frame[body].orientation
-    return q[0], q[1], q[2], q[3]
+def spatial_momentum(frame: RigidFrame, w1: float, w2: float, w3: float) -> tuple[float, float, float]:
+    """``R I w`` of a spin at the carried orientation."""
+    return rotate_by_quaternion(
+        orientation_of(frame),
+        frame.principal_inertia[0] * w1,
+        frame.principal_inertia[1] * w2,
+        frame.principal_inertia[2] * w3,
+    )
 
 
 @kernel(internal=True)
-def prescribe(kind: RigidBodies, body: int, time: float, out: RigidMotion) -> None:
+def prescribe(kind: RigidFrames, body: int, time: float, out: FrameMotion) -> None:
     """Write the motion of the principal frame of a driven body."""
     drive = kind.constants[kind.table[body].drive :]
     pose, motion = kind.frame[body].drive_pose, kind.frame[body].drive_rates
@@ -83,9 +76,9 @@ def prescribe(kind: RigidBodies, body: int, time: float, out: RigidMotion) -> No
         out.spin_rate[k] = spin_rate[k]
 
 
-@implement(start, RigidBodies)
+@implement(start, RigidFrames)
 @kernel(internal=True)
-def start_rigid_bodies(kind: RigidBodies, time: float, work: Workspace) -> None:
+def start_rigid_bodies(kind: RigidFrames, time: float, work: Workspace) -> None:
     """Place driven bodies; angular momenta of the start state; the constant part of the marker windows."""
     for marker in range(kind.markers.shape[0]):
         number, direction = kind.markers[marker].number, kind.markers[marker].direction
@@ -95,13 +88,7 @@ def start_rigid_bodies(kind: RigidBodies, time: float, work: Workspace) -> None:
         if kind.table[body].motion == DRIVEN:
             prescribe(kind, body, time, kind.frame[body])
         frame = kind.frame[body]
-        q = orientation_of(kind, body)
-        L = rotate_by_quaternion(
-            q,
-            frame.principal_inertia[0] * frame.spin[0],
-            frame.principal_inertia[1] * frame.spin[1],
-            frame.principal_inertia[2] * frame.spin[2],
-        )
+        L = spatial_momentum(frame, frame.spin[0], frame.spin[1], frame.spin[2])
         for k in range(3):
             frame.angular_momentum[k] = L[k]
 
@@ -111,16 +98,15 @@ def stage_at_state(kind: RigidFrames) -> None:
     """Set the stages to the carried state."""
     for body in range(kind.table.shape[0]):
         frame = kind.frame[body]
-        write_rotation_matrix(orientation_of(kind, body), stage_rotation(kind, body))
+        pose_stage(frame)
         for k in range(3):
-            frame.mid_position[k] = frame.position[k]
             frame.mid_velocity[k] = frame.velocity[k]
             frame.mid_spin[k] = frame.spin[k]
 
 
-@implement(fill_markers, RigidBodies)
+@implement(fill_markers, RigidFrames)
 @kernel(internal=True)
-def fill_rigid_markers(kind: RigidBodies, at_midpoint: bool, level: int, work: Workspace) -> None:
+def fill_rigid_markers(kind: RigidFrames, at_midpoint: bool, level: int, work: Workspace) -> None:
     """Vectors, and the windows ``[1, -R u~]``, whose first half is written once, by `start`."""
     if not at_midpoint:
         stage_at_state(kind)
@@ -135,7 +121,8 @@ def fill_rigid_markers(kind: RigidBodies, at_midpoint: bool, level: int, work: W
         )
         direction = kind.markers[marker].direction
         u1, u2, u3 = kind.constants[begin], kind.constants[begin + 1], kind.constants[begin + 2]
-        frame, R = kind.frame[body], stage_rotation(kind, body)
+        frame = kind.frame[body]
+        R = frame.mid_rotation
         # everything is read before anything is written: the compiler must assume that the arrays overlap
         r11, r12, r13, r21, r22, r23, r31, r32, r33 = R[0], R[1], R[2], R[3], R[4], R[5], R[6], R[7], R[8]
         translation = 0.0 if direction else 1.0
@@ -170,7 +157,7 @@ def fill_rigid_markers(kind: RigidBodies, at_midpoint: bool, level: int, work: W
 
 
 @kernel(internal=True)
-def gather_marker_forces(kind: RigidBodies, work: Workspace) -> None:
+def gather_marker_forces(kind: RigidFrames, work: Workspace) -> None:
     """Resultants (world axes) and moments about the centres of mass (body axes) of all marker forces."""
     for body in range(kind.table.shape[0]):
         for j in range(6):
@@ -181,21 +168,15 @@ def gather_marker_forces(kind: RigidBodies, work: Workspace) -> None:
         if kind.markers[marker].level == ROWS:
             break  # they come first
         number, body = kind.markers[marker].number, kind.markers[marker].body
-        jacobian = work.jacobian[number]
-        for j in range(6):
-            kind.frame[body].wrench[j] += (
-                jacobian[0, j] * work.markers[number].force[0]
-                + jacobian[1, j] * work.markers[number].force[1]
-                + jacobian[2, j] * work.markers[number].force[2]
-            )
+        add_wrench(kind.frame[body], work.jacobian[number], 0, work.markers[number].force)
 
 
 @kernel(internal=True)
-def mean_velocity(kind: RigidBodies, body: int, end: float, step: float) -> None:
+def mean_velocity(kind: RigidFrames, body: int, end: float, step: float) -> None:
     """Constant velocity and spin that lead a driven body from its pose to that at the end of the step."""
     frame = kind.frame[body]
     prescribe(kind, body, end, kind.frame[body].end)
-    q = orientation_of(kind, body)
+    q = orientation_of(frame)
     after = (
         frame.end.orientation[0],
         frame.end.orientation[1],
@@ -216,25 +197,17 @@ def mean_velocity(kind: RigidBodies, body: int, end: float, step: float) -> None
 
 
 @kernel(internal=True)
-def move_driven(kind: RigidBodies, body: int, time: float, step: float, work: Workspace) -> None:
+def move_driven(kind: RigidFrames, body: int, time: float, step: float, work: Workspace) -> None:
     """Move a driven body to its place at a time; the work of its drive is the change of momentum along the way."""
     frame = kind.frame[body]
-    R = stage_rotation(kind, body)
+    R = frame.mid_rotation
     v1, v2, v3 = frame.velocity[0], frame.velocity[1], frame.velocity[2]
     l1, l2, l3 = frame.angular_momentum[0], frame.angular_momentum[1], frame.angular_momentum[2]
     x1, x2, x3 = frame.position[0], frame.position[1], frame.position[2]
-    spin_before = rotate_by_quaternion(
-        orientation_of(kind, body), frame.spin[0], frame.spin[1], frame.spin[2]
-    )
+    spin_before = rotate_by_quaternion(orientation_of(frame), frame.spin[0], frame.spin[1], frame.spin[2])
     prescribe(kind, body, time, kind.frame[body])
-    q = orientation_of(kind, body)
-    L = rotate_by_quaternion(
-        q,
-        frame.principal_inertia[0] * frame.spin[0],
-        frame.principal_inertia[1] * frame.spin[1],
-        frame.principal_inertia[2] * frame.spin[2],
-    )
-    spin_after = rotate_by_quaternion(q, frame.spin[0], frame.spin[1], frame.spin[2])
+    L = spatial_momentum(frame, frame.spin[0], frame.spin[1], frame.spin[2])
+    spin_after = rotate_by_quaternion(orientation_of(frame), frame.spin[0], frame.spin[1], frame.spin[2])
     moment = rotate(R, frame.moment[0], frame.moment[1], frame.moment[2])
     before, moved = (v1, v2, v3), (frame.position[0] - x1, frame.position[1] - x2, frame.position[2] - x3)
     twist_before = (l1, l2, l3)

@@ -5,25 +5,21 @@ from __future__ import annotations
 import math
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.outcome import Outcome
-from heavylift.numerics.rotation import rotate_by_exponential, rotate_by_quaternion, write_rotation_matrix
+from heavylift.numerics.rotation import rotate_by_quaternion
 from heavylift.numerics.small import cross, rotate, rotate_back
-from heavylift.solver.bodies.rigid import (
-    RigidBodies,
-)
+from heavylift.solver.bodies.frame_motion import advance_pose, orientation_of, predict_pose
+from heavylift.solver.bodies.rigid import RigidBodies, RigidFrames
 from heavylift.solver.bodies.rigid_stage import (
     gather_marker_forces,
     mean_velocity,
     move_driven,
-    orientation_of,
+    spatial_momentum,
     stage_at_state,
-    stage_rotation,
 )
 from heavylift.solver.drive import DRIVEN, FIXED, FREE
 from heavylift.solver.interface import (
     Workspace,
     advance,
-    check,
     end_velocity,
     estimate_error,
     factor,
@@ -32,39 +28,23 @@ from heavylift.solver.interface import (
     set_velocity,
     thesis_advance,
     thesis_velocity,
-    write_velocity,
 )
 from heavylift.solver.kinds import implement
 
-__all__ = ["LARGEST_TURN"]
-
-LARGEST_TURN = 1.0
-"""Turn of a body in one step [rad] above which a run stops."""
-
-NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE)
+__all__: list[str] = []
 
 
-@implement(predict, RigidBodies)
+@implement(predict, RigidFrames)
 @kernel(internal=True)
-def predict_rigid_bodies(kind: RigidBodies, time: float, step: float) -> None:
+def predict_rigid_bodies(kind: RigidFrames, time: float, step: float) -> None:
     """Arc midpoint and predicted midpoint velocities."""
     h = step
     for body in range(kind.table.shape[0]):
         frame = kind.frame[body]
-        a = frame.arc * h * h
+        predict_pose(frame, h, frame.arc * h * h)
         for k in range(3):
-            frame.mid_position[k] = (
-                frame.position[k] + 0.5 * h * frame.velocity[k] + a * frame.acceleration[k]
-            )
             frame.mid_velocity[k] = frame.velocity[k] + 0.5 * h * frame.acceleration[k]
             frame.mid_spin[k] = frame.spin[k] + 0.5 * h * frame.spin_rate[k]
-        quaternion = rotate_by_exponential(
-            orientation_of(kind, body),
-            0.5 * h * frame.spin[0] + a * frame.spin_rate[0],
-            0.5 * h * frame.spin[1] + a * frame.spin_rate[1],
-            0.5 * h * frame.spin[2] + a * frame.spin_rate[2],
-        )
-        write_rotation_matrix(quaternion, stage_rotation(kind, body))
         if kind.table[body].motion == DRIVEN:
             mean_velocity(kind, body, time + h, h)
 
@@ -80,7 +60,7 @@ def factor_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None
         frame = kind.frame[body]
         if kind.table[body].motion == FREE:
             L = rotate_back(
-                stage_rotation(kind, body),
+                frame.mid_rotation,
                 frame.angular_momentum[0],
                 frame.angular_momentum[1],
                 frame.angular_momentum[2],
@@ -95,27 +75,9 @@ def factor_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None
                 work.velocity[dof + k] = frame.mean_twist[k]
 
 
-@implement(check, RigidBodies)
+@implement(advance, RigidFrames)
 @kernel(internal=True)
-def check_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
-    """Refuse what is not finite, and turns of more than `LARGEST_TURN` in a step."""
-    for body in range(kind.table.shape[0]):
-        dof = kind.table[body].dof
-        total = 0.0
-        for i in range(dof, dof + 6):
-            total += abs(work.velocity[i])
-        w1, w2, w3 = work.velocity[dof + 3], work.velocity[dof + 4], work.velocity[dof + 5]
-        if not math.isfinite(total):
-            work.status.outcome = NOT_FINITE
-            work.status.body = kind.table[body].number
-        elif kind.table[body].motion == FREE and step * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3) > LARGEST_TURN:
-            work.status.outcome = STEP_TOO_LARGE
-            work.status.body = kind.table[body].number
-
-
-@implement(advance, RigidBodies)
-@kernel(internal=True)
-def advance_rigid_bodies(kind: RigidBodies, time: float, step: float, work: Workspace) -> None:
+def advance_rigid_bodies(kind: RigidFrames, time: float, step: float, work: Workspace) -> None:
     """Configuration and momenta to the end of the step, and the work of the marker forces."""
     h = step
     for body in range(kind.table.shape[0]):
@@ -129,7 +91,7 @@ def advance_rigid_bodies(kind: RigidBodies, time: float, step: float, work: Work
         velocity = work.velocity[dof : dof + 6]
         w1, w2, w3 = velocity[3], velocity[4], velocity[5]
         L = rotate(
-            stage_rotation(kind, body),
+            frame.mid_rotation,
             frame.principal_inertia[0] * w1,
             frame.principal_inertia[1] * w2,
             frame.principal_inertia[2] * w3,
@@ -137,26 +99,23 @@ def advance_rigid_bodies(kind: RigidBodies, time: float, step: float, work: Work
         external = 0.0
         for k in range(3):
             external += frame.force[k] * velocity[k] + frame.moment[k] * velocity[3 + k]
-            frame.position[k] += h * velocity[k]
             end = 2.0 * velocity[k] - frame.velocity[k]
             frame.acceleration[k] = (end - frame.velocity[k]) / h
             frame.velocity[k] = end
             frame.angular_momentum[k] = 2.0 * L[k] - frame.angular_momentum[k]
         frame.external_work += h * external
-        quaternion = rotate_by_exponential(orientation_of(kind, body), h * w1, h * w2, h * w3)
-        for k in range(4):
-            frame.orientation[k] = quaternion[k]
+        advance_pose(frame, velocity, h)
 
 
-@implement(end_velocity, RigidBodies)
+@implement(end_velocity, RigidFrames)
 @kernel(internal=True)
-def end_velocity_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
+def end_velocity_rigid_bodies(kind: RigidFrames, step: float, work: Workspace) -> None:
     """End velocities from the momenta; prescribed ones as they are."""
     for body in range(kind.table.shape[0]):
         frame = kind.frame[body]
         dof = kind.table[body].dof
         free = kind.table[body].motion == FREE
-        q = orientation_of(kind, body)
+        q = orientation_of(frame)
         w = rotate_by_quaternion(
             (q[0], -q[1], -q[2], -q[3]),
             frame.angular_momentum[0],
@@ -168,40 +127,25 @@ def end_velocity_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -
             work.velocity[dof + 3 + k] = w[k] * frame.inverse_inertia[k] if free else frame.spin[k]
 
 
-@implement(write_velocity, RigidBodies)
+@implement(set_velocity, RigidFrames)
 @kernel(internal=True)
-def write_rigid_velocities(kind: RigidBodies, work: Workspace) -> None:
-    """Velocities of the centres of mass, spins in principal axes."""
-    for body in range(kind.table.shape[0]):
-        dof = kind.table[body].dof
-        for k in range(6):
-            work.velocity[dof + k] = kind.frame[body].twist[k]
-
-
-@implement(set_velocity, RigidBodies)
-@kernel(internal=True)
-def set_velocity_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
+def set_velocity_rigid_bodies(kind: RigidFrames, step: float, work: Workspace) -> None:
     """Projected velocities, ``L = R I w``."""
     for body in range(kind.table.shape[0]):
         if kind.table[body].motion != FREE:
             continue
         frame = kind.frame[body]
         dof = kind.table[body].dof
-        L = rotate_by_quaternion(
-            orientation_of(kind, body),
-            frame.principal_inertia[0] * work.velocity[dof + 3],
-            frame.principal_inertia[1] * work.velocity[dof + 4],
-            frame.principal_inertia[2] * work.velocity[dof + 5],
-        )
+        L = spatial_momentum(frame, work.velocity[dof + 3], work.velocity[dof + 4], work.velocity[dof + 5])
         for k in range(3):
             frame.acceleration[k] += (work.velocity[dof + k] - frame.velocity[k]) / step
             frame.velocity[k] = work.velocity[dof + k]
             frame.angular_momentum[k] = L[k]
 
 
-@implement(estimate_error, RigidBodies)
+@implement(estimate_error, RigidFrames)
 @kernel(internal=True)
-def estimate_rigid_error(kind: RigidBodies, step: float, work: Workspace) -> None:
+def estimate_rigid_error(kind: RigidFrames, step: float, work: Workspace) -> None:
     """Distance of the midpoint velocity from its prediction, as a displacement [m] over the step."""
     for body in range(kind.table.shape[0]):
         if kind.table[body].motion != FREE:
@@ -218,15 +162,15 @@ def estimate_rigid_error(kind: RigidBodies, step: float, work: Workspace) -> Non
             work.status.body = kind.table[body].number
 
 
-@implement(finish, RigidBodies)
+@implement(finish, RigidFrames)
 @kernel(internal=True)
-def finish_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
+def finish_rigid_bodies(kind: RigidFrames, step: float, work: Workspace) -> None:
     """Spin from the angular momentum at the new orientation."""
     for body in range(kind.table.shape[0]):
         if kind.table[body].motion != FREE:
             continue
         frame = kind.frame[body]
-        q = orientation_of(kind, body)
+        q = orientation_of(frame)
         back = (q[0], -q[1], -q[2], -q[3])
         L = rotate_by_quaternion(
             back, frame.angular_momentum[0], frame.angular_momentum[1], frame.angular_momentum[2]
@@ -285,12 +229,7 @@ def thesis_advance_rigid_bodies(kind: RigidBodies, time: float, step: float, wor
         external = 0.0
         for k in range(3):
             external += frame.force[k] * velocity[k] + frame.moment[k] * velocity[3 + k]
-            frame.position[k] += h * velocity[k]
             frame.velocity[k] = velocity[k]
             frame.spin[k] = velocity[3 + k]
         frame.external_work += h * external
-        quaternion = rotate_by_exponential(
-            orientation_of(kind, body), h * velocity[3], h * velocity[4], h * velocity[5]
-        )
-        for k in range(4):
-            frame.orientation[k] = quaternion[k]
+        advance_pose(frame, velocity, h)

@@ -47,7 +47,8 @@ def start_contacts(layout: Any, step: float) -> None:
     """
     contacts: ContactRows = layout.systems[1]
     first, count = contacts.counts.first_block, contacts.counts.of_contours
-    run_start(layout.bodies, layout.joints, layout.systems, layout.work, step)
+    run_start(contacts, layout.bodies, layout.joints, layout.systems, layout.work, step)
+    _restore(contacts)
     if contacts.meshes:
         from heavylift.solver.contact.mesh_start import check_overlaps
 
@@ -63,18 +64,28 @@ def start_contacts(layout: Any, step: float) -> None:
 
 
 def forget_trials(layout: Any) -> None:
-    """After a state has been restored, brackets of impacts of an unfinished step mean nothing.
+    """After a state has been restored, brackets of impacts of an unfinished step mean nothing, and contacts are others.
 
     Parameters
     ----------
     layout
         Packed scene.
     """
-    control: Events = layout.systems[1].control
+    contacts: ContactRows = layout.systems[1]
+    _restore(contacts)
+    control: Events = contacts.control
     control.low = control.low_gap = control.high = control.high_gap = control.high_rate = 0.0
     control.impact, control.splits = False, 0
     control.watched = control.joins = -1
     layout.work.control.split = 0.0
+
+
+def _restore(contacts: ContactRows) -> None:
+    """What follows from the carried state of contacts between triangles."""
+    for meshes in contacts.meshes:
+        from heavylift.solver.contact.mesh_slots import restore_contacts
+
+        restore_contacts(meshes, contacts)
 
 
 def check_places(contacts: ContactRows, names: Sequence[str]) -> None:

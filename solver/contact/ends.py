@@ -31,7 +31,7 @@ from heavylift.solver.contact.stage import (
     softness_of,
     solve_present,
 )
-from heavylift.solver.contact.system_interface import follow_end, project_contacts
+from heavylift.solver.contact.system_interface import follow
 from heavylift.solver.interface import (
     Bodies,
     Joints,
@@ -40,6 +40,7 @@ from heavylift.solver.interface import (
     add_row_work,
     apply_inverse,
     close_step,
+    solve_end,
 )
 from heavylift.solver.kinds import implement
 
@@ -72,12 +73,12 @@ def _is_new(contacts: ContactRows, c: int, step: float, velocity: NDArray[np.flo
     return rate < 0.0 and state.end_gap <= gap_tolerance(contacts, c, rate) + soon
 
 
-@implement(project_contacts, ContactRows)
+@implement(solve_end, ContactRows)
 @kernel(internal=True)
-def project_contact_rows(
+def solve_contact_end(
     contacts: ContactRows,
-    bodies: Bodies,
     rows: Systems,
+    bodies: Bodies,
     joints: Joints,
     work: Workspace,
     time: float,
@@ -101,7 +102,7 @@ def project_contact_rows(
             closed += 1
     apart = closed > 0 and hits > 0
     if apart:
-        if not _project(contacts, bodies, rows, work, step, True, False):
+        if not _project(contacts, rows, bodies, joints, work, time, step, True, False):
             return
         add_row_work(bodies, 1.0, work, contacts)
         for c in range(contact_count(contacts)):
@@ -109,15 +110,17 @@ def project_contact_rows(
             for r in range(3):
                 half_impulse[r] += 0.5 * impulse[r]
                 impulse[r] = 0.0
-    _project(contacts, bodies, rows, work, step, not apart, True)
+    _project(contacts, rows, bodies, joints, work, time, step, not apart, True)
 
 
 @kernel(internal=True)
 def _project(
     contacts: ContactRows,
-    bodies: Bodies,
     rows: Systems,
+    bodies: Bodies,
+    joints: Joints,
     work: Workspace,
+    time: float,
     step: float,
     smooth: bool,
     hits: bool,
@@ -126,8 +129,8 @@ def _project(
 
     Parameters
     ----------
-    contacts, bodies, rows, work, step
-        As of `project_contacts`.
+    contacts, rows, bodies, joints, work, time, step
+        As of `solve_end`.
     smooth
         Whether these impulses belong to those of the step: both together push and stay in their cones.
     hits
@@ -164,7 +167,7 @@ def _project(
         return False
     if hits and not bound_restitution(contacts, count, work):
         return False
-    follow_end(rows, work)
+    follow(rows, joints, False, work, time, step)
     for j in range(count):
         _book_impact(contacts, j, smooth, work)
     return True

@@ -23,10 +23,10 @@ from heavylift.solver.contact.interface import (
 from heavylift.solver.contact.kind import COMPLIANT, CURVE, RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.locate import locate
-from heavylift.solver.contact.mesh_interface import bound_surfaces, drop_contacts, keep_found, search_surfaces
+from heavylift.solver.contact.mesh_interface import keep_found, search_surfaces
 from heavylift.solver.contact.stage import NEAR, looks_ahead
-from heavylift.solver.contact.system_interface import after_step, before_advance, go_back, locate_ends
-from heavylift.solver.interface import Bodies, Workspace, add_row_work
+from heavylift.solver.contact.system_interface import after_step, before_advance, go_back
+from heavylift.solver.interface import Bodies, Joints, Workspace, add_row_work, end_rows
 from heavylift.solver.kinds import implement
 
 __all__ = ["CLOSE", "MOST_EVENTS", "SHORTEST", "gap_tolerance"]
@@ -67,7 +67,6 @@ def before_contact_advance(contacts: ContactRows, bodies: Bodies, work: Workspac
     copy_carried(contacts, contacts.carried, contacts.saved)
     add_row_work(bodies, 2.0, work, contacts)
     bound_motion(bodies, contacts, step, work)
-    bound_surfaces(contacts.meshes, contacts, bodies, step)
     contacts.control.stopping_work = 0.0
     for c in range(contact_count(contacts)):
         _book_middle(contacts, c, work, step)
@@ -131,10 +130,10 @@ def _shift(contacts: ContactRows, c: int, work: Workspace, step: float) -> float
     return moved + contacts.poses[contacts.table[c].contour].step_shift
 
 
-@implement(locate_ends, ContactRows)
+@implement(end_rows, ContactRows)
 @kernel(internal=True)
-def locate_contact_ends(
-    contacts: ContactRows, bodies: Bodies, work: Workspace, time: float, step: float
+def end_contact_rows(
+    contacts: ContactRows, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
     """Search where a gap may have closed; ask for a shorter step if one without compliance has."""
     posed = False
@@ -163,7 +162,7 @@ def locate_contact_ends(
         if not posed:
             pose_contours(bodies, False, contacts)
             posed = True
-        search_surfaces(contacts.meshes, contacts, bodies, work, step)
+        search_surfaces(contacts.meshes, contacts, bodies, work, step, False)
         _repeat_with_found(contacts, work, step)
     if posed:
         settle_points(bodies, (), False, work)
@@ -322,7 +321,6 @@ def after_contact_step(
     control.impact = False
     control.watched = -1
     control.low = control.high = 0.0
-    drop_contacts(contacts.meshes, contacts)
     if whole:
         control.splits = 0
         for c in range(contact_count(contacts)):

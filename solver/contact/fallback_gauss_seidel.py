@@ -19,8 +19,7 @@ from heavylift.solver.contact.contact_rows import (
     solved_rows,
 )
 from heavylift.solver.contact.iteration import ACCEPTED, measure
-from heavylift.solver.contact.layout import CURVE, INACTIVE
-from heavylift.solver.contact.problem import Problem, Work
+from heavylift.solver.contact.layout import CURVE, INACTIVE, Problem, Work
 from heavylift.solver.contact.system import END
 
 __all__ = ["sweep_contacts"]
@@ -47,7 +46,7 @@ def _rate(problem: Problem, row: int, y: NDArray[np.float64]) -> float:
 @kernel(internal=True, reassociate=True)
 def _push(problem: Problem, row: int, impulse: float, y: NDArray[np.float64]) -> None:
     """Add an impulse on one row to the velocities."""
-    size = problem.size
+    size = problem.counts.size
     if problem.ends.shape[0] == 0:
         for i in range(size):
             y[i] += problem.B[row, i] * impulse
@@ -65,7 +64,7 @@ def _push(problem: Problem, row: int, impulse: float, y: NDArray[np.float64]) ->
 @kernel(internal=True)
 def _response(problem: Problem, row: int, x: NDArray[np.float64]) -> float:
     """Rate of one row by an impulse on it: an entry on the diagonal of W."""
-    for i in range(problem.size):
+    for i in range(problem.counts.size):
         x[i] = 0.0
     _push(problem, row, 1.0, x)
     return _rate(problem, row, x)
@@ -133,7 +132,7 @@ def sweep_contacts(problem: Problem, work: Work, p: NDArray[np.float64]) -> tupl
     found, sweeps, residual
         As of Newton's method.
     """
-    count, size = problem.number, problem.size
+    count, size = problem.counts.number, problem.counts.size
     y = work.x
     for row in range(3 * count):
         if not abs(p[row]) < np.inf:

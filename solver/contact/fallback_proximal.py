@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.iteration import ACCEPTED, iterate
-from heavylift.solver.contact.problem import Problem, Work, fill_rows
+from heavylift.solver.contact.layout import Problem, Work
+from heavylift.solver.contact.problem import fill_rows
 
 __all__ = ["take_proximal_steps"]
 
@@ -54,7 +55,7 @@ def take_proximal_steps(
     found, iterations, residual
         As of `iterate`; iterations of all steps.
     """
-    n = 3 * problem.number
+    n = 3 * problem.counts.number
     tau, total, residual = 1.0, 0, np.inf
     kept = work.kept
     for i in range(n):

@@ -20,7 +20,6 @@ __all__ = [
     "Rings",
     "SurfaceWeights",
     "Surfaces",
-    "sample",
     "touch",
     "weigh",
 ]
@@ -83,11 +82,6 @@ class Footprints(Arrays):
 
 
 @optional()
-def sample(features: Features, contacts: ContactRows, bodies: Bodies, contour: int) -> None:
-    """Before a search from everywhere: control points and samples of a contour where it is now."""
-
-
-@optional()
 def touch(
     features: Features,
     contacts: ContactRows,
@@ -101,6 +95,7 @@ def touch(
 ) -> None:
     """Search for the touched point of a contact whose point lies at y in the axes of the contour [m].
 
+    A cold search begins everywhere, at samples of the contour, which contours that deform put where they are first.
     Its gaps go into the state of the contact, directions of the rows, lever, arm and slopes into the scratch arrays.
     """
 

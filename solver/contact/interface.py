@@ -6,32 +6,32 @@ stand still. A vector v there is ``R v`` in the world, a point x is at ``R x + o
 body.
 
 An aim lasts for the stage: `factor` and `advance` forget it. So at each stage all contacts first say where they touch
-(`aim_points`), then the points get their velocities (`settle_points`), and only then rows are asked for rates.
+(`put_contour_rows`), then the points get their velocities (`settle_points`), and only then rows are asked for rates.
 """
 
 from __future__ import annotations
 
-from heavylift.contours.packed_contour import PackedContour
-from heavylift.numerics.arrays import Floats1, Floats2, Ints1
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.interface import Bodies, Systems, Workspace
 from heavylift.solver.kinds import optional
 
 __all__ = [
-    "aim_points",
     "bound_motion",
     "forget_accelerations",
     "form_controls",
-    "form_mesh_controls",
     "pose_contours",
     "put_contour_rows",
+    "put_surface_rows",
     "settle_points",
 ]
 
 
 @optional("contact")
 def pose_contours(kinds: Bodies, at_midpoint: bool, contacts: ContactRows) -> None:
-    """Bodies: rotation and origin of their contours at the stage, which the markers have been filled for."""
+    """Bodies: rotation and origin of their contours at the stage, which the markers have been filled for.
+
+    Points of surfaces of triangles that deform too; what follows from these the contacts find themselves.
+    """
 
 
 @optional("contact")
@@ -60,43 +60,13 @@ def forget_accelerations(kinds: Bodies) -> None:
     """Bodies: after an impact the differences of the last step say nothing of the next."""
 
 
-# ---- of frames and shells ----
-
-
 @optional("contact")
-def form_mesh_controls(
-    kinds: Bodies,
-    dof: int,
-    at_midpoint: bool,
-    contour: PackedContour,
-    first_u: int,
-    last_u: int,
-    first_v: int,
-    last_v: int,
-    net: Floats2,
-) -> None:
-    """Bodies: control points [m] of a window of the shape of the mesh whose first velocity is `dof`, into `net`.
+def put_surface_rows(kinds: Bodies, contacts: ContactRows, contact: int, side: int, work: Workspace) -> None:
+    """Bodies whose surface deforms: rows of a contact between triangles on one of its sides.
 
-    Both ends of the window belong to it, and one of a ring goes round. The contour is packed, made from
-    `heavylift.solver.bodies.ancf.mesh_contour`. Points are those of the midpoint or of the carried state, in the axes
-    of the nodal coordinates.
-    """
-
-
-@optional("contact")
-def aim_points(
-    kinds: Bodies,
-    dof: int,
-    slot: int,
-    controls: Ints1,
-    weights: Floats1,
-    count: int,
-) -> None:
-    """Bodies: what a moving point of the mesh whose first velocity is `dof` is from now on.
-
-    It is the sum of `count` control points of the shape times their weights; control (i, j) has the number
-    ``i count_v + j``. Control points of several elements may take part, as under a footprint. Weights that are
-    derivatives of basis functions make it a tangent instead of a point.
+    The touched point is the sum of the points in `contacts.facets.corners` times `shares`; directions stand in the
+    scratch of the contacts. A moving point is aimed at it, whose velocity at the carried state goes into the workspace,
+    so that rates are known at once at the end of a step; `settle_points` finds those of the middle.
     """
 
 

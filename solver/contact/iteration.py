@@ -24,9 +24,10 @@ from heavylift.solver.contact.contact_rows import (
 )
 from heavylift.solver.contact.end_blocks import CONTACT, add_pair, load_pair, same_ends
 from heavylift.solver.contact.envelope import factor_near_diagonal, solve_near_diagonal
-from heavylift.solver.contact.layout import UNILATERAL
-from heavylift.solver.contact.problem import Problem, Work
+from heavylift.solver.contact.layout import UNILATERAL, Problem, Work
 from heavylift.solver.contact.system import (
+    COUPLING,
+    SCRATCH,
     add_unit,
     add_unit_to_product,
     assemble_rows,
@@ -59,25 +60,25 @@ ROUNDING = 1e-15
 def _sum_impulses(problem: Problem, work: Work, p: NDArray[np.float64]) -> None:
     """``z = N^T p``."""
     ends, z, sums = problem.ends, work.z, work.sums
-    for i in range(problem.size):
+    for i in range(problem.counts.size):
         z[i] = 0.0
-    for c in range(problem.number):
+    for c in range(problem.counts.number):
         if c > 0 and not same_ends(ends, c, c - 1):
             add_pair(ends, work.place, c - 1, sums, z)
         p0, p1, p2 = p[3 * c], p[3 * c + 1], p[3 * c + 2]
         if p0 != 0.0 or p1 != 0.0 or p2 != 0.0:
             add_rows(work.N, CONTACT * c, p0, p1, p2, sums)
-    add_pair(ends, work.place, problem.number - 1, sums, z)
+    add_pair(ends, work.place, problem.counts.number - 1, sums, z)
 
 
 @kernel(internal=True)
 def _by_mass(problem: Problem, work: Work, z: NDArray[np.float64]) -> None:
     """Write ``y = B z``; the same where the masses are in the rows."""
     if work.marks.unit_mass:
-        for i in range(problem.size):
+        for i in range(problem.counts.size):
             work.y[i] = z[i]
     else:
-        multiply(problem.size, problem.B, z, work.y)
+        multiply(problem.counts.size, problem.B, z, work.y)
 
 
 @kernel(internal=True)
@@ -86,7 +87,7 @@ def _evaluate(problem: Problem, work: Work, p: NDArray[np.float64]) -> tuple[flo
 
     Returns the largest residual of a contact and what it is measured by.
     """
-    count, size, kinds, ends = problem.number, problem.size, problem.kinds, problem.ends
+    count, size, kinds, ends = problem.counts.number, problem.counts.size, problem.kinds, problem.ends
     w, w0, x, records, place, N = work.w, work.w0, work.x, work.records, work.place, work.N
     on_blocks = ends.shape[0] > 0
     if on_blocks:
@@ -147,8 +148,10 @@ def measure(problem: Problem, work: Work, p: NDArray[np.float64]) -> float:
 @kernel(internal=True)
 def _solve_step(problem: Problem, work: Work, fresh: bool) -> bool:
     """Solve for the sums of a step on the velocities, from x into y; returns False if the matrix is singular."""
-    size, marks = problem.size, work.marks
-    changed = update(problem.number, problem.ends, work.place, work.N, size, work.records, work.held, work.K)
+    size, marks = problem.counts.size, work.marks
+    changed = update(
+        problem.counts.number, problem.ends, work.place, work.N, size, work.records, work.held, work.K
+    )
     if changed or fresh:
         marks.near_diagonal = False
         if marks.unit_mass:
@@ -175,7 +178,7 @@ def _solve_step(problem: Problem, work: Work, fresh: bool) -> bool:
 @kernel(internal=True)
 def _correct(problem: Problem, work: Work, p: NDArray[np.float64], fresh: bool) -> float:
     """Add a step of Newton's method to p; returns its largest size over that of p, weighted by W; below zero: none."""
-    count, size, ends, place = problem.number, problem.size, problem.ends, work.place
+    count, size, ends, place = problem.counts.number, problem.counts.size, problem.ends, work.place
     records, dw, x, z, N = work.records, work.dw, work.x, work.z, work.N
     on_blocks = ends.shape[0] > 0
     if on_blocks:
@@ -247,11 +250,11 @@ def iterate(
     residual
         Relative.
     """
-    for i in range(work.held.shape[0]):
-        work.held[i] = 0.0
-    for i in range(work.K.shape[0]):
-        work.K[i] = 0.0
     if problem.ends.shape[0] > 0:
+        for i in range(COUPLING * problem.counts.number + SCRATCH):
+            work.held[i] = 0.0
+        for i in range(problem.counts.size * problem.counts.size):
+            work.K[i] = 0.0
         _sum_impulses(problem, work, p)
     best, step, refinements = np.inf, np.inf, 0
     iteration, relative = 0, np.inf
@@ -263,7 +266,7 @@ def iterate(
         if relative <= accepted and relative < best:
             gain = relative < 0.5 * best
             best = relative
-            for i in range(3 * problem.number):
+            for i in range(3 * problem.counts.number):
                 work.best[i] = p[i]
             if not gain and best < NO_GAIN:
                 return True, iteration, best
@@ -278,7 +281,7 @@ def iterate(
             break
         iteration += 1
     if best < np.inf:
-        for i in range(3 * problem.number):
+        for i in range(3 * problem.counts.number):
             p[i] = work.best[i]
         return True, iteration, best
     return False, iteration, relative

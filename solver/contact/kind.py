@@ -20,7 +20,8 @@ from heavylift.contours.surface_layout import RelativePose
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Matrix3, Record, Records, Vector
-from heavylift.solver.contact.layout import RowKind, RowParameters, Solution
+from heavylift.solver.contact.facet_kind import FacetSurfaces
+from heavylift.solver.contact.layout import Problem, RowKind, RowParameters, Solution
 from heavylift.solver.kinds import Table
 from heavylift.solver.rows import RowArrays
 
@@ -39,7 +40,6 @@ __all__ = [
     "Events",
     "Features",
     "Reduced",
-    "ReducedCounts",
     "SampleGrid",
     "Samples",
     "Scratch",
@@ -442,29 +442,24 @@ class Samples(Arrays):
     angles: Floats1
 
 
-class ReducedCounts(Record):
-    """Of what the solver is told of contacts between rigid bodies: how many columns there are."""
-
-    columns: int
-
-
 class Reduced(Arrays):
     """What the solver is told of contacts between rigid bodies; columns are velocities of touched bodies.
 
     Attributes
     ----------
+    problem
+        What the solver gets, of the arrays that follow.
     ends, blocks
-        Of each contact that takes part, shapes (nc, 4) and (nc, 36), see `solve_contacts_reduced`.
+        Of each contact that takes part, shapes (nc, 4) and (nc, 36).
     matrix
         B, shape (n, n).
     start, found
         Velocities without and with impulses, shape (n,).
     columns, velocities
         Column of each velocity of the scene, -1 if it is not touched; velocity of each column.
-    counts
-        How many columns there are.
     """
 
+    problem: Problem
     ends: Ints2
     blocks: Floats2
     matrix: Floats2
@@ -472,7 +467,6 @@ class Reduced(Arrays):
     found: Floats1
     columns: Ints1
     velocities: Ints1
-    counts: ReducedCounts
 
 
 class ContactRows(RowArrays):
@@ -506,19 +500,21 @@ class ContactRows(RowArrays):
         Rates without contact, impulses and rates for the solver, shape (3, 3 nc).
     column
         Scratch, as long as the velocities of the scene.
-    scratch, shapes, places, workspace
+    scratch, shapes, places
         Numbers and places that live within one call: of the contact that is being located, its mode shapes and their
         derivatives, and the numbers of control points.
     counts, present, joining
         How many there are; numbers of those that take part; 1 for each that joins those that are closed.
     control
         Of events.
-    solvers, solution
-        What solves them, and how that ended.
+    solvers, dense, solution
+        What solves them, the problem on the matrix of the rows, and how that ended.
     reduced
         What the solver needs on the velocities of the touched bodies, if all of them are rigid.
     meshes
         Pairs of surfaces of triangles: one kind or none; their contacts come behind those of contours.
+    facets
+        Of those surfaces the ones that deform.
     placed
         Of those pairs, carried: poses of the surfaces at the end of the last step; sums over contacts that are gone;
         number of contacts. Shape (n, 12).
@@ -533,7 +529,6 @@ class ContactRows(RowArrays):
         "heavylift.solver.contact.locate",
         "heavylift.solver.contact.record",
         "heavylift.solver.contact.stage",
-        "heavylift.solver.contact.start",
     )
 
     carried_fields: ClassVar[tuple[str, ...]] = (
@@ -562,12 +557,13 @@ class ContactRows(RowArrays):
     counts: Counts
     present: Ints1
     joining: Ints1
-    workspace: Floats1
     control: Events
     solvers: ContactSolvers
+    dense: Problem
     solution: Solution
     reduced: Reduced
     meshes: Colliding
+    facets: FacetSurfaces
     placed: Floats2
     carried: Floats1
     saved: Floats1

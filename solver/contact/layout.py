@@ -17,7 +17,8 @@ damping. After the step s has grown by ``h w_t``, cut to ``2 mu p_n / (h k_t)`` 
 
 from __future__ import annotations
 
-from heavylift.numerics.records import Record, Vector
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
+from heavylift.numerics.records import Record, Records, Vector
 
 __all__ = [
     "BILATERAL",
@@ -29,9 +30,13 @@ __all__ = [
     "LINEAR",
     "NORMAL_GIVEN",
     "UNILATERAL",
+    "Marks",
+    "Problem",
+    "ProblemSize",
     "RowKind",
     "RowParameters",
     "Solution",
+    "Work",
 ]
 
 INACTIVE, UNILATERAL, BILATERAL, CURVE, COMPLIANT, NORMAL_GIVEN = range(6)
@@ -87,8 +92,128 @@ class RowParameters(Record):
 
 
 class Solution(Record):
-    """How a solution ended: as `solve_contacts` returns it, with its residual relative to the rates."""
+    """How a solution ended: see `solve_contacts`; its residual is relative to the rates."""
 
     status: int
     iterations: int
     residual: float
+
+
+class ProblemSize(Record):
+    """Contacts, and touched velocities or rows."""
+
+    number: int
+    size: int
+
+
+class Marks(Record):
+    """Marks of a problem.
+
+    Attributes
+    ----------
+    unit_mass
+        Whether masses are in the rows.
+    near_diagonal
+        Whether the factors are those without exchange of rows.
+    scale
+        Largest rate without impulses or by what the step has given before [m/s].
+    """
+
+    unit_mass: bool
+    near_diagonal: bool
+    scale: float
+
+
+class Work(Arrays):
+    """What the solver works on; of each array the first part, for as many contacts and velocities as there are.
+
+    Attributes
+    ----------
+    diagonal
+        W of the normal, mean of the tangents; 2 a contact.
+    inverse
+        r of the laws; 2 a contact.
+    rows, records
+        Softness and target of the rows, and linearised laws; see `contact_rows`.
+    held
+        D of the contacts that is in K, and scratch behind it.
+    w, w0, dw, best, kept, begin
+        Rates, rates without impulses, and impulses; 3 a contact.
+    z, y, x, pivots, active
+        Of velocities.
+    K, A
+        Square matrices of velocities, row by row.
+    N
+        Rows in twelve columns, see `end_blocks`.
+    place, reach
+        Places of velocities in z, y, x, K and A, and how far entries reach from the diagonal.
+    y0
+        Velocities without impulses, in their places, of a unit mass if that is in N.
+    pair, sums
+        Velocities of the ends of a contact, and what acts on them: zeros between calls.
+    marks
+        What is known of the problem.
+    """
+
+    diagonal: Floats1
+    inverse: Floats1
+    rows: Floats1
+    records: Floats1
+    held: Floats1
+    w: Floats1
+    w0: Floats1
+    dw: Floats1
+    best: Floats1
+    kept: Floats1
+    begin: Floats1
+    z: Floats1
+    y: Floats1
+    x: Floats1
+    pivots: Floats1
+    active: Floats1
+    K: Floats1
+    A: Floats1
+    N: Floats1
+    place: Floats1
+    reach: Floats1
+    y0: Floats1
+    pair: Floats1
+    sums: Floats1
+    marks: Marks
+
+
+class Problem(Arrays):
+    """Contacts on bodies: ``w = N y``, ``y = start + B N^T p``. Of larger arrays the first part is meant.
+
+    Attributes
+    ----------
+    counts
+        How many contacts there are on how many velocities; one who asks for a solution writes it.
+    kinds, parameters
+        Laws, see above.
+    ends
+        Per contact first velocity and number of velocities, up to 6, of its first and of its second end, shape
+        (contacts, 4); number 0: no such end. Of length 0: N is the identity, and velocities are the rates of the rows.
+    blocks
+        Rows of N per contact, shape (contacts, 36): three rows of stride 6 of the first end, then of the second.
+    start, B
+        Velocities without impulses, (size,), and their symmetric positive semidefinite inverse mass, (size, size).
+    p
+        In: impulses to begin with, those of the step before or zeros. Out: the solution, 3 a contact.
+    y
+        Out: velocities, (size,).
+    work, solution
+        What the solver works on, and how it ended.
+    """
+
+    counts: ProblemSize
+    kinds: Records[RowKind]
+    parameters: Records[RowParameters]
+    ends: Ints2
+    blocks: Floats2
+    start: Floats1
+    B: Floats2
+    p: Floats1
+    y: Floats1
+    work: Work
+    solution: Solution

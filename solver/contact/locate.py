@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate, rotate_back
-from heavylift.solver.contact.features import sample, touch, weigh
+from heavylift.solver.contact.features import touch, weigh
 from heavylift.solver.contact.interface import put_contour_rows
 from heavylift.solver.contact.kind import LOST, NOT_A_NUMBER, OF_GROUND, OF_RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.mesh_interface import touch_triangles
@@ -43,8 +43,6 @@ def locate(contacts: ContactRows, bodies: Bodies, c: int, cold: bool, work: Work
         work.markers[marker].point[1] - pose.origin[1],
         work.markers[marker].point[2] - pose.origin[2],
     )
-    if cold:
-        sample(contacts.features, contacts, bodies, contour)
     scratch.has_slopes = False
     touch(contacts.features, contacts, bodies, c, cold, y1, y2, y3, work)
     result = scratch.result

@@ -15,54 +15,31 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross, rotate_back
 from heavylift.solver.contact.contour_rows import put_pose_rows
 from heavylift.solver.contact.counts import contact_count
-from heavylift.solver.contact.facet_interface import (
-    bound_facets,
-    bound_surface_points,
-    form_facets,
-    form_surface_points,
-    put_surface_rows,
-    take_slots,
-    touch_facets,
-)
 from heavylift.solver.contact.facet_kind import FacetSurfaces
+from heavylift.solver.contact.interface import put_surface_rows
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.mesh_kind import SurfacePairs
 from heavylift.solver.interface import Bodies, Workspace
-from heavylift.solver.kinds import implement
 
-__all__: list[str] = []
+__all__ = ["refit_facets", "take_slots", "touch_facets"]
 
 Vector = tuple[float, float, float]
 
 
-@implement(form_facets, FacetSurfaces)
 @kernel(internal=True)
-def form_facet_points(facets: FacetSurfaces, surfaces: CollisionSurfaces, bodies: Bodies) -> None:
-    """Surface by surface."""
-    for row in range(facets.rows.shape[0]):
-        surface = facets.rows[row].surface
-        form_surface_points(bodies, facets, row, surfaces.surfaces[surface].first_point, surfaces.points)
-        refit_surface(surfaces, surface)
+def refit_facets(contacts: ContactRows, surfaces: CollisionSurfaces) -> None:
+    """Normals, edges and trees of all surfaces that deform, from their points of the stage."""
+    for row in range(contacts.facets.rows.shape[0]):
+        refit_surface(surfaces, contacts.facets.rows[row].surface)
 
 
-@implement(bound_facets, FacetSurfaces)
 @kernel(internal=True)
-def bound_facet_motion(facets: FacetSurfaces, contacts: ContactRows, bodies: Bodies, step: float) -> None:
-    """Surface by surface."""
-    for row in range(facets.rows.shape[0]):
-        bound_surface_points(bodies, facets, row, contacts, step)
-
-
-@implement(take_slots, FacetSurfaces)
-@kernel(internal=True)
-def take_contact_slots(
-    facets: FacetSurfaces, meshes: SurfacePairs, contacts: ContactRows, contact: int
-) -> None:
-    """The first one of the body that no other contact has."""
-    pair = contacts.state[contact].pair
+def take_slots(meshes: SurfacePairs, contacts: ContactRows, contact: int) -> None:
+    """Moving points for a new contact of its pair, the first ones that no other contact has; -1 if all are taken."""
+    state, facets = contacts.state[contact], contacts.facets
     for side in range(2):
-        row = facets.row_of[meshes.pairs[pair].surfaces[side]]
-        contacts.state[contact].slots[side] = 0
+        row = deforming_row(meshes, contacts, contact, side)
+        state.slots[side] = 0
         if row < 0:
             continue
         found = -1
@@ -70,10 +47,18 @@ def take_contact_slots(
             if not _is_taken(meshes, contacts, contact, facets.rows[row].dof, slot):
                 found = slot
                 break
-        contacts.state[contact].slots[side] = found
+        state.slots[side] = found
         if found < 0:
-            contacts.state[contact].slots[0] = -1
+            state.slots[0] = -1
             return
+
+
+@kernel(inline=True, internal=True)
+def deforming_row(meshes: SurfacePairs, contacts: ContactRows, contact: int, side: int) -> int:
+    """Row of the surface of a contact on one side, -1 if it is rigid."""
+    if contacts.facets.rows.shape[0] == 0:
+        return -1
+    return contacts.facets.row_of[meshes.pairs[contacts.state[contact].pair].poses[side]]
 
 
 @kernel(internal=True)
@@ -149,25 +134,19 @@ def _share(
         facets.corners[k] -= meshes.surfaces.surfaces[surface].first_point
 
 
-@implement(touch_facets, FacetSurfaces)
 @kernel(internal=True)
-def touch_facet_contact(
-    facets: FacetSurfaces,
-    meshes: SurfacePairs,
-    contacts: ContactRows,
-    bodies: Bodies,
-    work: Workspace,
-    contact: int,
+def touch_facets(
+    meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, work: Workspace, contact: int
 ) -> None:
-    """Side by side, in place of what rigid bodies have there."""
-    state, touch, scratch = contacts.state[contact], meshes.touch, contacts.scratch
+    """Rows of a contact of which a side deforms, in place of what rigid bodies have there; directions are found."""
+    facets, state, touch, scratch = contacts.facets, contacts.state[contact], meshes.touch, contacts.scratch
     pair = state.pair
-    first, second = meshes.pairs[pair].surfaces[0], meshes.pairs[pair].surfaces[1]
-    if facets.row_of[first] < 0 and facets.row_of[second] < 0:
+    rows = (deforming_row(meshes, contacts, contact, 0), deforming_row(meshes, contacts, contact, 1))
+    if rows[0] < 0 and rows[1] < 0:
         return
     relative = meshes.relative[pair]
     for side in range(2):
-        row = facets.row_of[meshes.pairs[pair].surfaces[side]]
+        row = rows[side]
         point = touch.point_b if (side == 1) == (row >= 0) else touch.point_a
         x = point[0], point[1], point[2]
         if side == 1:
@@ -176,8 +155,7 @@ def touch_facet_contact(
         if row >= 0:
             feature = state.other_feature if side == 1 else state.feature
             _share(facets, meshes, state.feature_kind, feature, side == 1, facets.rows[row].surface, x)
-            slot = state.slots[side]
-            put_surface_rows(bodies, facets, row, slot, contacts, 2 * contact + side, 2.0 * side - 1.0, work)
+            put_surface_rows(bodies, contacts, contact, side, work)
         else:
             scratch.lever[0], scratch.lever[1], scratch.lever[2] = x
             pose = meshes.pairs[pair].poses[side]

@@ -9,36 +9,22 @@ from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import optional
 
 __all__ = [
-    "bound_surfaces",
-    "drop_contacts",
-    "find_first_contacts",
     "keep_found",
     "place_surfaces",
     "pose_surfaces",
     "record_clearance",
     "record_pairs",
-    "restore_contacts",
     "search_surfaces",
     "touch_triangles",
 ]
 
 
 @optional()
-def restore_contacts(meshes: Colliding, contacts: ContactRows) -> None:
-    """Number, sides and laws of the contacts from what is carried of them; after a step has been taken back too."""
-
-
-@optional()
-def pose_surfaces(meshes: Colliding, contacts: ContactRows, bodies: Bodies) -> None:
+def pose_surfaces(meshes: Colliding, contacts: ContactRows) -> None:
     """Pose of the second surface of each pair in the axes of the first, from the poses of the stage.
 
-    Points of surfaces that deform come first.
+    What follows from the points of surfaces that deform comes first.
     """
-
-
-@optional("search")
-def bound_surfaces(meshes: Colliding, contacts: ContactRows, bodies: Bodies, step: float) -> None:
-    """How far surfaces that deform move in the step, into their poses."""
 
 
 @optional()
@@ -50,16 +36,12 @@ def touch_triangles(
 
 @optional("search")
 def search_surfaces(
-    meshes: Colliding, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float
+    meshes: Colliding, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float, first: bool
 ) -> None:
-    """Contacts at the end of the step: those whose features have met on the way or are near, with gaps and rows."""
+    """Contacts at the end of the step: those whose features have met on the way or are near, with gaps and rows.
 
-
-@optional("search")
-def find_first_contacts(
-    meshes: Colliding, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float
-) -> None:
-    """The same before time starts, with both ends of the step at the start."""
+    The first search, before time starts, has both ends of the step at the start.
+    """
 
 
 @optional()
@@ -68,13 +50,11 @@ def keep_found(meshes: Colliding, contacts: ContactRows, before: bool) -> None:
 
 
 @optional()
-def drop_contacts(meshes: Colliding, contacts: ContactRows) -> None:
-    """After a step: contacts that are far away again go, and leave their sums to their pair."""
-
-
-@optional()
 def place_surfaces(meshes: Colliding, contacts: ContactRows) -> None:
-    """When a step stands: poses of the surfaces at its end, where the next one begins."""
+    """When a step stands: poses of the surfaces at its end, where the next one begins.
+
+    Contacts that are far away again go, and leave their sums to their pair.
+    """
 
 
 @optional("record")

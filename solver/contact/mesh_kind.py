@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.contours.feature_gap import FeatureTouch
 from heavylift.contours.feature_report import ContactList
-from heavylift.contours.pair_list import PairLists
 from heavylift.contours.surface_layout import RelativeMotion, RelativePose
 from heavylift.contours.surface_pack import CollisionSurfaces
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
@@ -17,10 +16,12 @@ from heavylift.numerics.records import Record, Records, record_at
 from heavylift.solver.contact.kind import ContactState, ContactValues
 from heavylift.solver.kinds import Table
 
+if TYPE_CHECKING:
+    from heavylift.solver.contact.feature_search import FeatureSearches, FoundCount
+
 __all__ = [
     "Clearing",
     "ContactHeader",
-    "DeformingSurfaces",
     "GoneContacts",
     "PairSide",
     "SurfacePair",
@@ -112,17 +113,13 @@ class Clearing(Table):
     """Pairs whose distance is recorded, a kind or none."""
 
 
-class DeformingSurfaces(Table):
-    """The surfaces of triangles that deform, a kind or none."""
-
-
 class SurfacePairs(Arrays):
     """Surfaces, pairs of them, and what their search needs.
 
     Attributes
     ----------
-    surfaces, lists
-        Packed triangles with their trees, and lists of triangles that are near each other.
+    surfaces, searches
+        Packed triangles with their trees, and what finds features that meet.
     pairs
         The pairs.
     sides
@@ -133,8 +130,8 @@ class SurfacePairs(Arrays):
         Pose of the second surface in the axes of the first at the stage.
     motions
         The same at both ends of the step.
-    found
-        What the search of a pair has found.
+    found, counts
+        What the search of a pair has found, and how many.
     touch
         Normal, points on both features and how far they lie beside them, of one contact.
     points, normals, depths, active, owners, patch_of
@@ -150,8 +147,6 @@ class SurfacePairs(Arrays):
         Contacts found in a step that is taken back.
     clearances
         Pairs whose distance is recorded: one kind or none.
-    facets
-        Surfaces that deform: one kind or none.
     """
 
     kernel_modules: ClassVar[tuple[str, ...]] = (
@@ -163,13 +158,14 @@ class SurfacePairs(Arrays):
     )
 
     surfaces: CollisionSurfaces
-    lists: PairLists
+    searches: FeatureSearches
     pairs: Records[SurfacePair]
     sides: Records[PairSide]
     pair_values: Records[ContactValues]
     relative: Records[RelativePose]
     motions: Records[RelativeMotion]
     found: ContactList
+    counts: FoundCount
     touch: FeatureTouch
     points: Floats2
     normals: Floats2
@@ -185,4 +181,3 @@ class SurfacePairs(Arrays):
     chains: Ints1
     kept: Records[ContactState]
     clearances: Clearing
-    facets: DeformingSurfaces

@@ -33,7 +33,6 @@ from heavylift.solver.contact.laws_packing import force_law, put_law
 from heavylift.solver.contact.mesh_clearance import make_clearances
 from heavylift.solver.contact.mesh_kind import (
     Clearing,
-    DeformingSurfaces,
     PairSide,
     SurfacePair,
     SurfacePairs,
@@ -45,6 +44,7 @@ from heavylift.solver.rows import Attachment
 from heavylift.solver.scene import RigidBody, Scene
 
 if TYPE_CHECKING:
+    from heavylift.contours.surface_pack import CollisionSurfaces
     from heavylift.preprocess.surfaces import TriangleSurface
     from heavylift.solver.bodies.ancf.facet_packing import FacetBook
     from heavylift.solver.collisions import Collision, CollisionSurface
@@ -99,6 +99,7 @@ def pack_collisions(
     from heavylift.contours.pair_list import make_pair_lists
     from heavylift.contours.patches import EXTREMES, patch_scratch_size
     from heavylift.contours.surface_pack import pack_surfaces
+    from heavylift.solver.contact.feature_search import FeatureSearch, FeatureSearches, FoundCount
 
     by_name = {body.name: body for body in ordered}
     contours = records(ContactContour, len(scene.surfaces))
@@ -159,15 +160,22 @@ def pack_collisions(
     for i, pose in enumerate(poses):
         placed[i] = pose
     places = len(scene.contacts) + most
-    meshes = SurfacePairs(
+    search = FeatureSearch(
         surfaces=packed,
         lists=make_pair_lists(packed, [(int(pair.surfaces[0]), int(pair.surfaces[1])) for pair in pairs]),
+        found=make_contact_list(room),
+        counts=FoundCount.one(),
+    )
+    meshes = SurfacePairs(
+        surfaces=packed,
+        searches=FeatureSearches((search,)),
         pairs=pairs,
         sides=sides,
         pair_values=values,
         relative=records(RelativePose, count),
         motions=records(RelativeMotion, count),
-        found=make_contact_list(room),
+        found=search.found,
+        counts=search.counts,
         touch=FeatureTouch.one(),
         points=np.zeros((items, 3)),
         normals=np.zeros((items, 3)),
@@ -183,10 +191,10 @@ def pack_collisions(
         chains=np.zeros(places, dtype=np.int64),
         kept=records(ContactState, places),
         clearances=Clearing(make_clearances(packed, [one.clearance for one in scene.collisions])),
-        facets=DeformingSurfaces(_pack_facets(scene, deforming, dofs, first_pose)),
     )
     return PackedCollisions(
         meshes=Colliding((meshes,)),
+        facets=_pack_facets(scene, packed, deforming, dofs, first_pose),
         contours=contours,
         poses=placed,
         placed=np.zeros((len(moved) + count + 1, 12)),
@@ -197,35 +205,39 @@ def pack_collisions(
 
 
 def _pack_facets(
-    scene: Scene, deforming: Mapping[int, FacetBook], dofs: Mapping[str, int], first_pose: int
-) -> list[FacetSurfaces]:
-    """The kind of surfaces that deform, if there are any."""
+    scene: Scene,
+    packed: CollisionSurfaces,
+    deforming: Mapping[int, FacetBook],
+    dofs: Mapping[str, int],
+    first_pose: int,
+) -> FacetSurfaces:
+    """The surfaces that deform."""
     if not deforming:
-        return []
+        return FacetSurfaces.none()
     slots, moving = count_slots(scene), count_moving(scene)
     rows = records(FacetSurface, len(deforming))
-    row_of = np.full(len(scene.surfaces), -1, dtype=np.int64)
+    row_of = np.full(first_pose + len(scene.surfaces), -1, dtype=np.int64)
     point = 0
     for k, (i, book) in enumerate(deforming.items()):
-        body, row_of[i] = scene.surfaces[i].body, k
+        body, row_of[first_pose + i] = scene.surfaces[i].body, k
         row = rows[k]
         row.surface, row.dof, row.pose = i, dofs[body], first_pose + i
         row.own_point, row.points = point, len(book.counts)
+        row.first_point = packed.surfaces[i].first_point
         row.last_slot = moving.get(body, 0)
         row.first_slot = row.last_slot - slots.get(body, 0)
         point += len(book.counts)
     counts = np.concatenate([book.counts for book in deforming.values()])
-    return [
-        FacetSurfaces(
-            rows=rows,
-            row_of=row_of,
-            first=np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
-            entries=np.concatenate([book.entries for book in deforming.values()]),
-            factors=np.concatenate([book.factors for book in deforming.values()]),
-            corners=np.zeros(3, dtype=np.int64),
-            shares=np.zeros(3),
-        )
-    ]
+    return FacetSurfaces(
+        rows=rows,
+        row_of=row_of,
+        points=packed.points,
+        first=np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
+        entries=np.concatenate([book.entries for book in deforming.values()]),
+        factors=np.concatenate([book.factors for book in deforming.values()]),
+        corners=np.zeros(3, dtype=np.int64),
+        shares=np.zeros(3),
+    )
 
 
 def _bodies(collision: Collision, scene: Scene) -> list[str]:

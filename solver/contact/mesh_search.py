@@ -10,15 +10,15 @@ from __future__ import annotations
 import math
 
 from heavylift.contours.feature_gap import copy_pose
-from heavylift.contours.feature_pairs import find_contacts
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.delassus import contact_rates
-from heavylift.solver.contact.facet_interface import form_facets
+from heavylift.solver.contact.feature_search import find_features
 from heavylift.solver.contact.kind import COMPLIANT, RIGID, ContactRows
+from heavylift.solver.contact.mesh_facets import refit_facets
 from heavylift.solver.contact.mesh_handover import book_jump, goes_on, turn_memory
-from heavylift.solver.contact.mesh_interface import find_first_contacts, search_surfaces
+from heavylift.solver.contact.mesh_interface import search_surfaces
 from heavylift.solver.contact.mesh_kind import SurfacePairs, placed_pose
 from heavylift.solver.contact.mesh_patches import BORDER, choose_contacts, share_stiffness, sort_found
 from heavylift.solver.contact.mesh_sides import ABOUT_NOTHING, deepest_of, gap_at_start, holds, settle_sides
@@ -51,19 +51,15 @@ TOO_MANY_CONTACTS = int(Outcome.TOO_MANY_CONTACTS)
 @implement(search_surfaces, SurfacePairs)
 @kernel(internal=True)
 def search_mesh_surfaces(
-    meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float
-) -> None:
-    """All pairs, from the poses that are carried to those of the stage."""
-    _search_all(meshes, contacts, bodies, work, step, False)
-
-
-@kernel(internal=True)
-def _search_all(
     meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float, first: bool
 ) -> None:
-    """The same; at the start what is a little inside is found too."""
+    """All pairs, from the poses that are carried to those of the stage; at the start what is a little inside too."""
     first_row = contacts.poses.shape[0] - surface_count(contacts, meshes)
-    form_facets(meshes.facets, meshes.surfaces, bodies)
+    if first:
+        for i in range(surface_count(contacts, meshes)):
+            put_placed(contacts, i, first_row + i)
+            contacts.poses[first_row + i].step_shift = 0.0
+    refit_facets(contacts, meshes.surfaces)
     fill_table(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
         a, b = meshes.pairs[pair].poses[0], meshes.pairs[pair].poses[1]
@@ -80,19 +76,13 @@ def _search_all(
     for pair in range(meshes.pairs.shape[0]):
         if meshes.pairs[pair].law == COMPLIANT:
             share_stiffness(meshes, contacts, pair, meshes.pairs[pair].patches, meshes.pairs[pair].reach)
+    if first:
+        _begin_contacts(meshes, contacts, work, step)
 
 
-@implement(find_first_contacts, SurfacePairs)
 @kernel(internal=True)
-def find_first_mesh_contacts(
-    meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float
-) -> None:
-    """What is near at the start; what touches and does not move is closed."""
-    first_row = contacts.poses.shape[0] - surface_count(contacts, meshes)
-    for i in range(surface_count(contacts, meshes)):
-        put_placed(contacts, i, first_row + i)
-        contacts.poses[first_row + i].step_shift = 0.0
-    _search_all(meshes, contacts, bodies, work, step, True)
+def _begin_contacts(meshes: SurfacePairs, contacts: ContactRows, work: Workspace, step: float) -> None:
+    """State of what is near at the start."""
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
         state.gap = state.end_gap
@@ -122,15 +112,9 @@ def _search_pair(
     further = 0.0
     if meshes.pairs[pair].law == RIGID:
         further = DEEPER * deepest_of(meshes, contacts, pair)
-    count = find_contacts(
-        meshes.surfaces,
-        meshes.lists,
-        pair,
-        meshes.motions[pair],
-        reach + further,
-        meshes.pairs[pair].method,
-        meshes.found,
-    )
+    method = meshes.pairs[pair].method
+    find_features(meshes.searches, pair, meshes.motions[pair], reach + further, method)
+    count = meshes.counts.count
     if count < 0:
         _stop(contacts, pair, work)
         return

@@ -8,21 +8,17 @@ from __future__ import annotations
 
 from heavylift.contours.feature_gap import copy_pose
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.numerics.records import clear_record, copy_record
 from heavylift.solver.contact.counts import contact_count
-from heavylift.solver.contact.facet_interface import take_slots
 from heavylift.solver.contact.kind import TRIANGLES, ContactRows
-from heavylift.solver.contact.mesh_interface import (
-    drop_contacts,
-    keep_found,
-    place_surfaces,
-    restore_contacts,
-)
+from heavylift.solver.contact.mesh_facets import take_slots
+from heavylift.solver.contact.mesh_interface import keep_found, place_surfaces
 from heavylift.solver.contact.mesh_kind import SurfacePairs, contact_header, gone_contacts, placed_pose
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows import PRESCRIBED
 
-__all__ = ["add_contact", "header_row", "put_placed", "surface_count"]
+__all__ = ["add_contact", "header_row", "put_placed", "restore_contacts", "surface_count"]
 
 FAR = 4.0
 """Reaches of the search at which an open contact goes."""
@@ -80,10 +76,9 @@ def _release(contacts: ContactRows, c: int) -> None:
     clear_record(contacts.state[c])
 
 
-@implement(restore_contacts, SurfacePairs)
-@kernel(internal=True)
-def restore_mesh_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
-    """From the carried state, whoever has changed it."""
+@entry
+def restore_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
+    """Number, sides and laws of the contacts from what is carried of them, after that has been changed."""
     first = contacts.counts.of_contours
     before = contact_count(contacts)
     count = first + contact_header(contacts.placed[header_row(contacts)], 0).count
@@ -105,7 +100,7 @@ def add_contact(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> int:
     contacts.state[c].touch_damping = -1.0
     _assign(meshes, contacts, c)
     _set_count(contacts, c + 1)
-    take_slots(meshes.facets, meshes, contacts, c)
+    take_slots(meshes, contacts, c)
     return c if contacts.state[c].slots[0] >= 0 else -1
 
 
@@ -125,11 +120,11 @@ def keep_found_contacts(meshes: SurfacePairs, contacts: ContactRows, before: boo
         state.gap, state.rate = state.start_gap, state.start_rate
         state.loss = state.share = 0.0
     _set_count(contacts, contact_count(contacts))
+    restore_contacts(meshes, contacts)
 
 
-@implement(drop_contacts, SurfacePairs)
 @kernel(internal=True)
-def drop_mesh_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
+def _drop_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """Open contacts whose features are far from each other, or beside each other, go; the last one takes the place."""
     c = contacts.counts.of_contours
     while c < contact_count(contacts):
@@ -147,7 +142,6 @@ def drop_mesh_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
         last = contact_count(contacts) - 1
         if c != last:
             _move(contacts, last, c)
-            _assign(meshes, contacts, c)
         _release(contacts, last)
         _set_count(contacts, last)
 
@@ -170,10 +164,13 @@ def _move(contacts: ContactRows, source: int, target: int) -> None:
 @implement(place_surfaces, SurfacePairs)
 @kernel(internal=True)
 def place_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows) -> None:
-    """The search of the next step begins where this one has ended, and so do its contacts."""
+    """The search of the next step begins where this one has ended, and so do its contacts, with their new shares."""
     first = contacts.poses.shape[0] - surface_count(contacts, meshes)
     for i in range(surface_count(contacts, meshes)):
         put_placed(contacts, i, first + i)
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
         contacts.state[c].start_beside = contacts.state[c].beside
         contacts.state[c].start_rate = contacts.state[c].rate
+    _drop_contacts(meshes, contacts)
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        _assign(meshes, contacts, c)

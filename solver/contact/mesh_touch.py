@@ -18,9 +18,9 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate, rotate_back
 from heavylift.solver.contact.contour_rows import put_pose_rows
 from heavylift.solver.contact.directions import put_directions
-from heavylift.solver.contact.facet_interface import bound_facets, form_facets, touch_facets
 from heavylift.solver.contact.kind import ContactRows
-from heavylift.solver.contact.mesh_interface import bound_surfaces, pose_surfaces, touch_triangles
+from heavylift.solver.contact.mesh_facets import refit_facets, touch_facets
+from heavylift.solver.contact.mesh_interface import pose_surfaces, touch_triangles
 from heavylift.solver.contact.mesh_kind import SurfacePairs
 from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
@@ -49,20 +49,13 @@ def relative_pose(first: RelativePose, second: RelativePose, out: RelativePose) 
 
 @implement(pose_surfaces, SurfacePairs)
 @kernel(internal=True)
-def pose_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies) -> None:
+def pose_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """Of all pairs."""
-    form_facets(meshes.facets, meshes.surfaces, bodies)
+    refit_facets(contacts, meshes.surfaces)
     for pair in range(meshes.pairs.shape[0]):
         first = contacts.poses[meshes.pairs[pair].poses[0]]
         second = contacts.poses[meshes.pairs[pair].poses[1]]
         relative_pose(first, second, meshes.relative[pair])
-
-
-@implement(bound_surfaces, SurfacePairs)
-@kernel(internal=True)
-def bound_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, step: float) -> None:
-    """Those of frames and shells; others move with their contours."""
-    bound_facets(meshes.facets, contacts, bodies, step)
 
 
 @kernel(internal=True)
@@ -153,4 +146,4 @@ def touch_mesh_contact(
         state.tangent[k] = scratch.directions[1, k]
         scratch.lever[k] = y[k]
     put_pose_rows(contacts, 2 * c + 1, second_pose, 1.0)
-    touch_facets(meshes.facets, meshes, contacts, bodies, work, c)
+    touch_facets(meshes, contacts, bodies, work, c)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Records
 from heavylift.numerics.small import solve_symmetric_3
@@ -21,20 +21,8 @@ from heavylift.solver.contact.contact_rows import clip
 from heavylift.solver.contact.fallback_gauss_seidel import sweep_contacts
 from heavylift.solver.contact.fallback_proximal import take_proximal_steps
 from heavylift.solver.contact.iteration import ACCEPTED, iterate
-from heavylift.solver.contact.layout import (
-    UNILATERAL,
-    RowKind,
-    RowParameters,
-    Solution,
-)
-from heavylift.solver.contact.problem import (
-    Problem,
-    divide,
-    fill_rows,
-    no_ends,
-    prepare,
-    workspace_length,
-)
+from heavylift.solver.contact.layout import UNILATERAL, Problem, RowKind, RowParameters
+from heavylift.solver.contact.problem import fill_rows, prepare
 from heavylift.solver.contact.system import gather, multiply
 from heavylift.solver.kinds import Table, generic, implement
 
@@ -46,10 +34,6 @@ __all__ = [
     "ContactSolvers",
     "NonsmoothNewton",
     "solve_contacts",
-    "solve_contacts_reduced",
-    "solve_dense",
-    "solve_on_velocities",
-    "workspace_length",
 ]
 
 BY_NEWTON, BY_PROXIMAL_STEPS, BY_GAUSS_SEIDEL = range(3)
@@ -68,16 +52,14 @@ FROM_SWEEPS = 6
 
 
 @kernel(internal=True)
-def _solve(
-    problem: Problem, workspace: NDArray[np.float64], p: NDArray[np.float64], out: NDArray[np.float64]
-) -> tuple[int, int, float]:
-    """Solve by Newton's method, then by proximal steps from the given impulses and from none; out: velocities."""
-    n = 3 * problem.number
-    work = divide(problem, workspace)
+def _solve(problem: Problem) -> tuple[int, int, float]:
+    """Solve by Newton's method, then by proximal steps from the given impulses and from none."""
+    n = 3 * problem.counts.number
+    work, p, out = problem.work, problem.p, problem.y
     prepare(problem, work)
     for i in range(n):
         if not abs(work.w0[i]) < np.inf:  # the bodies themselves have been lost before
-            for j in range(problem.size):
+            for j in range(problem.counts.size):
                 out[j] = problem.start[j]
             return FAILED, 0, np.inf
         if not abs(p[i]) < np.inf:
@@ -112,11 +94,11 @@ def _solve(
         status = FAILED
         for i in range(n):
             p[i] = work.begin[i]
-    for c in range(problem.number):
+    for c in range(problem.counts.number):
         clip(problem.kinds, problem.parameters, c, p)
-    gather(problem.number, problem.ends, problem.blocks, problem.size, p, 3, work.z)
-    multiply(problem.size, problem.B, work.z, out)
-    for i in range(problem.size):
+    gather(problem.counts.number, problem.ends, problem.blocks, problem.counts.size, p, 3, work.z)
+    multiply(problem.counts.size, problem.B, work.z, out)
+    for i in range(problem.counts.size):
         out[i] += problem.start[i]
     return status, total, residual
 
@@ -158,113 +140,8 @@ def _solve_one(
     return False
 
 
-@kernel
-def solve_contacts(
-    count: int,
-    kinds: Records[RowKind],
-    parameters: Records[RowParameters],
-    w0: NDArray[np.float64],
-    W: NDArray[np.float64],
-    p: NDArray[np.float64],
-    w: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-) -> tuple[int, int, float]:
-    """Impulses of contacts from their matrix: ``w = w0 + W p``.
-
-    Parameters
-    ----------
-    count
-        Contacts.
-    kinds, parameters
-        See the layout; `count` of them or more.
-    w0, W
-        Rates without impulses, shape (3 count,), and the symmetric positive semidefinite matrix of all rows,
-        (3 count, 3 count); larger arrays: their first part.
-    p
-        In: impulses to begin with, those of the step before or zeros. Out: the solution, (3 count,).
-    w
-        Out: rates, (3 count,).
-    workspace
-        At least ``workspace_length(count, 3 count)`` numbers.
-
-    Returns
-    -------
-    status
-        BY_NEWTON, BY_PROXIMAL_STEPS: solved; FAILED: p is no solution.
-    iterations
-        Linear systems solved.
-    residual
-        Largest violation of the laws by a contact, as a rate, relative to the largest of w0 and W p.
-    """
-    status, iterations, residual = BY_NEWTON, 0, 0.0
-    if count == 0:
-        return status, iterations, residual
-    if count == 1 and kinds[0].kind == UNILATERAL and _solve_one(kinds, parameters, w0, W, p):
-        for i in range(3):
-            w[i] = w0[i] + W[i, 0] * p[0] + W[i, 1] * p[1] + W[i, 2] * p[2]
-        return status, iterations, residual
-    ends = no_ends(workspace, 0).ends
-    problem = Problem(count, kinds, parameters, ends, W[:0], 3 * count, w0, W)
-    status, iterations, residual = _solve(problem, workspace, p, w)
-    return status, iterations, residual
-
-
-@kernel
-def solve_contacts_reduced(
-    count: int,
-    kinds: Records[RowKind],
-    parameters: Records[RowParameters],
-    ends: NDArray[np.int64],
-    blocks: NDArray[np.float64],
-    size: int,
-    y0: NDArray[np.float64],
-    B: NDArray[np.float64],
-    p: NDArray[np.float64],
-    y: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-) -> tuple[int, int, float]:
-    """Impulses of many contacts on few velocities: ``w = N y``, ``y = y0 + B N^T p``.
-
-    Parameters
-    ----------
-    count, kinds, parameters
-        As of `solve_contacts`.
-    ends
-        Per contact first velocity and number of velocities, up to 6, of its first and of its second end, shape
-        (count, 4); number 0: no such end.
-    blocks
-        Rows of N per contact, shape (count, 36): three rows of stride 6 of the first end, then of the second.
-    size
-        Touched velocities.
-    y0, B
-        Velocities without impulses, (size,), and their symmetric positive semidefinite inverse mass, (size, size).
-    p
-        In: impulses to begin with; out: the solution, (3 count,).
-    y
-        Out: velocities, (size,).
-    workspace
-        At least ``workspace_length(count, size)`` numbers.
-
-    Returns
-    -------
-    status, iterations, residual
-        As of `solve_contacts`.
-    """
-    status, iterations, residual = BY_NEWTON, 0, 0.0
-    if count == 0:
-        for i in range(size):
-            y[i] = y0[i]
-        return status, iterations, residual
-    problem = Problem(count, kinds, parameters, ends, blocks, size, y0, B)
-    status, iterations, residual = _solve(problem, workspace, p, y)
-    return status, iterations, residual
-
-
-# ---- as a part of the contacts of a scene, compiled by itself ----
-
-
 class ContactSolvers(Table):
-    """What solves the contacts of a scene: one kind."""
+    """What solves the contacts of a scene, compiled by itself: one kind."""
 
 
 class NonsmoothNewton(Arrays):
@@ -272,77 +149,31 @@ class NonsmoothNewton(Arrays):
 
 
 @generic("contact")
-def solve_dense(
-    solvers: ContactSolvers,
-    count: int,
-    kinds: Records[RowKind],
-    parameters: Records[RowParameters],
-    w0: Floats1,
-    W: Floats2,
-    p: Floats1,
-    w: Floats1,
-    workspace: Floats1,
-    solution: Solution,
-) -> None:
-    """As `solve_contacts`; status, iterations and residual into `solution`."""
+def solve_contacts(solvers: ContactSolvers, problem: Problem) -> None:
+    """Impulses and velocities of a problem.
+
+    Notes
+    -----
+    The status of the solution is BY_NEWTON, BY_PROXIMAL_STEPS or BY_GAUSS_SEIDEL, or FAILED: then the impulses are no
+    solution. Iterations are linear systems solved. The residual is the largest violation of the laws by a contact, as a
+    rate, relative to the largest rate without impulses or by them.
+    """
 
 
-@generic("contact")
-def solve_on_velocities(
-    solvers: ContactSolvers,
-    count: int,
-    kinds: Records[RowKind],
-    parameters: Records[RowParameters],
-    ends: Ints2,
-    blocks: Floats2,
-    size: int,
-    y0: Floats1,
-    B: Floats2,
-    p: Floats1,
-    y: Floats1,
-    workspace: Floats1,
-    solution: Solution,
-) -> None:
-    """As `solve_contacts_reduced`; status, iterations and residual into `solution`."""
-
-
-@implement(solve_dense, NonsmoothNewton)
+@implement(solve_contacts, NonsmoothNewton)
 @kernel(internal=True)
-def _solve_dense(
-    solver: NonsmoothNewton,
-    count: int,
-    kinds: Records[RowKind],
-    parameters: Records[RowParameters],
-    w0: NDArray[np.float64],
-    W: NDArray[np.float64],
-    p: NDArray[np.float64],
-    w: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-    solution: Solution,
-) -> None:
-    solution.status, solution.iterations, solution.residual = solve_contacts(
-        count, kinds, parameters, w0, W, p, w, workspace
-    )
-
-
-@implement(solve_on_velocities, NonsmoothNewton)
-@kernel(internal=True)
-def _solve_on_velocities(
-    solver: NonsmoothNewton,
-    count: int,
-    kinds: Records[RowKind],
-    parameters: Records[RowParameters],
-    ends: NDArray[np.int64],
-    blocks: NDArray[np.float64],
-    size: int,
-    y0: NDArray[np.float64],
-    B: NDArray[np.float64],
-    p: NDArray[np.float64],
-    y: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-    solution: Solution,
-) -> None:
-    status, iterations, residual = solve_contacts_reduced(
-        count, kinds, parameters, ends, blocks, size, y0, B, p, y, workspace
-    )
+def solve_by_newton(solver: NonsmoothNewton, problem: Problem) -> None:
+    """A single contact often has a simple solution."""
+    solution, count, start, B = problem.solution, problem.counts.number, problem.start, problem.B
+    solution.status, solution.iterations, solution.residual = BY_NEWTON, 0, 0.0
+    if count == 0:
+        for i in range(problem.counts.size):
+            problem.y[i] = start[i]
+        return
+    alone = problem.ends.shape[0] == 0 and count == 1 and problem.kinds[0].kind == UNILATERAL
+    if alone and _solve_one(problem.kinds, problem.parameters, start, B, problem.p):
+        for i in range(3):
+            problem.y[i] = start[i] + B[i, 0] * problem.p[0] + B[i, 1] * problem.p[1] + B[i, 2] * problem.p[2]
+        return
+    status, iterations, residual = _solve(problem)
     solution.status, solution.iterations, solution.residual = status, iterations, residual

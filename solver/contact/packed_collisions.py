@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.records import Records, records
+from heavylift.solver.contact.facet_kind import FacetSurfaces
 from heavylift.solver.contact.kind import Colliding, ContactContour, ContourPose
 
 __all__ = ["PackedCollisions", "no_collisions"]
@@ -21,6 +22,8 @@ class PackedCollisions:
     ----------
     meshes
         The kind; empty without collisions.
+    facets
+        Surfaces that deform.
     contours, poses
         Rows for the surfaces, behind those of the contours.
     placed
@@ -34,6 +37,7 @@ class PackedCollisions:
     """
 
     meshes: Colliding
+    facets: FacetSurfaces
     contours: Records[ContactContour]
     poses: Records[ContourPose]
     placed: NDArray[np.float64]
@@ -45,5 +49,11 @@ class PackedCollisions:
 def no_collisions() -> PackedCollisions:
     """Of scenes whose contacts are all with contours."""
     return PackedCollisions(
-        Colliding(()), records(ContactContour, 0), records(ContourPose, 0), np.zeros((1, 12)), 0, False
+        Colliding(),
+        FacetSurfaces.none(),
+        records(ContactContour, 0),
+        records(ContourPose, 0),
+        np.zeros((1, 12)),
+        0,
+        False,
     )

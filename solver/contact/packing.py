@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.contours.convex import BOX, CAPSULE, CYLINDER, ELLIPSOID, RING, Primitive, shape_row
-from heavylift.numerics.jit import in_python
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Records, lane_records, records
 from heavylift.solver.connections import axes_about
@@ -48,12 +47,12 @@ from heavylift.solver.contact.kind import (
     Events,
     Features,
     Reduced,
-    ReducedCounts,
     Scratch,
 )
 from heavylift.solver.contact.laws_packing import force_law, put_law
-from heavylift.solver.contact.newton import ContactSolvers, NonsmoothNewton, workspace_length
+from heavylift.solver.contact.newton import ContactSolvers, NonsmoothNewton
 from heavylift.solver.contact.packed_collisions import no_collisions
+from heavylift.solver.contact.problem import make_work
 from heavylift.solver.contacts import (
     BilateralLaw,
     BoxShape,
@@ -209,8 +208,22 @@ def _kind(
     counts.first_block, counts.all_rigid = block_count, rigid_only
     counts.total = counts.of_contours = of_contours
     bodies = len({side.dof for side in sides if side.width} | set(collided.contours["dof"]) - {-1})
-    reduced = _reduced(*((count, bodies, len(inverse_mass)) if rigid_only else (0, 0, 0)))
-    size = max(3 * own, len(reduced.start))
+    size = 6 * bodies if rigid_only else 0
+    delassus, rates = np.zeros((3 * own, 3 * own)), np.zeros((3, 3 * count))
+    dense = told.Problem(
+        counts=told.ProblemSize.one(),
+        kinds=records(told.RowKind, count),
+        parameters=records(told.RowParameters, count),
+        ends=np.zeros((0, 4), dtype=np.int64),
+        blocks=np.zeros((0, 36)),
+        start=rates[0],
+        B=delassus,
+        p=rates[1],
+        y=rates[2],
+        work=make_work(count, max(3 * own, size)),
+        solution=told.Solution.one(),
+    )
+    reduced = _reduced(dense, count if rigid_only else 0, size, len(inverse_mass) if rigid_only else 0)
     control = Events.one()
     control.watched = control.joins = -1
     return ContactRows(
@@ -228,10 +241,10 @@ def _kind(
         constants=packed.constants,
         net=packed.net,
         samples=packed.samples,
-        delassus=np.zeros((3 * own, 3 * own)),
-        laws=records(told.RowParameters, count),
-        kinds=records(told.RowKind, count),
-        rates=np.zeros((3, 3 * count)),
+        delassus=delassus,
+        laws=dense.parameters,
+        kinds=dense.kinds,
+        rates=rates,
         column=np.zeros(len(inverse_mass)),
         scratch=Scratch.one(),
         shapes=np.zeros(6 * max([1, *packed.mode_counts])),
@@ -239,12 +252,13 @@ def _kind(
         counts=counts,
         present=np.zeros(count, dtype=np.int64),
         joining=np.zeros(count, dtype=np.int64),
-        workspace=np.zeros(in_python(workspace_length)(count, size)),
         control=control,
         solvers=ContactSolvers((NonsmoothNewton(),)),
-        solution=told.Solution.one(),
+        dense=dense,
+        solution=dense.solution,
         reduced=reduced,
         meshes=collided.meshes,
+        facets=collided.facets,
         placed=collided.placed,
         carried=np.zeros(0),
         saved=np.zeros(0),
@@ -258,18 +272,25 @@ def _joined(first: Records[ContourPose], second: Records[ContourPose]) -> Record
     return both
 
 
-def _reduced(contact_count: int, body_count: int, velocity_count: int) -> Reduced:
-    """Room for some contacts on some rigid bodies; none of either where contacts are not solved so."""
-    size = 6 * body_count
-    return Reduced(
+def _reduced(dense: told.Problem, contact_count: int, size: int, velocity_count: int) -> Reduced:
+    """Room for some contacts on some velocities of rigid bodies; none of either where contacts are not solved so."""
+    problem = dense._replace(
+        counts=told.ProblemSize.one(),
         ends=np.zeros((contact_count, 4), dtype=np.int64),
         blocks=np.zeros((contact_count, 36)),
-        matrix=np.zeros((size, size)),
         start=np.zeros(size),
-        found=np.zeros(size),
+        B=np.zeros((size, size)),
+        y=np.zeros(size),
+    )
+    return Reduced(
+        problem=problem,
+        ends=problem.ends,
+        blocks=problem.blocks,
+        matrix=problem.B,
+        start=problem.start,
+        found=problem.y,
         columns=np.full(velocity_count, -1, dtype=np.int64),
         velocities=np.zeros(size, dtype=np.int64),
-        counts=ReducedCounts.one(),
     )
 
 
@@ -280,12 +301,13 @@ def _features(
     on_curve = np.array([packed.is_curve[i] for i in table["contour"]], dtype=bool)
     deforms = packed.rows["owner"][table["contour"]] >= OF_MODES
     counts = {
+        # puts the samples where they are before the others begin a search at them
+        Deforming: np.count_nonzero(packed.samples.grids["points"] == 0),
         Surfaces: np.count_nonzero(~on_curve & (table["shape_kind"] == POINT)),
         SurfaceWeights: np.count_nonzero(~on_curve & deforms),
         Curves: np.count_nonzero(on_curve),
         Rings: np.count_nonzero(table["shape_kind"] == CIRCLE),
         Primitives: np.count_nonzero(table["shape_kind"] == CONVEX),
-        Deforming: np.count_nonzero(packed.samples.grids["points"] == 0),
         Footprints: np.count_nonzero(values["footprint"] > 0.0),
     }
     return Features(feature(members=int(count)) for feature, count in counts.items() if count)

@@ -14,16 +14,15 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.laws import stored_energy
 from heavylift.solver.contact.locate import locate
-from heavylift.solver.contact.mesh_interface import record_pairs, restore_contacts
+from heavylift.solver.contact.mesh_interface import record_pairs
 from heavylift.solver.interface import (
     Bodies,
     Joints,
     Workspace,
-    gather_reactions,
-    gather_rows,
     record_rows,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.row_impulses import add_reactions
 
 __all__ = ["CONTACT_CHANNELS"]
 
@@ -43,14 +42,10 @@ CONTACT_CHANNELS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
 """Name, unit and components of the channels of a contact, in the order of its columns."""
 
 
-@implement(gather_rows, ContactRows)
 @kernel(internal=True)
-def gather_contact_rows(
-    contacts: ContactRows, bodies: Bodies, joints: Joints, work: Workspace, time: float
-) -> None:
+def _gather(contacts: ContactRows, bodies: Bodies, work: Workspace) -> None:
     """The rows are still those of the end of the step; of what is far from touching only the gap is wanted."""
-    restore_contacts(contacts.meshes, contacts)  # a state may have been restored since the last step
-    gather_reactions(bodies, False, contacts)
+    add_reactions(contacts, work.row_force)
     posed = False
     for c in range(contacts.counts.of_contours):
         state = contacts.state[c]
@@ -68,9 +63,15 @@ def gather_contact_rows(
 @implement(record_rows, ContactRows)
 @kernel(internal=True)
 def record_contacts(
-    contacts: ContactRows, joints: Joints, work: Workspace, time: float, row: NDArray[np.float64]
+    contacts: ContactRows,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    row: NDArray[np.float64],
 ) -> None:
     """What the last step has left."""
+    _gather(contacts, bodies, work)
     record_pairs(contacts.meshes, contacts, work, row)
     for c in range(contacts.counts.of_contours):
         state, at = contacts.state[c], contacts.table[c].column

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.kind import ContactRows
-from heavylift.solver.contact.newton import solve_on_velocities
+from heavylift.solver.contact.newton import solve_contacts
 from heavylift.solver.contact.system_interface import respond
 from heavylift.solver.interface import Systems
 
@@ -22,7 +22,7 @@ __all__ = ["assemble_reduced", "solve_reduced"]
 def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> None:
     """Columns, blocks and matrix for the contacts that take part."""
     reduced = contacts.reduced
-    for j in range(reduced.counts.columns):
+    for j in range(reduced.problem.counts.size):
         reduced.columns[reduced.velocities[j]] = -1
     size = 0
     lanes = len(contacts.shape[1])
@@ -45,7 +45,7 @@ def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> Non
             for r in range(3):
                 for k in range(width):
                     reduced.blocks[j, 18 * side + 6 * r + k] = contacts.panels[panel + k * lanes + r]
-    reduced.counts.columns = size
+    reduced.problem.counts.size = size
     column = contacts.column
     for j in range(size):
         dof = reduced.velocities[j]
@@ -67,8 +67,8 @@ def solve_reduced(contacts: ContactRows, count: int, velocity: NDArray[np.float6
 
     How it ended is in `contacts.solution`.
     """
-    reduced, free, p, w = contacts.reduced, contacts.rates[0], contacts.rates[1], contacts.rates[2]
-    size = reduced.counts.columns
+    reduced, free, w = contacts.reduced, contacts.rates[0], contacts.rates[2]
+    size = reduced.problem.counts.size
     for i in range(size):
         reduced.found[i] = 0.0
     for j in range(count):
@@ -82,21 +82,8 @@ def solve_reduced(contacts: ContactRows, count: int, velocity: NDArray[np.float6
         for k in range(size):
             total -= reduced.matrix[i, k] * reduced.found[k]
         reduced.start[i] = total
-    solve_on_velocities(
-        contacts.solvers,
-        count,
-        contacts.kinds,
-        contacts.laws,
-        reduced.ends,
-        reduced.blocks,
-        size,
-        reduced.start,
-        reduced.matrix,
-        p,
-        reduced.found,
-        contacts.workspace,
-        contacts.solution,
-    )
+    reduced.problem.counts.number = count
+    solve_contacts(contacts.solvers, reduced.problem)
     for j in range(count):
         for r in range(3):
             total = 0.0

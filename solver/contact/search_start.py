@@ -5,19 +5,32 @@ from __future__ import annotations
 from heavylift.contours.samples import sample_points
 from heavylift.contours.search_cold import closest_point_cold
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.features import Deforming, sample
+from heavylift.solver.contact.features import Deforming, touch
 from heavylift.solver.contact.interface import form_controls
 from heavylift.solver.contact.kind import OF_GROUND, OF_RIGID, ContactRows
-from heavylift.solver.interface import Bodies
+from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
 
 __all__ = ["start_at_point"]
 
 
-@implement(sample, Deforming)
+@implement(touch, Deforming)
 @kernel(internal=True)
-def sample_deforming(feature: Deforming, contacts: ContactRows, bodies: Bodies, contour: int) -> None:
-    """Form all control points, then the samples; those of rigid contours stand still."""
+def sample_deforming(
+    feature: Deforming,
+    contacts: ContactRows,
+    bodies: Bodies,
+    c: int,
+    cold: bool,
+    y1: float,
+    y2: float,
+    y3: float,
+    work: Workspace,
+) -> None:
+    """Before a cold search all control points, then the samples; those of rigid contours stand still."""
+    if not cold:
+        return
+    contour = contacts.table[c].contour
     row, samples, net = contacts.contours[contour], contacts.samples, contacts.net
     if row.owner in (OF_RIGID, OF_GROUND):
         return

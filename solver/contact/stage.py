@@ -16,12 +16,21 @@ from heavylift.solver.contact.interface import pose_contours, settle_points
 from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, DENSE, RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.laws import hunt_crossley_damping
 from heavylift.solver.contact.locate import locate
-from heavylift.solver.contact.mesh_interface import pose_surfaces, restore_contacts
-from heavylift.solver.contact.newton import solve_dense
+from heavylift.solver.contact.mesh_interface import pose_surfaces
+from heavylift.solver.contact.newton import solve_contacts
 from heavylift.solver.contact.reduced import assemble_reduced, solve_reduced
 from heavylift.solver.contact.search_end import judge_searches, mark_failure
-from heavylift.solver.contact.system_interface import follow, meet_again, meet_contacts
-from heavylift.solver.interface import Bodies, Joints, Systems, Workspace, apply_inverse, refactor_rows
+from heavylift.solver.contact.system_interface import follow
+from heavylift.solver.interface import (
+    Bodies,
+    Joints,
+    Systems,
+    Workspace,
+    apply_inverse,
+    refactor_rows,
+    solve_again,
+    solve_midpoint,
+)
 from heavylift.solver.kinds import implement
 from heavylift.solver.row_impulses import add_impulses
 
@@ -88,9 +97,9 @@ def _passes_by(contacts: ContactRows, c: int) -> bool:
     return bool(beside > PASSING * contacts.values[c].length_scale)
 
 
-@implement(meet_contacts, ContactRows)
+@implement(solve_midpoint, ContactRows)
 @kernel(internal=True)
-def meet_contacts_midpoint(
+def solve_contact_midpoint(
     contacts: ContactRows,
     rows: Systems,
     bodies: Bodies,
@@ -101,7 +110,6 @@ def meet_contacts_midpoint(
     nominal: float,
 ) -> None:
     """Rows at the predicted midpoint, then half impulses."""
-    restore_contacts(contacts.meshes, contacts)
     contacts.control.nominal_step = nominal
     contacts.control.residual, contacts.control.rounds = 0.0, 0
     count = 0
@@ -121,7 +129,7 @@ def meet_contacts_midpoint(
     if count == 0:
         return
     pose_contours(bodies, True, contacts)
-    pose_surfaces(contacts.meshes, contacts, bodies)
+    pose_surfaces(contacts.meshes, contacts)
     kept = 0
     for j in range(count):
         c = present_at(contacts, j)
@@ -143,9 +151,9 @@ def meet_contacts_midpoint(
     _settle(contacts, rows, joints, count, work, time, step)
 
 
-@implement(meet_again, ContactRows)
+@implement(solve_again, ContactRows)
 @kernel(internal=True)
-def meet_contacts_again(
+def solve_contacts_again(
     contacts: ContactRows, rows: Systems, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
     """From the impulses that are there."""
@@ -170,7 +178,7 @@ def _settle(
         if not solve_present(contacts, count, work):
             return
         work.control.changed = 0
-        follow(rows, joints, work, time, step)
+        follow(rows, joints, True, work, time, step)
         if work.control.changed == 0:
             return
     mark_failure(contacts, present_at(contacts, 0), work)
@@ -223,18 +231,8 @@ def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
     if reduced:
         solve_reduced(contacts, count, work.velocity)
     else:
-        solve_dense(
-            contacts.solvers,
-            count,
-            contacts.kinds,
-            contacts.laws,
-            free,
-            contacts.delassus,
-            p,
-            w,
-            contacts.workspace,
-            contacts.solution,
-        )
+        contacts.dense.counts.number, contacts.dense.counts.size = count, 3 * count
+        solve_contacts(contacts.solvers, contacts.dense)
     solution = contacts.solution
     contacts.control.residual = max(contacts.control.residual, solution.residual)
     contacts.control.rounds += solution.iterations

@@ -10,8 +10,7 @@ from heavylift.solver.contact.ends import REST, pressed_force
 from heavylift.solver.contact.interface import forget_accelerations, pose_contours, settle_points
 from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, ContactRows
 from heavylift.solver.contact.locate import locate
-from heavylift.solver.contact.mesh_interface import find_first_contacts
-from heavylift.solver.contact.system_interface import close_start, locate_start, project_contacts
+from heavylift.solver.contact.mesh_interface import search_surfaces
 from heavylift.solver.interface import (
     FORCES,
     Bodies,
@@ -25,13 +24,14 @@ from heavylift.solver.interface import (
     set_velocity,
     solve_end,
 )
-from heavylift.solver.kinds import implement
 
 __all__ = ["run_start"]
 
 
 @entry
-def run_start(bodies: Bodies, joints: Joints, systems: Systems, work: Workspace, step: float) -> None:
+def run_start(
+    contacts: ContactRows, bodies: Bodies, joints: Joints, systems: Systems, work: Workspace, step: float
+) -> None:
     """Locate all contacts; velocities after the impacts at t = 0.
 
     Notes
@@ -41,19 +41,17 @@ def run_start(bodies: Bodies, joints: Joints, systems: Systems, work: Workspace,
     """
     end_velocity(bodies, step, work)
     fill_markers(bodies, False, FORCES, work)
-    locate_start(systems, bodies, work, step)
-    solve_end(systems, bodies, joints, work, -step, step)
-    project_contacts(systems, bodies, systems, joints, work, 0.0, step)
+    _locate_all(contacts, bodies, work, step)
+    solve_end(systems, systems, bodies, joints, work, -step, step)
     complete(bodies, systems, False, step, work)
     set_velocity(bodies, step, work)
     finish(bodies, step, work)
     forget_accelerations(bodies)
-    close_start(systems, work)
+    _close(contacts, work)
 
 
-@implement(locate_start, ContactRows)
 @kernel(internal=True)
-def locate_contact_start(contacts: ContactRows, bodies: Bodies, work: Workspace, step: float) -> None:
+def _locate_all(contacts: ContactRows, bodies: Bodies, work: Workspace, step: float) -> None:
     """Search from everywhere; sliders and beads are closed from the start."""
     contacts.control.nominal_step = step
     pose_contours(bodies, False, contacts)
@@ -63,13 +61,12 @@ def locate_contact_start(contacts: ContactRows, bodies: Bodies, work: Workspace,
         state.gap, state.second_gap, state.sleep = state.end_gap, state.second_end_gap, state.end_gap
         state.present = False
         state.closed = contacts.table[c].law == BILATERAL or contacts.table[c].law == CURVE
-    find_first_contacts(contacts.meshes, contacts, bodies, work, step)
+    search_surfaces(contacts.meshes, contacts, bodies, work, step, True)
     settle_points(bodies, (), False, work)
 
 
-@implement(close_start, ContactRows)
 @kernel(internal=True)
-def close_contact_start(contacts: ContactRows, work: Workspace) -> None:
+def _close(contacts: ContactRows, work: Workspace) -> None:
     """What has met without restitution stays closed; impulses and forces are none yet."""
     for c in range(contact_count(contacts)):
         state = contacts.state[c]

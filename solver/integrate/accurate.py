@@ -21,13 +21,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.combination import PART, combine_part
-from heavylift.solver.integrate.accurate_rows import (
-    add_drive_power,
-    constrain,
-    correct_velocity,
-    find_displacement,
-    soften,
-)
+from heavylift.solver.integrate.accurate_rows import constrain, project, soften
 from heavylift.solver.integrate.dense_output import choose_nodes, node_weights, quadrature_weights
 from heavylift.solver.integrate.dop853 import NODES, ORDER, STAGES, write_end, write_errors, write_stage
 from heavylift.solver.integrate.integration import (
@@ -40,6 +34,7 @@ from heavylift.solver.integrate.integration import (
     SECOND,
     SLOTS,
     STAGE,
+    STATE,
     THIRD,
     VECTORS,
     Integration,
@@ -50,6 +45,14 @@ from heavylift.solver.integrate.integration import (
     watch_stability,
 )
 from heavylift.solver.integrate.loop import write_record
+from heavylift.solver.integrate.state_vector import (
+    add_to_nodes,
+    displace_poses,
+    measure_error,
+    write_rates,
+    write_second_rates,
+    write_velocities,
+)
 from heavylift.solver.interface import (
     Bodies,
     Forces,
@@ -59,12 +62,8 @@ from heavylift.solver.interface import (
     add_forces,
     begin_stage,
     complete_accelerations,
-    complete_rates,
-    displace,
     free_acceleration,
-    load_state,
-    measure_error,
-    spread_impulses,
+    joint_rows,
     store_state,
 )
 
@@ -99,7 +98,8 @@ def _evaluate(
     progress, values, sums = integration.progress, integration.vectors, work.sums
     size = values.shape[0] // VECTORS
     at, out, end = stage * size, rate * size, (rate + 1) * size - QUADRATURES
-    begin_stage(bodies, time, values, at, out, work)
+    begin_stage(bodies, time, values, at, work)
+    write_rates(integration.coordinates, values, at, out)
     if progress.loaded:
         for marker in range(work.markers.shape[0]):
             for k in range(3):
@@ -108,12 +108,8 @@ def _evaluate(
     sums.external_work = sums.drive_work = sums.dissipated = 0.0
     add_forces(forces, time, work)
     free_acceleration(bodies, values, at, work)
-    driven = progress.driven
-    wanted = with_reactions or driven or progress.based
-    constrain(rows, bodies, joints, work, time, progress.solutions, wanted)
-    complete_accelerations(bodies, rows, values, out, work)
-    if driven:
-        add_drive_power(rows, values, at, work)
+    constrain(rows, bodies, joints, integration, at, with_reactions, work, time)
+    complete_accelerations(bodies, rows, True, values, out)
     for i in range(work.velocity.shape[0]):
         values[out + i] = work.velocity[i]
     values[end], values[end + 1], values[end + 2] = sums.external_work, sums.drive_work, sums.dissipated
@@ -127,26 +123,36 @@ def _project(
     values = integration.vectors
     size = values.shape[0] // VECTORS
     at = END * size
-    begin_stage(bodies, time, values, at, END_RATE * size, work)
+    begin_stage(bodies, time, values, at, work)
     for i in range(work.velocity.shape[0]):
         work.velocity[i] = 0.0
-    find_displacement(rows, bodies, joints, work, time)
-    displace(bodies, values, at, work)
-    spread_impulses(bodies, rows, values, at, False, work)
+    project(rows, bodies, joints, False, work, time)
+    displace_poses(integration.coordinates, values, at, work.velocity)
+    _change_nodes(bodies, rows, integration, False)
     for i in range(work.velocity.shape[0]):
         work.velocity[i] = values[at + i]
-    correct_velocity(rows, work)
+    project(rows, bodies, joints, True, work, time)
     for i in range(work.velocity.shape[0]):
         values[at + i] = work.velocity[i]
-    spread_impulses(bodies, rows, values, at, True, work)
+    _change_nodes(bodies, rows, integration, True)
 
 
 @kernel(internal=True)
-def _add_node(bodies: Bodies, work: Workspace, integration: Integration, time: float) -> None:
+def _change_nodes(bodies: Bodies, rows: Systems, integration: Integration, of_velocity: bool) -> None:
+    """What the impulses of the rows do to coordinates, or to velocities, of nodes at the end."""
+    if integration.progress.based:
+        values = integration.vectors
+        size = values.shape[0] // VECTORS
+        complete_accelerations(bodies, rows, False, values, END_RATE * size)
+        add_to_nodes(integration.coordinates, values, END * size, END_RATE * size, of_velocity)
+
+
+@kernel(internal=True)
+def _add_node(integration: Integration, time: float) -> None:
     """Keep the state at the end with its rates as the newest node."""
     progress, values = integration.progress, integration.vectors
     size = values.shape[0] // VECTORS
-    complete_rates(bodies, values, END * size, END_RATE * size, SECOND * size, work)
+    write_second_rates(integration.coordinates, values, END * size, END_RATE * size, SECOND * size)
     slot = (progress.newest + 1) % SLOTS
     progress.newest = slot
     progress.filled = min(progress.filled + 1, SLOTS)
@@ -154,6 +160,15 @@ def _add_node(bodies: Bodies, work: Workspace, integration: Integration, time: f
     place = slot * NODE_ROWS * size
     for i in range(NODE_ROWS * size):
         integration.nodes[place + i] = values[END * size + i]
+
+
+@kernel(internal=True)
+def _take_newest(integration: Integration, row: int, count: int) -> None:
+    """The newest node into rows of the vectors: its state, or that and its rate."""
+    size = integration.vectors.shape[0] // VECTORS
+    place = integration.progress.newest * NODE_ROWS * size
+    for i in range(count * size):
+        integration.vectors[row * size + i] = integration.nodes[place + i]
 
 
 @kernel(internal=True)
@@ -167,31 +182,24 @@ def _begin(
     time: float,
 ) -> None:
     """First node of the scene, closed, or first one behind a corner."""
-    progress, values = integration.progress, integration.vectors
-    size = values.shape[0] // VECTORS
-    if not progress.started:
-        load_state(bodies, values, END * size, work)
+    _take_newest(integration, END, 1)
+    if not integration.progress.started:
         _project(bodies, joints, rows, work, integration, time)
-    else:
-        place = progress.newest * NODE_ROWS * size
-        for i in range(size):
-            values[END * size + i] = integration.nodes[place + i]
     _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, False)
-    progress.filled = 0
-    _add_node(bodies, work, integration, time)
+    integration.progress.filled = 0
+    _add_node(integration, time)
 
 
 @kernel(internal=True)
-def _first_step(
-    bodies: Bodies, work: Workspace, integration: Integration, allowed: float, interval: float
-) -> float:
+def _first_step(work: Workspace, integration: Integration, allowed: float, interval: float) -> float:
     """A step whose error in order 8 is about as allowed [m], from how fast velocities change [s]."""
-    size, length = integration.vectors.shape[0] // VECTORS, integration.progress.length
+    values, coordinates, length = integration.vectors, integration.coordinates, integration.progress.length
+    size = values.shape[0] // VECTORS
     work.control.error = 0.0
-    measure_error(bodies, integration.vectors, END_RATE * size, END_RATE * size, work)
+    measure_error(coordinates, values, END_RATE * size, END_RATE * size, work)
     acceleration = work.control.error
     work.control.error = 0.0
-    measure_error(bodies, integration.vectors, END * size, END * size, work)
+    measure_error(coordinates, values, END * size, END * size, work)
     rate = max(math.sqrt(acceleration / length), work.control.error / length)
     if not rate > 0.0:
         return interval
@@ -216,14 +224,11 @@ def _step(
         time = progress.times[progress.newest] if progress.started else 0.0
         _begin(bodies, forces, joints, rows, work, integration, time)
         if not progress.started:
-            control.next_step = _first_step(bodies, work, integration, allowed, interval)
+            control.next_step = _first_step(work, integration, allowed, interval)
         progress.started = True
         progress.at_corner = False
-    slot = progress.newest
-    time = progress.times[slot]
-    place = slot * NODE_ROWS * size
-    for i in range(2 * size):
-        values[i] = integration.nodes[place + i]
+    time = progress.times[progress.newest]
+    _take_newest(integration, STATE, 2)
     shortest = SHORTEST * max(abs(time), interval)
     corner = int(control.corner)
     while corner < work.corners.shape[0] and work.corners[corner] <= time + shortest:
@@ -256,7 +261,7 @@ def _step(
             )
         write_errors(values, size, FIFTH, THIRD)
         control.error = control.pose_error = 0.0
-        measure_error(bodies, values, FIFTH * size, THIRD * size, work)
+        measure_error(integration.coordinates, values, FIFTH * size, THIRD * size, work)
         error = h * max(max(h, progress.recent_step) * control.error, control.pose_error) / allowed
         if error <= 1.0:
             break
@@ -278,7 +283,7 @@ def _step(
     if at_corner and rest == ahead:
         time = work.corners[corner]
         progress.at_corner = True
-    _add_node(bodies, work, integration, time)
+    _add_node(integration, time)
     error = max(error, LEAST_ERROR)
     factor = SAFETY * error ** (-1.0 / ORDER)
     if progress.error_before > 0.0:  # what makes the error grow goes on
@@ -354,7 +359,8 @@ def _sample(
             + d0 * kept[end + D * size + k]
             + d1 * kept[end + (D + 1) * size + k]
         )
-    store_state(bodies, time, values, END * size, END_RATE * size, work)
+    write_velocities(integration.coordinates, values, END * size, END_RATE * size)
+    store_state(bodies, time, values, END * size, work)
     _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, True)
 
 
@@ -401,10 +407,10 @@ def run(
     integration, rows = carried(systems, 0), systems
     progress = integration.progress
     allowed = min(SHARE * tolerance, progress.largest_error)
-    soften(rows, progress.softening)
+    for i in range(joint_rows(rows)):
+        soften(joint_rows(rows, i), progress.softening)
     if not progress.started:  # reactions of the first record
-        size = integration.vectors.shape[0] // VECTORS
-        load_state(bodies, integration.vectors, END * size, work)
+        _take_newest(integration, END, 1)
         _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, 0.0, True)
     row = 0
     for index in range(first, last):

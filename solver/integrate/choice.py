@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, Hinge, JointSpring, Spring
+from heavylift.solver.connections import GROUND, JointSpring, Spring
 from heavylift.solver.coordinates import inverse_scales
 from heavylift.solver.integrate.mesh_rates import highest_rate
 from heavylift.solver.meshes import MeshBody
@@ -114,7 +114,7 @@ def stiff_part(scene: Scene, interval: float) -> str:
             inverse = of(force.body_a, False) + of(force.body_b, False)
         elif isinstance(force, JointSpring):
             joint = joints[force.joint]
-            turns = isinstance(joint, Hinge)
+            turns = joint.COORDINATE == "angle"
             inverse = of(joint.body_a, turns) + of(joint.body_b, turns)
         else:
             continue

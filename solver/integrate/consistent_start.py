@@ -241,11 +241,13 @@ def close_velocities(rows: StartRows) -> tuple[float, str]:
     rigid = rows.rigid
     if not rigid.any():
         return 0.0, ""
+    velocity, target = rows.survey()[2], rows.column("target")
+    scale = float(np.abs(velocity).max(initial=0.0)) + float(np.abs(target).max(initial=0.0))
+    if scale == 0.0:  # at rest nothing is to be changed
+        return 0.0, ""
     G = rows.jacobian()
-    velocity = rows.survey()[2]
-    wanted = rows.column("target") - G @ velocity
+    wanted = target - G @ velocity
     wanted[~rigid] = 0.0
-    scale = float(np.abs(velocity).max(initial=0.0)) + float(np.abs(rows.column("target")).max(initial=0.0))
     if not _largest(wanted, rigid) > 1e-14 * scale:
         return 0.0, ""
     worst = rows.worst(wanted, rigid)

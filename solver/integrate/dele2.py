@@ -19,7 +19,7 @@ from heavylift.numerics.arrays import Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import Outcome
-from heavylift.solver.contact.system_interface import after_step, before_advance, go_back, meet_contacts
+from heavylift.solver.contact.system_interface import after_step, before_advance, go_back
 from heavylift.solver.integrate.loop import evaluate_forces, write_record
 from heavylift.solver.integrate.row_stage import end_step
 from heavylift.solver.interface import (
@@ -33,12 +33,12 @@ from heavylift.solver.interface import (
     check,
     complete,
     correct,
-    correct_rows,
     estimate_error,
     factor,
     finish,
     iterate,
     predict,
+    solve_again,
     solve_midpoint,
 )
 
@@ -146,10 +146,11 @@ def run(
             predict(bodies, time, h)
             evaluate_forces(bodies, forces, work, time + 0.5 * h, True, FORCES)
             factor(bodies, h, work)
-            solve_midpoint(systems, bodies, joints, work, time, h, nominal)
-            meet_contacts(systems, systems, bodies, joints, work, time, h, nominal)
+            solve_midpoint(systems, systems, bodies, joints, work, time, h, nominal)
+            control.changed = 0
             correct(bodies, h, work)
-            correct_rows(bodies, systems, joints, work, time, h)
+            if control.changed > 0:
+                solve_again(systems, systems, joints, work, time, h)
             complete(bodies, systems, True, h, work)
             refine(bodies, systems, joints, work, time, h)
             if work.status.outcome == 0:

@@ -1,7 +1,7 @@
 """What the accurate integrator carries between two calls, and the layout of its vectors.
 
-A state vector holds all velocities, then positions and quaternions, then the works of loads and drives. Meshes have the
-velocities of their bases among the first, and coordinates and velocities of all nodes behind the quaternions.
+A state vector holds all velocities, then the coordinates of all bodies, then the works of loads and drives. Meshes have
+the velocities of their bases among the first, and those of all nodes behind their coordinates.
 """
 
 from __future__ import annotations
@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Record, Vector
+from heavylift.numerics.records import Record, Records, Vector, records
 from heavylift.solver.combination import padded
-from heavylift.solver.integrate.accurate_rows import is_tree
+from heavylift.solver.drive import DRIVEN
 from heavylift.solver.integrate.dop853 import STAGES
 from heavylift.solver.interface import (
     Bodies,
+    Coordinates,
     Joints,
     Systems,
     Workspace,
@@ -28,6 +29,7 @@ from heavylift.solver.interface import (
     record_rows,
 )
 from heavylift.solver.kinds import Members, implement
+from heavylift.solver.rows import PRESCRIBED, RowSystem
 
 __all__ = ["Integration", "Progress", "carried", "make_integration", "stiffness_seen", "watch_stability"]
 
@@ -116,6 +118,8 @@ class Integration(Arrays):
         The last ends of steps: state, rates and second rates each; flat.
     vectors
         State, rates and errors of a step, one after the other; flat.
+    coordinates
+        What stands where in each of them.
     """
 
     carried_fields: ClassVar[tuple[str, ...]] = (
@@ -126,10 +130,35 @@ class Integration(Arrays):
     progress: Progress
     nodes: Floats1
     vectors: Floats1
+    coordinates: Records[Coordinates]
+
+    def take_start(self, bodies: Bodies) -> None:
+        """The carried state of the bodies becomes the first node."""
+        for kind in bodies:
+            kind.write_state(self.nodes)
 
 
 carried = Members(Systems, Integration)
 """What the integrator carries, among the systems of a scene."""
+
+
+def _is_tree(system: RowSystem) -> bool:
+    """Whether the joints form no loop, so that their rows are independent in every position."""
+    parent: dict[int, int] = {}
+
+    def root(body: int) -> int:
+        while parent.setdefault(body, body) != body:
+            body = parent[body]
+        return body
+
+    ground = -1
+    for first in range(0, len(system.attachments), 2):
+        ends = system.attachments[first], system.attachments[first + 1]
+        a, b = (ground if end.holder == PRESCRIBED else int(end.dof) for end in ends)
+        if root(a) == root(b):
+            return False
+        parent[root(a)] = root(b)
+    return True
 
 
 def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Workspace) -> Integration:
@@ -156,31 +185,24 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
                 key="integrator",
                 expected="rigid joints and explicit forces for 'accurate'; or 'dele2'",
             )
-    from heavylift.solver.bodies.rigid import RigidBodies
-    from heavylift.solver.drive import DRIVEN
-
-    rigid = [kind for kind in bodies if isinstance(kind, RigidBodies)]
-    meshes = [kind for kind in bodies if not isinstance(kind, RigidBodies)]
-    place = padded(work.velocity.shape[0] + 7 * sum(len(kind.table) for kind in rigid))
-    for kind in meshes:
-        kind.table["state_place"] = place
-        place += 2 * len(kind.position)
+    place, described = work.velocity.shape[0], []
+    for kind in bodies:
+        found, place = kind.place_coordinates(place)
+        described.append(found)
+    coordinates = records(Coordinates, np.concatenate(described).tolist())
     size = padded(place + QUADRATURES)
     progress = Progress.one()
-    progress.length = max(
-        [kind.frame["reach"].max() for kind in rigid] + [kind.body["size"].max() for kind in meshes]
-    )
-    loaded = [(kind.markers["level"] > 0).any() for kind in rigid]
-    progress.loaded = any(loaded + [(kind.markers["level"] > 0).any() for kind in meshes])
-    driven = any((kind.table["motion"] == DRIVEN).any() for kind in rigid)
+    progress.length = coordinates["reach"].max()
+    progress.loaded = any((kind.markers["level"] > 0).any() for kind in bodies)
+    driven = (coordinates["motion"] == DRIVEN).any()
     progress.driven = driven or any(hasattr(kind, "profiles") for kind in joints)
-    progress.based = bool(systems) and any(len(kind.bases) for kind in meshes)
-    if all(is_tree(system) for system in systems):
+    progress.based = bool(systems) and any(len(getattr(kind, "bases", ())) for kind in bodies)
+    if all(_is_tree(system) for system in systems):
         progress.solutions, progress.softening, progress.largest_error = 1, TREE_SOFTENING, math.inf
     else:
         progress.solutions, progress.softening = 2, LOOP_SOFTENING
         progress.largest_error = LOOSEST_LOOP * progress.length
-    return Integration(progress, np.zeros(SLOTS * NODE_ROWS * size), np.zeros(VECTORS * size))
+    return Integration(progress, np.zeros(SLOTS * NODE_ROWS * size), np.zeros(VECTORS * size), coordinates)
 
 
 def stiffness_seen(integration: Integration) -> bool:
@@ -191,7 +213,12 @@ def stiffness_seen(integration: Integration) -> bool:
 @implement(record_rows, Integration)
 @kernel(internal=True)
 def record_works(
-    integration: Integration, joints: Joints, work: Workspace, time: float, row: NDArray[np.float64]
+    integration: Integration,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    row: NDArray[np.float64],
 ) -> None:
     """Works that were integrated with the motion, into the totals."""
     work.sums.external_work += integration.progress.works[0]

@@ -16,7 +16,6 @@ from heavylift.solver.interface import (
     add_totals,
     begin_record,
     fill_markers,
-    gather_rows,
     record,
     record_forces,
     record_rows,
@@ -67,16 +66,17 @@ def write_record(
     """Write the carried state, energies and momenta into a record; totals come last."""
     begin_record(forces)
     evaluate_forces(bodies, forces, work, time, False, RECORD)
-    gather_rows(systems, bodies, joints, work, time)
-    record(bodies, time, work, row)
+    for i in range(work.row_force.shape[0]):
+        work.row_force[i] = 0.0
     sums = work.sums
     sums.kinetic = sums.elastic = sums.potential = 0.0
     sums.external_work = sums.drive_work = sums.dissipated = 0.0
     for k in range(3):
         sums.linear_momentum[k] = sums.angular_momentum[k] = 0.0
+    record_rows(systems, bodies, joints, work, time, row)
+    record(bodies, time, work, row)
     add_totals(bodies, work)
     record_forces(forces, time, work, row)
-    record_rows(systems, joints, work, time, row)
     end = row.shape[0] - TOTAL_COLUMNS
     row[end], row[end + 1], row[end + 2] = sums.kinetic, sums.elastic, sums.potential
     row[end + 3], row[end + 4], row[end + 5] = sums.external_work, sums.drive_work, sums.dissipated

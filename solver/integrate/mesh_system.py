@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.records import numbers_in
 from heavylift.solver.bodies.ancf.at_rest import (
     difference_follower,
-    fill_stiffness,
     fill_stress_forces,
     fill_weight_and_loads,
 )
@@ -29,7 +28,7 @@ from heavylift.solver.integrate.mesh_kernels import evaluate_loads
 from heavylift.solver.integrate.rows_at_rest import fill_at_rest
 from heavylift.solver.integrate.start_rows import StartRows
 from heavylift.solver.integrate.static_forces import STEP
-from heavylift.solver.interface import FORCES, collect_load, move
+from heavylift.solver.interface import FORCES
 
 __all__ = ["MeshSystem"]
 
@@ -68,7 +67,6 @@ class MeshSystem:
 
         self.rows, self.layout = rows, rows.layout
         layout = rows.layout
-        layout.systems.need("rest")
         self.meshes = [kind for kind in layout.bodies if isinstance(kind, (FrameMeshes, ShellMeshes))]
         self.others = tuple(
             kind for kind in layout.bodies if not isinstance(kind, (FrameMeshes, ShellMeshes))
@@ -151,7 +149,8 @@ class MeshSystem:
         if len(self.dofs):
             full = np.zeros(len(self.rows.inertia))
             full[self.dofs] = increment[self.first[-1] :]
-            move(self.others, full)
+            for kind in self.others:
+                kind.move(full)
 
     def stop(self) -> None:
         """Take all velocities away."""
@@ -169,7 +168,7 @@ class MeshSystem:
         """Stresses of the meshes; springs, ropes, compliant joints and modes, in balance with nothing."""
         force = np.zeros(self.count)
         for kind, matrices, part in zip(self.meshes, self.matrices, self._split(force), strict=True):
-            fill_stress_forces((kind,))
+            fill_stress_forces(kind, False)
             part[:] = kind.right_hand_side[matrices.places] + matrices.bending_force(kind.position)
         if self._has_inner():
             pull, _ = self._inner_pull()
@@ -182,11 +181,12 @@ class MeshSystem:
         evaluate_loads(layout.bodies, self._loads, layout.work, self.rows.time)
         force = np.zeros(self.count)
         for kind, matrices, part in zip(self.meshes, self.matrices, self._split(force), strict=True):
-            fill_weight_and_loads((kind,), layout.work, self.rows.time)
+            fill_weight_and_loads(kind, layout.work, self.rows.time)
             part[:] = (kind.right_hand_side + kind.external_force)[matrices.places]
         if len(self.dofs):
             pull = np.zeros(len(self.rows.inertia))
-            collect_load(self.others, layout.work, pull)
+            for kind in self.others:
+                kind.collect_load(layout.work, pull)
             force[self.first[-1] :] = (pull - self._elasticity())[self.dofs]
         return force
 
@@ -209,7 +209,8 @@ class MeshSystem:
         work, pull = self.layout.work, np.zeros(len(self.rows.inertia))
         work.markers["force"] = 0.0
         work.sums.gravity[:] = 0.0
-        collect_load(self.others, work, pull)
+        for kind in self.others:
+            kind.collect_load(work, pull)
         return pull
 
     def _inner_pull(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -223,7 +224,8 @@ class MeshSystem:
         else:
             evaluate_loads(layout.bodies, self._inner, layout.work, rows.time)
         pull = np.zeros(len(rows.inertia))
-        collect_load(self.others, layout.work, pull)
+        for kind in self.others:
+            kind.collect_load(layout.work, pull)
         self._add_base_loads(pull)
         reaction = np.zeros(len(rows.block))
         if layout.systems:
@@ -268,7 +270,7 @@ class MeshSystem:
 
         parts: list[Any] = []
         for kind, matrices in zip(self.meshes, self.matrices, strict=True):
-            fill_stiffness((kind,))
+            fill_stress_forces(kind, True)
             parts.append(matrices.stiffness(kind.blocks))
             follower = self._follower(kind, matrices)
             if follower is not None:
@@ -302,7 +304,7 @@ class MeshSystem:
                 nodes = kind.elements[line.place].nodes[: matrices.nodes]
                 places = (nodes[:, None] + np.arange(matrices.rows)).ravel()
                 out = np.zeros((len(places), len(places)))
-                difference_follower((kind,), int(body_of[load]), load, amount, DIFFERENCE, places, out)
+                difference_follower(kind, int(body_of[load]), load, amount, DIFFERENCE, places, out)
             else:
                 places = line.place + np.arange(matrices.rows)
                 given = frame_follower(kind.constants, line.data)
@@ -374,7 +376,8 @@ class MeshSystem:
             pull = pull + rows.jacobian().T @ reaction
         evaluate_loads(layout.bodies, self._loads, layout.work, rows.time)
         load = np.zeros(len(rows.inertia))
-        collect_load(self.others, layout.work, load)
+        for kind in self.others:
+            kind.collect_load(layout.work, load)
         self._add_base_loads(load)
         load = load - self._elasticity()
         pull = pull + factor * load

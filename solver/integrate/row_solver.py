@@ -38,7 +38,7 @@ __all__ = [
 ]
 
 
-@kernel(inline=True, internal=True)
+@kernel(internal=True)
 def assemble(system: RowSystem) -> None:
     """``S = G A^-1 G^T + Z``; of rigid bodies from G and the inverse masses, of others from their X."""
     shape = system.shape
@@ -113,7 +113,7 @@ def _assemble_hubs(system: RowSystem) -> None:
                     system.blocks[place + k * lanes + r] += value
 
 
-@kernel(inline=True, internal=True)
+@kernel(internal=True)
 def factor_rows(system: RowSystem) -> None:
     """Right-looking block factorisation ``S = L D L^T``."""
     shape = system.shape
@@ -122,10 +122,10 @@ def factor_rows(system: RowSystem) -> None:
     for j in range(system.columns.shape[0]):
         pivot, first, count = (
             system.columns[j].pivot,
-            system.columns[j].lower,
+            system.columns[j].first_lower,
             system.columns[j].lower_count,
         )
-        update = system.columns[j].update
+        update = system.columns[j].first_update
         factor_pivot(shape, blocks, pivot)
         for l in range(first, first + count):
             solve_off_diagonal(shape, blocks, system.lower[l].place, blocks, pivot)
@@ -160,7 +160,7 @@ def _substitute(system: RowSystem) -> None:
     shape, rows = system.shape, system.rows
     for j in range(system.columns.shape[0]):
         z = rows[system.columns[j].node].solution
-        first, count = system.columns[j].lower, system.columns[j].lower_count
+        first, count = system.columns[j].first_lower, system.columns[j].lower_count
         forward_pivot(shape, z, 0, system.blocks, system.columns[j].pivot)
         for l in range(first, first + count):
             other = rows[system.lower[l].node].solution
@@ -169,7 +169,7 @@ def _substitute(system: RowSystem) -> None:
         z = rows[system.columns[j].node].solution
         pivot, first, count = (
             system.columns[j].pivot,
-            system.columns[j].lower,
+            system.columns[j].first_lower,
             system.columns[j].lower_count,
         )
         for l in range(first, first + count):

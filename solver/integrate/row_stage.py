@@ -12,13 +12,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
-from heavylift.solver.contact.system_interface import (
-    follow,
-    follow_end,
-    locate_ends,
-    project_contacts,
-    respond,
-)
+from heavylift.solver.contact.system_interface import follow, respond
 from heavylift.solver.integrate.row_solver import (
     assemble,
     factor_rows,
@@ -40,8 +34,6 @@ from heavylift.solver.interface import (
     end_velocity,
     fill_markers,
     fill_rows,
-    gather_reactions,
-    gather_rows,
     record_joints,
     record_rows,
     refactor_rows,
@@ -54,7 +46,7 @@ from heavylift.solver.interface import (
     update_rows,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.row_impulses import add_impulses
+from heavylift.solver.row_impulses import add_impulses, add_reactions
 from heavylift.solver.rows import (
     REGULARISATION,
     RowSystem,
@@ -70,6 +62,7 @@ NOT_CONVERGED, NOT_CLOSED = int(Outcome.NOT_CONVERGED), int(Outcome.NOT_CLOSED)
 @kernel(internal=True)
 def solve_midpoint_laws(
     system: RowSystem,
+    all_systems: Systems,
     bodies: Bodies,
     joints: Joints,
     work: Workspace,
@@ -112,7 +105,9 @@ def fit_laws(system: RowSystem, joints: Joints, work: Workspace, time: float, st
 
 @implement(solve_again, RowSystem)
 @kernel(internal=True)
-def solve_laws_again(system: RowSystem, joints: Joints, work: Workspace, time: float, step: float) -> None:
+def solve_laws_again(
+    system: RowSystem, all_systems: Systems, joints: Joints, work: Workspace, time: float, step: float
+) -> None:
     """One solve more, it is incremental; and laws once more."""
     fit_laws(system, joints, work, time, step)
 
@@ -191,11 +186,9 @@ def end_step(
     of it has to be taken back.
     """
     end_rows(systems, bodies, joints, work, time, step)
-    locate_ends(systems, bodies, work, time, step)
     if work.control.split > 0.0:
         return
-    solve_end(systems, bodies, joints, work, time, step)
-    project_contacts(systems, bodies, systems, joints, work, time, step)
+    solve_end(systems, systems, bodies, joints, work, time, step)
     if work.control.split > 0.0:
         return
     close_step(systems, systems, bodies, work, step)
@@ -221,7 +214,13 @@ def end_row_system(
 @implement(solve_end, RowSystem)
 @kernel(internal=True)
 def solve_end_rows(
-    system: RowSystem, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
+    system: RowSystem,
+    all_systems: Systems,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    step: float,
 ) -> None:
     """One factorisation more, of the rigid rows with the mass alone."""
     lanes = len(system.shape[1])
@@ -271,10 +270,12 @@ def respond_row_system(system: RowSystem, velocity: NDArray[np.float64]) -> None
 
 @implement(follow, RowSystem)
 @kernel(internal=True)
-def follow_laws(system: RowSystem, joints: Joints, work: Workspace, time: float, step: float) -> None:
-    """One solve more, it is incremental; and laws fitted again if contacts have moved them."""
+def follow_contacts(
+    system: RowSystem, joints: Joints, at_midpoint: bool, work: Workspace, time: float, step: float
+) -> None:
+    """One solve more, it is incremental; at the midpoint laws are fitted again if contacts have moved them."""
     solve_rows(system, work.velocity)
-    if not system.laws:
+    if not (at_midpoint and system.laws):
         return
     work.control.changed = 0
     relinearise(joints, time, step, work, system)
@@ -283,13 +284,6 @@ def follow_laws(system: RowSystem, joints: Joints, work: Workspace, time: float,
         factor_rows(system)
         fit_laws(system, joints, work, time, step)
         work.control.changed = 1
-
-
-@implement(follow_end, RowSystem)
-@kernel(internal=True)
-def follow_row_end(system: RowSystem, work: Workspace) -> None:
-    """One solve more with the factor of the projection."""
-    solve_rows(system, work.velocity)
 
 
 @kernel(internal=True)
@@ -306,24 +300,21 @@ def _check_closed(system: RowSystem, work: Workspace) -> None:
             work.status.block = node
 
 
-@implement(gather_rows, RowSystem)
-@kernel(internal=True)
-def gather_row_system(
-    system: RowSystem, bodies: Bodies, joints: Joints, work: Workspace, time: float
-) -> None:
-    """With their forces on bodies that are held."""
-    fill_rows(joints, True, work, system)
-    set_targets(joints, time, 1.0, False, work, system)  # drives are violated by their value at this time
-    gather_reactions(bodies, True, system)
-
-
 @implement(record_rows, RowSystem)
 @kernel(internal=True)
 def record_row_system(
-    system: RowSystem, joints: Joints, work: Workspace, time: float, row: NDArray[np.float64]
+    system: RowSystem,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    row: NDArray[np.float64],
 ) -> None:
     """Largest violation of a rigid row, and smallest pivot of the last projection."""
     lanes = len(system.shape[1])
+    fill_rows(joints, True, work, system)
+    set_targets(joints, time, 1.0, False, work, system)  # drives are violated by their value at this time
+    add_reactions(system, work.row_force)
     record_joints(joints, time, work, system, row)
     violation = 0.0
     for node in range(system.attachments.shape[0] // 2):

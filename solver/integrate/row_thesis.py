@@ -19,6 +19,7 @@ from heavylift.solver.interface import (
     Workspace,
     apply_inverse,
     fill_rows,
+    thesis_velocity,
     write_velocity,
 )
 from heavylift.solver.kinds import implement, optional
@@ -27,20 +28,22 @@ from heavylift.solver.rows import (
     RowSystem,
 )
 
-__all__ = ["solve_thesis", "start_thesis"]
+__all__ = ["solve_thesis"]
 
 
 @optional("thesis")
-def start_thesis(systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, step: float) -> None:
-    """Rows: targets and softness from the carried state, whose velocities pass through the workspace."""
-
-
-@implement(start_thesis, RowSystem)
-@kernel(internal=True)
-def start_thesis_rows(
-    system: RowSystem, bodies: Bodies, joints: Joints, work: Workspace, step: float
+def solve_thesis(
+    systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
-    """Markers are filled at the carried state."""
+    """Rows: end velocities of the bodies, with what the rows do to them; reactions."""
+
+
+@implement(solve_thesis, RowSystem)
+@kernel(internal=True)
+def solve_thesis_rows(
+    system: RowSystem, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
+) -> None:
+    """One linear solve, with targets from the carried state, at which the markers are filled."""
     rows, lanes = len(system.shape[0]), len(system.shape[1])
     blocks = system.attachments.shape[0] // 2
     fill_rows(joints, True, work, system)
@@ -60,23 +63,12 @@ def start_thesis_rows(
                 rate = -row.solution[r]
                 row.target[r] = gamma * rate - 4.0 * gamma / step * row.residual[r]
                 row.softness[r] = REGULARISATION * scale + 4.0 * gamma / (step * step) * row.compliance[r]
-
-
-@optional("thesis")
-def solve_thesis(systems: Systems, bodies: Bodies, work: Workspace, step: float) -> None:
-    """Rows: end velocities from free ones, reactions."""
-
-
-@implement(solve_thesis, RowSystem)
-@kernel(internal=True)
-def solve_thesis_rows(system: RowSystem, bodies: Bodies, work: Workspace, step: float) -> None:
-    """One linear solve."""
-    rows = len(system.shape[0])
+    thesis_velocity(bodies, time, step, work)
     apply_inverse(bodies, False, system)
     assemble(system)
     factor_rows(system)
     solve_rows(system, work.velocity)
-    for node in range(system.attachments.shape[0] // 2):
+    for node in range(blocks):
         row = system.rows[node]
         for r in range(rows):
             row.reaction[r] = row.impulse[r] / step

@@ -14,14 +14,11 @@ from heavylift.solver.interface import (
     Workspace,
     fill_markers,
     fill_rows,
+    joint_rows,
     relinearise,
     set_targets,
 )
-from heavylift.solver.kinds import implement, optional
-from heavylift.solver.rows import (
-    RowArrays,
-    RowSystem,
-)
+from heavylift.solver.rows import RowArrays
 
 __all__ = ["fill_at_rest", "fill_rigid_rows"]
 
@@ -46,20 +43,17 @@ def fill_rigid_rows(
     set_targets(joints, time, 1.0, False, work, system)
 
 
-@optional("rest")
-def fit_rows(systems: Systems, joints: Joints, work: Workspace, time: float, step: float) -> None:
-    """Rows: residuals; targets and softness of the compliant ones at velocity zero."""
-
-
-@implement(fit_rows, RowSystem)
 @kernel(internal=True)
-def fit_rows_at_rest(system: RowSystem, joints: Joints, work: Workspace, time: float, step: float) -> None:
-    """As at the midpoint of a very small step, without regularisation."""
-    rows = len(system.shape[0])
+def _fit_rows(system: RowArrays, joints: Joints, work: Workspace, time: float, step: float) -> None:
+    """Residuals; targets and softness of the compliant rows at velocity zero.
+
+    As at the midpoint of a very small step, without regularisation.
+    """
+    lanes = system.lanes
     fill_rows(joints, True, work, system)
     for node in range(system.attachments.shape[0] // 2):
         row = system.rows[node]
-        for r in range(rows):
+        for r in range(lanes):
             compliance = row.compliance[r]
             if row.scale[r] > 0.0 and compliance > 0.0:
                 delay = 0.5 * step + row.relaxation[r]
@@ -69,7 +63,7 @@ def fit_rows_at_rest(system: RowSystem, joints: Joints, work: Workspace, time: f
     for _ in range(LAW_ITERATIONS):
         for node in range(system.attachments.shape[0] // 2):
             row = system.rows[node]
-            for r in range(rows):
+            for r in range(lanes):
                 if row.scale[r] > 0.0 and row.compliance[r] > 0.0:
                     row.impulse[r] = row.target[r] / row.softness[r]
         work.control.changed = 0
@@ -90,4 +84,5 @@ def fill_at_rest(
 ) -> None:
     """Markers, marker forces and rows at the carried state, at rest."""
     evaluate_forces(bodies, forces, work, time, False, FORCES)
-    fit_rows(systems, joints, work, time, step)
+    for i in range(joint_rows(systems)):
+        _fit_rows(joint_rows(systems, i), joints, work, time, step)

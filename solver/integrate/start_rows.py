@@ -15,11 +15,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.records import LaneRecords, lane_records, numbers_in
 from heavylift.solver.integrate.loop import start_scene
 from heavylift.solver.integrate.rows_at_rest import fill_rigid_rows
-from heavylift.solver.interface import (
-    move,
-    put_velocity,
-    survey,
-)
 from heavylift.solver.layout import Layout
 from heavylift.solver.rows import (
     Row,
@@ -142,20 +137,23 @@ class StartRows:
         start_scene(self.layout.bodies, self.layout.work, self.time)
 
     def survey(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Places of the bodies, inertia and velocity: see `heavylift.solver.interface.survey`."""
+        """Places of the bodies, inertia and velocity: see `heavylift.solver.interface.BodyKind`."""
         count = len(self.layout.work.velocity)
         places = np.zeros((len(self.layout.body_names), 8))
         inertia, velocity = np.zeros(count), np.zeros(count)
-        survey(self.layout.bodies, places, inertia, velocity)
+        for kind in self.layout.bodies:
+            kind.survey(places, inertia, velocity)
         return places, inertia, velocity
 
     def move(self, increment: NDArray[np.float64]) -> None:
         """Displace the bodies."""
-        move(self.layout.bodies, increment)
+        for kind in self.layout.bodies:
+            kind.move(increment)
 
     def put_velocity(self, velocity: NDArray[np.float64]) -> None:
         """Set the velocities."""
-        put_velocity(self.layout.bodies, velocity)
+        for kind in self.layout.bodies:
+            kind.put_velocity(velocity)
         self.start()
 
     def snapshot(self) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:

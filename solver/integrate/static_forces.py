@@ -9,9 +9,6 @@ from numpy.typing import NDArray
 
 from heavylift.solver.integrate.rows_at_rest import fill_at_rest
 from heavylift.solver.integrate.start_rows import StartRows
-from heavylift.solver.interface import (
-    collect_load,
-)
 
 __all__ = ["StaticForces"]
 
@@ -43,7 +40,6 @@ class StaticForces:
 
     def __init__(self, rows: StartRows) -> None:
         self.rows, self.weight = rows, 0.0
-        rows.layout.systems.need("rest")
         inertia, owner = rows.inertia, rows.owner
         places = rows.survey()[0]
         firsts = places[:, 0].astype(np.int64)
@@ -70,7 +66,8 @@ class StaticForces:
             layout.bodies, layout.forces, layout.joints, layout.systems, layout.work, rows.time, STEP
         )
         load = np.zeros(len(rows.inertia))
-        collect_load(layout.bodies, layout.work, load)
+        for kind in layout.bodies:
+            kind.collect_load(layout.work, load)
         load[rows.inertia == 0.0] = 0.0
         G = rows.jacobian()
         soft = ~rows.rigid

@@ -9,7 +9,7 @@ from __future__ import annotations
 from heavylift.numerics.arrays import Floats2
 from heavylift.numerics.objects import entry
 from heavylift.solver.integrate.loop import evaluate_forces, write_record
-from heavylift.solver.integrate.row_thesis import solve_thesis, start_thesis
+from heavylift.solver.integrate.row_thesis import solve_thesis
 from heavylift.solver.interface import (
     FORCES,
     Bodies,
@@ -18,7 +18,8 @@ from heavylift.solver.interface import (
     Systems,
     Workspace,
     check,
-    complete_thesis,
+    complete,
+    joint_rows,
     thesis_advance,
     thesis_velocity,
 )
@@ -45,10 +46,10 @@ def run(
     for index in range(first, last):
         time = index * step
         evaluate_forces(bodies, forces, work, time, False, FORCES)
-        start_thesis(systems, bodies, joints, work, step)
-        thesis_velocity(bodies, time, step, work)
-        solve_thesis(systems, bodies, work, step)
-        complete_thesis(bodies, systems, work)
+        solve_thesis(systems, bodies, joints, work, time, step)
+        if joint_rows(systems) == 0:
+            thesis_velocity(bodies, time, step, work)
+        complete(bodies, systems, True, step, work)
         check(bodies, step, work)
         if work.status.outcome != 0:
             return index

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +12,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Records, records
-from heavylift.solver.connections import Ball
+from heavylift.solver.connections import JOINTS, Joint
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
 from heavylift.solver.joints.reactions import write_reaction
@@ -19,9 +21,15 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
-__all__ = ["ROTATIONAL", "BallJoints", "pack"]
+__all__ = ["Ball", "BallJoints", "pack"]
 
-ROTATIONAL = (False, False, False)
+
+@JOINTS.describe("ball")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Ball(Joint):
+    """The two points coincide."""
+
+    ROTATIONAL: ClassVar = (False, False, False)
 
 
 class BallJoints(Arrays):

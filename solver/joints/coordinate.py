@@ -12,13 +12,9 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Record
 from heavylift.solver.connections import (
-    Cylindrical,
-    Hinge,
     Joint,
     JointMotor,
     JointSpring,
-    Slider,
-    SliderHinge,
     Spring,
 )
 from heavylift.solver.interface import Workspace
@@ -87,11 +83,9 @@ def joint_coordinate(joint: Joint, user: JointSpring | JointMotor | Joint) -> in
     InputError
         If the joint has neither, or both.
     """
-    if isinstance(joint, Hinge):
-        return ANGLE
-    if isinstance(joint, Slider):
-        return TRAVEL
-    both = " (it has two)" if isinstance(joint, (Cylindrical, SliderHinge)) else ""
+    if joint.COORDINATE:
+        return ANGLE if joint.COORDINATE == "angle" else TRAVEL
+    both = " (it has two)" if {"angle", "travel"} <= {channel.name for channel in joint.CHANNELS} else ""
     raise InputError(
         f"joint {joint.name!r} is a {type(joint).__name__}, which has no single angle or travel{both}",
         source=user.name,

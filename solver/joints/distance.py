@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +18,9 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import Positive
 from heavylift.numerics.records import Records, records
-from heavylift.solver.connections import Distance
+from heavylift.solver.connections import JOINTS, Joint, Place
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
 from heavylift.solver.joints.reactions import clear_reaction, reactions
@@ -36,9 +39,19 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
-__all__ = ["ROTATIONAL", "Distances", "pack"]
+__all__ = ["Distance", "Distances", "pack"]
 
-ROTATIONAL = (False,)
+
+@JOINTS.describe("distance")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Distance(Joint):
+    """The distance of the two points is kept."""
+
+    PLACE: ClassVar = Place.APART
+    ROTATIONAL: ClassVar = (False,)
+
+    length: Annotated[float | None, Positive("length")] = None
+    """Distance [m]; as at the start if absent."""
 
 
 class DistanceEntry(JointEntry):

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Records, records
-from heavylift.solver.connections import Hinge
 from heavylift.solver.drive import profile_value
 from heavylift.solver.interface import (
     Workspace,
@@ -27,6 +26,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints import hinge
 from heavylift.solver.joints.driving import DriveState, aim, drive_work, pack_profiles
 from heavylift.solver.joints.hinge import (
+    Hinge,
     HingeEntry,
     fill_hinge_bias,
     fill_hinge_rows,
@@ -39,10 +39,8 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
-__all__ = ["CHANNELS", "ROTATIONAL", "DrivenHinges", "pack"]
+__all__ = ["DrivenHinges", "pack"]
 
-ROTATIONAL = (*hinge.ROTATIONAL, True)
-CHANNELS = hinge.CHANNELS
 
 ROW = 5
 

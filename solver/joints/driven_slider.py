@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Records, records
-from heavylift.solver.connections import Slider
 from heavylift.solver.drive import profile_value
 from heavylift.solver.interface import (
     Workspace,
@@ -30,6 +29,7 @@ from heavylift.solver.joints.packing import JointPlace
 from heavylift.solver.joints.reactions import add_force
 from heavylift.solver.joints.row_writing import residuals, targets, travel_bias, travel_row
 from heavylift.solver.joints.slider import (
+    Slider,
     SliderEntry,
     fill_slider_bias,
     fill_slider_rows,
@@ -39,10 +39,8 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
-__all__ = ["CHANNELS", "ROTATIONAL", "DrivenSliders", "pack"]
+__all__ = ["DrivenSliders", "pack"]
 
-ROTATIONAL = (*slider.ROTATIONAL, False)
-CHANNELS = slider.CHANNELS
 
 ROW = 5
 

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.connections import EdgeClamp, EdgeHinge, Joint, JointFrame
+from heavylift.solver.connections import JOINTS, EdgeJoint, Joint, JointFrame
 from heavylift.solver.joints.mesh_rows import EdgeSeam, Square, SquareJoint
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.meshes import MeshBody, ShellBody
 from heavylift.solver.scene import AnyBody
 
-__all__ = ["expand_edge"]
+__all__ = ["EdgeClamp", "EdgeHinge", "expand_edge"]
 
 STRAIGHT = 1e-6
 """Sine of angles, and relative differences of lengths, that are taken for none."""
@@ -30,6 +30,21 @@ TWIST = XY
 
 # sides of an element: two of its nodes, and the direction of the mesh along them
 SIDES = (((0, 1), X), ((3, 2), X), ((0, 3), Y), ((1, 2), Y))
+
+
+@JOINTS.describe("edge_hinge")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EdgeHinge(EdgeJoint):
+    """A straight edge of a shell turns about itself on the ground, a body or the edge of another shell."""
+
+
+@JOINTS.describe("edge_clamp")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EdgeClamp(EdgeJoint):
+    """An edge of a shell is built in at the ground, a body or the edge of another shell, and keeps its angle.
+
+    Stretch and shear angle of the surface stay free at the edge.
+    """
 
 
 @dataclass(frozen=True)
@@ -79,7 +94,7 @@ class _Edge:
         return float(self.stretch[node]) / arm, float(t @ m) / arm
 
 
-def expand_edge(joint: EdgeHinge | EdgeClamp, bodies: Sequence[AnyBody]) -> list[Joint]:
+def expand_edge(joint: EdgeJoint, bodies: Sequence[AnyBody]) -> list[Joint]:
     """One joint for each node of the edge, by the names ``joint.0``, ``joint.1``, ...
 
     Raises
@@ -144,7 +159,7 @@ def expand_edge(joint: EdgeHinge | EdgeClamp, bodies: Sequence[AnyBody]) -> list
     return made
 
 
-def _seams(joint: EdgeHinge | EdgeClamp, a: _Edge, b: _Edge) -> list[Joint]:
+def _seams(joint: EdgeJoint, a: _Edge, b: _Edge) -> list[Joint]:
     """Two shells, node by node."""
     if len(a.nodes) != len(b.nodes):
         raise InputError(
@@ -200,7 +215,7 @@ def _seams(joint: EdgeHinge | EdgeClamp, a: _Edge, b: _Edge) -> list[Joint]:
     return made
 
 
-def _edge(joint: EdgeHinge | EdgeClamp, body: ShellBody, nodes: NDArray[np.int64], key: str) -> _Edge:
+def _edge(joint: EdgeJoint, body: ShellBody, nodes: NDArray[np.int64], key: str) -> _Edge:
     """Find the sides of elements between nodes that follow each other."""
     given = np.asarray(nodes)
     count = len(body.nodes)
@@ -257,7 +272,7 @@ def _edge(joint: EdgeHinge | EdgeClamp, body: ShellBody, nodes: NDArray[np.int64
     )
 
 
-def _refuse_bent(joint: EdgeHinge | EdgeClamp, edge: _Edge, points: NDArray[np.float64]) -> None:
+def _refuse_bent(joint: EdgeJoint, edge: _Edge, points: NDArray[np.float64]) -> None:
     """A hinge needs a straight line."""
     line = points[-1] - points[0]
     size = float(np.linalg.norm(line))

@@ -1,5 +1,7 @@
 """Fixed joints: the frames of both sides coincide; 6 rows.
 
+"Integrated simulation ... (2018)", section 2.4.5, by direction cosines in place of angles.
+
 ::
 
     p_b - p_a = 0,    z_a . x_b = 0,    z_a . y_b = 0,    x_a . y_b = 0
@@ -8,6 +10,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +19,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Records, records
-from heavylift.solver.connections import FixedJoint
+from heavylift.solver.connections import JOINTS, Joint
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers, refuse_opposite
 from heavylift.solver.joints.reactions import add_moment, write_reaction
@@ -32,9 +36,18 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
-__all__ = ["ROTATIONAL", "FixedJoints", "pack"]
+__all__ = ["FixedJoint", "FixedJoints", "pack"]
 
-ROTATIONAL = (False, False, False, True, True, True)
+
+@JOINTS.describe("fixed")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FixedJoint(Joint):
+    """The two sides move as one.
+
+    A frame of ANCF elements keeps its tangent only, 5 rows: it has no torsion.
+    """
+
+    ROTATIONAL: ClassVar = (False, False, False, True, True, True)
 
 
 class FixedEntry(JointEntry):

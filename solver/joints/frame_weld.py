@@ -42,9 +42,7 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
-__all__ = ["ROTATIONAL", "FrameWelds", "pack"]
-
-ROTATIONAL = (False, False, False, True, True)
+__all__ = ["FrameWelds", "pack"]
 
 
 class FrameWeldEntry(JointEntry):

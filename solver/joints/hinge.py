@@ -9,15 +9,17 @@ of the axes, whose three rows have rank two::
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.quantity import Quantity
 from heavylift.numerics.records import Records, records
-from heavylift.solver.connections import Hinge
+from heavylift.solver.connections import ANGLE_CHANNELS, JOINTS, Joint, Limits, Place
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import (
     AngleMarkers,
@@ -28,7 +30,6 @@ from heavylift.solver.joints.packing import (
     refuse_opposite,
 )
 from heavylift.solver.joints.reactions import (
-    ANGLE_CHANNELS,
     REACTION_WIDTH,
     AngleState,
     add_moment,
@@ -47,11 +48,40 @@ from heavylift.solver.joints.row_writing import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
+from heavylift.solver.scene_bodies import Profile
 
-__all__ = ["CHANNELS", "ROTATIONAL", "HingeEntry", "Hinges", "pack", "pack_entries"]
+__all__ = ["Hinge", "HingeEntry", "Hinges", "pack", "pack_entries"]
 
-ROTATIONAL = (False, False, False, True, True)
-CHANNELS = ANGLE_CHANNELS
+
+@JOINTS.describe("hinge")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Hinge(Joint):
+    """The points and the axes coincide; b turns about the axis, by the angle.
+
+    The angle turns x of a into x of b about z.
+    """
+
+    PLACE: ClassVar = Place.AXIS
+    ROTATIONAL: ClassVar = (False, False, False, True, True)
+    CHANNELS: ClassVar = (*Joint.CHANNELS, *ANGLE_CHANNELS)
+    COORDINATE: ClassVar = "angle"
+
+    drive: Annotated[Profile | None, Quantity("angle")] = None
+    """The angle as a function of time [rad]: one row more."""
+    limits: Annotated[Limits | None, Quantity("angle")] = None
+    """Stops of the angle."""
+    friction: Annotated[float, Quantity("moment or energy", minimum=0.0, closed=True)] = 0.0
+    """Dry friction [N m]."""
+
+    @property
+    def kind_module(self) -> str:
+        """A drive has a file of its own."""
+        return super().kind_module if self.drive is None else "heavylift.solver.joints.driven_hinge"
+
+    @property
+    def rotational(self) -> tuple[bool, ...]:
+        """With the row of the drive."""
+        return self.ROTATIONAL if self.drive is None else (*self.ROTATIONAL, True)
 
 
 class HingeEntry(JointEntry):

@@ -14,16 +14,10 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.bodies.ancf.bases import ALONG, frame_tangent, plan_bases
-from heavylift.solver.connections import (
-    EdgeClamp,
-    EdgeHinge,
-    FixedJoint,
-    Hinge,
-    Joint,
-    JointMotor,
-    JointSpring,
-)
+from heavylift.solver.connections import EdgeJoint, Joint, JointMotor, JointSpring
 from heavylift.solver.joints.edges import expand_edge
+from heavylift.solver.joints.fixed import FixedJoint
+from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.mesh_rows import FrameWeld, Square, SquareJoint
 from heavylift.solver.joints.packing import JointPlace, start_frames
 from heavylift.solver.markers import MarkerBook
@@ -48,7 +42,7 @@ def expand_joints(scene: Scene) -> Scene:
     changed = set()
     for joint in scene.joints:
         sides = [bodies.get(name) for name in (joint.body_a, joint.body_b)]
-        if isinstance(joint, (EdgeHinge, EdgeClamp)):
+        if isinstance(joint, EdgeJoint):
             parts = expand_edge(joint, scene.bodies)
         elif isinstance(joint, (FixedJoint, Hinge)) and any(isinstance(side, FrameBody) for side in sides):
             parts = [_on_frame(joint, bodies)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +43,11 @@ class SquareJoint(Joint):
     squares: tuple[Square, ...]
 
     @property
+    def kind_module(self) -> str:
+        """See `heavylift.solver.connections.Joint`."""
+        return "heavylift.solver.joints.squares"
+
+    @property
     def rotational(self) -> tuple[bool, ...]:
         """Whether each row is an angle."""
         return (False,) * 3 + (True,) * len(self.squares)
@@ -57,7 +63,14 @@ class FrameWeld(Joint):
         A direction across the tangents at the start, world axes, shape (3,).
     """
 
+    ROTATIONAL: ClassVar = (False, False, False, True, True)
+
     normal: NDArray[np.float64]
+
+    @property
+    def kind_module(self) -> str:
+        """See `heavylift.solver.connections.Joint`."""
+        return "heavylift.solver.joints.frame_weld"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -85,6 +98,11 @@ class EdgeSeam(Joint):
     normal: NDArray[np.float64] | None = None
     upright: NDArray[np.float64] | None = None
     twist: tuple[float, float] | None = None
+
+    @property
+    def kind_module(self) -> str:
+        """See `heavylift.solver.connections.Joint`."""
+        return "heavylift.solver.joints.edge_seam"
 
     @property
     def rotational(self) -> tuple[bool, ...]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Record
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.connections import GROUND, Joint, JointFrame, SliderHinge
+from heavylift.solver.connections import GROUND, Joint, JointFrame
 from heavylift.solver.interface import ROWS
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene_bodies import Driven
@@ -124,9 +124,7 @@ def travel_direction(joint: Joint) -> NDArray[np.float64]:
     InputError
         If the slide axis has length zero or is not finite.
     """
-    if not isinstance(joint, SliderHinge):
-        return np.array([0.0, 0.0, 1.0])
-    axis = np.asarray(joint.slide_axis, dtype=np.float64)
+    axis = np.asarray(joint.travel_axis, dtype=np.float64)
     length = float(np.linalg.norm(axis))
     if not 0.0 < length < np.inf:
         raise InputError(

@@ -8,6 +8,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +17,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Records, records
-from heavylift.solver.connections import Planar
+from heavylift.solver.connections import JOINTS, Joint, Place
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers, refuse_opposite
 from heavylift.solver.joints.reactions import add_force, add_moment, clear_reaction
@@ -31,9 +33,16 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
-__all__ = ["ROTATIONAL", "PlanarJoints", "pack"]
+__all__ = ["Planar", "PlanarJoints", "pack"]
 
-ROTATIONAL = (False, True, True)
+
+@JOINTS.describe("planar")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Planar(Joint):
+    """The point of b stays in the plane across the axis of a, and the axes are parallel."""
+
+    PLACE: ClassVar = Place.AXIS
+    ROTATIONAL: ClassVar = (False, True, True)
 
 
 class PlanarEntry(JointEntry):

@@ -22,9 +22,7 @@ from heavylift.solver.joints.row_writing import (
 from heavylift.solver.rows import RowArrays
 
 __all__ = [
-    "ANGLE_CHANNELS",
     "REACTION_WIDTH",
-    "TRAVEL_CHANNELS",
     "AngleState",
     "add_force",
     "add_moment",
@@ -39,9 +37,6 @@ __all__ = [
 
 REACTION_WIDTH = 6
 """Columns of the reaction, before those of angle and travel."""
-
-ANGLE_CHANNELS = (("angle", "rad", ("angle",)), ("angular_rate", "rad/s", ("angular_rate",)))
-TRAVEL_CHANNELS = (("travel", "m", ("travel",)), ("travel_rate", "m/s", ("travel_rate",)))
 
 
 class AngleState(Record):

@@ -1,4 +1,4 @@
-"""Which file serves which joint; a type without members in a scene is not imported."""
+"""Joints of a scene become kinds, one after the other; a sort without members in a scene is not imported."""
 
 from __future__ import annotations
 
@@ -9,19 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import (
-    GROUND,
-    Ball,
-    Cylindrical,
-    Distance,
-    FixedJoint,
-    Hinge,
-    Planar,
-    Slider,
-    SliderHinge,
-    Universal,
-)
-from heavylift.solver.joints.mesh_rows import EdgeSeam, FrameWeld, SquareJoint
+from heavylift.solver.connections import GROUND, JOINTS
 from heavylift.solver.joints.packing import JointPlace, start_frames
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import Attachment, RowSystem, pack_rows
@@ -32,63 +20,29 @@ if TYPE_CHECKING:
     from heavylift.solver.connections import Joint
     from heavylift.solver.scene import AnyBody
 
-__all__ = ["DRIVEN_MODULES", "JOINT_MODULES", "joint_channels", "joint_module", "pack_joints"]
-
-JOINT_MODULES: dict[type, str] = {
-    Ball: "ball",
-    Universal: "universal",
-    Hinge: "hinge",
-    Cylindrical: "slider_hinge",
-    Slider: "slider",
-    SliderHinge: "slider_hinge",
-    FixedJoint: "fixed",
-    Planar: "planar",
-    Distance: "distance",
-}
-"""Modules of `heavylift.solver.joints` by type of joint."""
+__all__ = ["joint_module", "pack_joints"]
 
 OPEN = 3.0
 """Distance of the points of a joint, in radii of gyration of the larger body, at which a run has failed."""
 
-DRIVEN_MODULES: dict[type, str] = {
-    Hinge: "driven_hinge",
-    Slider: "driven_slider",
-}
-"""Those for joints with a `drive`: a row more."""
-
-MESH_MODULES: dict[type, str] = {
-    SquareJoint: "squares",
-    FrameWeld: "frame_weld",
-    EdgeSeam: "edge_seam",
-}
-"""Those for what joints on frames and edges of shells become."""
-
 
 def joint_module(joint: Joint) -> Any:
-    """The module that serves a joint.
+    """The module that makes the kind of a joint.
 
     Raises
     ------
     InputError
-        If there is none for its type.
+        If it is of no sort.
     """
-    driven = getattr(joint, "drive", None) is not None
-    name = (DRIVEN_MODULES if driven else JOINT_MODULES | MESH_MODULES).get(type(joint))
-    if name is None:
+    module = importlib.import_module(joint.kind_module)
+    if not hasattr(module, "pack"):
         raise InputError(
             f"a {type(joint).__name__}",
             source=joint.name,
             key="type",
-            expected="one of " + ", ".join(kind.__name__ for kind in JOINT_MODULES),
+            expected="one of " + ", ".join(JOINTS.words),
         )
-    return importlib.import_module(f"heavylift.solver.joints.{name}")
-
-
-def joint_channels(joint: Joint) -> list[tuple[str, str, tuple[str, ...]]]:
-    """Name, unit and components of the channels of a joint, in the order of its columns."""
-    xyz = ("x", "y", "z")
-    extra = getattr(joint_module(joint), "CHANNELS", ())
-    return [("reaction_force", "N", xyz), ("reaction_moment", "N m", xyz), *extra]
+    return module
 
 
 def pack_joints(
@@ -131,10 +85,7 @@ def pack_joints(
             JointPlace(len(ordered) + i, column, start_frames(joint, bodies))
             for i, (joint, column) in enumerate(members)
         ]
-        ordered += [
-            (joint, joint.rotational if isinstance(joint, (SquareJoint, EdgeSeam)) else module.ROTATIONAL)
-            for joint, _ in members
-        ]
+        ordered += [(joint, joint.rotational) for joint, _ in members]
         kinds.append(module.pack([joint for joint, _ in members], places, book))
 
     def system(inverse_mass: Any, monitor: int) -> RowSystem:

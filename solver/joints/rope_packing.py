@@ -11,16 +11,9 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
-from heavylift.solver.connections import (
-    GROUND,
-    FixedJoint,
-    JointFrame,
-    Rope,
-    RopePoint,
-    SpringRope,
-    axes_about,
-)
+from heavylift.solver.connections import GROUND, JointFrame, Rope, RopePoint, SpringRope, axes_about
 from heavylift.solver.interface import FORCES, ROWS
+from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.law_system import LawBlock
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.joints.rope_path import START_WRAP, PlaceGradient, RopePlace, path_length

@@ -1,6 +1,6 @@
 """Sliders: the point of b slides along z of a without turning; 5 rows.
 
-"Integrated simulation ... (2018)", section 2.4.3, with independent rows in place of cross products::
+"Integrated simulation ... (2018)", section 2.4.4, with independent rows in place of cross products::
 
     x_a . (p_b - p_a) = 0,  y_a . (p_b - p_a) = 0,  z_a . x_b = 0,  z_a . y_b = 0,  x_a . y_b = 0
 """
@@ -8,15 +8,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.quantity import Quantity
 from heavylift.numerics.records import Records, records
-from heavylift.solver.connections import Slider
+from heavylift.solver.connections import JOINTS, TRAVEL_CHANNELS, Joint, Limits, Place
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import (
     JointEntry,
@@ -28,7 +30,6 @@ from heavylift.solver.joints.packing import (
 )
 from heavylift.solver.joints.reactions import (
     REACTION_WIDTH,
-    TRAVEL_CHANNELS,
     add_force,
     add_moment,
     clear_reaction,
@@ -45,11 +46,37 @@ from heavylift.solver.joints.row_writing import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
+from heavylift.solver.scene_bodies import Profile
 
-__all__ = ["CHANNELS", "ROTATIONAL", "SliderEntry", "Sliders", "pack", "pack_entries"]
+__all__ = ["Slider", "SliderEntry", "Sliders", "pack", "pack_entries"]
 
-ROTATIONAL = (False, False, True, True, True)
-CHANNELS = TRAVEL_CHANNELS
+
+@JOINTS.describe("slider")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Slider(Joint):
+    """The point of b slides along the axis without turning, by the travel."""
+
+    PLACE: ClassVar = Place.AXIS
+    ROTATIONAL: ClassVar = (False, False, True, True, True)
+    CHANNELS: ClassVar = (*Joint.CHANNELS, *TRAVEL_CHANNELS)
+    COORDINATE: ClassVar = "travel"
+
+    drive: Annotated[Profile | None, Quantity("length")] = None
+    """The travel as a function of time [m]: one row more."""
+    limits: Annotated[Limits | None, Quantity("length")] = None
+    """Stops of the travel."""
+    friction: Annotated[float, Quantity("force", minimum=0.0, closed=True)] = 0.0
+    """Dry friction [N]."""
+
+    @property
+    def kind_module(self) -> str:
+        """A drive has a file of its own."""
+        return super().kind_module if self.drive is None else "heavylift.solver.joints.driven_slider"
+
+    @property
+    def rotational(self) -> tuple[bool, ...]:
+        """With the row of the drive."""
+        return self.ROTATIONAL if self.drive is None else (*self.ROTATIONAL, False)
 
 
 class SliderEntry(JointEntry):

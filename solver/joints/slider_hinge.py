@@ -1,5 +1,7 @@
 """Slider hinges: the point of b slides along a direction e of a, and b turns about z of a; 4 rows.
 
+"Integrated simulation ... (2018)", section 2.4.6, with independent rows in place of cross products.
+
 A cylindrical joint is the slider hinge that slides along its own z axis, so this file serves both. With
 two directions m, n of a, square to e and to each other::
 
@@ -9,15 +11,17 @@ two directions m, n of a, square to e and to each other::
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.quantity import WorldDirection
 from heavylift.numerics.records import Records, records
-from heavylift.solver.connections import Cylindrical, SliderHinge, axes_about
+from heavylift.solver.connections import ANGLE_CHANNELS, JOINTS, TRAVEL_CHANNELS, Joint, Place, axes_about
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import (
     AngleMarkers,
@@ -31,9 +35,7 @@ from heavylift.solver.joints.packing import (
     travel_markers,
 )
 from heavylift.solver.joints.reactions import (
-    ANGLE_CHANNELS,
     REACTION_WIDTH,
-    TRAVEL_CHANNELS,
     AngleState,
     add_force,
     add_moment,
@@ -53,10 +55,35 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
-__all__ = ["CHANNELS", "ROTATIONAL", "SliderHinges", "pack"]
+__all__ = ["Cylindrical", "SliderHinge", "SliderHinges", "pack"]
 
-ROTATIONAL = (False, False, True, True)
-CHANNELS = (*ANGLE_CHANNELS, *TRAVEL_CHANNELS)
+
+@JOINTS.describe("slider_hinge")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SliderHinge(Joint):
+    """The point of b slides along one axis of a, and b turns about another."""
+
+    PLACE: ClassVar = Place.AXIS
+    ROTATIONAL: ClassVar = (False, False, True, True)
+    CHANNELS: ClassVar = (*Joint.CHANNELS, *ANGLE_CHANNELS, *TRAVEL_CHANNELS)
+
+    slide_axis: Annotated[NDArray[np.float64], WorldDirection()]
+    """World direction of the travel at the start, any length; `axis` is that of the turn."""
+
+    @property
+    def travel_axis(self) -> NDArray[np.float64]:
+        """The slide axis."""
+        return self.slide_axis
+
+
+@JOINTS.describe("cylindrical")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Cylindrical(Joint):
+    """The point of b slides along the axis, and b turns about it."""
+
+    PLACE: ClassVar = Place.AXIS
+    ROTATIONAL: ClassVar = SliderHinge.ROTATIONAL
+    CHANNELS: ClassVar = SliderHinge.CHANNELS
 
 
 class SliderHingeEntry(JointEntry):

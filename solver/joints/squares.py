@@ -1,5 +1,7 @@
 """Joints of points and of vectors that are square to each other: frames, and edges of shells on other bodies.
 
+"Integrated simulation ... (2018)", sections 2.5.1 and 2.5.2, with independent rows in place of cross products.
+
 ::
 
     p_b - p_a = 0,    f_k c_k . e_k = 0    (k = 1 ... 4 at most)

@@ -1,11 +1,13 @@
 """Universal joints: the points of both sides coincide, and z of a stays square to z of b; 4 rows.
 
-"Integrated simulation ... (2018)", section 2.4.3: a ball joint and ``z_a . z_b = 0``.
+"Integrated simulation ... (2018)", section 2.4.2: a ball joint and ``z_a . z_b = 0``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +16,7 @@ from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
-from heavylift.solver.connections import Universal
+from heavylift.solver.connections import JOINTS, Joint, Place
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
 from heavylift.solver.joints.reactions import add_moment, write_reaction
@@ -31,12 +33,20 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
-__all__ = ["ROTATIONAL", "UniversalJoints", "pack"]
+__all__ = ["Universal", "UniversalJoints", "pack"]
 
-ROTATIONAL = (False, False, False, True)
 
 LARGEST_COSINE = 0.9
 """Of the angle between the two axes at the start: the row vanishes when they are parallel."""
+
+
+@JOINTS.describe("universal")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Universal(Joint):
+    """The points coincide, and the axis of a stays square to the axis of b."""
+
+    PLACE: ClassVar = Place.CROSS
+    ROTATIONAL: ClassVar = (False, False, False, True)
 
 
 class UniversalEntry(JointEntry):

@@ -1,6 +1,6 @@
 """Wire ropes through any number of bodies, and spring ropes: one row each, tension never below zero.
 
-"Integrated simulation ... (2018)", eqs. 181-185 and 219 for the path, 230 for the spring rope. A rope has one
+"Integrated simulation ... (2018)", eqs. 181-185 and 219 for the path, eq. 230 for the spring rope. A rope has one
 tension T along its path of length s. With its unstretched length l(t), which a winch changes, it stores
 ``U = EA/(2 l) max(0, s - l)^2``. In a step, with ``s1 = s0 + h G v`` and the stiffness k from the mean of 1/l,
 T is the discrete gradient of U (see `law_forces`), so that the energy is exact through slack and taut, and the

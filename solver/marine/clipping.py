@@ -1,5 +1,7 @@
 """Water plane cut through a hull of triangles: submerged volume, its centre, the water plane and its moments.
 
+"Integrated simulation ... (2018)", section 2.9.2.
+
 The surface is clipped at the still water plane, triangle by triangle, so that volume and moments are exact for the
 polyhedron. Buoyancy is then the gradient of a potential: no energy is made or lost over a closed path.
 """

@@ -7,22 +7,8 @@ import math
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.small import cholesky_factor
-from heavylift.solver.bodies.rigid_step import (
-    check_rigid_bodies,
-    end_velocity_rigid_bodies,
-    estimate_rigid_error,
-    set_velocity_rigid_bodies,
-    write_rigid_velocities,
-)
-from heavylift.solver.interface import (
-    Workspace,
-    apply_inverse,
-    check,
-    end_velocity,
-    estimate_error,
-    set_velocity,
-    write_velocity,
-)
+from heavylift.solver.bodies.frame_motion import check_frames
+from heavylift.solver.interface import Workspace, apply_inverse, check
 from heavylift.solver.kinds import implement
 from heavylift.solver.marine.hull_matrix import assemble_mass
 from heavylift.solver.marine.hull_step import put_end
@@ -35,18 +21,12 @@ __all__: list[str] = []
 
 OUTSIDE_DATABASE = int(Outcome.OUTSIDE_DATABASE)
 
-# what the water changes is in the matrices: these are as of any rigid body
-implement(end_velocity, Hulls)(end_velocity_rigid_bodies)
-implement(write_velocity, Hulls)(write_rigid_velocities)
-implement(set_velocity, Hulls)(set_velocity_rigid_bodies)
-implement(estimate_error, Hulls)(estimate_rigid_error)
-
 
 @implement(check, Hulls)
 @kernel(internal=True)
 def check_hulls(kind: Hulls, step: float, work: Workspace) -> None:
     """As rigid bodies; and whether waves and water plane are still those of the database."""
-    check_rigid_bodies(kind, step, work)
+    check_frames(kind, step, work)
     for hull in range(kind.table.shape[0]):
         total = 0.0
         for i in range(6 * hull, 6 * hull + 6):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
-from heavylift.solver.bodies.rigid_stage import stage_rotation
 from heavylift.solver.interface import (
     Workspace,
 )
@@ -198,7 +197,7 @@ def moved_on(kind: Hulls, work: Workspace, end: int, step: float) -> tuple[float
 def _load_hull(kind: Hulls, hull: int, step: float, work: Workspace) -> None:
     """Momentum of body, ballast and water at the start, half impulses of forces of markers, waves and weight."""
     frame, vectors = kind.frame[hull], kind.vectors
-    h, R, out = step, stage_rotation(kind, hull), 6 * hull
+    h, R, out = step, kind.frame[hull].mid_rotation, 6 * hull
     L = rotate_back(R, frame.angular_momentum[0], frame.angular_momentum[1], frame.angular_momentum[2])
     for k in range(3):
         vectors.load[out + k] = frame.mass * (frame.velocity[k] + 0.5 * h * work.sums.gravity[k])

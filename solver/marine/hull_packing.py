@@ -27,7 +27,6 @@ from heavylift.solver.marine.hulls import (
     TankData,
     TankLevel,
     WaveComponent,
-    start_filters,
 )
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.seas import FloatingBody, LinearRestoring, Radiation, Sea, Tank
@@ -118,6 +117,7 @@ def pack_hulls(
         frame=rigid.frame,
         markers=rigid.markers,
         sensors=rigid.sensors,
+        driven=rigid.driven,
         hulls=rows,
         groups=records(HullGroup, group_rows),
         water=_still_water(sea),
@@ -141,7 +141,7 @@ def pack_hulls(
         excitation=excitation,
         gauge=_gauge(sea),
     )
-    start_filters(kind)
+    kind.start_filters()
     return kind.sharing_state()
 
 

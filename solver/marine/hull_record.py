@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.numerics.small import cross, rotate
 from heavylift.solver.bodies.rigid_record import add_rigid_totals, record_rigid_bodies
-from heavylift.solver.bodies.rigid_stage import stage_at_state, stage_rotation
+from heavylift.solver.bodies.rigid_stage import stage_at_state
 from heavylift.solver.interface import (
     Workspace,
     add_totals,
@@ -32,7 +33,7 @@ from heavylift.solver.marine.hulls import (
     Hulls,
 )
 
-__all__: list[str] = []
+__all__ = ["restore_at_rest"]
 
 
 @kernel(internal=True)
@@ -41,13 +42,22 @@ def _set_stage(kind: Hulls, time: float) -> None:
     stage_at_state(kind)
     fill_tanks(kind, time)
     for hull in range(kind.table.shape[0]):
-        R = stage_rotation(kind, hull)
+        R = kind.frame[hull].mid_rotation
         stage, seen = kind.stage[hull], kind.state[hull].low_pass
         stage.place[0], stage.place[1], stage.heading = seen[0], seen[2], seen[4]
         put_transform(kind, hull, stage.heading, R, stage.transform)
         to_hydrodynamic(stage.transform, hull, kind.frame[hull].twist, kind.vectors.finish)
         for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
             put_tank_velocity(kind, hull, tank, R)
+
+
+@entry
+def restore_at_rest(kind: Hulls) -> None:
+    """Buoyancy and ballast at the carried state and at the start of time, for what Python asks before it."""
+    stage_at_state(kind)
+    fill_tanks(kind, 0.0)
+    for hull in range(kind.table.shape[0]):
+        restore(kind, hull)
 
 
 @implement(record, Hulls)
@@ -106,7 +116,7 @@ def _displaced(kind: Hulls, hull: int) -> tuple[float, float, float, float]:
         return 0.0, x, y, z
     if sort == LINEAR:
         centre = kind.hulls[hull].buoyancy_centre
-        b = rotate(stage_rotation(kind, hull), centre[0], centre[1], centre[2])
+        b = rotate(kind.frame[hull].mid_rotation, centre[0], centre[1], centre[2])
         return kind.stage[hull].lift[2] / kind.water.weight, x + b[0], y + b[1], z + b[2]
     return 0.0, x, y, z
 
@@ -124,7 +134,7 @@ def add_hull_totals(kind: Hulls, work: Workspace) -> None:
         totals.potential += restoring_potential(kind, hull)
         totals.external_work += kind.state[hull].supplied
         totals.dissipated += kind.state[hull].lost
-        R = stage_rotation(kind, hull)
+        R = kind.frame[hull].mid_rotation
         for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
             m = kind.tanks[tank].mass
             arm = rotate(

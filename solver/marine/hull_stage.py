@@ -10,12 +10,8 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import write_rotation_matrix
 from heavylift.numerics.small import cross, rotate
-from heavylift.solver.bodies.rigid_stage import (
-    fill_rigid_markers,
-    orientation_of,
-    stage_rotation,
-    start_rigid_bodies,
-)
+from heavylift.solver.bodies.frame_motion import add_wrench, orientation_of
+from heavylift.solver.bodies.rigid_stage import fill_rigid_markers, start_rigid_bodies
 from heavylift.solver.bodies.rigid_step import predict_rigid_bodies
 from heavylift.solver.interface import RECORD, ROWS, Workspace, fill_markers, predict, start
 from heavylift.solver.kinds import implement
@@ -136,7 +132,7 @@ def predict_hulls(kind: Hulls, time: float, step: float) -> None:
     fill_tanks(kind, time + 0.5 * step)
     for hull in range(kind.table.shape[0]):
         frame, stage = kind.frame[hull], kind.stage[hull]
-        R = stage_rotation(kind, hull)
+        R = kind.frame[hull].mid_rotation
         x, y, _ = rotate(
             R, kind.hulls[hull].reference[0], kind.hulls[hull].reference[1], kind.hulls[hull].reference[2]
         )
@@ -145,7 +141,7 @@ def predict_hulls(kind: Hulls, time: float, step: float) -> None:
         advance_filter(kind, hull, 0.5 * step, False)
         heading = stage.heading
         before = kind.stage[hull].rotation
-        write_rotation_matrix(orientation_of(kind, hull), before)
+        write_rotation_matrix(orientation_of(kind.frame[hull]), before)
         put_transform(kind, hull, heading, before, stage.transform)
         to_hydrodynamic(stage.transform, hull, kind.frame[hull].twist, kind.vectors.start)
         for k in range(6):
@@ -268,11 +264,6 @@ def gather_hull_forces(kind: Hulls, work: Workspace) -> None:
         if kind.markers[marker].level == ROWS:
             break
         number, hull = kind.markers[marker].number, kind.markers[marker].body
-        offset = kind.hulls[hull].offset
-        jacobian = work.jacobian[number]
-        for j in range(6):
-            kind.frame[hull].wrench[j] += (
-                jacobian[0, offset + j] * work.markers[number].force[0]
-                + jacobian[1, offset + j] * work.markers[number].force[1]
-                + jacobian[2, offset + j] * work.markers[number].force[2]
-            )
+        add_wrench(
+            kind.frame[hull], work.jacobian[number], kind.hulls[hull].offset, work.markers[number].force
+        )

@@ -8,19 +8,14 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
 from heavylift.numerics.small import cholesky_factor, cholesky_solve, cross, rotate, rotate_back
-from heavylift.solver.bodies.rigid_stage import orientation_of, stage_rotation
+from heavylift.solver.bodies.frame_motion import orientation_of
 from heavylift.solver.bodies.rigid_step import advance_rigid_bodies, finish_rigid_bodies
-from heavylift.solver.contact.system_interface import meet_again
 from heavylift.solver.interface import (
-    Joints,
-    Systems,
     Workspace,
     advance,
     correct,
-    correct_rows,
     factor,
     finish,
-    solve_again,
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.marine.hull_matrix import assemble, moved_on
@@ -77,6 +72,7 @@ def correct_hulls(kind: Hulls, step: float, work: Workspace) -> None:
     Without it the energy of a hull that rocks freely grows by 1e-4 in an hour of steps of 50 ms. Forces of joints
     stand as they are: what changes is the rest of the equations, ``(b - A U)`` at the new pose less that at the old.
     """
+    work.control.changed += 1
     for group in range(kind.groups.shape[0]):
         first, count = kind.groups[group].first, kind.groups[group].count
         base, dof = kind.groups[group].matrix, kind.groups[group].dof
@@ -126,23 +122,13 @@ def _pose_at(kind: Hulls, hull: int, step: float, velocity: NDArray[np.float64],
         stage.predicted[3 + k] = half * velocity[dof + 3 + k]
         frame.mid_position[k] = frame.position[k] + half * velocity[dof + k]
     q = rotate_by_exponential(
-        orientation_of(kind, hull),
+        orientation_of(frame),
         half * velocity[dof + 3],
         half * velocity[dof + 4],
         half * velocity[dof + 5],
     )
-    write_rotation_matrix(q, stage_rotation(kind, hull))
-    put_transform(kind, hull, stage.heading, stage_rotation(kind, hull), stage.transform)
-
-
-@implement(correct_rows, Hulls)
-@kernel(internal=True)
-def correct_rows_of_hulls(
-    kind: Hulls, systems: Systems, joints: Joints, work: Workspace, time: float, step: float
-) -> None:
-    """`correct` has changed the velocities of these bodies."""
-    solve_again(systems, joints, work, time, step)
-    meet_again(systems, systems, joints, work, time, step)
+    write_rotation_matrix(q, kind.frame[hull].mid_rotation)
+    put_transform(kind, hull, stage.heading, kind.frame[hull].mid_rotation, stage.transform)
 
 
 @implement(advance, Hulls)
@@ -216,7 +202,7 @@ def _lag_of_tank(
     kind: Hulls, hull: int, tank: int, velocity: NDArray[np.float64], dof: int, at_end: bool, step: float
 ) -> None:
     """The same of the water in a tank: what the middle has is kept in its scratch until the end."""
-    R = kind.stage[hull].rotation if at_end else stage_rotation(kind, hull)
+    R = kind.stage[hull].rotation if at_end else kind.frame[hull].mid_rotation
     c = cross(
         velocity[dof + 3],
         velocity[dof + 4],
@@ -255,7 +241,7 @@ def _fill_work(kind: Hulls, time: float, step: float) -> None:
                 kind.tanks[tank].velocity[2],
             )
             _, _, arm = rotate(
-                stage_rotation(kind, hull),
+                kind.frame[hull].mid_rotation,
                 kind.tanks[tank].point[0],
                 kind.tanks[tank].point[1],
                 kind.tanks[tank].point[2],
@@ -269,7 +255,7 @@ def _fill_work(kind: Hulls, time: float, step: float) -> None:
 @kernel(internal=True)
 def _free_surface_energy(kind: Hulls, hull: int, tank: int) -> float:
     """Potential that the free surface of a tank has in the middle of the step [J]."""
-    R, data = stage_rotation(kind, hull), kind.hulls[hull]
+    R, data = kind.frame[hull].mid_rotation, kind.hulls[hull]
     _, _, a = rotate(R, data.axis_x[0], data.axis_x[1], data.axis_x[2])
     _, _, b = rotate(R, data.axis_y[0], data.axis_y[1], data.axis_y[2])
     about_x, about_y = kind.tanks[tank].free_surface[0], kind.tanks[tank].free_surface[1]
@@ -314,5 +300,5 @@ def finish_hulls(kind: Hulls, step: float, work: Workspace) -> None:
 def put_end(kind: Hulls, hull: int, heading: float) -> None:
     """Rotation and ``T`` of the carried state into the stage."""
     stage = kind.stage[hull]
-    write_rotation_matrix(orientation_of(kind, hull), stage.rotation)
+    write_rotation_matrix(orientation_of(kind.frame[hull]), stage.rotation)
     put_transform(kind, hull, heading, stage.rotation, stage.end_transform)

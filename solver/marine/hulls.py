@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.records import Matrix6, Record, Records, Vector, Vector6
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid import RigidFrame, RigidIndex
+from heavylift.solver.bodies.rigid import RigidFrames
+from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import Table
 from heavylift.solver.marine.clipping import Clip
-from heavylift.solver.markers import PackedMarker
 
 __all__ = [
     "CLIPPED",
@@ -41,7 +41,6 @@ __all__ = [
     "TankData",
     "TankLevel",
     "WaveComponent",
-    "start_filters",
 ]
 
 UNDER_WATER, CLIPPED, LINEAR = range(3)
@@ -282,13 +281,11 @@ class Parts(Table):
     """What a database brings: memories, or excitations, of hulls."""
 
 
-class Hulls(Arrays):
+class Hulls(RigidFrames):
     """All hulls of a scene.
 
     Attributes
     ----------
-    table, constants, frame, markers, sensors
-        As in the kind of rigid bodies.
     hulls, groups
         Constants of each hull and of each group of interacting hulls.
     water
@@ -319,11 +316,10 @@ class Hulls(Arrays):
     """
 
     kernel_modules: ClassVar[tuple[str, ...]] = (
-        "heavylift.solver.marine.hull_contours",
+        *RigidFrames.kernel_modules,
         "heavylift.solver.marine.hull_joints",
         "heavylift.solver.marine.hull_record",
         "heavylift.solver.marine.hull_stage",
-        "heavylift.solver.marine.hulls_configuration",
         "heavylift.solver.marine.hull_step",
     )
 
@@ -335,11 +331,6 @@ class Hulls(Arrays):
         "memory_state",
     )
 
-    table: Records[RigidIndex]
-    constants: Floats1
-    frame: Records[RigidFrame]
-    markers: Records[PackedMarker]
-    sensors: Records[PackedMarker]
     hulls: Records[HullData]
     groups: Records[HullGroup]
     water: StillWater
@@ -374,14 +365,40 @@ class Hulls(Arrays):
             at += old.size
         return self._replace(radiation=Parts(parts))
 
+    def start_filters(self) -> None:
+        """Position and heading that the waves see start at those of the hulls."""
+        for frame, hull, state in zip(self.frame, self.hulls, self.state, strict=True):
+            R = rotation_matrix(frame.orientation)
+            place = frame.position + R @ hull.reference
+            forward = R @ hull.axis_x
+            heading = np.arctan2(forward[1], forward[0])
+            state.low_pass[:] = place[0], 0.0, place[1], 0.0, heading, 0.0
+            state.yaw = heading
 
-def start_filters(kind: Hulls) -> None:
-    """Position and heading that the waves see start at those of the hulls."""
-    for row in range(len(kind.table)):
-        R = rotation_matrix(kind.frame[row].orientation)
-        hull, state = kind.hulls[row], kind.state[row]
-        place = kind.frame[row].position + R @ hull.reference
-        forward = R @ hull.axis_x
-        heading = np.arctan2(forward[1], forward[0])
-        state.low_pass[:] = place[0], 0.0, place[1], 0.0, heading, 0.0
-        state.yaw = heading
+    def _windows(self) -> NDArray[np.int64]:
+        """Markers see all velocities of a group."""
+        return super()._windows() - self.hulls["offset"]
+
+    def move(self, increment: NDArray[np.float64]) -> None:
+        """The waves see the hulls where they are."""
+        super().move(increment)
+        self.start_filters()
+
+    def put_velocity(self, velocity: NDArray[np.float64]) -> None:
+        """The waves see the hulls where they are."""
+        super().put_velocity(velocity)
+        self.start_filters()
+
+    def collect_load(self, work: Workspace, load: NDArray[np.float64]) -> None:
+        """Forces of the markers, weight of bodies and ballast, buoyancy."""
+        from heavylift.solver.marine.hull_record import restore_at_rest
+
+        restore_at_rest(self)
+        super().collect_load(work, load)
+        dofs = self._dofs()
+        load[dofs] += self.stage["lift"]
+        for tank in self.tanks:
+            body, weight = tank.hull, tank.mass * work.sums.gravity
+            R = rotation_matrix(self.frame[body].orientation)
+            load[dofs[body, :3]] += weight
+            load[dofs[body, 3:]] += np.cross(tank.point, R.T @ weight)

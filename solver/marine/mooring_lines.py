@@ -1,4 +1,7 @@
-"""Mooring lines as forces on two bodies: catenaries in the vertical plane of their ends, with stiffness and energy."""
+"""Mooring lines as forces on two bodies: catenaries in the vertical plane of their ends, with stiffness and energy.
+
+"Integrated simulation ... (2018)", section 2.9.5.
+"""
 
 from __future__ import annotations
 

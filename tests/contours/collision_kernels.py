@@ -8,27 +8,37 @@ import numpy as np
 
 from heavylift.contours.feature_gap import FeatureTouch, contact_gap, feature_gap
 from heavylift.contours.feature_pairs import SWEPT, contacts_of_pairs, find_contacts
-from heavylift.contours.feature_report import make_contact_list
-from heavylift.contours.pair_list import make_pair_lists
+from heavylift.contours.feature_report import ContactList, make_contact_list
+from heavylift.contours.pair_list import PairLists, make_pair_lists
 from heavylift.contours.pair_search import refresh_pairs
 from heavylift.contours.surface_layout import RelativeMotion, RelativePose
-from heavylift.contours.surface_pack import pack_surfaces
+from heavylift.contours.surface_pack import CollisionSurfaces, pack_surfaces
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.numerics.records import record_at, records
 from heavylift.preprocess.surfaces import TriangleSurface
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from heavylift.contours.surface_pack import CollisionSurfaces
-
 
 motion_at = record_at(RelativeMotion)
 pose_at = record_at(RelativePose)
 
 
-@kernel
-def gap_kernel(surfaces, kind, feature_a, feature_b, radius, side, pose, at, out):
+@entry
+def gap_kernel(
+    surfaces: CollisionSurfaces,
+    kind: int,
+    feature_a: int,
+    feature_b: int,
+    radius: float,
+    side: float,
+    pose: Floats1,
+    at: int,
+    out: FeatureTouch,
+) -> float:
     return feature_gap(surfaces, kind, feature_a, feature_b, radius, side, pose_at(pose, at), out)
 
 
@@ -45,14 +55,20 @@ def gaps_kernel(surfaces, contacts, radius, pose, repeats, out):
     return total
 
 
-@kernel
-def contacts_kernel(surfaces, lists, pair, motion, reach, method, out):
-    return find_contacts(surfaces, lists, pair, motion_at(motion, 0), reach, method, out)
-
-
-@kernel
-def hits_kernel(surfaces, lists, pair, motion, reach, method, out):
-    """All that the swept tests report."""
+@entry
+def contacts_kernel(
+    surfaces: CollisionSurfaces,
+    lists: PairLists,
+    pair: int,
+    motion: Floats1,
+    reach: float,
+    method: int,
+    judged: bool,
+    out: ContactList,
+) -> int:
+    """Contacts; not judged, all that the swept tests report."""
+    if judged:
+        return find_contacts(surfaces, lists, pair, motion_at(motion, 0), reach, method, out)
     count = refresh_pairs(surfaces, lists, pair, motion_at(motion, 0), reach)
     if count <= 0:
         return count
@@ -98,7 +114,7 @@ def contacts_of(
     """Contacts of surfaces 0 and 1."""
     out = make_contact_list(8192)
     lists = make_pair_lists(surfaces, [(0, 1)])
-    count = contacts_kernel(surfaces, lists, 0, motion, reach, method, out)
+    count = contacts_kernel(surfaces, lists, 0, motion, reach, method, True, out)
     assert count >= 0
     found = out.contacts[:count]
     geometry = records(FeatureTouch, count)
@@ -134,7 +150,7 @@ def hits_of(
     """Kinds and times of all hits of the swept tests."""
     out = make_contact_list(8192)
     lists = make_pair_lists(surfaces, [(0, 1)])
-    count = hits_kernel(surfaces, lists, 0, motion, 0.0, method, out)
+    count = contacts_kernel(surfaces, lists, 0, motion, 0.0, method, False, out)
     assert count >= 0
     return out.contacts["kind"][:count], out.contacts["time"][:count]
 

@@ -10,44 +10,50 @@ from heavylift.contours.basis import wrap
 from heavylift.contours.evaluate import (
     SCRATCH,
     Evaluation,
-    curve_point,
     curve_weights,
-    surface_point,
     surface_weights,
 )
 from heavylift.contours.imported import imported_contour
 from heavylift.contours.neutral import NeutralContour, packed
+from heavylift.contours.packed_contour import PackedContour
+from heavylift.contours.sampling import fill_curve, fill_surface
 from heavylift.contours.spaces import SplineSpace, clamped_space, closed_space
-from heavylift.numerics.jit import kernel
+from heavylift.numerics.arrays import Floats1, Ints1
+from heavylift.numerics.objects import entry
 from heavylift.numerics.records import records
 
 EPS = 1e-12
 
 
-@kernel
-def surface_points(contour, knots, weights, net, uv, scratch, out):
-    for i in range(uv.shape[0]):
-        surface_point(contour, knots, weights, net, uv[i, 0], uv[i, 1], scratch, out[i])
-
-
-@kernel
-def curve_points(contour, knots, weights, net, u, scratch, out):
-    for i in range(u.shape[0]):
-        curve_point(contour, knots, weights, net, u[i], scratch, out[i])
-
-
-@kernel
-def surface_sums(contour, knots, weights, u, v, scratch, controls, w):
+@entry
+def surface_sums(
+    contour: PackedContour,
+    knots: Floats1,
+    weights: Floats1,
+    u: float,
+    v: float,
+    scratch: Floats1,
+    controls: Ints1,
+    w: Floats1,
+) -> int:
     return surface_weights(contour, knots, weights, u, v, scratch, controls, w)
 
 
-@kernel
-def curve_sums(contour, knots, weights, u, scratch, controls, w):
+@entry
+def curve_sums(
+    contour: PackedContour,
+    knots: Floats1,
+    weights: Floats1,
+    u: float,
+    scratch: Floats1,
+    controls: Ints1,
+    w: Floats1,
+) -> int:
     return curve_weights(contour, knots, weights, u, scratch, controls, w)
 
 
-@kernel
-def wrapped(u, closed):
+@entry
+def wrapped(u: float, closed: int) -> float:
     return wrap(u, closed)
 
 
@@ -75,14 +81,14 @@ def evaluate_surface(contour: NeutralContour, uv: np.ndarray) -> np.ndarray:
     table, knots, weights, net = packed([surface_of((space_of(2, 4, False),) * 2, True), contour])
     out = records(Evaluation, len(uv))
     out.view(np.float64)[:] = np.nan
-    surface_points(table[1], knots, weights, net, uv, np.zeros(SCRATCH), out)
+    fill_surface(table[1], knots, weights, net, uv, np.zeros(SCRATCH), out)
     return out.view(np.float64).reshape(-1, 6, 3)
 
 
 def evaluate_curve(contour: NeutralContour, u: np.ndarray) -> np.ndarray:
     table, knots, weights, net = packed([contour])
     out = records(Evaluation, len(u))
-    curve_points(table[0], knots, weights, net, u, np.zeros(SCRATCH), out)
+    fill_curve(table[0], knots, weights, net, u[:, None].copy(), np.zeros(SCRATCH), out)
     return np.stack([out["position"], out["tangent_u"], out["derivative_uu"]], axis=1)
 
 

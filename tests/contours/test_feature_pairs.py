@@ -326,6 +326,6 @@ def test_more_contacts_than_there_is_room_for_are_said():
     lists = make_pair_lists(surfaces, [(0, 1)])
     motion = poses(ONE, [0.01, 0.02, 0.01], ONE, [0.01, 0.02, -0.01])
     found = make_contact_list(64)
-    assert contacts_kernel(surfaces, lists, 0, motion, 0.0, 0, found) == -2
+    assert contacts_kernel(surfaces, lists, 0, motion, 0.0, 0, True, found) == -2
     few = make_pair_lists(surfaces, [(0, 1)], capacity=1)
-    assert contacts_kernel(surfaces, few, 0, motion, 0.0, 0, found) == -1
+    assert contacts_kernel(surfaces, few, 0, motion, 0.0, 0, True, found) == -1

@@ -28,12 +28,24 @@ from heavylift.contours.search_step import (
     start_search,
 )
 from heavylift.contours.spaces import clamped_space, closed_space
-from heavylift.numerics.jit import kernel
+from heavylift.numerics.arrays import Floats1, Floats2, Ints1
+from heavylift.numerics.objects import entry
 from heavylift.numerics.records import records
 
 
-@kernel
-def windowed(contour, knots, weights, net, point, fresh, start, span, scratch, result):
+@entry
+def windowed(
+    contour: PackedContour,
+    knots: Floats1,
+    weights: Floats1,
+    net: Floats2,
+    point: Floats1,
+    fresh: bool,
+    start: Floats1,
+    span: Ints1,
+    scratch: Floats1,
+    result: ContourSearch,
+) -> int:
     if fresh:
         start_search(contour, start[0], start[1], result)
     x, y, z = point[0], point[1], point[2]
@@ -42,8 +54,22 @@ def windowed(contour, knots, weights, net, point, fresh, start, span, scratch, r
     return closest_on_surface(contour, knots, weights, net, x, y, z, span[0], span[1], scratch, result)
 
 
-@kernel
-def cold(contour, knots, weights, net, point, su, sv, points, reach, separation, distances, scratch, result):
+@entry
+def cold(
+    contour: PackedContour,
+    knots: Floats1,
+    weights: Floats1,
+    net: Floats2,
+    point: Floats1,
+    su: Floats1,
+    sv: Floats1,
+    points: Floats2,
+    reach: float,
+    separation: float,
+    distances: Floats1,
+    scratch: Floats1,
+    result: ContourSearch,
+) -> int:
     x, y, z = point[0], point[1], point[2]
     return closest_point_cold(
         contour,
@@ -64,8 +90,8 @@ def cold(contour, knots, weights, net, point, su, sv, points, reach, separation,
     )
 
 
-@kernel
-def gap(point, result, out):
+@entry
+def gap(point: Floats1, result: ContourSearch, out: Floats1) -> None:
     out[0], out[1], out[2], out[3] = signed_gap(point[0], point[1], point[2], result)
 
 

@@ -63,7 +63,7 @@ def test_bending_modes_of_a_slender_beam(slender):
 def test_modes_agree_with_the_dense_solution(any_beam, dense):
     for fixed in (any_beam.node_groups["clamp"], np.array([], dtype=int)):
         matrices = dense(any_beam, fixed)
-        reference = eigh(matrices.K_free, matrices.M_free, eigvals_only=True, subset_by_index=[0, 17])
+        reference = eigh(matrices.K_free, matrices.M_free, eigvals_only=True, driver="gv")
         rigid = 0 if len(fixed) else 6
         modes = eigenmodes(any_beam, 12, fixed_nodes=fixed)
         assert modes.rigid_count == rigid

@@ -66,7 +66,7 @@ def test_work_of_square_grids_stays_below_that_of_regular_dissection(with_points
 def test_dissection_helps_where_minimum_degree_does_not():
     count, edges, points = grid(40, 40)
     neighbours = neighbours_of(count, edges)
-    found = dissect(np.arange(count), neighbours, edges, points)
+    found = dissect(np.arange(count), neighbours, points)
     by_rows = work_of(factor_structure(np.arange(count), neighbours))
     assert work_of(factor_structure(found, neighbours)) < 0.45 * by_rows
 

@@ -12,7 +12,9 @@ import pytest
 from heavylift.pipeline import load_case
 from heavylift.pipeline.assemble_scene import assemble_scene
 from heavylift.pipeline.storage import OutputFolder
-from heavylift.solver import connections as c
+from heavylift.solver.connections import JointMotor, JointSpring, Rope, Spring, SpringRope
+from heavylift.solver.joints.hinge import Hinge
+from heavylift.solver.joints.slider import Slider
 
 
 @pytest.fixture
@@ -47,7 +49,7 @@ def world_frame(scene, joint, side):
 def test_a_place_in_the_world_is_the_same_on_both_sides(folder):
     scene = scene_of(folder)
     hinge = scene.joints[0]
-    assert isinstance(hinge, c.Hinge)
+    assert isinstance(hinge, Hinge)
     for side in "ab":
         point, axes = world_frame(scene, hinge, side)
         np.testing.assert_allclose(point, 0.0, atol=1e-15)
@@ -62,7 +64,7 @@ def test_a_place_in_the_world_is_the_same_on_both_sides(folder):
 def test_points_and_axes_of_bodies_are_in_coordinates_of_their_geometry(folder):
     scene = scene_of(folder)
     rail = scene.joints[1]
-    assert isinstance(rail, c.Slider)
+    assert isinstance(rail, Slider)
     np.testing.assert_allclose(rail.frame_a.point, [0.5, 0, 0], atol=1e-15)  # less the centre of mass
     for side in "ab":
         point, axes = world_frame(scene, rail, side)
@@ -128,13 +130,13 @@ def test_a_driven_body_is_where_it_is_driven_at_the_start(folder):
 def test_ropes_run_through_body_points(folder):
     scene = scene_of(folder)
     fall, tag = scene.ropes
-    assert isinstance(fall, c.Rope)
+    assert isinstance(fall, Rope)
     assert [stop.body for stop in fall.path] == ["ground", "trolley", "load"]
     assert fall.path[1].radius == 0.2
     np.testing.assert_array_equal(fall.path[1].axis, [1, 0, 0])
     assert (fall.axial_stiffness, fall.damping, fall.length) == (1e6, 1e4, None)
     np.testing.assert_array_equal(fall.winch.speeds, [0, 0.05])
-    assert isinstance(tag, c.SpringRope)
+    assert isinstance(tag, SpringRope)
     assert tag.length == 10.0  # as drawn
     assert tag.stiffness == 1e3
 
@@ -143,13 +145,13 @@ def test_loads_between_and_along(folder):
     scene = scene_of(folder)
     _, push, spring, detent, motor = scene.forces
     np.testing.assert_array_equal(push.forces, [[1.0, 0, 0]])
-    assert isinstance(spring, c.Spring)
+    assert isinstance(spring, Spring)
     assert spring.length == 3.0  # as drawn
     assert (spring.stiffness, spring.damping) == (2.0, 3.0)
-    assert isinstance(detent, c.JointSpring)
+    assert isinstance(detent, JointSpring)
     assert detent.rest == pytest.approx(math.pi / 18)
     np.testing.assert_array_equal(detent.loads, [-5.0, 5.0])
-    assert isinstance(motor, c.JointMotor)
+    assert isinstance(motor, JointMotor)
     np.testing.assert_array_equal(motor.loads, [20.0])
 
 

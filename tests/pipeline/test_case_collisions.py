@@ -13,7 +13,7 @@ from heavylift.pipeline import load_case
 from heavylift.pipeline.case_collisions import thesis_numbers
 from heavylift.pipeline.case_places import places
 from heavylift.pipeline.channel_descriptions import CHANNEL_DESCRIPTIONS
-from heavylift.pipeline.channel_kinds import ALL_CHANNELS, COLLISION_CONTACT, channel_components, declared
+from heavylift.pipeline.channel_kinds import COLLISION_CONTACT, all_channels, channel_components, declared
 
 COLLISION = {
     "gap": "m",
@@ -98,7 +98,7 @@ def test_checks_may_name_every_channel_of_a_collision_in_its_unit(folder, name):
     quantity = load_case(folder).quantity(f"channel.landing.{name}{component}.max")
     assert quantity.kind.unit == COLLISION[name]
     assert quantity.item == f"landing.{name}"
-    assert name in ALL_CHANNELS
+    assert name in all_channels()
     assert name in CHANNEL_DESCRIPTIONS
 
 

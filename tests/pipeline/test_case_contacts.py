@@ -11,7 +11,7 @@ import pytest
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case
 from heavylift.pipeline.channel_descriptions import CHANNEL_DESCRIPTIONS
-from heavylift.pipeline.channel_kinds import ALL_CHANNELS, channel_components, declared
+from heavylift.pipeline.channel_kinds import all_channels, channel_components, declared
 from heavylift.pipeline.provenance import simulate_digest
 
 CONTACT = {
@@ -78,7 +78,7 @@ def test_checks_may_name_every_channel_of_a_contact_in_its_unit(folder, name):
     quantity = case.quantity(f"channel.landing.{name}{component}.max")
     assert quantity.kind.unit == CONTACT[name]
     assert quantity.item == f"landing.{name}"
-    assert name in ALL_CHANNELS
+    assert name in all_channels()
     assert name in CHANNEL_DESCRIPTIONS
 
 

@@ -18,7 +18,7 @@ from heavylift.pipeline.report_edges import edge_sections
 from heavylift.pipeline.results import ChannelInfo, Results
 from heavylift.pipeline.schema import case_schema
 from heavylift.pipeline.storage import OutputFolder
-from heavylift.solver.connections import EdgeClamp, EdgeHinge
+from heavylift.solver.joints.edges import EdgeClamp, EdgeHinge
 
 
 @pytest.fixture

@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.units import KINDS
 from heavylift.pipeline import load_case
 from heavylift.pipeline.assemble_water import sea_gravity
 from heavylift.pipeline.case_places import places
 from heavylift.pipeline.channel_descriptions import CHANNEL_DESCRIPTIONS
 from heavylift.pipeline.channel_kinds import declared
-from heavylift.pipeline.units import KINDS
 
 HERE = Path(__file__).parent
 

@@ -68,7 +68,7 @@ class Recorded:
         self.outcome, self.message = Outcome.COMPLETED, ""
         names = ("kinetic", "elastic", "balance")
         self.channels = [
-            SimpleNamespace(name=f"energy.{name}", unit="J", components=(name,), column=i)
+            SimpleNamespace(name=f"energy.{name}", unit="J", components=(name,), column=i, sentence="")
             for i, name in enumerate(names)
         ]
 

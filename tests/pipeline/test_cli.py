@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import resource
 import statistics
 import subprocess
 import sys
@@ -149,11 +150,17 @@ def test_doctor_reports_what_is_there(heavylift):
         assert found[key]["works"] or found[key]["remedy"] or found[key]["detail"]
 
 
+def children_cpu() -> float:
+    """CPU time of all processes that have ended [s]."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def test_help_is_quick():
     environment = {**os.environ, "COLUMNS": "100"}
     times = []
-    for _ in range(5):
-        begin = time.perf_counter()
+    for _ in range(3):
+        begin = children_cpu()
         result = subprocess.run(
             [sys.executable, "-c", MAIN, "--help"],
             capture_output=True,
@@ -161,7 +168,7 @@ def test_help_is_quick():
             check=True,
             env=environment,
         )
-        times.append(time.perf_counter() - begin)
+        times.append(children_cpu() - begin)
     for command in ("mesh", "modes", "simulate", "report", "run", "verify", "converge", "schema", "doctor"):
         assert command in result.stdout
     assert statistics.median(times) < 1.0  # 0.2 s on an idle machine; the margin is for a busy one

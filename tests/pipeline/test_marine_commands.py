@@ -108,13 +108,20 @@ start = "equilibrium"
 """
 
 
-@pytest.fixture
-def barge(tmp_path: Path) -> Path:
-    folder = tmp_path / "barge"
+@pytest.fixture(scope="module")
+def prepared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The case with its surface and database, which every command would make."""
+    folder = tmp_path_factory.mktemp("prepared") / "barge"
     folder.mkdir()
     (folder / "case.toml").write_text(CASE)
     shutil.copyfile(DATABASE, folder / "barge.nc")
+    assert app(["mesh", str(folder), "--quiet"], result_action="return_value") == 0
     return folder
+
+
+@pytest.fixture
+def barge(tmp_path: Path, prepared: Path) -> Path:
+    return Path(shutil.copytree(prepared, tmp_path / "barge"))
 
 
 @pytest.fixture

@@ -11,7 +11,8 @@ from heavylift.pipeline.picture_others import Others, rope_line
 from heavylift.pipeline.picture_render import Renderer, RenderingUnavailableError, rendering_backend
 from heavylift.pipeline.picture_run import MeshRun
 from heavylift.pipeline.picture_scene import ScenePainter
-from heavylift.solver.connections import Ball, JointFrame, SpringRope
+from heavylift.solver.connections import JointFrame, SpringRope
+from heavylift.solver.joints.ball import Ball
 from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSection
 from heavylift.solver.scene import RigidBody, Scene
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from heavylift.pipeline.key_tables import key_tables
 from heavylift.pipeline.schema import case_schema
 
 jsonschema = pytest.importorskip("jsonschema")
@@ -187,3 +188,28 @@ def test_contacts_are_valid(changes):
 )
 def test_bad_contacts_are_invalid(changes):
     assert not validator().is_valid(document(CONTACTS, **changes))
+
+
+def test_the_tables_of_keys_in_the_docs_are_those_of_the_schema():
+    file = Path(__file__).parents[2] / "docs" / "case_keys.md"
+    assert file.read_text(encoding="utf-8") == key_tables() + "\n", (
+        "heavylift schema --tables > docs/case_keys.md"
+    )
+
+
+def test_every_section_has_a_table_of_its_own_with_a_sentence_for_each_key():
+    text = key_tables()
+    headings = [line for line in text.splitlines() if line.startswith("## ")]
+    assert len(headings) == len(set(headings)) > 100
+    silent = [line for line in text.splitlines() if line.startswith("| `") and line.endswith("|  |")]
+    assert {line.split("`")[1] for line in silent} <= {"type", "motion", "law"}
+
+
+def test_a_joint_brings_its_keys_and_channels():
+    text = key_tables()
+    screw = text[text.index('## joints, type = "screw"') :].partition("\n## ")[0]
+    assert (
+        "| `lead` | length [m] |  | Travel a turn [m], not zero; positive for a right-handed thread. |"
+        in screw
+    )
+    assert "| `NAME.thread_force` | force [N] |" in screw

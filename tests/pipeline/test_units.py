@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.units import KINDS, UNITS, parse_quantity, parse_unit
+from heavylift.numerics.units import KINDS, UNITS, parse_quantity, parse_unit
 
 
 def test_every_unit_of_the_table_has_the_factor_and_dimension_of_pint():
@@ -96,7 +96,7 @@ def test_units_of_the_kinds_have_their_dimension():
 
 def test_common_units_do_not_import_pint():
     code = (
-        "import sys; from heavylift.pipeline.units import KINDS, parse_quantity;"
+        "import sys; from heavylift.numerics.units import KINDS, parse_quantity;"
         "parse_quantity('7987 kg/m^3', KINDS['density']); sys.exit('pint' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

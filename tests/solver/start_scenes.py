@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from heavylift.solver.connections import GROUND, Hinge, Joint, axes_about, frame_in_body
+from heavylift.solver.connections import GROUND, Joint, axes_about, frame_in_body
 from heavylift.solver.integrate.start_rows import StartRows
+from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene import Gravity, RigidBody, Scene
 

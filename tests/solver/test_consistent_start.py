@@ -21,8 +21,8 @@ from start_scenes import (
 )
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import Hinge
 from heavylift.solver.integrate.consistent_start import check_start, project_start
+from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.scene import Scene
 
 

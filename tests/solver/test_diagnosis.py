@@ -7,10 +7,12 @@ import pytest
 from scipy.sparse import csr_array
 from start_scenes import DOWN, bricard, joint, linkage, parallelograms, rod, rows_of
 
-from heavylift.solver.connections import Ball, FixedJoint, Hinge
 from heavylift.solver.integrate.body_graph import body_graph
 from heavylift.solver.integrate.diagnosis import Diagnosis, diagnose
 from heavylift.solver.integrate.row_rank import block_rank
+from heavylift.solver.joints.ball import Ball
+from heavylift.solver.joints.fixed import FixedJoint
+from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.scene import Scene
 
 

@@ -18,7 +18,18 @@ from heavylift.numerics.sources import closure
 from heavylift.solver.bodies.ancf.kind import FrameMeshes
 from heavylift.solver.bodies.rigid import RigidBodies
 from heavylift.solver.compiling import all_units
-from heavylift.solver.kinds import Members, Table, generic, implement, kind_units, optional
+from heavylift.solver.interface import Bodies, BodyKind, Workspace
+from heavylift.solver.kinds import (
+    Members,
+    Table,
+    generic,
+    implement,
+    import_kernels,
+    kind_units,
+    kinds_with_verbs,
+    method,
+    optional,
+)
 
 compiled_only = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs compiled kernels")
 
@@ -133,6 +144,14 @@ def weigh(kinds: Things) -> float:
     return total
 
 
+@method("rare")
+@kernel(internal=True)
+def heaviest(kind: Heavy, least: float) -> float:
+    for i in range(kind.mass.shape[0]):
+        least = max(least, kind.mass[i])
+    return least
+
+
 WEIGHTS = Weights(np.array([1.0, 2.0]))
 SPRINGS = Springs(np.array([4.0]), np.array([0.5]))
 
@@ -211,6 +230,25 @@ def test_every_kind_of_the_solver_has_the_verbs_that_it_must_have() -> None:
     assert len(all_units()) > 50  # an incomplete kind, or two of one name, are a TypeError
 
 
+def test_a_method_of_a_base_serves_each_kind_of_it() -> None:
+    assert heaviest(WEIGHTS, 0.5) == 2.0
+    assert heaviest(WEIGHTS, 3.0) == 3.0
+
+
+@compiled_only
+def test_methods_are_compiled_with_the_verbs_of_their_group() -> None:
+    assert {symbol.rpartition(".")[2] for symbol in kind_units(Weights)["rare"].entries} == {
+        "shake",
+        "heaviest",
+    }
+
+
+@compiled_only
+def test_a_base_of_kinds_is_none_itself() -> None:
+    assert {"FrameMeshes", "RowSystem3"} <= set(all_units())
+    assert not {"Meshes", "RowSystem"} & set(all_units())
+
+
 def test_members_of_a_base_are_found_in_kernels() -> None:
     assert weigh(Things((SPRINGS, WEIGHTS, WEIGHTS))) == 6.0
     assert weigh(Things(())) == 0.0
@@ -285,3 +323,33 @@ def test_the_file_of_a_unit_does_not_depend_on_the_order_of_imports() -> None:
     turned = replace(unit, entries=dict(reversed(unit.entries.items())))
     assert list(turned.entries) != list(unit.entries)
     assert objects._place(turned) == objects._place(unit)
+
+
+class Stones(BodyKind):
+    """Bodies that cannot be moved before time starts."""
+
+    mass: Floats1
+
+    def survey(self, places: Any, inertia: Any, velocity: Any) -> None:
+        """Nowhere."""
+
+    def put_velocity(self, velocity: Any) -> None:
+        """None."""
+
+    def collect_load(self, work: Workspace, load: Any) -> None:
+        """None."""
+
+
+def test_a_kind_of_bodies_without_a_method_is_refused_by_name() -> None:
+    made: Any = Stones
+    with pytest.raises(TypeError, match=r"Stones.*move"):
+        made(np.ones(1))
+    with pytest.raises(TypeError, match="Weights among Bodies: expected a BodyKind"):
+        Bodies((Weights(np.ones(1)),))
+
+
+def test_bases_of_kinds_are_no_kinds() -> None:
+    import_kernels(RigidBodies)
+    known = kinds_with_verbs()
+    assert RigidBodies in known
+    assert not any(issubclass(other, kind) for kind in known for other in known if other is not kind)

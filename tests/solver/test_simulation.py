@@ -337,7 +337,8 @@ def test_scene_without_water_imports_nothing_of_it(tmp_path):
     program = """
         import sys
         import numpy as np
-        from heavylift.solver.connections import Hinge, GROUND
+        from heavylift.solver.connections import GROUND
+        from heavylift.solver.joints.hinge import Hinge
         from heavylift.solver.scene import Gravity, RigidBody, Scene
         from heavylift.solver.simulation import Simulation
 

@@ -12,8 +12,9 @@ from scipy.spatial.transform import Rotation
 from start_scenes import DOWN, G, linkage, parallelograms, place, quaternion, rod, rows_of
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, Ball, JointFrame, Rope, RopePoint, Spring
+from heavylift.solver.connections import GROUND, JointFrame, Rope, RopePoint, Spring
 from heavylift.solver.integrate.statics import find_equilibrium
+from heavylift.solver.joints.ball import Ball
 from heavylift.solver.scene import Fixed, FlexibleBody, PointForce, RigidBody, Scene
 
 

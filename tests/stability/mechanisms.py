@@ -8,7 +8,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from heavylift.numerics.rotation import quaternion_product, rotation_matrix
-from heavylift.solver.connections import GROUND, Hinge, Joint, JointFrame, Rope, RopePoint, axes_about
+from heavylift.solver.connections import GROUND, Joint, JointFrame, Rope, RopePoint, axes_about
+from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.scene import Gravity, RigidBody, Scene, Sensor
 
 STANDARD_GRAVITY = 9.81
@@ -144,9 +145,23 @@ def hanging_load_path(mass: float, length: float, stiffness: float, start, times
         outward = r * spin**2 + STANDARD_GRAVITY * np.cos(angle) - tension / mass
         return [speed, spin, outward, (-STANDARD_GRAVITY * np.sin(angle) - 2.0 * speed * spin) / r]
 
+    def derivatives(_, y):
+        # differences of the tension of a stiff rope are rounding alone, and the method takes tiny steps
+        r, angle, speed, spin = y
+        slope = stiffness / length / mass if r > length else 0.0
+        down, aside = STANDARD_GRAVITY * np.cos(angle), STANDARD_GRAVITY * np.sin(angle)
+        return [
+            [0.0, 0.0, 1.0, 0.0],
+            [0.0, 0.0, 0.0, 1.0],
+            [spin**2 - slope, -aside, 0.0, 2.0 * r * spin],
+            [(aside + 2.0 * speed * spin) / r**2, -down / r, -2.0 * spin / r, -2.0 * speed / r],
+        ]
+
     begin = [float(np.hypot(start[0], start[1])), float(np.arctan2(start[0], -start[1])), 0.0, 0.0]
     tolerance = [1e-10, 1e-10, 1e-8, 1e-10]
-    found = solve_ivp(rate, (0.0, times[-1]), begin, "Radau", times, rtol=1e-9, atol=tolerance)
+    found = solve_ivp(
+        rate, (0.0, times[-1]), begin, "Radau", times, rtol=1e-9, atol=tolerance, jac=derivatives
+    )
     r, angle = found.y[0], found.y[1]
     return np.column_stack([r * np.sin(angle), -r * np.cos(angle)])
 

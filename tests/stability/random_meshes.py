@@ -9,7 +9,9 @@ import numpy as np
 from mechanisms import STANDARD_GRAVITY
 
 from heavylift.numerics.rotation import quaternion_from_rotation_vector
-from heavylift.solver.connections import GROUND, Ball, FixedJoint, JointFrame
+from heavylift.solver.connections import GROUND, JointFrame
+from heavylift.solver.joints.ball import Ball
+from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.mesh_shapes import arc, line, quadrilateral, rectangle
 from heavylift.solver.meshes import (
     DistributedLoad,

@@ -8,8 +8,6 @@ compliance. Losses and the work of loads are integrated with the motion.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,25 +20,20 @@ from heavylift.solver.bodies.ancf.elements import (
     find_strains,
 )
 from heavylift.solver.bodies.ancf.joints import take_impulses
-from heavylift.solver.bodies.ancf.kind import MASS_SET, FrameMeshes, Meshes, ShellMeshes
+from heavylift.solver.bodies.ancf.kind import MASS_SET, Meshes
 from heavylift.solver.bodies.ancf.loads import gather_loads
 from heavylift.solver.bodies.ancf.second_rates import write_second_rates
 from heavylift.solver.bodies.ancf.stage import fill_mesh_markers, write_bases
 from heavylift.solver.bodies.ancf.step import add_gravity, write_free_bases
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
-from heavylift.solver.combination import PART, combine_part
+from heavylift.solver.combination import copy_parts
 from heavylift.solver.interface import (
     FORCES,
     Systems,
     Workspace,
     begin_stage,
     complete_accelerations,
-    complete_rates,
-    displace,
     free_acceleration,
-    load_state,
-    measure_error,
-    spread_impulses,
     store_state,
 )
 from heavylift.solver.kinds import implement
@@ -48,36 +41,15 @@ from heavylift.solver.kinds import implement
 __all__: list[str] = []
 
 
-@kernel(inline=True, internal=True)
-def _copy(source: NDArray[np.float64], at: int, to: NDArray[np.float64], to_at: int, count: int) -> None:
-    """Whole nodes, so that vector registers hold them."""
-    for i in range(0, count, PART):
-        combine_part(to, to_at + i, source, at + i, 0, (0,), (1.0,))
-
-
-@implement(load_state, FrameMeshes)
-@implement(load_state, ShellMeshes)
-@kernel(internal=True)
-def load_mesh_state(kind: Meshes, values: NDArray[np.float64], at: int, work: Workspace) -> None:
-    """Coordinates, then velocities; those of the bases too."""
-    place, count = at + kind.table[0].state_place, kind.position.shape[0]
-    for i in range(count):
-        values[place + i] = kind.position[i]
-        values[place + count + i] = kind.velocity[i]
-    write_bases(kind, kind.velocity, values[at : at + work.velocity.shape[0]])
-
-
-@implement(begin_stage, FrameMeshes)
-@implement(begin_stage, ShellMeshes)
+@implement(begin_stage, Meshes)
 @kernel(internal=True)
 def begin_mesh_stage(
-    kind: Meshes, time: float, values: NDArray[np.float64], at: int, rate: int, work: Workspace
+    kind: Meshes, time: float, values: NDArray[np.float64], at: int, work: Workspace
 ) -> None:
     """Coordinates into those of the midpoint, then markers from these."""
-    place, count = kind.table[0].state_place, kind.position.shape[0]
-    _copy(values, at + place, kind.mid_position, 0, count)
-    _copy(values, at + place + count, kind.mid_velocity, 0, count)
-    _copy(values, at + place + count, values, rate + place, count)
+    place, count = at + kind.table[0].state_place, kind.position.shape[0]
+    copy_parts(values, place, kind.mid_position, 0, count)
+    copy_parts(values, place + count, kind.mid_velocity, 0, count)
     for body in range(kind.table.shape[0]):
         kind.body[body].time = time
     if kind.bases.shape[0] > 0:
@@ -86,8 +58,7 @@ def begin_mesh_stage(
         write_second_rates(kind, FORCES, work)
 
 
-@implement(free_acceleration, FrameMeshes)
-@implement(free_acceleration, ShellMeshes)
+@implement(free_acceleration, Meshes)
 @kernel(internal=True)
 def free_mesh_acceleration(kind: Meshes, values: NDArray[np.float64], at: int, work: Workspace) -> None:
     """All forces, and forward substitution; the bases get their accelerations, the nodes later."""
@@ -145,102 +116,34 @@ def _add_damping(kind: Meshes, body: int, work: Workspace) -> None:
     work.sums.dissipated += lost
 
 
-@implement(complete_accelerations, FrameMeshes)
-@implement(complete_accelerations, ShellMeshes)
+@implement(complete_accelerations, Meshes)
 @kernel(internal=True)
 def complete_mesh_accelerations(
-    kind: Meshes, systems: Systems, values: NDArray[np.float64], rate: int, work: Workspace
+    kind: Meshes, systems: Systems, with_forces: bool, values: NDArray[np.float64], rate: int
 ) -> None:
-    """Back substitution with the reactions on the bases."""
+    """Back substitution, ``M^-1 J^T P`` on top of what `free_acceleration` has left, or alone."""
     take_impulses(kind, systems, kind.right_hand_side)
     place, right = rate + kind.table[0].state_place + kind.position.shape[0], kind.right_hand_side
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
-        scatter_back(kind, body, MASS_SET)
-        _copy(right, first, values, place + first, last - first)
-
-
-@implement(spread_impulses, FrameMeshes)
-@implement(spread_impulses, ShellMeshes)
-@kernel(internal=True)
-def spread_mesh_impulses(
-    kind: Meshes, systems: Systems, values: NDArray[np.float64], at: int, of_velocity: bool, work: Workspace
-) -> None:
-    """``M^-1 J^T P`` to coordinates or velocities."""
-    if kind.bases.shape[0] == 0:
-        return
-    take_impulses(kind, systems, kind.right_hand_side)
-    place, right = at + kind.table[0].state_place, kind.right_hand_side
-    if of_velocity:
-        place += kind.position.shape[0]
-    for body in range(kind.table.shape[0]):
-        if kind.table[body].base_node_count > 0:
-            first, last = node_span(kind, body)
+        if not with_forces:
             for i in range(first, last):
                 right[i] = 0.0
+        if with_forces or kind.table[body].base_node_count > 0:
             scatter_back(kind, body, MASS_SET)
-            for i in range(first, last):
-                values[place + i] += right[i]
+        copy_parts(right, first, values, place + first, last - first)
 
 
-@implement(displace, FrameMeshes)
-@implement(displace, ShellMeshes)
-@kernel(internal=True)
-def displace_meshes(kind: Meshes, values: NDArray[np.float64], at: int, work: Workspace) -> None:
-    """Nothing: `spread_impulses` moves all nodes."""
-
-
-@implement(complete_rates, FrameMeshes)
-@implement(complete_rates, ShellMeshes)
-@kernel(internal=True)
-def complete_mesh_rates(
-    kind: Meshes, values: NDArray[np.float64], at: int, rate: int, second: int, work: Workspace
-) -> None:
-    """``q' = v``, ``q'' = v'``; velocities are interpolated as rates of the coordinates only."""
-    place, count = kind.table[0].state_place, kind.position.shape[0]
-    for i in range(place, place + count):
-        values[rate + i] = values[at + count + i]
-        values[second + i] = values[rate + count + i]
-        values[second + count + i] = 0.0
-
-
-@implement(measure_error, FrameMeshes)
-@implement(measure_error, ShellMeshes)
-@kernel(internal=True)
-def measure_mesh_error(
-    kind: Meshes, values: NDArray[np.float64], fifth: int, third: int, work: Workspace
-) -> None:
-    """Of the nodes: ``e5^2 / sqrt(e5^2 + e3^2/100)``, as of DOP853."""
-    place, lanes = kind.table[0].state_place + kind.position.shape[0], len(kind.shape[1])
-    for body in range(kind.table.shape[0]):
-        first, last = node_span(kind, body)
-        largest = 0.0
-        for node in range(place + first, place + last, lanes):
-            e5 = e3 = 0.0
-            for k in range(node, node + 3):
-                e5 += values[fifth + k] ** 2
-                e3 += values[third + k] ** 2
-            error = e5 * e5 / (e5 + 0.01 * e3) if e5 > 0.0 else e5
-            if error > largest or math.isnan(error):  # which stays
-                largest = error
-        largest = math.sqrt(largest)
-        if largest > work.control.error or math.isnan(largest):
-            work.control.error = largest
-            work.status.body = kind.table[body].number
-
-
-@implement(store_state, FrameMeshes)
-@implement(store_state, ShellMeshes)
+@implement(store_state, Meshes)
 @kernel(internal=True)
 def store_mesh_state(
-    kind: Meshes, time: float, values: NDArray[np.float64], at: int, rate: int, work: Workspace
+    kind: Meshes, time: float, values: NDArray[np.float64], at: int, work: Workspace
 ) -> None:
-    """Velocities are the rates of the coordinates; strains those of the shape."""
-    place, count = kind.table[0].state_place, kind.position.shape[0]
+    """Fixed coordinates do not move; strains are those of the shape."""
+    place, count = at + kind.table[0].state_place, kind.position.shape[0]
     for i in range(count):
-        speed = values[rate + place + i] * kind.free[i]
-        values[at + place + count + i] = speed
-        kind.position[i] = values[at + place + i]
-        kind.velocity[i] = speed
+        values[place + count + i] *= kind.free[i]
+    copy_parts(values, place, kind.position, 0, count)
+    copy_parts(values, place + count, kind.velocity, 0, count)
     for body in range(kind.table.shape[0]):
         find_strains(kind, body, kind.position, kind.strain)

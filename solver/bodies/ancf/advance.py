@@ -11,7 +11,7 @@ from heavylift.solver.bodies.ancf.elements import (
     measure_drift,
     measure_strain_energy,
 )
-from heavylift.solver.bodies.ancf.kind import EXPLICIT, FrameMeshes, Meshes, ShellMeshes
+from heavylift.solver.bodies.ancf.kind import EXPLICIT, Meshes
 from heavylift.solver.bodies.ancf.moving import release_points
 from heavylift.solver.bodies.ancf.step import is_iterated
 from heavylift.solver.bodies.ancf.substitution import copy_strains, node_span
@@ -89,8 +89,7 @@ def _advance_shape_strains(kind: Meshes, body: int) -> None:
         kind.strain[i] = kind.shape_strain[i] + keep * offset
 
 
-@implement(advance, FrameMeshes)
-@implement(advance, ShellMeshes)
+@implement(advance, Meshes)
 @kernel(internal=True)
 def advance_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> None:
     """``q += h vb``, ``v := 2 vb - v``, strains."""

@@ -1,6 +1,6 @@
-"""What Python asks of a mesh before time starts, compiled: its mass matrix, its bases, its own forces and stiffness.
+"""What Python asks of a kind of meshes before time starts, compiled: its mass matrix, its own forces and stiffness.
 
-The verbs of group ``rest`` serve every scene with meshes, those of group ``static`` its equilibrium.
+Methods of group ``rest`` serve every scene with meshes, those of group ``static`` its equilibrium.
 """
 
 from __future__ import annotations
@@ -14,17 +14,16 @@ from heavylift.solver.bodies.ancf.elements import (
     add_stress_forces,
     find_strains,
 )
-from heavylift.solver.bodies.ancf.kind import MASS_SET, STEP_SET, FrameMeshes, Meshes, ShellMeshes
+from heavylift.solver.bodies.ancf.kind import MASS_SET, STEP_SET, Meshes
 from heavylift.solver.bodies.ancf.loads import gather_loads
 from heavylift.solver.bodies.ancf.stage import base_value
 from heavylift.solver.bodies.ancf.step import add_gravity
 from heavylift.solver.bodies.ancf.substitution import scatter_back
-from heavylift.solver.interface import Bodies, Workspace
-from heavylift.solver.kinds import implement, optional
+from heavylift.solver.interface import Workspace
+from heavylift.solver.kinds import method
 
 __all__ = [
     "difference_follower",
-    "fill_stiffness",
     "fill_stress_forces",
     "fill_weight_and_loads",
     "prepare_mass",
@@ -36,98 +35,57 @@ __all__ = [
 # ---- of every scene ----
 
 
-@optional("rest")
-def prepare_mass(kinds: Bodies) -> None:
-    """Meshes: factor the mass matrix of all bodies."""
-
-
-@optional("rest")
-def read_bases(kinds: Bodies, body: int, nodal: Floats1, out: Floats1) -> None:
-    """Meshes: values of a nodal vector at the bases of a body, body axes, shape (3 bases,)."""
-
-
-@optional("rest")
-def spread_base(kinds: Bodies, body: int) -> None:
-    """Meshes: `right_hand_side`, with minus the impulses in the places of the bases, becomes velocities of nodes."""
-
-
-@implement(prepare_mass, FrameMeshes)
-@implement(prepare_mass, ShellMeshes)
+@method("rest")
 @kernel(internal=True)
-def _prepare_mass(kind: Meshes) -> None:
+def prepare_mass(kind: Meshes) -> None:
+    """Factor the mass matrix of all bodies."""
     factor_mass(kind)
 
 
-@implement(read_bases, FrameMeshes)
-@implement(read_bases, ShellMeshes)
+@method("rest")
 @kernel(internal=True)
-def _read_bases(kind: Meshes, body: int, nodal: Floats1, out: Floats1) -> None:
+def read_bases(kind: Meshes, body: int, nodal: Floats1, out: Floats1) -> None:
+    """Values of a nodal vector at the bases of a body, body axes, shape (3 bases,)."""
     first = kind.table[body].first_base
     for i in range(kind.table[body].base_count):
         out[3 * i], out[3 * i + 1], out[3 * i + 2] = base_value(kind, first + i, nodal)
 
 
-@implement(spread_base, FrameMeshes)
-@implement(spread_base, ShellMeshes)
+@method("rest")
 @kernel(internal=True)
-def _spread_base(kind: Meshes, body: int) -> None:
+def spread_base(kind: Meshes, body: int) -> None:
+    """`right_hand_side`, with minus the impulses in the places of the bases, becomes velocities of nodes."""
     scatter_back(kind, body, MASS_SET)
 
 
 # ---- of equilibrium ----
 
 
-@optional("static")
-def fill_stress_forces(kinds: Bodies) -> None:
-    """Meshes: ``B^T C e`` of the carried coordinates into `right_hand_side`."""
-
-
-@optional("static")
-def fill_stiffness(kinds: Bodies) -> None:
-    """Meshes: derivative of `fill_stress_forces` into the step set, which is made anew in each step."""
-
-
-@optional("static")
-def fill_weight_and_loads(kinds: Bodies, work: Workspace, time: float) -> None:
-    """Meshes: weight into `right_hand_side`, loads of the mesh and forces of the markers into `external_force`."""
-
-
-@optional("static")
-def difference_follower(
-    kinds: Bodies, body: int, load: int, factor: float, step: float, places: Ints1, out: Floats2
-) -> None:
-    """Meshes: derivative of a follower load on an element by coordinates at some places, shape (places, places)."""
-
-
-@implement(fill_stress_forces, FrameMeshes)
-@implement(fill_stress_forces, ShellMeshes)
+@method("static")
 @kernel(internal=True)
-def _fill_stress_forces(kind: Meshes) -> None:
-    for i in range(kind.position.shape[0]):
-        kind.right_hand_side[i] = 0.0
-    for body in range(kind.table.shape[0]):
-        find_strains(kind, body, kind.position, kind.shape_strain)
-        add_stress_forces(kind, body, kind.position, kind.shape_strain, kind.right_hand_side, 1.0)
+def fill_stress_forces(kind: Meshes, with_stiffness: bool) -> None:
+    """``B^T C e`` of the carried coordinates into `right_hand_side`, its derivative into the step set if asked for.
 
-
-@implement(fill_stiffness, FrameMeshes)
-@implement(fill_stiffness, ShellMeshes)
-@kernel(internal=True)
-def _fill_stiffness(kind: Meshes) -> None:
+    Steps make the step set anew.
+    """
     size = set_size(kind)
-    for i in range(STEP_SET * size, STEP_SET * size + size):
-        kind.blocks[i] = 0.0
     for i in range(kind.position.shape[0]):
         kind.right_hand_side[i] = 0.0
+    if with_stiffness:
+        for i in range(STEP_SET * size, STEP_SET * size + size):
+            kind.blocks[i] = 0.0
     for body in range(kind.table.shape[0]):
         find_strains(kind, body, kind.position, kind.shape_strain)
-        add_stiffness(kind, body, kind.position, kind.shape_strain, kind.right_hand_side, 1.0, 1.0, 1.0)
+        if with_stiffness:
+            add_stiffness(kind, body, kind.position, kind.shape_strain, kind.right_hand_side, 1.0, 1.0, 1.0)
+        else:
+            add_stress_forces(kind, body, kind.position, kind.shape_strain, kind.right_hand_side, 1.0)
 
 
-@implement(fill_weight_and_loads, FrameMeshes)
-@implement(fill_weight_and_loads, ShellMeshes)
+@method("static")
 @kernel(internal=True)
-def _fill_weight_and_loads(kind: Meshes, work: Workspace, time: float) -> None:
+def fill_weight_and_loads(kind: Meshes, work: Workspace, time: float) -> None:
+    """Weight into `right_hand_side`, loads of the mesh and forces of the markers into `external_force`."""
     for i in range(kind.position.shape[0]):
         kind.right_hand_side[i] = 0.0
     for body in range(kind.table.shape[0]):
@@ -136,12 +94,12 @@ def _fill_weight_and_loads(kind: Meshes, work: Workspace, time: float) -> None:
     gather_loads(kind, kind.position, work)
 
 
-@implement(difference_follower, FrameMeshes)
-@implement(difference_follower, ShellMeshes)
+@method("static")
 @kernel(internal=True)
-def _difference_follower(
+def difference_follower(
     kind: Meshes, body: int, load: int, factor: float, step: float, places: Ints1, out: Floats2
 ) -> None:
+    """Derivative of a follower load on an element by coordinates at some places, shape (places, places)."""
     element, data = kind.loads[load].place, kind.loads[load].data
     count = places.shape[0]
     for i in range(count):

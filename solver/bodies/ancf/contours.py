@@ -11,17 +11,15 @@ from heavylift.contours.packed_contour import PackedContour
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
+from heavylift.solver.bodies.ancf.facets import bound_facets, form_facets
 from heavylift.solver.bodies.ancf.joints import apply_inverse_of_meshes, take_impulses
 from heavylift.solver.bodies.ancf.kind import (
-    EXPLICIT,
     MASS_SET,
-    STEP_SET,
-    FrameMeshes,
     Meshes,
     MovingPoints,
-    ShellMeshes,
 )
 from heavylift.solver.bodies.ancf.moving import (
+    body_with_points,
     point_response,
     point_value,
     prepare_points,
@@ -30,11 +28,9 @@ from heavylift.solver.bodies.ancf.moving import (
 from heavylift.solver.bodies.ancf.step import is_iterated
 from heavylift.solver.bodies.ancf.substitution import node_span
 from heavylift.solver.contact.interface import (
-    aim_points,
     bound_motion,
     forget_accelerations,
     form_controls,
-    form_mesh_controls,
     pose_contours,
     put_contour_rows,
     settle_points,
@@ -43,23 +39,14 @@ from heavylift.solver.contact.kind import OF_MESH, ContactRows
 from heavylift.solver.interface import Systems, Workspace, joint_rows
 from heavylift.solver.kinds import implement
 
-__all__ = ["body_with_points"]
-
-
-@kernel(internal=True)
-def body_with_points(kind: Meshes, dof: int) -> int:
-    """Row of the body with moving points whose first velocity this is, -1 if it is not of this kind."""
-    for body in range(kind.table.shape[0]):
-        if kind.table[body].dof == dof and kind.table[body].moving_count > 0:
-            return body
-    return -1
+__all__ = ["aim_point", "form_net"]
 
 
 # ---- the shape ----
 
 
 @kernel(internal=True)
-def _form(
+def form_net(
     moving: MovingPoints,
     kind: Meshes,
     dof: int,
@@ -71,7 +58,10 @@ def _form(
     last_v: int,
     net: NDArray[np.float64],
 ) -> None:
-    """`form_mesh_controls` of a nodal vector."""
+    """Control points of a window of the shape of the mesh whose first velocity is `dof`, from a nodal vector.
+
+    Both ends of the window belong to it, and one of a ring goes round.
+    """
     body = body_with_points(kind, dof)
     if body < 0:
         return
@@ -93,27 +83,7 @@ def _form(
             net[to, 0], net[to, 1], net[to, 2] = x, y, z
 
 
-@implement(form_mesh_controls, FrameMeshes)
-@implement(form_mesh_controls, ShellMeshes)
-@kernel(internal=True)
-def form_controls_of_meshes(
-    kind: Meshes,
-    dof: int,
-    at_midpoint: bool,
-    contour: PackedContour,
-    first_u: int,
-    last_u: int,
-    first_v: int,
-    last_v: int,
-    net: NDArray[np.float64],
-) -> None:
-    """Sums of nodal vectors."""
-    nodal = kind.mid_position if at_midpoint else kind.position
-    _form(kind.moving, kind, dof, nodal, contour, first_u, last_u, first_v, last_v, net)
-
-
-@implement(form_controls, FrameMeshes)
-@implement(form_controls, ShellMeshes)
+@implement(form_controls, Meshes)
 @kernel(internal=True)
 def form_contour_controls(
     kind: Meshes, contacts: ContactRows, contour: int, first_u: int, last_u: int, first_v: int, last_v: int
@@ -121,26 +91,26 @@ def form_contour_controls(
     """Of the stage."""
     row = contacts.contours[contour]
     if row.owner == OF_MESH:
-        _form(
+        form_net(
             kind.moving, kind, row.dof, kind.mid_position, row, first_u, last_u, first_v, last_v, contacts.net
         )
 
 
-@implement(pose_contours, FrameMeshes)
-@implement(pose_contours, ShellMeshes)
+@implement(pose_contours, Meshes)
 @kernel(internal=True)
 def pose_mesh_contours(kind: Meshes, at_midpoint: bool, contacts: ContactRows) -> None:
     """The axes stand still; of the carried state the coordinates are those of the stage."""
     if not at_midpoint:
         for i in range(kind.position.shape[0]):
             kind.mid_position[i] = kind.position[i]
+    form_facets(kind, contacts.facets)
 
 
 # ---- moving points ----
 
 
 @kernel(internal=True)
-def _aim(
+def aim_point(
     moving: MovingPoints,
     kind: Meshes,
     dof: int,
@@ -150,7 +120,12 @@ def _aim(
     first: int,
     count: int,
 ) -> None:
-    """`aim_points` with weights from a place on."""
+    """What a moving point of the mesh whose first velocity is `dof` is from now on.
+
+    It is the sum of `count` control points of the shape times their weights, which begin at a place; control (i, j) has
+    the number ``i count_v + j``. Control points of several elements may take part, as under a footprint. Weights that
+    are derivatives of basis functions make it a tangent instead of a point.
+    """
     body = body_with_points(kind, dof)
     if body < 0:
         return
@@ -178,24 +153,13 @@ def _aim(
     moving.points[point].current_set = -1
 
 
-@implement(aim_points, FrameMeshes)
-@implement(aim_points, ShellMeshes)
-@kernel(internal=True)
-def aim_points_of_meshes(
-    kind: Meshes, dof: int, slot: int, controls: NDArray[np.int64], weights: NDArray[np.float64], count: int
-) -> None:
-    """Each nodal vector once."""
-    _aim(kind.moving, kind, dof, slot, controls, weights, 0, count)
-
-
 @kernel(internal=True)
 def _settle(moving: MovingPoints, kind: Meshes, systems: Systems, at_midpoint: bool, work: Workspace) -> None:
     """`settle_points` of a kind."""
     take_impulses(kind, systems, kind.velocity_change)
     for body in range(kind.table.shape[0]):
         first, count = moving.bodies[body].first_point, kind.table[body].moving_count
-        stepped = at_midpoint and kind.table[body].scheme != EXPLICIT
-        which = STEP_SET if stepped else MASS_SET
+        which = kind.body[body].stage_set if at_midpoint else MASS_SET
         prepare_points(moving, kind, body, which)
         # bodies that iterate contain all impulses in their velocities of the midpoint
         solved = at_midpoint and is_iterated(kind, body) and kind.body[body].change >= 0.0
@@ -240,8 +204,7 @@ def _add_pushes(
                     velocity[at + k] -= moving.compliance[row + 3 * k * count + c] * push
 
 
-@implement(settle_points, FrameMeshes)
-@implement(settle_points, ShellMeshes)
+@implement(settle_points, Meshes)
 @kernel(internal=True)
 def settle_points_of_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, work: Workspace) -> None:
     """From the right-hand side of the stage, forward-substituted, and from the impulses on bases and points."""
@@ -251,8 +214,7 @@ def settle_points_of_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, w
 # ---- rows of contacts ----
 
 
-@implement(put_contour_rows, FrameMeshes)
-@implement(put_contour_rows, ShellMeshes)
+@implement(put_contour_rows, Meshes)
 @kernel(internal=True)
 def put_mesh_contour_rows(kind: Meshes, contacts: ContactRows, contact: int, count: int) -> None:
     """``-d`` into the columns of the moving point, ``-e`` into those of the tangent beside a curve."""
@@ -267,10 +229,10 @@ def put_mesh_contour_rows(kind: Meshes, contacts: ContactRows, contact: int, cou
     side = 2 * contact
     column = contacts.attachments[side].width - 3 * kind.table[body].moving_count + 3 * slot
     panel = contacts.attachments[side].panel + column * lanes
-    _aim(kind.moving, kind, dof, slot, contacts.places, scratch.weights, 0, count)
+    aim_point(kind.moving, kind, dof, slot, contacts.places, scratch.weights, 0, count)
     beside, turning = pose.radius > 0.0 or pose.width > 0.0, scratch.has_slopes
     if turning:
-        _aim(kind.moving, kind, dof, slot + 1, contacts.places, scratch.slope_weights, 0, count)
+        aim_point(kind.moving, kind, dof, slot + 1, contacts.places, scratch.slope_weights, 0, count)
     for r in range(3):
         d = scratch.directions[r]
         d1, d2, d3 = rotate_back(pose.rotation, d[0], d[1], d[2])
@@ -283,15 +245,17 @@ def put_mesh_contour_rows(kind: Meshes, contacts: ContactRows, contact: int, cou
                 contacts.panels[panel + (3 + k) * lanes + r] = -slope
 
 
+@implement(bound_motion, Meshes)
 @kernel(internal=True)
-def _bound(moving: MovingPoints, kind: Meshes, contacts: ContactRows, step: float) -> None:
-    """`bound_motion` of a kind."""
+def bound_mesh_motion(kind: Meshes, contacts: ContactRows, step: float, work: Workspace) -> None:
+    """The fastest control point: all points of the shape are between them, and move by the velocity of the stage."""
+    moving, speed = kind.moving, kind.mid_velocity
     for contour in range(contacts.contours.shape[0]):
         row = contacts.contours[contour]
         body = body_with_points(kind, row.dof) if row.owner == OF_MESH else -1
         if body < 0:
             continue
-        origin, speed = moving.bodies[body].first_control, kind.mid_velocity
+        origin = moving.bodies[body].first_control
         largest = 0.0
         for control in range(origin, origin + row.u.count * row.v.count):
             x = y = z = 0.0
@@ -302,18 +266,10 @@ def _bound(moving: MovingPoints, kind: Meshes, contacts: ContactRows, step: floa
                 z += factor * speed[at + 2]
             largest = max(largest, x * x + y * y + z * z)
         contacts.poses[contour].step_shift = step * math.sqrt(largest)
+    bound_facets(kind, contacts, step)
 
 
-@implement(bound_motion, FrameMeshes)
-@implement(bound_motion, ShellMeshes)
-@kernel(internal=True)
-def bound_mesh_motion(kind: Meshes, contacts: ContactRows, step: float, work: Workspace) -> None:
-    """The fastest control point: all points of the shape are between them, and move by the velocity of the stage."""
-    _bound(kind.moving, kind, contacts, step)
-
-
-@implement(forget_accelerations, FrameMeshes)
-@implement(forget_accelerations, ShellMeshes)
+@implement(forget_accelerations, Meshes)
 @kernel(internal=True)
 def forget_mesh_accelerations(kind: Meshes) -> None:
     """Of all nodes."""

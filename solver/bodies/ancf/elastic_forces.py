@@ -14,8 +14,7 @@ import math
 
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.ancf.assembly import add_matrix_products
-from heavylift.solver.bodies.ancf.elements import add_elastic_forces, add_stress_forces, find_strains
+from heavylift.solver.bodies.ancf.elements import add_elastic_forces
 from heavylift.solver.bodies.ancf.frame_data import (
     AXIAL_POINTS,
     BENDING_POINTS,
@@ -29,7 +28,7 @@ from heavylift.solver.bodies.ancf.frame_data import (
     load_element,
     put_forces,
 )
-from heavylift.solver.bodies.ancf.kind import FrameMeshes, ShellMeshes
+from heavylift.solver.bodies.ancf.kind import FrameMeshes
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
@@ -118,12 +117,3 @@ def _add_exact(kind: FrameMeshes, body: int, q: Floats1, force: Floats1, factor:
             fb = add_vector(add_vector(fb, section.first[1], by_d), section.second[1], by_c)
             fc = add_vector(add_vector(fc, section.first[2], by_d), section.second[2], by_c)
         put_forces(kind, e, force, fa, fb, fc)
-
-
-@implement(add_elastic_forces, ShellMeshes)
-@kernel(internal=True)
-def add_shell_elastic_forces(kind: ShellMeshes, body: int, q: Floats1, force: Floats1, factor: float) -> None:
-    """Strains are left in `shape_strain`."""
-    add_matrix_products(kind, body, q, 0.0, q, factor, force)
-    find_strains(kind, body, q, kind.shape_strain)
-    add_stress_forces(kind, body, q, kind.shape_strain, force, factor)

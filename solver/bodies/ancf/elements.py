@@ -3,7 +3,7 @@
 Coordinates `q`, velocities `v` and forces are nodal vectors, strains are vectors of strains; the body is its row of
 `table`. Forces are added in the places of the nodes, stiffness to the blocks of the step matrix, both without regard
 to fixed coordinates. None of them but `add_elastic_forces` knows of bending matrices and mass matrices: these are
-constant, see `constants`.
+constant, see `constants`. Two of them follow from others, and elements that know better bring versions of their own.
 """
 
 from __future__ import annotations
@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Floats1
+from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.ancf.assembly import add_matrix_products
 from heavylift.solver.bodies.ancf.kind import Meshes
-from heavylift.solver.kinds import generic
+from heavylift.solver.kinds import generic, implement
 
 __all__ = [
     "add_elastic_forces",
@@ -113,3 +115,33 @@ def add_follower_load(
 @generic()
 def record_elements(kinds: Meshes, body: int, row: NDArray[np.float64], column: int) -> None:
     """Section forces and stresses of the carried coordinates into a record from a column on."""
+
+
+# ---- what follows from others ----
+
+
+@implement(add_mean_stress_forces, Meshes)
+@kernel(internal=True)
+def add_mean_forces_of_squares(
+    kind: Meshes,
+    body: int,
+    q_start: Floats1,
+    q_end: Floats1,
+    q_mid: Floats1,
+    start_strain: Floats1,
+    end_strain: Floats1,
+    mean_strain: Floats1,
+    force: Floats1,
+    factor: float,
+) -> None:
+    """For strains that are quadratic in the coordinates."""
+    add_stress_forces(kind, body, q_mid, mean_strain, force, factor)
+
+
+@implement(add_elastic_forces, Meshes)
+@kernel(internal=True)
+def add_all_elastic_forces(kind: Meshes, body: int, q: Floats1, force: Floats1, factor: float) -> None:
+    """In two passes; strains are left in `shape_strain`."""
+    add_matrix_products(kind, body, q, 0.0, q, factor, force)
+    find_strains(kind, body, q, kind.shape_strain)
+    add_stress_forces(kind, body, q, kind.shape_strain, force, factor)

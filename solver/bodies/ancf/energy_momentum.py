@@ -32,11 +32,10 @@ from heavylift.solver.bodies.ancf.assembly import (
 from heavylift.solver.bodies.ancf.elements import add_mean_stress_forces, add_stiffness, find_strains
 from heavylift.solver.bodies.ancf.faults import blame_element, blame_largest
 from heavylift.solver.bodies.ancf.joints import take_impulses
-from heavylift.solver.bodies.ancf.kind import AUTO, EXPLICIT, STEP_SET, FrameMeshes, Meshes, ShellMeshes
+from heavylift.solver.bodies.ancf.kind import AUTO, EXPLICIT, STEP_SET, Meshes
 from heavylift.solver.bodies.ancf.moving import add_point_impulses, forget_vectors
 from heavylift.solver.bodies.ancf.step import add_gravity, is_iterated, write_free_bases
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
-from heavylift.solver.contact.system_interface import meet_again
 from heavylift.solver.interface import (
     Bodies,
     Joints,
@@ -159,8 +158,7 @@ def _watch_drift(kind: Meshes, body: int, time: float, step: float, work: Worksp
         blame_element(kind, body, kind.body[body].drift_element, STRAINS_LOST, work)
 
 
-@implement(iterate, FrameMeshes)
-@implement(iterate, ShellMeshes)
+@implement(iterate, Meshes)
 @kernel(internal=True)
 def iterate_meshes(
     kind: Meshes, bodies: Bodies, systems: Systems, joints: Joints, work: Workspace, time: float, step: float
@@ -192,8 +190,7 @@ def iterate_meshes(
             _write_residual(kind, body, step, work)
         solve_forward(kind, body, STEP_SET)
         write_free_bases(kind, body, kind.mid_velocity, 1.0, work)
-        solve_again(systems, joints, work, time, step)
-        meet_again(systems, systems, joints, work, time, step)
+        solve_again(systems, systems, joints, work, time, step)
         take_impulses(kind, systems, kind.right_hand_side)
         first_base = kind.table[body].first_base
         for base in range(first_base, first_base + count):

@@ -9,20 +9,15 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
-from heavylift.solver.bodies.ancf.contours import body_with_points
-from heavylift.solver.bodies.ancf.kind import FrameMeshes, Meshes, MovingPoints, ShellMeshes
-from heavylift.solver.bodies.ancf.moving import point_value
-from heavylift.solver.contact.facet_interface import (
-    bound_surface_points,
-    form_surface_points,
-    put_surface_rows,
-)
+from heavylift.solver.bodies.ancf.kind import Meshes, MovingPoints
+from heavylift.solver.bodies.ancf.moving import body_with_points, point_value
 from heavylift.solver.contact.facet_kind import FacetSurfaces
+from heavylift.solver.contact.interface import put_surface_rows
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
 
-__all__: list[str] = []
+__all__ = ["bound_facets", "form_facets"]
 
 
 @kernel(internal=True)
@@ -39,38 +34,34 @@ def _sum_vectors(
     return x, y, z
 
 
-@implement(form_surface_points, FrameMeshes)
-@implement(form_surface_points, ShellMeshes)
 @kernel(internal=True)
-def form_points_of_meshes(
-    kind: Meshes, facets: FacetSurfaces, row: int, first: int, points: NDArray[np.float64]
-) -> None:
-    """In the axes of the nodal coordinates, which stand still."""
-    body = body_with_points(kind, facets.rows[row].dof)
-    if body < 0:
-        return
-    begin, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row].own_point
-    for i in range(facets.rows[row].points):
-        x, y, z = _sum_vectors(facets, kind.mid_position, own + i, begin)
-        points[first + i, 0], points[first + i, 1], points[first + i, 2] = x, y, z
+def form_facets(kind: Meshes, facets: FacetSurfaces) -> None:
+    """Points of all surfaces of a kind at the stage, in the axes of the nodal coordinates, which stand still."""
+    for row in range(facets.rows.shape[0]):
+        body = body_with_points(kind, facets.rows[row].dof)
+        if body < 0:
+            continue
+        begin, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row].own_point
+        first, points = facets.rows[row].first_point, facets.points
+        for i in range(facets.rows[row].points):
+            x, y, z = _sum_vectors(facets, kind.mid_position, own + i, begin)
+            points[first + i, 0], points[first + i, 1], points[first + i, 2] = x, y, z
 
 
-@implement(bound_surface_points, FrameMeshes)
-@implement(bound_surface_points, ShellMeshes)
 @kernel(internal=True)
-def bound_points_of_meshes(
-    kind: Meshes, facets: FacetSurfaces, row: int, contacts: ContactRows, step: float
-) -> None:
-    """The fastest point."""
-    body = body_with_points(kind, facets.rows[row].dof)
-    if body < 0:
-        return
-    begin, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row].own_point
-    fastest = 0.0
-    for i in range(facets.rows[row].points):
-        x, y, z = _sum_vectors(facets, kind.mid_velocity, own + i, begin)
-        fastest = max(fastest, x * x + y * y + z * z)
-    contacts.poses[facets.rows[row].pose].step_shift = step * math.sqrt(fastest)
+def bound_facets(kind: Meshes, contacts: ContactRows, step: float) -> None:
+    """How far the fastest point of each surface moves in the step at the velocity of the stage, into its pose."""
+    facets = contacts.facets
+    for row in range(facets.rows.shape[0]):
+        body = body_with_points(kind, facets.rows[row].dof)
+        if body < 0:
+            continue
+        begin, own = kind.table[body].first_node * len(kind.shape[1]), facets.rows[row].own_point
+        fastest = 0.0
+        for i in range(facets.rows[row].points):
+            x, y, z = _sum_vectors(facets, kind.mid_velocity, own + i, begin)
+            fastest = max(fastest, x * x + y * y + z * z)
+        contacts.poses[facets.rows[row].pose].step_shift = step * math.sqrt(fastest)
 
 
 @kernel(internal=True)
@@ -110,26 +101,19 @@ def _aim_at(
     work.velocity[at], work.velocity[at + 1], work.velocity[at + 2] = x, y, z
 
 
-@implement(put_surface_rows, FrameMeshes)
-@implement(put_surface_rows, ShellMeshes)
+@implement(put_surface_rows, Meshes)
 @kernel(internal=True)
-def put_rows_on_meshes(
-    kind: Meshes,
-    facets: FacetSurfaces,
-    row: int,
-    slot: int,
-    contacts: ContactRows,
-    attachment: int,
-    sign: float,
-    work: Workspace,
-) -> None:
+def put_rows_on_meshes(kind: Meshes, contacts: ContactRows, contact: int, side: int, work: Workspace) -> None:
     """Directions of the contact into the columns of the moving point, zeros into all others."""
-    dof = facets.rows[row].dof
-    body = body_with_points(kind, dof)
+    attachment, facets = 2 * contact + side, contacts.facets
+    number = contacts.table[contact].axes if side == 1 else contacts.table[contact].contour
+    row = facets.row_of[number]
+    body = body_with_points(kind, facets.rows[row].dof)
     if body < 0:
         return
+    sign, slot = 2.0 * side - 1.0, contacts.state[contact].slots[side]
     lanes, scratch = len(contacts.shape[1]), contacts.scratch
-    pose, width = contacts.poses[facets.rows[row].pose], contacts.attachments[attachment].width
+    pose, width = contacts.poses[number], contacts.attachments[attachment].width
     column = width - 3 * kind.table[body].moving_count + 3 * slot
     _aim_at(kind.moving, kind, body, facets, row, slot, work, kind.table[body].dof + column)
     panel = contacts.attachments[attachment].panel

@@ -5,7 +5,7 @@ from __future__ import annotations
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.assembly import set_size
-from heavylift.solver.bodies.ancf.kind import EXPLICIT, MASS_SET, STEP_SET, FrameMeshes, Meshes, ShellMeshes
+from heavylift.solver.bodies.ancf.kind import MASS_SET, Meshes
 from heavylift.solver.bodies.ancf.moving import add_point_compliance
 from heavylift.solver.bodies.ancf.stage import write_bases
 from heavylift.solver.bodies.ancf.step import is_iterated
@@ -41,8 +41,7 @@ def attached_mesh(kind: Meshes, system: RowArrays, attachment: int) -> int:
     return -1
 
 
-@implement(apply_inverse, FrameMeshes)
-@implement(apply_inverse, ShellMeshes)
+@implement(apply_inverse, Meshes)
 @kernel(internal=True)
 def apply_inverse_of_meshes(kind: Meshes, at_midpoint: bool, system: RowArrays) -> None:
     """``X = C G^T`` with ``C = J A^-1 J^T``, minus the blocks of the bases."""
@@ -55,8 +54,7 @@ def apply_inverse_of_meshes(kind: Meshes, at_midpoint: bool, system: RowArrays) 
         panel, width = system.attachments[i].panel, system.attachments[i].width
         for r in range(width * lanes):
             G[half + panel + r] = 0.0
-        stepped = at_midpoint and kind.table[body].scheme != EXPLICIT
-        which = STEP_SET if stepped else MASS_SET
+        which = kind.body[body].stage_set if at_midpoint else MASS_SET
         _add_compliance(kind, body, which, system, panel, 3 * kind.table[body].base_count)
         add_point_compliance(kind.moving, kind, body, which, system, i)
 
@@ -120,8 +118,7 @@ def take_impulses(kind: Meshes, systems: Systems, nodal: Floats1) -> None:
         collect_impulses(row_arrays(systems, i), kind, nodal)
 
 
-@implement(complete, FrameMeshes)
-@implement(complete, ShellMeshes)
+@implement(complete, Meshes)
 @kernel(internal=True)
 def complete_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, step: float, work: Workspace) -> None:
     """Back substitution with the impulses of the rows; bodies that iterate have gone further already."""
@@ -134,7 +131,7 @@ def complete_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, step: flo
                 continue
             for i in range(first, last):
                 right[i] = kind.forward_solution[i]
-            scatter_back(kind, body, MASS_SET if kind.table[body].scheme == EXPLICIT else STEP_SET)
+            scatter_back(kind, body, kind.body[body].stage_set)
             for i in range(first, last):
                 kind.mid_velocity[i] = kind.velocity[i] + right[i]
         elif kind.table[body].base_node_count + kind.table[body].moving_count > 0:
@@ -147,24 +144,21 @@ def complete_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, step: flo
                 kind.mean_acceleration[i] += rate * right[i]
 
 
-@implement(end_velocity, FrameMeshes)
-@implement(end_velocity, ShellMeshes)
+@implement(end_velocity, Meshes)
 @kernel(internal=True)
 def end_velocity_of_meshes(kind: Meshes, step: float, work: Workspace) -> None:
     """Those that `advance` has found."""
     write_bases(kind, kind.velocity, work.velocity)
 
 
-@implement(write_velocity, FrameMeshes)
-@implement(write_velocity, ShellMeshes)
+@implement(write_velocity, Meshes)
 @kernel(internal=True)
 def write_velocity_of_meshes(kind: Meshes, work: Workspace) -> None:
     """Of bases and moving points."""
     write_bases(kind, kind.velocity, work.velocity)
 
 
-@implement(set_velocity, FrameMeshes)
-@implement(set_velocity, ShellMeshes)
+@implement(set_velocity, Meshes)
 @kernel(internal=True)
 def set_velocity_of_meshes(kind: Meshes, step: float, work: Workspace) -> None:
     """`complete` has set them."""

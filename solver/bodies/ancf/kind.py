@@ -25,7 +25,10 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.block_pattern import FactorColumn, LowerBlock
 from heavylift.numerics.lanes import block_shape
-from heavylift.numerics.records import Matrix3, Record, Records, Vector
+from heavylift.numerics.records import Matrix3, Record, Records, Vector, records
+from heavylift.solver.combination import padded
+from heavylift.solver.drive import FREE
+from heavylift.solver.interface import BodyKind, Coordinates, Workspace
 
 __all__ = [
     "BaseBlock",
@@ -174,6 +177,8 @@ class MeshNumbers(Record, whole_lines=True):
         Of the explicit scheme [s].
     time
         Of the stage [s].
+    stage_set
+        Set of blocks whose factor the stage is solved with.
     iterations, change, change_before
         Of the energy-momentum scheme: rounds in the step, last change [m] and the one before; a negative change before
         the first round.
@@ -195,6 +200,7 @@ class MeshNumbers(Record, whole_lines=True):
     mass: float
     step_limit: float
     time: float
+    stage_set: int
     iterations: int
     size: float
     change: float
@@ -396,7 +402,7 @@ class MovingPoints(Arrays):
     control_factors: Floats2
 
 
-class Meshes(Arrays):
+class Meshes(BodyKind):
     """All frames, or all shells, of a scene.
 
     Attributes
@@ -500,6 +506,105 @@ class Meshes(Arrays):
     loads: Records[MeshLoad]
     moving: MovingPoints
 
+    def _nodes(self, body: int) -> slice:
+        """Places of the nodes of a body."""
+        lanes = len(self.shape[1])
+        first = int(self.table[body].first_node) * lanes
+        return slice(first, first + int(self.table[body].node_count) * lanes)
+
+    def _spread(self, body: int, wanted: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Motion of all nodes that gives the bases what is wanted, flat over their places.
+
+        By ``E = M^-1 J^T (J M^-1 J^T)^+``: of all motions that do so the one with the least kinetic energy.
+        """
+        from heavylift.solver.bodies.ancf.at_rest import read_bases, spread_base
+
+        count = len(wanted)
+        own = self._nodes(body)
+        first = int(self.table[body].first_base)
+        places = np.add.outer(self.bases["place"][first : first + count // 3], np.arange(3)).ravel()
+        right = self.right_hand_side
+        motions = np.zeros((count, own.stop - own.start))
+        compliance = np.zeros((count, count))
+        for i in range(count):
+            right[own] = 0.0
+            right[places] = 0.0
+            right[places[i]] = -1.0
+            spread_base(self, body)
+            motions[i] = right[own]
+            read_bases(self, body, self.right_hand_side, compliance[i])
+        size = np.sqrt(np.diag(compliance))
+        size[size == 0.0] = 1.0
+        weights = np.linalg.pinv(compliance / np.outer(size, size), rcond=1e-11, hermitian=True) @ (
+            wanted / size
+        )
+        return (weights / size) @ motions
+
+    def survey(
+        self, places: NDArray[np.float64], inertia: NDArray[np.float64], velocity: NDArray[np.float64]
+    ) -> None:
+        """Centre of mass and mean velocity of the body; its mass for each velocity of a base."""
+        from heavylift.solver.bodies.ancf.at_rest import read_bases
+
+        for body, line in enumerate(self.table):
+            own = self._nodes(body)
+            lanes, numbers = len(self.shape[1]), self.body[body]
+            rotation = numbers.rotation
+            rows = [
+                nodal[own].reshape(-1, lanes)[:, : len(self.shape[0])].reshape(-1, 3)
+                for nodal in (self.nodal_mass, self.position)
+            ]
+            centre = (rows[0] * rows[1]).sum(axis=0) / numbers.mass
+            places[line.number, 0] = line.dof
+            places[line.number, 1:4] = numbers.origin + rotation @ centre
+            places[line.number, 4:] = 1.0, 0.0, 0.0, 0.0
+            count = 3 * int(line.base_count)
+            inertia[line.dof : line.dof + count] = numbers.mass
+            read_bases(self, body, self.velocity, velocity[line.dof : line.dof + count])
+
+    def move(self, increment: NDArray[np.float64]) -> None:
+        """Displace the bases, and all nodes with them."""
+        for body, line in enumerate(self.table):
+            wanted = increment[line.dof : line.dof + 3 * line.base_count]
+            if np.any(wanted):
+                self.position[self._nodes(body)] += self._spread(body, wanted)
+
+    def put_velocity(self, velocity: NDArray[np.float64]) -> None:
+        """Velocities of the bases; the other nodes change as little as possible."""
+        from heavylift.solver.bodies.ancf.at_rest import read_bases
+
+        for body, line in enumerate(self.table):
+            count = 3 * int(line.base_count)
+            own, before = self._nodes(body), np.zeros(count)
+            self.mean_acceleration[own] = 0.0
+            read_bases(self, body, self.velocity, before)
+            change = velocity[line.dof : line.dof + count] - before
+            if np.any(change):
+                self.velocity[own] += self._spread(body, change)
+
+    def collect_load(self, work: Workspace, load: NDArray[np.float64]) -> None:
+        """Nothing: equilibrium of a mesh is found with all its coordinates, not with its bases."""
+
+    def place_coordinates(self, place: int) -> tuple[Records[Coordinates], int]:
+        """Coordinates in a state vector of the accurate integrator, from a place on, and the place behind them.
+
+        Nodal vectors of the kind stand there as they are, coordinates, then velocities.
+        """
+        place, count, lanes = padded(place), len(self.position), len(self.shape[1])
+        table, found = self.table, records(Coordinates, len(self.table))
+        table["state_place"] = place
+        found["number"], found["motion"], found["reach"] = table["number"], FREE, self.body["size"]
+        found["place"] = place + lanes * table["first_node"]
+        found["velocity"] = found["place"] + count
+        found["count"], found["stride"] = lanes * table["node_count"], lanes
+        return found, place + 2 * count
+
+    def write_state(self, values: Floats1) -> None:
+        """Carried state into a state vector; velocities of the bases follow from it."""
+        place, count = self.table[0].state_place, len(self.position)
+        values[place : place + count] = self.position
+        values[place + count : place + 2 * count] = self.velocity
+
 
 class FrameMeshes(Meshes):
     """All frames of a scene: 6 rows, 8 lanes: ``r``, ``r'``, two of padding in a nodal vector."""
@@ -515,7 +620,6 @@ class FrameMeshes(Meshes):
         "heavylift.solver.bodies.ancf.facets",
         "heavylift.solver.bodies.ancf.frame_elements",
         "heavylift.solver.bodies.ancf.joints",
-        "heavylift.solver.bodies.ancf.kind_configuration",
         "heavylift.solver.bodies.ancf.record",
         "heavylift.solver.bodies.ancf.stage",
         "heavylift.solver.bodies.ancf.step",
@@ -534,11 +638,9 @@ class ShellMeshes(Meshes):
         "heavylift.solver.bodies.ancf.advance",
         "heavylift.solver.bodies.ancf.at_rest",
         "heavylift.solver.bodies.ancf.contours",
-        "heavylift.solver.bodies.ancf.elastic_forces",
         "heavylift.solver.bodies.ancf.energy_momentum",
         "heavylift.solver.bodies.ancf.facets",
         "heavylift.solver.bodies.ancf.joints",
-        "heavylift.solver.bodies.ancf.kind_configuration",
         "heavylift.solver.bodies.ancf.record",
         "heavylift.solver.bodies.ancf.shell_elements",
         "heavylift.solver.bodies.ancf.stage",

@@ -29,6 +29,7 @@ __all__ = [
     "add_point_compliance",
     "add_point_forces",
     "add_point_impulses",
+    "body_with_points",
     "find_free_points",
     "forget_vectors",
     "point_response",
@@ -41,6 +42,15 @@ __all__ = [
 ]
 
 Vector = tuple[float, float, float]
+
+
+@kernel(internal=True)
+def body_with_points(kind: Meshes, dof: int) -> int:
+    """Row of the body with moving points whose first velocity this is, -1 if it is not of this kind."""
+    for body in range(kind.table.shape[0]):
+        if kind.table[body].dof == dof and kind.table[body].moving_count > 0:
+            return body
+    return -1
 
 
 @kernel(internal=True)
@@ -112,17 +122,14 @@ def _find_vectors(moving: MovingPoints, kind: Meshes, body: int, point: int, whi
         moving.paths[path + count] = column
         count += 1
         pivot, at, below = columns[column].pivot, columns[column].first_lower, columns[column].lower_count
-        z0 = begin + node * lanes
-        z1, z2 = z0 + length, z0 + 2 * length
-        forward_pivot(shape, Z, z0, kind.blocks, base + pivot)
-        forward_pivot(shape, Z, z1, kind.blocks, base + pivot)
-        forward_pivot(shape, Z, z2, kind.blocks, base + pivot)
+        z = begin + node * lanes
+        for k in range(3):
+            forward_pivot(shape, Z, z + k * length, kind.blocks, base + pivot)
         for l in range(at, at + below):
             to, block = begin + lower[l].node * lanes, base + lower[l].place
             moving.marks[lower[l].node] = 1
-            subtract_forward(shape, Z, to, kind.blocks, block, Z, z0)
-            subtract_forward(shape, Z, to + length, kind.blocks, block, Z, z1)
-            subtract_forward(shape, Z, to + 2 * length, kind.blocks, block, Z, z2)
+            for k in range(3):
+                subtract_forward(shape, Z, to + k * length, kind.blocks, block, Z, z + k * length)
     moving.points[point].path_count = count
 
 

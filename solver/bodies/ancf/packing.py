@@ -371,5 +371,5 @@ def pack_meshes(
         builder.add(body, first_number + i, dof, column, plan_bases(body, on_body), watched, count)
         column += record_width(body)
     kind = builder.finish(bodies)
-    prepare_mass((kind,))
+    prepare_mass(kind)
     return kind

@@ -14,7 +14,7 @@ from heavylift.solver.bodies.ancf.elements import (
     measure_strain_energy,
     record_elements,
 )
-from heavylift.solver.bodies.ancf.kind import FrameMeshes, Meshes, ShellMeshes
+from heavylift.solver.bodies.ancf.kind import Meshes
 from heavylift.solver.bodies.ancf.substitution import node_span
 from heavylift.solver.interface import (
     Sums,
@@ -72,8 +72,7 @@ def _write_sensors(kind: Meshes, row: NDArray[np.float64]) -> None:
                 row[column + 3 * which + k] = total + (R.origin[k] if which == 0 else 0.0)
 
 
-@implement(record, FrameMeshes)
-@implement(record, ShellMeshes)
+@implement(record, Meshes)
 @kernel(internal=True)
 def record_meshes(kind: Meshes, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
     """Nodal vectors, velocities of the nodes, results of the elements, drift of the carried strains."""
@@ -122,8 +121,7 @@ def _add_angular_momentum(kind: Meshes, body: int, out: Sums) -> None:
     p[2] += o1 * p2 - o2 * p1
 
 
-@implement(add_totals, FrameMeshes)
-@implement(add_totals, ShellMeshes)
+@implement(add_totals, Meshes)
 @kernel(internal=True, reassociate=True)
 def add_mesh_totals(kind: Meshes, work: Workspace) -> None:
     """Energies with the carried strains, which are those of the shape where the scheme iterates."""

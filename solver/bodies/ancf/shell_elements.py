@@ -16,7 +16,6 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cross
 from heavylift.solver.bodies.ancf.elements import (
     add_follower_load,
-    add_mean_stress_forces,
     add_stiffness,
     add_strain_rates,
     add_stress_forces,
@@ -97,24 +96,6 @@ def add_shell_forces(
             q, n0, n1, n2, n3, strain, at,
             force, n0, n1, n2, n3, factor,
         )  # fmt: skip
-
-
-@implement(add_mean_stress_forces, ShellMeshes)
-@kernel(internal=True)
-def add_shell_mean_forces(
-    kind: ShellMeshes,
-    body: int,
-    q_start: Floats1,
-    q_end: Floats1,
-    q_mid: Floats1,
-    start_strain: Floats1,
-    end_strain: Floats1,
-    mean_strain: Floats1,
-    force: Floats1,
-    factor: float,
-) -> None:
-    """Strains are quadratic."""
-    add_shell_forces(kind, body, q_mid, mean_strain, force, factor)
 
 
 @implement(add_stiffness, ShellMeshes)

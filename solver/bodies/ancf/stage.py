@@ -13,10 +13,8 @@ from heavylift.solver.bodies.ancf.kind import (
     POINT_MARKER,
     TANGENT_MARKER,
     VECTOR_MARKER,
-    FrameMeshes,
     Meshes,
     MeshNumbers,
-    ShellMeshes,
 )
 from heavylift.solver.bodies.ancf.moving import write_points
 from heavylift.solver.interface import Workspace, fill_markers
@@ -178,8 +176,7 @@ def _write_markers(kind: Meshes, level: int, work: Workspace) -> None:
             _write_triad(kind, marker, work)
 
 
-@implement(fill_markers, FrameMeshes)
-@implement(fill_markers, ShellMeshes)
+@implement(fill_markers, Meshes)
 @kernel(internal=True)
 def fill_mesh_markers(kind: Meshes, at_midpoint: bool, level: int, work: Workspace) -> None:
     """Markers from the bases; rows of other bases in the Jacobians stay zero."""

@@ -39,9 +39,7 @@ from heavylift.solver.bodies.ancf.kind import (
     EXPLICIT,
     MASS_SET,
     STEP_SET,
-    FrameMeshes,
     Meshes,
-    ShellMeshes,
 )
 from heavylift.solver.bodies.ancf.loads import gather_loads
 from heavylift.solver.bodies.ancf.moving import release_points, write_free_points
@@ -64,7 +62,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement
 
-__all__ = ["add_gravity", "is_iterated", "write_free_bases"]
+__all__ = ["add_gravity", "is_iterated", "solve_free", "write_free_bases"]
 
 NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE)
 
@@ -85,6 +83,17 @@ def write_free_bases(kind: Meshes, body: int, nodal: Floats1, start: float, work
         for k in range(3):
             work.velocity[dof + 3 * i + k] = start * y[k] - kind.right_hand_side[place + k]
     write_free_points(kind.moving, kind, body, nodal, start, work.velocity)
+
+
+@kernel(internal=True)
+def solve_free(kind: Meshes, body: int, work: Workspace) -> None:
+    """Forward substitution of `right_hand_side`, which is kept for `complete`; what bases do without joints."""
+    solve_forward(kind, body, kind.body[body].stage_set)
+    first, last = node_span(kind, body)
+    for i in range(first, last):
+        kind.forward_solution[i] = kind.right_hand_side[i]
+    write_free_bases(kind, body, kind.velocity, 1.0, work)
+    kind.body[body].change = -1.0
 
 
 @kernel(internal=True)
@@ -111,8 +120,7 @@ def add_gravity(kind: Meshes, body: int, work: Workspace, factor: float) -> None
             right[node + a + 2] += weight[node + a] * z
 
 
-@implement(start, FrameMeshes)
-@implement(start, ShellMeshes)
+@implement(start, Meshes)
 @kernel(internal=True)
 def start_meshes(kind: Meshes, time: float, work: Workspace) -> None:
     """Carried strains are those of the shape at the start; the explicit scheme learns what its steps may be."""
@@ -123,8 +131,7 @@ def start_meshes(kind: Meshes, time: float, work: Workspace) -> None:
             find_step_limit(kind, body, FIRST_ROUNDS)
 
 
-@implement(predict, FrameMeshes)
-@implement(predict, ShellMeshes)
+@implement(predict, Meshes)
 @kernel(internal=True)
 def predict_meshes(kind: Meshes, time: float, step: float) -> None:
     """Midpoint along straight lines; predicted midpoint velocity for rates of markers."""
@@ -145,8 +152,7 @@ def predict_meshes(kind: Meshes, time: float, step: float) -> None:
             kind.body[body].changed_over = False  # in a step that was taken back
 
 
-@implement(factor, FrameMeshes)
-@implement(factor, ShellMeshes)
+@implement(factor, Meshes)
 @kernel(internal=True)
 def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
     """Matrix and right-hand side of the stage, factor and forward substitution.
@@ -169,7 +175,7 @@ def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
         add_gravity(kind, body, work, half)
         if kind.table[body].scheme == EXPLICIT:
             _add_explicit_forces(kind, body, half)
-            solve_forward(kind, body, MASS_SET)
+            kind.body[body].stage_set = MASS_SET
         else:
             viscous = kind.body[body].viscous_damping
             delay = half + kind.body[body].stiffness_damping
@@ -182,12 +188,8 @@ def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
             add_stiffness(kind, body, kind.mid_position, kind.stage_strain, right, -half, half * delay, 0.0)
             clear_fixed(kind, body, STEP_SET)
             factor_set(kind, body, STEP_SET)
-            solve_forward(kind, body, STEP_SET)
-        forward = kind.forward_solution
-        for i in range(first, last):
-            forward[i] = right[i]
-        write_free_bases(kind, body, kind.velocity, 1.0, work)
-        kind.body[body].change = -1.0
+            kind.body[body].stage_set = STEP_SET
+        solve_free(kind, body, work)
 
 
 @kernel(internal=True)
@@ -206,8 +208,7 @@ def _add_explicit_forces(kind: Meshes, body: int, half: float) -> None:
         add_stress_forces(kind, body, kind.mid_position, kind.shape_strain, right, -half)
 
 
-@implement(check, FrameMeshes)
-@implement(check, ShellMeshes)
+@implement(check, Meshes)
 @kernel(internal=True, reassociate=True)
 def check_meshes(kind: Meshes, step: float, work: Workspace) -> None:
     """Refuse what is not finite, and explicit steps beyond their limit."""
@@ -224,15 +225,13 @@ def check_meshes(kind: Meshes, step: float, work: Workspace) -> None:
             blame_largest(kind, body, kind.trial_position, STEP_TOO_LARGE, work)
 
 
-@implement(finish, FrameMeshes)
-@implement(finish, ShellMeshes)
+@implement(finish, Meshes)
 @kernel(internal=True)
 def finish_meshes(kind: Meshes, step: float, work: Workspace) -> None:
     """Nothing is left to do."""
 
 
-@implement(estimate_error, FrameMeshes)
-@implement(estimate_error, ShellMeshes)
+@implement(estimate_error, Meshes)
 @kernel(internal=True)
 def estimate_mesh_error(kind: Meshes, step: float, work: Workspace) -> None:
     """Largest distance of a midpoint velocity from its prediction, as a displacement [m] over the step."""

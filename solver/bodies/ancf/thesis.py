@@ -10,19 +10,17 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.advance import add_mesh_work
 from heavylift.solver.bodies.ancf.assembly import add_matrix_products
 from heavylift.solver.bodies.ancf.elements import add_strain_rates, add_stress_forces, find_strains
-from heavylift.solver.bodies.ancf.joints import take_impulses
-from heavylift.solver.bodies.ancf.kind import MASS_SET, FrameMeshes, Meshes, ShellMeshes
+from heavylift.solver.bodies.ancf.kind import MASS_SET, Meshes
 from heavylift.solver.bodies.ancf.loads import gather_loads
-from heavylift.solver.bodies.ancf.step import add_gravity, write_free_bases
-from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
-from heavylift.solver.interface import Systems, Workspace, complete_thesis, thesis_advance, thesis_velocity
+from heavylift.solver.bodies.ancf.step import add_gravity, solve_free
+from heavylift.solver.bodies.ancf.substitution import node_span
+from heavylift.solver.interface import Workspace, thesis_advance, thesis_velocity
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []
 
 
-@implement(thesis_velocity, FrameMeshes)
-@implement(thesis_velocity, ShellMeshes)
+@implement(thesis_velocity, Meshes)
 @kernel(internal=True)
 def thesis_velocity_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> None:
     """``M (v+ - v) = h ( f - Q(q) - damping )``, without joints."""
@@ -43,25 +41,11 @@ def thesis_velocity_meshes(kind: Meshes, time: float, step: float, work: Workspa
             add_matrix_products(kind, body, kind.velocity, 0.0, kind.velocity, -step * stiff, right)
             add_strain_rates(kind, body, kind.position, kind.velocity, kind.shape_strain, stiff)
         add_stress_forces(kind, body, kind.position, kind.shape_strain, right, -step)
-        solve_forward(kind, body, MASS_SET)
-        write_free_bases(kind, body, kind.velocity, 1.0, work)
+        kind.body[body].stage_set = MASS_SET
+        solve_free(kind, body, work)
 
 
-@implement(complete_thesis, FrameMeshes)
-@implement(complete_thesis, ShellMeshes)
-@kernel(internal=True)
-def complete_thesis_meshes(kind: Meshes, systems: Systems, work: Workspace) -> None:
-    """Back substitution with the impulses of the rows."""
-    take_impulses(kind, systems, kind.right_hand_side)
-    for body in range(kind.table.shape[0]):
-        first, last = node_span(kind, body)
-        scatter_back(kind, body, MASS_SET)
-        for i in range(first, last):
-            kind.mid_velocity[i] = kind.velocity[i] + kind.right_hand_side[i]
-
-
-@implement(thesis_advance, FrameMeshes)
-@implement(thesis_advance, ShellMeshes)
+@implement(thesis_advance, Meshes)
 @kernel(internal=True)
 def thesis_advance_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> None:
     """Coordinates by the end velocity."""

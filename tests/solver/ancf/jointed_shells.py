@@ -8,7 +8,10 @@ import numpy as np
 from jointed_frames import Part, on, rod
 from scipy.spatial.transform import Rotation
 
-from heavylift.solver.connections import GROUND, Ball, EdgeClamp, EdgeHinge, Hinge, JointFrame, axes_about
+from heavylift.solver.connections import GROUND, JointFrame, axes_about
+from heavylift.solver.joints.ball import Ball
+from heavylift.solver.joints.edges import EdgeClamp, EdgeHinge
+from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.mesh_shapes import ShellMesh, rectangle
 from heavylift.solver.meshes import ShellBody, ShellSection, Support
 

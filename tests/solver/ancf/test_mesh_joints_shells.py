@@ -20,7 +20,8 @@ from jointed_shells import (
 from scipy.integrate import solve_ivp
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, EdgeClamp, EdgeHinge, JointSpring
+from heavylift.solver.connections import GROUND, JointSpring
+from heavylift.solver.joints.edges import EdgeClamp, EdgeHinge
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.mesh_shapes import quadrilateral, rectangle
 from heavylift.solver.scene import Scene

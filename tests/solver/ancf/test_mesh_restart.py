@@ -9,7 +9,8 @@ import pytest
 from jointed_frames import DOWN, bar, rod
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, Ball, JointFrame
+from heavylift.solver.connections import GROUND, JointFrame
+from heavylift.solver.joints.ball import Ball
 from heavylift.solver.mesh_shapes import rectangle
 from heavylift.solver.meshes import ShellBody, ShellSection
 from heavylift.solver.scene import Scene

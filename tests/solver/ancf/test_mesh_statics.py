@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, Ball, JointFrame, SpringRope
+from heavylift.solver.connections import GROUND, JointFrame, SpringRope
 from heavylift.solver.integrate.mesh_statics import relax_to_equilibrium
 from heavylift.solver.integrate.mesh_system import MeshSystem
 from heavylift.solver.integrate.start_rows import StartRows
 from heavylift.solver.integrate.statics import find_equilibrium
+from heavylift.solver.joints.ball import Ball
 from heavylift.solver.layout import Layout, pack_scene
 from heavylift.solver.mesh_shapes import line, rectangle
 from heavylift.solver.meshes import (

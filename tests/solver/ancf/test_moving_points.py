@@ -10,20 +10,18 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-import heavylift.solver.bodies.ancf.contours
-import heavylift.solver.bodies.ancf.frame_kind
-import heavylift.solver.bodies.ancf.shell_kind  # noqa: F401
 from heavylift.contours.packed_contour import PackedContour
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import records
 from heavylift.solver.bodies.ancf.assembly import set_size
+from heavylift.solver.bodies.ancf.contours import aim_point, form_net
 from heavylift.solver.bodies.ancf.elements import add_stiffness
 from heavylift.solver.bodies.ancf.kind import STEP_SET
 from heavylift.solver.bodies.ancf.mesh_contour import mesh_contour
 from heavylift.solver.bodies.ancf.packing import SCHEMES, pack_meshes
 from heavylift.solver.bodies.ancf.sparse_matrices import mesh_matrices
 from heavylift.solver.bodies.ancf.types import type_of
-from heavylift.solver.contact.interface import aim_points, form_mesh_controls, settle_points
+from heavylift.solver.contact.interface import settle_points
 from heavylift.solver.integrate.row_solver import assemble, factor_rows, solve_rows
 from heavylift.solver.interface import (
     FORCES,
@@ -106,9 +104,9 @@ def go_on(bodies: Any, systems: Any, step: float, work: Any) -> None:
 
 
 @kernel
-def aim(bodies: Any, slot: int, controls: Any, weights: Any) -> None:
+def aim(kind: Any, slot: int, controls: Any, weights: Any) -> None:
     """A moving point of the only body."""
-    aim_points(bodies, 0, slot, controls, weights, controls.shape[0])
+    aim_point(kind.moving, kind, 0, slot, controls, weights, 0, controls.shape[0])
 
 
 @kernel
@@ -147,9 +145,9 @@ def spread(
 
 
 @kernel
-def form(bodies: Any, at_midpoint: bool, contour: Any, first: int, last: int, other: int, net: Any) -> None:
-    """A window of control points."""
-    form_mesh_controls(bodies, 0, at_midpoint, contour, first, last, 0, other, net)
+def form(kind: Any, nodal: Any, contour: Any, last: int, other: int, net: Any) -> None:
+    """All control points."""
+    form_net(kind.moving, kind, 0, nodal, contour, 0, last, 0, other, net)
 
 
 @kernel
@@ -227,7 +225,7 @@ class Model:
         return nodal[self.matrices.places]
 
     def aim(self, slot: int, spot: tuple[int, tuple[float, float]]) -> None:
-        aim((self.kind,), slot, *weights_at(self.body, spot))
+        aim(self.kind, slot, *weights_at(self.body, spot))
 
     def system(self, *columns: int) -> Any:
         """Blocks of three rows on the three velocities from each column on, in directions that are askew."""
@@ -398,9 +396,9 @@ def test_control_points_make_the_shape_of_the_mesh(name: str) -> None:
     contour = records(PackedContour, [(along, across, 5, -1)])[0]
     model.kind.mid_position[:] = model.kind.position + 0.1 * model.kind.velocity
     lanes, count = len(model.kind.shape[1]), len(type_of(model.body).vectors)
-    for at_midpoint, nodal in ((True, model.kind.mid_position), (False, model.kind.position)):
+    for nodal in (model.kind.mid_position, model.kind.position):
         net = np.full((5 + len(made.factors), 3), np.nan)
-        form((model.kind,), at_midpoint, contour, 0, counts[0] - 1, counts[1] - 1, net)
+        form(model.kind, nodal, contour, counts[0] - 1, counts[1] - 1, net)
         q = nodal.reshape(-1, lanes)[: len(model.body.nodes), : 3 * count].reshape(-1, 3)
         for _ in range(20):
             spot = (int(rng.integers(len(model.body.elements))), (float(rng.random()), float(rng.random())))

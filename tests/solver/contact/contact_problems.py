@@ -8,17 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.records import Records, records
-from heavylift.solver.contact.layout import UNILATERAL, RowKind, RowParameters, Solution
-from heavylift.solver.contact.newton import (
-    NonsmoothNewton,
-    solve_dense,
-    solve_on_velocities,
-    workspace_length,
+from heavylift.solver.contact.layout import (
+    UNILATERAL,
+    Problem,
+    ProblemSize,
+    RowKind,
+    RowParameters,
+    Solution,
 )
+from heavylift.solver.contact.newton import NonsmoothNewton, solve_contacts
+from heavylift.solver.contact.problem import make_work
 
 Array = NDArray[np.float64]
-
-SOLVER = (NonsmoothNewton(),)
 
 
 @dataclass(eq=False)
@@ -41,39 +42,51 @@ class ContactProblem:
     def W(self) -> Array:
         return self.N @ self.B @ self.N.T
 
+    def packed(self, on_rows: bool = False) -> Problem:
+        """For the solver, on velocities or on the matrix of the rows; what it works on has no numbers yet."""
+        size = 3 * self.count if on_rows else len(self.y0)
+        work = make_work(self.count, size)
+        for array in work:
+            if isinstance(array, np.ndarray):
+                array[:] = np.nan
+        counts = ProblemSize.one()
+        counts.number, counts.size = self.count, size
+        return Problem(
+            counts=counts,
+            kinds=self.kinds,
+            parameters=self.parameters,
+            ends=self.ends[:0] if on_rows else self.ends,
+            blocks=self.blocks[:0] if on_rows else self.blocks,
+            start=self.N @ self.y0 if on_rows else self.y0,
+            B=self.W if on_rows else self.B,
+            p=np.zeros(3 * self.count),
+            y=np.zeros(size),
+            work=work,
+            solution=Solution.one(),
+        )
+
     def solve(self, start: Array | None = None) -> tuple[int, int, float, Array, Array]:
         """On velocities: status, iterations, residual, impulses and rates, (count, 3) each."""
-        p = np.zeros(3 * self.count) if start is None else start.ravel().copy()
-        y = np.zeros(len(self.y0))
-        workspace = np.full(workspace_length(self.count, len(y)), np.nan)
-        found = Solution.one()
-        solve_on_velocities(
-            SOLVER,
-            self.count,
-            self.kinds,
-            self.parameters,
-            self.ends,
-            self.blocks,
-            len(y),
-            self.y0,
-            self.B,
-            p,
-            y,
-            workspace,
-            found,
-        )
-        return found.status, found.iterations, found.residual, p.reshape(-1, 3), (self.N @ y).reshape(-1, 3)
+        found = self._solve(False, start)
+        rates = (self.N @ found.y).reshape(-1, 3)
+        return *_ended(found), found.p.reshape(-1, 3), rates
 
     def solve_rows(self, start: Array | None = None) -> tuple[int, int, float, Array, Array]:
         """The same on the matrix of the rows."""
-        p = np.zeros(3 * self.count) if start is None else start.ravel().copy()
-        w = np.zeros_like(p)
-        workspace = np.full(workspace_length(self.count, len(p)), np.nan)
-        found = Solution.one()
-        solve_dense(
-            SOLVER, self.count, self.kinds, self.parameters, self.N @ self.y0, self.W, p, w, workspace, found
-        )
-        return found.status, found.iterations, found.residual, p.reshape(-1, 3), w.reshape(-1, 3)
+        found = self._solve(True, start)
+        return *_ended(found), found.p.reshape(-1, 3), found.y.reshape(-1, 3)
+
+    def _solve(self, on_rows: bool, start: Array | None) -> Problem:
+        problem = self.packed(on_rows)
+        if start is not None:
+            problem.p[:] = start.ravel()
+        solve_contacts((NonsmoothNewton(),), problem)
+        return problem
+
+
+def _ended(problem: Problem) -> tuple[int, int, float]:
+    """Status, iterations, residual."""
+    return problem.solution.status, problem.solution.iterations, problem.solution.residual
 
 
 def violation(problem: ContactProblem, p: Array, w: Array) -> float:

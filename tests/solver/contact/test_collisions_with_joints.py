@@ -13,8 +13,9 @@ from heavylift.contours.neutral import neutral_surface
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.preprocess.primitive_surfaces import box_surface, plane_surface
 from heavylift.solver.collisions import Collision, CollisionSurface
-from heavylift.solver.connections import Ball, JointFrame, Rope, RopePoint, Winch
+from heavylift.solver.connections import JointFrame, Rope, RopePoint, Winch
 from heavylift.solver.contacts import Contact, Contour, LinearLaw, RigidLaw, SphereShape
+from heavylift.solver.joints.ball import Ball
 from heavylift.solver.scene import Gravity, Scene
 from heavylift.solver.simulation import Simulation
 

@@ -8,24 +8,22 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from heavylift.solver.connections import (
-    Ball,
-    Cylindrical,
-    Distance,
-    FixedJoint,
-    Hinge,
-    Joint,
-    JointFrame,
-    Planar,
-    Slider,
-    SliderHinge,
-    Universal,
-)
+from heavylift.solver.connections import Joint, JointFrame
+from heavylift.solver.joints.ball import Ball
+from heavylift.solver.joints.distance import Distance
+from heavylift.solver.joints.fixed import FixedJoint
+from heavylift.solver.joints.hinge import Hinge
+from heavylift.solver.joints.planar import Planar
+from heavylift.solver.joints.screw import Screw
+from heavylift.solver.joints.slider import Slider
+from heavylift.solver.joints.slider_hinge import Cylindrical, SliderHinge
+from heavylift.solver.joints.universal import Universal
 from heavylift.solver.scene import Harmonic, Profile
 
 TURNS = 4.0 * np.pi  # a drive may go round more than once
 PROFILE = Profile(np.array([0.0, 2.0]), TURNS + np.array([0.3, 1.1]), (Harmonic(0.2, 0.7, 0.4),))
 LENGTH = 0.8
+LEAD = -0.8
 SLIDE_AXIS = np.array([2.0, 0.5, -1.0])
 
 
@@ -91,6 +89,13 @@ def _slider_hinge(a: Pose, b: Pose, direction: np.ndarray) -> list[float]:
     return [travel(a, b, m), travel(a, b, n), *_axis(a, b)]
 
 
+def _thread(a: Pose, b: Pose) -> float:
+    """Travel less the pitch times the angle, of the turn that is nearest."""
+    pitch = LEAD / (2.0 * np.pi)
+    along = travel(a, b, np.eye(3)[2])
+    return -pitch * _turned(angle(a, b) - along / pitch)
+
+
 RESIDUALS: dict[str, Residual] = {
     "ball": lambda a, b, _: _point(a, b),
     "cylindrical": lambda a, b, _: _slider_hinge(a, b, np.array([0.0, 0.0, 1.0])),
@@ -100,6 +105,7 @@ RESIDUALS: dict[str, Residual] = {
     "fixed": lambda a, b, t: [*_hinge(a, b, t), a.axes[:, 0] @ b.axes[:, 1]],
     "hinge": _hinge,
     "planar": lambda a, b, _: [travel(a, b, np.eye(3)[2]), *_axis(a, b)],
+    "screw": lambda a, b, t: [*_slider(a, b, t)[:2], *_axis(a, b), _thread(a, b)],
     "slider": _slider,
     "slider_hinge": lambda a, b, _: _slider_hinge(a, b, SLIDE_AXIS),
     "universal": lambda a, b, _: [*_point(a, b), a.axes[:, 2] @ b.axes[:, 2]],
@@ -115,6 +121,7 @@ CLOSED: dict[str, tuple[np.ndarray, np.ndarray]] = {
     "fixed": (np.zeros(3), np.zeros(3)),
     "hinge": (np.zeros(3), np.array([0.0, 0.0, -0.9])),
     "planar": (np.array([0.4, -0.6, 0.0]), np.array([0.0, 0.0, 0.5])),
+    "screw": (np.array([0.0, 0.0, 0.9 * LEAD / (2.0 * np.pi)]), np.array([0.0, 0.0, 0.9])),
     "slider": (np.array([0.0, 0.0, -0.4]), np.zeros(3)),
     "slider_hinge": (SLIDE_AXIS * 0.3, np.array([0.0, 0.0, 0.8])),
     "universal": (np.zeros(3), np.array([np.pi / 2, 0.0, 0.0])),
@@ -133,6 +140,7 @@ def make_joint(name: str, body_a: str, body_b: str, frame_a: JointFrame, frame_b
         "fixed": FixedJoint,
         "hinge": Hinge,
         "planar": Planar,
+        "screw": lambda **k: Screw(lead=LEAD, **k),
         "slider": Slider,
         "slider_hinge": lambda **k: SliderHinge(slide_axis=SLIDE_AXIS, **k),
         "universal": Universal,

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from heavylift.solver.connections import Hinge, JointFrame
+from heavylift.solver.connections import JointFrame
+from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.scene import Driven, Gravity, Harmonic, Profile, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 

@@ -7,12 +7,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from joint_scenes import CLOSED, LENGTH, RESIDUALS, Pose, make_joint, turn
+from joint_scenes import CLOSED, LEAD, LENGTH, RESIDUALS, Pose, make_joint, turn
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, Ball, Distance, Hinge, Joint, JointFrame, SliderHinge
+from heavylift.solver.connections import GROUND, Joint, JointFrame
+from heavylift.solver.joints.ball import Ball
+from heavylift.solver.joints.distance import Distance
+from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.packing import JointPlace, MarkerBook, start_frames, travel_direction
-from heavylift.solver.joints.registry import joint_channels, joint_module
+from heavylift.solver.joints.registry import joint_module
+from heavylift.solver.joints.screw import Screw
+from heavylift.solver.joints.slider_hinge import SliderHinge
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene import Driven, Fixed, Harmonic, Profile, RigidBody, Scene
 
@@ -47,10 +52,12 @@ def test_closed_start_is_taken(name: str) -> None:
         assert len(layout.joints) == 1
     channels = [channel.name for channel in layout.channels if channel.name.startswith(f"{name}.")]
     expected = ["reaction_force", "reaction_moment"]
-    if "hinge" in name or name == "cylindrical":
+    if "hinge" in name or name in {"cylindrical", "screw"}:
         expected += ["angle", "angular_rate"]
-    if "slider" in name or name == "cylindrical":
+    if "slider" in name or name in {"cylindrical", "screw"}:
         expected += ["travel", "travel_rate"]
+    if name == "screw":
+        expected += ["thread_force"]
     assert channels == [f"{name}.{quantity}" for quantity in expected]
 
 
@@ -140,8 +147,33 @@ def test_drive_chooses_another_file_with_a_row_more() -> None:
     still, driven = closed("hinge"), closed("driven_hinge")
     assert isinstance(still, Hinge)
     assert isinstance(driven, Hinge)
-    assert len(joint_module(driven).ROTATIONAL) == len(joint_module(still).ROTATIONAL) + 1
-    assert joint_channels(driven) == joint_channels(still)
+    assert joint_module(driven) is not joint_module(still)
+    assert driven.rotational == (*still.rotational, True)
+    assert driven.CHANNELS == still.CHANNELS
     still, driven = closed("slider"), closed("driven_slider")
-    assert len(joint_module(driven).ROTATIONAL) == len(joint_module(still).ROTATIONAL) + 1
-    assert joint_module(driven).ROTATIONAL[-1] is False
+    assert joint_module(driven) is not joint_module(still)
+    assert driven.rotational == (*still.rotational, False)
+
+
+def test_a_screw_needs_a_lead() -> None:
+    for lead in (0.0, np.nan, np.inf):
+        joint = Screw(name="j", body_a=GROUND, body_b="b", lead=lead)
+        assert refused(joint).key == "lead"
+
+
+@pytest.mark.parametrize("key", ["compliance", "relaxation"])
+def test_a_screw_is_rigid(key: str) -> None:
+    """A soft thread would slip to another turn, and nobody could tell."""
+    assert refused(replace(closed("screw"), **{key: 1e-6})).key == key
+
+
+@pytest.mark.parametrize("turns", [-3, 1, 2])
+def test_a_screw_starts_on_the_turn_of_its_angle(turns: int) -> None:
+    joint = closed("screw")
+    away = replace(
+        joint,
+        frame_b=replace(joint.frame_b, point=joint.frame_b.point - turns * LEAD * joint.frame_b.axes[:, 2]),
+    )
+    error = refused(away)
+    assert error.key == "points"
+    assert "turns" in error.problem

@@ -9,16 +9,8 @@ import pytest
 from law_scenes import body, eye, pulley, scene, slider, wire
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import (
-    GROUND,
-    Ball,
-    JointMotor,
-    JointSpring,
-    Limits,
-    Spring,
-    SpringRope,
-    Winch,
-)
+from heavylift.solver.connections import GROUND, JointMotor, JointSpring, Limits, Spring, SpringRope, Winch
+from heavylift.solver.joints.ball import Ball
 from heavylift.solver.layout import pack_scene
 
 LOAD = body("block", 1.0, (0, 0, -10.0))

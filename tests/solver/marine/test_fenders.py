@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.interface import (
     Workspace,
@@ -23,7 +22,6 @@ from heavylift.solver.marine.moorings import Fender
 TABLE = np.array([0.0, 0.2, 0.5]), np.array([0.0, 1e5, 1e6])
 
 
-@kernel
 def evaluate(kinds: tuple[Any, ...], work: Workspace, row: np.ndarray) -> None:
     """Forces, then a record of them."""
     add_forces(kinds, 0.0, work)

@@ -21,7 +21,8 @@ from heavylift.numerics.rotation import quaternion_from_rotation_vector
 from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
 from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
 from heavylift.preprocess.primitive_surfaces import box_surface
-from heavylift.solver.connections import GROUND, FixedJoint, JointFrame
+from heavylift.solver.connections import GROUND, JointFrame
+from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.marine.moorings import LineSection, MooringLine
 from heavylift.solver.marine.wave_trains import regular_wave
 from heavylift.solver.scene import Gravity, RigidBody, Scene

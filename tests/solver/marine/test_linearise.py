@@ -15,7 +15,8 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import quaternion_from_rotation_vector
 from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
 from heavylift.preprocess.primitive_surfaces import box_surface
-from heavylift.solver.connections import GROUND, FixedJoint, JointFrame, Spring
+from heavylift.solver.connections import GROUND, JointFrame, Spring
+from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.marine.frequency_domain import motion_operators, natural_modes
 from heavylift.solver.marine.joined_database import joined_database
 from heavylift.solver.marine.linearise import hull_transform, linear_group, linearise

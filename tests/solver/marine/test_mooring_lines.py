@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.channels import add_channels
 from heavylift.solver.connections import GROUND
@@ -38,7 +37,6 @@ ANCHOR = np.array([-160.0, 90.0, -60.0])
 BOLLARD = np.array([12.0, -55.0, 6.0])
 
 
-@kernel
 def evaluate(kinds: tuple[Any, ...], work: Workspace, row: np.ndarray) -> None:
     """Forces, then a record of them."""
     add_forces(kinds, 0.0, work)

@@ -7,7 +7,6 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
-from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.interface import (
     Forces,
@@ -42,7 +41,6 @@ COEFFICIENTS = np.column_stack(
 AREAS = np.array([400.0, 1500.0, 1500.0 * 90.0])
 
 
-@kernel
 def act(forces, time, work, row):
     add_forces(forces, time, work)
     record_forces(forces, time, work, row)

@@ -1,0 +1,275 @@
+"""Descriptions: all there is to say of a kind of things, said once.
+
+A *description* is a frozen dataclass, in the file of its kind, of what a user says of one thing: each field is
+annotated with its quantity, and a sentence stands below it. Its class says under which word a case file knows it and
+what it records. The section of the case file, the JSON schema, the checks, the tables of keys, the sentences of
+channels and the rows of the report are made from it; nothing of it stands anywhere else.
+
+A `Family` finds the descriptions of one sort: each module of a package may bring some. A file that nobody names is not
+looked at: a case with hinges knows nothing of screws. And of a file that is named only the description is executed,
+with what it refers to: who reads a case does not import a compiler. When the kernels are wanted, the module is imported
+as any other, and finds its description there already.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import inspect
+import sys
+import types
+from dataclasses import MISSING, Field, dataclass, fields
+from pathlib import Path
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    Generic,
+    NamedTuple,
+    TypeVar,
+    get_args,
+    get_origin,
+)
+
+from heavylift.numerics.quantity import Quantity, WorldDirection
+from heavylift.numerics.units import KINDS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Iterable
+
+__all__ = ["ChannelKind", "DescribedField", "Family", "described_fields"]
+
+T = TypeVar("T")
+XYZ = ("x", "y", "z")
+
+
+@dataclass(frozen=True)
+class ChannelKind:
+    """A channel that things of a kind record.
+
+    Attributes
+    ----------
+    name
+        Last part of the name of the channel.
+    quantity
+        Name of a `heavylift.numerics.units.Kind`.
+    sentence
+        What it is, in words.
+    components
+        Names of its columns; of a number its own name.
+    """
+
+    name: str
+    quantity: str
+    sentence: str
+    components: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.quantity not in KINDS or not self.sentence:
+            raise TypeError(
+                f"channel {self.name!r}: {self.quantity!r}, expected a known quantity and a sentence"
+            )
+        known = _CHANNELS.setdefault(self.name, self)
+        if (known.quantity, known.components) != (self.quantity, self.components):
+            raise TypeError(
+                f"channel {self.name!r} is a {self.quantity} with components {self.components}, elsewhere"
+                f" a {known.quantity} with {known.components}"
+            )
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+        return KINDS[self.quantity].unit
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Name of each column."""
+        return self.components or (self.name,)
+
+
+_CHANNELS: dict[str, ChannelKind] = {}
+
+
+class DescribedField(NamedTuple):
+    """A key that a description brings: its name, type without annotation, annotation, and default.
+
+    Without default the key is needed; `default` then is `dataclasses.MISSING`.
+    """
+
+    name: str
+    hint: Any
+    quantity: Quantity | WorldDirection
+    default: Any
+
+
+class Family(Generic[T]):
+    """Descriptions of one sort, by the words of case files.
+
+    Parameters
+    ----------
+    name
+        What a member is called in messages, e.g. "joint".
+    package
+        Modules of this package may describe members; the one with the name of a word is looked at first.
+    reserved
+        Words that stand for something else.
+    """
+
+    def __init__(self, name: str, package: str, reserved: Collection[str] = ()) -> None:
+        self.name, self.package, self.reserved = name, package, reserved
+        self._members: dict[str, type[T]] = {}
+        self._complete = False
+
+    def describe(self, word: str) -> Callable[[type[T]], type[T]]:
+        """Decorate the dataclass that describes what a case file calls `word`.
+
+        Raises
+        ------
+        TypeError
+            If another one has the word, a field has no quantity, or a field hides one of a base class.
+        """
+
+        def register(described: type[T]) -> type[T]:
+            other = self._members.get(word)
+            if other is not None and _place(other) == _place(described):
+                return other  # its kernels are imported now
+            if word in self.reserved:
+                raise TypeError(f"{_place(described)}: {word!r} stands for another {self.name}")
+            if other is not None:
+                raise TypeError(
+                    f"{self.name} {word!r} is described twice: {_place(other)} and {_place(described)}"
+                )
+            for base in described.__mro__[1:]:
+                hidden = _named_in(described, described) & _named_in(base, described)
+                if hidden:
+                    raise TypeError(
+                        f"{_place(described)}: {', '.join(sorted(hidden))} hides that of {base.__name__}"
+                    )
+            described.WORD = word  # type: ignore[attr-defined]
+            described.FIELDS = _find_fields(described)  # type: ignore[attr-defined]
+            self._members[word] = described
+            return described
+
+        return register
+
+    def get(self, word: str) -> type[T] | None:
+        """Description that a word stands for; None if there is none."""
+        if word not in self._members and word.isidentifier():
+            file = self._folder / f"{word}.py"
+            if file.is_file():
+                _read(file, f"{self.package}.{word}")
+            if word not in self._members:
+                self._read_all()
+        return self._members.get(word)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """All words, in alphabetical order."""
+        self._read_all()
+        return tuple(sorted(self._members))
+
+    @property
+    def _folder(self) -> Path:
+        return Path(str(importlib.import_module(self.package).__file__)).parent
+
+    def _read_all(self) -> None:
+        if not self._complete:
+            for file in sorted(self._folder.glob("[!_]*.py")):
+                _read(file, f"{self.package}.{file.stem}")
+            self._complete = True
+
+
+def _read(file: Path, name: str) -> None:
+    """Execute the descriptions of a module, and the imports and definitions that they refer to; nothing else of it."""
+    if name in sys.modules:
+        return
+    tree = ast.parse(file.read_text(encoding="utf-8"), str(file))
+    given: dict[str, list[ast.stmt]] = {}
+    for node in tree.body:
+        for bound in _bound(node):
+            given.setdefault(bound, []).append(node)
+    wanted = [node for node in tree.body if any(map(_describes, getattr(node, "decorator_list", ())))]
+    if not wanted:
+        return
+    kept = {
+        id(node) for node in tree.body if isinstance(node, ast.ImportFrom) and node.module == "__future__"
+    }
+    while wanted:
+        node = wanted.pop()
+        if id(node) not in kept:
+            kept.add(id(node))
+            if isinstance(node, ast.ClassDef) and not any(map(_describes, node.decorator_list)):
+                # imported again with the kernels it would be another class
+                raise TypeError(
+                    f"{name}.{node.name}: what descriptions are made of stands in a module without kernels"
+                )
+            names = {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
+            wanted += [definition for used in names for definition in given.get(used, ())]
+    tree.body = [node for node in tree.body if id(node) in kept]
+    module = types.ModuleType(name)
+    module.__file__ = str(file)
+    sys.modules[name] = module  # dataclasses look names of annotations up there
+    try:
+        exec(compile(tree, str(file), "exec"), module.__dict__)  # noqa: S102
+    finally:
+        del sys.modules[name]
+
+
+def _describes(decorator: ast.expr) -> bool:
+    return (
+        isinstance(decorator, ast.Call)
+        and isinstance(decorator.func, ast.Attribute)
+        and decorator.func.attr == "describe"
+    )
+
+
+def _bound(node: ast.stmt) -> list[str]:
+    """Names that a statement of a module binds."""
+    if isinstance(node, (ast.ClassDef, ast.FunctionDef)):
+        return [node.name]
+    found = []
+    for part in ast.walk(node):
+        if isinstance(part, ast.alias):
+            found.append(part.asname or part.name.partition(".")[0])
+        elif isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store):
+            found.append(part.id)
+    return found
+
+
+def described_fields(described: Any) -> tuple[DescribedField, ...]:
+    """Keys that a description brings beside those of its base, in their order."""
+    found: tuple[DescribedField, ...] = described.FIELDS
+    return found
+
+
+def _find_fields(described: type) -> tuple[DescribedField, ...]:
+    """Keys of a description; a field without quantity is a `TypeError`."""
+    hints: dict[str, Any] = {}
+    for base in reversed(described.__mro__):
+        if "WORD" in base.__dict__:
+            own = _named_in(base, described)
+            hints |= {k: v for k, v in inspect.get_annotations(base, eval_str=True).items() if k in own}
+    by_name: dict[str, Field[Any]] = {field.name: field for field in fields(described)}
+    found = []
+    for name, hint in hints.items():
+        marks = [mark for mark in get_args(hint)[1:] if isinstance(mark, (Quantity, WorldDirection))]
+        if get_origin(hint) is not Annotated or len(marks) != 1:
+            raise TypeError(f"{_place(described)}.{name}: {hint}, expected an annotation with its quantity")
+        field = by_name[name]
+        default = field.default_factory() if field.default_factory is not MISSING else field.default
+        found.append(DescribedField(name, get_args(hint)[0], marks[0], default))
+    return tuple(found)
+
+
+def _named_in(base: type, described: type) -> set[str]:
+    """Fields of a description that the body of one of its classes names."""
+    return set(inspect.get_annotations(base)) & {field.name for field in fields(described)}
+
+
+def known_channels() -> Iterable[ChannelKind]:
+    """Channels that descriptions which have been imported declare."""
+    return _CHANNELS.values()
+
+
+def _place(described: type) -> str:
+    return f"{described.__module__.removeprefix('heavylift.')}.{described.__qualname__}"

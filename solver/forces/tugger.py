@@ -1,0 +1,113 @@
+"""Tuggers: winches that keep their tension, whatever the distance of the two ends.
+
+With the unit vector e from a to b the tension T acts as ``T e`` on a and ``-T e`` on b. Its power is that of the
+winch, ``-T d/dt |b - a|``, and counts as work of outer forces.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.arrays import Arrays
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import Quantity
+from heavylift.numerics.records import Record, Records, records
+from heavylift.solver.connections import PAIR_FORCES, PairForce
+from heavylift.solver.descriptions import ChannelKind
+from heavylift.solver.interface import FORCES, Workspace, add_forces, record_forces
+from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
+
+__all__ = ["Tugger", "Tuggers", "pack"]
+
+
+@PAIR_FORCES.describe("tugger")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Tugger(PairForce):
+    """A winch pulls the two points together with a constant tension."""
+
+    CHANNELS: ClassVar = (
+        ChannelKind("pull", "force", "tension of a tugger; 0 where its ends coincide"),
+        ChannelKind("distance", "length", "distance of the ends of a tugger"),
+    )
+
+    tension: Annotated[float, Quantity("force", minimum=0.0, closed=True)]
+    """Tension of the line [N]."""
+
+
+class TuggerEntry(Record):
+    """Markers of both ends, first record column, tension [N]."""
+
+    a: int
+    b: int
+    column: int
+    tension: float
+
+
+class Tuggers(Arrays):
+    """All tuggers of a scene."""
+
+    table: Records[TuggerEntry]
+
+
+def pack(forces: Sequence[Tugger], columns: Sequence[int], book: MarkerBook) -> Tuggers:
+    """Make the kind.
+
+    Raises
+    ------
+    InputError
+        If a tension is negative or not finite.
+    """
+    rows = []
+    for force, column in zip(forces, columns, strict=True):
+        if not 0.0 <= force.tension < math.inf:
+            raise InputError(
+                f"a tension of {force.tension} N", source=force.name, key="tension", expected="a force >= 0 N"
+            )
+        a = book.point(force.body_a, force.point_a, FORCES)
+        rows.append((a, book.point(force.body_b, force.point_b, FORCES), column, force.tension))
+    return Tuggers(records(TuggerEntry, rows))
+
+
+@kernel(internal=True)
+def _line(work: Workspace, entry: TuggerEntry) -> tuple[float, float, float, float]:
+    """Distance of the ends [m], and the vector of the tension on a [N]; none where they coincide."""
+    a, b = work.markers[entry.a].point, work.markers[entry.b].point
+    x, y, z = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    size = math.sqrt(x * x + y * y + z * z)
+    factor = entry.tension / size if size > 0.0 else 0.0
+    return size, factor * x, factor * y, factor * z
+
+
+@implement(add_forces, Tuggers)
+@kernel(internal=True)
+def add_tuggers(kind: Tuggers, time: float, work: Workspace) -> None:
+    """Tension on both ends."""
+    for i in range(kind.table.shape[0]):
+        entry = kind.table[i]
+        _, x, y, z = _line(work, entry)
+        on_a, on_b = work.markers[entry.a].force, work.markers[entry.b].force
+        on_a[0] += x
+        on_a[1] += y
+        on_a[2] += z
+        on_b[0] -= x
+        on_b[1] -= y
+        on_b[2] -= z
+
+
+@implement(record_forces, Tuggers)
+@kernel(internal=True)
+def record_tuggers(kind: Tuggers, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
+    """Tension and distance."""
+    for i in range(kind.table.shape[0]):
+        entry = kind.table[i]
+        size, _, _, _ = _line(work, entry)
+        row[entry.column] = entry.tension if size > 0.0 else 0.0
+        row[entry.column + 1] = size

@@ -1,0 +1,238 @@
+"""Screws: the point of b travels along z of a as b turns about it; 5 rows.
+
+With the pitch p, the travel a radian, and two directions x, y of a across the axis::
+
+    x_a . (p_b - p_a) = 0,  y_a . (p_b - p_a) = 0,  z_a . x_b = 0,  z_a . y_b = 0,  z_a . (p_b - p_a) - p phi = 0
+
+The travel says how many whole turns the angle ``phi`` has made: that is certain while the last row is off by less than
+half a lead, so a screw is rigid, and starts on the turn on which both are zero. The last row transmits the force f of
+the thread along the axis and the moment ``-p f`` about it (R. Featherstone, Rigid Body Dynamics Algorithms, 2008,
+section 4.4: the helical joint).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.arrays import Arrays
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import Quantity
+from heavylift.numerics.records import Records, records
+from heavylift.solver.connections import ANGLE_CHANNELS, JOINTS, TRAVEL_CHANNELS, Joint, Place
+from heavylift.solver.descriptions import ChannelKind
+from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
+from heavylift.solver.joints.packing import (
+    AngleMarkers,
+    JointEntry,
+    JointPlace,
+    TravelMarkers,
+    angle_markers,
+    point_markers,
+    refuse_opposite,
+    travel_markers,
+)
+from heavylift.solver.joints.reactions import (
+    REACTION_WIDTH,
+    add_force,
+    add_moment,
+    clear_reaction,
+    reactions,
+    record_travel,
+)
+from heavylift.solver.joints.row_writing import (
+    add_direction_row,
+    angle_bias,
+    angle_row,
+    difference,
+    dot,
+    hinge_angle,
+    hinge_rate,
+    near_angle,
+    residuals,
+    square_bias,
+    square_row,
+    targets,
+    travel_bias,
+    travel_row,
+    vector,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
+from heavylift.solver.rows import RowArrays
+
+__all__ = ["Screw", "Screws", "pack"]
+
+THREAD = 4
+"""Row of the thread."""
+
+
+@JOINTS.describe("screw")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Screw(Joint):
+    """The point of b travels along the axis as b turns about it, by the lead a turn."""
+
+    PLACE: ClassVar = Place.AXIS
+    ROTATIONAL: ClassVar = (False, False, True, True, False)
+    CHANNELS: ClassVar = (
+        *Joint.CHANNELS,
+        *ANGLE_CHANNELS,
+        *TRAVEL_CHANNELS,
+        ChannelKind("thread_force", "force", "force of the thread of a screw on side b, along the axis"),
+    )
+    COORDINATE: ClassVar = "angle"
+
+    lead: Annotated[float, Quantity("length")]
+    """Travel a turn [m], not zero; positive for a right-handed thread."""
+
+
+class ScrewEntry(JointEntry):
+    """Direction markers x, y, z of a, x and y of b, travel a radian [m], markers of the recorded angle and travel."""
+
+    x_a: int
+    y_a: int
+    z_a: int
+    x_b: int
+    y_b: int
+    pitch: float
+    angle: AngleMarkers
+    travel: TravelMarkers
+
+
+class Screws(Arrays):
+    """All screws of a scene."""
+
+    table: Records[ScrewEntry]
+
+
+def pack(joints: Sequence[Screw], places: Sequence[JointPlace], book: MarkerBook) -> Screws:
+    """Make the kind.
+
+    Raises
+    ------
+    InputError
+        If a lead is zero or not finite, the screw is compliant, its axes point away from each other at the start, or
+        travel and angle do not belong to one turn there.
+    """
+    rows = []
+    for joint, place in zip(joints, places, strict=True):
+        if not (math.isfinite(joint.lead) and joint.lead != 0.0):
+            raise InputError(
+                f"a lead of {joint.lead} m",
+                source=joint.name,
+                key="lead",
+                expected="a travel a turn that is not zero, or a hinge",
+            )
+        if joint.compliance > 0.0 or joint.relaxation > 0.0:
+            key = "compliance" if joint.compliance > 0.0 else "relaxation"
+            raise InputError(
+                f"{getattr(joint, key):g} of a screw, whose thread could slip",
+                source=joint.name,
+                key=key,
+                expected="none: a screw is rigid; a soft body or joint beside it",
+            )
+        refuse_opposite(joint, place, (2,))
+        pitch = joint.lead / (2.0 * math.pi)
+        _refuse_other_turns(joint, place, pitch)
+        axes_a = (
+            book.direction(joint.body_a, joint.frame_a.axes[:, k], at=joint.frame_a.point) for k in range(3)
+        )
+        axes_b = (
+            book.direction(joint.body_b, joint.frame_b.axes[:, k], at=joint.frame_b.point) for k in range(2)
+        )
+        points = point_markers(book, joint)
+        recorded = (angle_markers(book, joint, RECORD), travel_markers(book, joint, RECORD))
+        rows.append((place.block, *points, place.column, *axes_a, *axes_b, pitch, *recorded))
+    return Screws(records(ScrewEntry, rows))
+
+
+def _refuse_other_turns(joint: Screw, place: JointPlace, pitch: float) -> None:
+    """Refuse a start whose travel belongs to another turn than its angle, which lies in (-pi, pi]."""
+    a, b = place.frames
+    along = float(a.axes[:, 2] @ (b.point - a.point))
+    angle = math.atan2(-float(b.axes[:, 1] @ a.axes[:, 0]), float(b.axes[:, 0] @ a.axes[:, 0]))
+    if not abs(along / pitch - angle) < math.pi:
+        raise InputError(
+            f"a travel of {along:.6g} m, {along / joint.lead:.3g} turns, at an angle of {angle:.6g} rad",
+            source=joint.name,
+            key="points",
+            expected="a start within half a turn of where both are zero: move the point of side a along the axis",
+        )
+
+
+@kernel(internal=True)
+def _scale_row(system: RowArrays, attachment: int, row: int, factor: float) -> None:
+    begin, lanes = system.attachments[attachment].panel + row, system.lanes
+    for k in range(system.attachments[attachment].width):
+        system.panels[begin + k * lanes] *= factor
+
+
+@implement(fill_rows, Screws)
+@kernel(internal=True)
+def fill_screw_rows(kind: Screws, with_residual: bool, work: Workspace, system: RowArrays) -> None:
+    """Rows from the markers."""
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
+        block, point_a, point_b = entry.block, entry.point_a, entry.point_b
+        x = travel_row(system, block, 0, work, point_a, point_b, entry.x_a)
+        y = travel_row(system, block, 1, work, point_a, point_b, entry.y_a)
+        zx = square_row(system, block, 2, work, entry.z_a, entry.x_b)
+        zy = square_row(system, block, 3, work, entry.z_a, entry.y_b)
+        angle = angle_row(system, block, THREAD, work, entry.x_a, entry.x_b, entry.y_b)
+        _scale_row(system, 2 * block, THREAD, -entry.pitch)
+        _scale_row(system, 2 * block + 1, THREAD, -entry.pitch)
+        e, r = vector(work, entry.z_a), difference(work, point_a, point_b)
+        add_direction_row(system, 2 * block, THREAD, work, entry.z_a, r)
+        add_direction_row(system, 2 * block, THREAD, work, point_a, (-e[0], -e[1], -e[2]))
+        add_direction_row(system, 2 * block + 1, THREAD, work, point_b, e)
+        if with_residual:
+            along, g = dot(e, r), residuals(system, block)
+            g[0], g[1], g[2], g[3] = x, y, zx, zy
+            g[THREAD] = along - entry.pitch * near_angle(angle, along / entry.pitch)
+
+
+@implement(fill_bias, Screws)
+@kernel(internal=True)
+def fill_screw_bias(kind: Screws, time: float, work: Workspace, system: RowArrays) -> None:
+    """Quadratic velocity terms."""
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
+        target, point_a, point_b = targets(system, entry.block), entry.point_a, entry.point_b
+        target[0] = -travel_bias(work, point_a, point_b, entry.x_a)
+        target[1] = -travel_bias(work, point_a, point_b, entry.y_a)
+        target[2] = -square_bias(work, entry.z_a, entry.x_b)
+        target[3] = -square_bias(work, entry.z_a, entry.y_b)
+        turning = angle_bias(work, entry.x_a, entry.x_b, entry.y_b)
+        target[THREAD] = entry.pitch * turning - travel_bias(work, point_a, point_b, entry.z_a)
+
+
+@implement(record_joints, Screws)
+@kernel(internal=True)
+def record_screws(
+    kind: Screws, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
+) -> None:
+    """Reaction on b, angle, travel, force of the thread."""
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
+        block, column = entry.block, entry.column
+        clear_reaction(row, column)
+        add_force(system, block, 0, work, entry.x_a, row, column)
+        add_force(system, block, 1, work, entry.y_a, row, column)
+        add_moment(system, block, 2, work, entry.x_b, entry.z_a, row, column)
+        add_moment(system, block, 3, work, entry.y_b, entry.z_a, row, column)
+        add_force(system, block, THREAD, work, entry.z_a, row, column)
+        force, e = reactions(system, block)[THREAD], vector(work, entry.z_a)
+        for k in range(3):
+            row[column + 3 + k] -= entry.pitch * force * e[k]
+        record_travel(work, entry.travel, row, column + REACTION_WIDTH + 2)
+        seen, expected = entry.angle, row[column + REACTION_WIDTH + 2] / entry.pitch
+        angle = hinge_angle(work, seen.x_a, seen.x_b, seen.y_b)
+        row[column + REACTION_WIDTH] = near_angle(angle, expected)
+        row[column + REACTION_WIDTH + 1] = hinge_rate(work, seen.x_a, seen.x_b, seen.y_b)
+        row[column + REACTION_WIDTH + 4] = force

@@ -1,0 +1,229 @@
+"""Descriptions: what is wrong with one is told when its file is read, and kernels are imported only for a run."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import textwrap
+from dataclasses import MISSING, dataclass
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
+
+import pytest
+
+from heavylift.numerics.quantity import Positive, Quantity
+from heavylift.solver.connections import JOINTS, PAIR_FORCES, Joint, Place
+from heavylift.solver.descriptions import ChannelKind, Family, _read, described_fields
+
+WORDS = (
+    "ball",
+    "cylindrical",
+    "distance",
+    "edge_clamp",
+    "edge_hinge",
+    "fixed",
+    "hinge",
+    "planar",
+    "screw",
+    "slider",
+    "slider_hinge",
+    "universal",
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Thing:
+    name: str
+    mass: float = 0.0
+
+
+def family() -> Family[Thing]:
+    return Family("thing", "heavylift.solver.joints")
+
+
+def test_a_family_knows_all_its_files():
+    assert set(WORDS) <= set(JOINTS.words)
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_every_joint_says_its_rows_and_channels(word):
+    described = JOINTS.get(word)
+    assert word == described.WORD
+    assert described.__doc__
+    assert described.PLACE is Place.EDGE or described.ROTATIONAL
+    assert [channel.name for channel in described.CHANNELS[:2]] == ["reaction_force", "reaction_moment"]
+    assert all(channel.sentence and channel.unit for channel in described.CHANNELS)
+
+
+@pytest.mark.parametrize(("name", "family"), [("JOINTS", JOINTS), ("PAIR_FORCES", PAIR_FORCES)])
+def test_a_description_that_was_read_is_the_one_of_its_module(name, family):
+    code = (
+        "import importlib\n"
+        "from heavylift.solver.connections import EdgeJoint, Joint, PairForce\n"
+        f"from heavylift.solver.connections import {name} as family\n"
+        "for word in family.words:\n"
+        "    read = family.get(word)\n"
+        "    module = importlib.import_module(read.__module__)\n"
+        "    assert getattr(module, read.__name__) is read, word\n"
+        "    assert issubclass(read, (Joint, PairForce))\n"
+        "    assert word.startswith('edge') == issubclass(read, EdgeJoint)\n"
+        "print(len(family.words))\n"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert int(result.stdout) == len(family.words)
+
+
+def test_a_word_that_stands_for_something_else_is_refused():
+    @dataclass(frozen=True, kw_only=True)
+    class Other(Thing):
+        pass
+
+    things = Family[Thing]("thing", "heavylift.solver.joints", ("rod",))
+    with pytest.raises(TypeError, match="'rod' stands for another thing"):
+        things.describe("rod")(Other)
+
+
+def read(folder: Path, text: str) -> Family[Any]:
+    """A family with one file."""
+    (folder / "made.py").write_text("from __future__ import annotations\n" + textwrap.dedent(text))
+    things: Family[Any] = Family("thing", "made_package")
+    _read(folder / "made.py", f"made_{folder.name}")
+    return things
+
+
+HEAD = """
+    from dataclasses import dataclass
+    from typing import Annotated
+    from heavylift.numerics.quantity import Quantity
+    from heavylift.solver.connections import PAIR_FORCES, PairForce
+"""
+
+
+def test_what_a_description_refers_to_is_executed_and_nothing_else(tmp_path):
+    text = (
+        HEAD
+        + """
+    raise_if_executed = 1 / int("0") if "never" else None
+
+    LOW, HIGH = 1.0, 2.0
+    if HIGH > LOW:
+        DEFAULT = LOW
+    else:
+        DEFAULT = HIGH
+    DEFAULT += 0.5
+
+    @PAIR_FORCES.describe("made_of_parts")
+    @dataclass(frozen=True, eq=False, kw_only=True)
+    class Made(PairForce):
+        \"\"\"Made.\"\"\"
+
+        CHANNELS = ()
+        length: Annotated[float, Quantity("length")] = DEFAULT
+        \"\"\"Length [m].\"\"\"
+    """
+    )
+    try:
+        read(tmp_path, text)
+        (field,) = described_fields(PAIR_FORCES.get("made_of_parts"))
+        assert field.default == 1.5
+    finally:
+        PAIR_FORCES._members.pop("made_of_parts", None)
+
+
+def test_a_base_beside_its_description_is_refused(tmp_path):
+    """Imported again with the kernels it would be another class."""
+    text = (
+        HEAD
+        + """
+    @dataclass(frozen=True, eq=False, kw_only=True)
+    class Base(PairForce):
+        pass
+
+    @PAIR_FORCES.describe("made_on_a_base")
+    @dataclass(frozen=True, eq=False, kw_only=True)
+    class Made(Base):
+        CHANNELS = ()
+    """
+    )
+    with pytest.raises(TypeError, match=r"Base: what descriptions are made of stands in a module without"):
+        read(tmp_path, text)
+
+
+def test_descriptions_are_read_without_a_compiler():
+    code = (
+        "import sys\n"
+        "from heavylift.solver.connections import JOINTS\n"
+        "assert JOINTS.get('screw').__name__ == 'Screw'\n"
+        "assert len(JOINTS.words) >= 12\n"
+        "print(sorted({'numba', 'scipy', 'heavylift.solver.joints.screw'} & set(sys.modules)))\n"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"
+
+
+def test_fields_are_keys_with_their_quantities():
+    @dataclass(frozen=True, kw_only=True)
+    class Rod(Thing):
+        COUNT: ClassVar[int] = 1
+        length: Annotated[float, Positive("length")]
+        friction: Annotated[float | None, Quantity("force")] = None
+
+    fields = {field.name: field for field in described_fields(family().describe("rod")(Rod))}
+    assert set(fields) == {"length", "friction"}
+    assert fields["length"].quantity == Positive("length")
+    assert fields["length"].default is MISSING
+    assert fields["friction"].default is None
+
+
+def test_two_descriptions_with_one_word_are_refused():
+    @dataclass(frozen=True, kw_only=True)
+    class First(Thing):
+        pass
+
+    @dataclass(frozen=True, kw_only=True)
+    class Second(Thing):
+        pass
+
+    things = family()
+    things.describe("rod")(First)
+    with pytest.raises(TypeError, match=r"thing 'rod' is described twice: .*First and .*Second"):
+        things.describe("rod")(Second)
+
+
+def test_a_field_that_hides_one_of_the_base_is_refused():
+    @dataclass(frozen=True, kw_only=True)
+    class Heavy(Thing):
+        mass: Annotated[float, Quantity("mass")] = 1.0
+
+    with pytest.raises(TypeError, match="Heavy: mass hides that of Thing"):
+        family().describe("heavy")(Heavy)
+
+
+def test_a_key_that_hides_one_of_where_a_joint_is_is_refused():
+    from heavylift.pipeline.case_joints import joint_section
+
+    @dataclass(frozen=True, eq=False, kw_only=True)
+    class Placed(Joint):
+        at: Annotated[float, Quantity("length")] = 0.0
+
+    made = Family[Joint]("joint", "heavylift.solver.joints").describe("placed")(Placed)
+    with pytest.raises(TypeError, match="at hides a key"):
+        joint_section(made)
+
+
+def test_a_field_without_unit_is_refused():
+    @dataclass(frozen=True, kw_only=True)
+    class Bare(Thing):
+        length: float = 1.0
+
+    with pytest.raises(TypeError, match=r"Bare\.length.*expected an annotation with its quantity"):
+        family().describe("bare")(Bare)
+
+
+def test_a_channel_has_a_known_quantity_and_a_sentence():
+    with pytest.raises(TypeError, match="'weird': 'furlong'"):
+        ChannelKind("weird", "furlong", "how far")
+    with pytest.raises(TypeError, match="'silent'"):
+        ChannelKind("silent", "length", "")
+    with pytest.raises(TypeError, match=r"'angle' is a length .*elsewhere a angle"):
+        ChannelKind("angle", "length", "how far")
