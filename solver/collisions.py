@@ -80,21 +80,28 @@ class Collision:
     """
 
     CHANNELS: ClassVar = (
-        ChannelKind("gap", "length", "smallest distance of the surfaces; negative where one is inside"),
+        ChannelKind(
+            "gap",
+            "length",
+            "smallest distance of the surfaces, negative inside; no more than what the search looks for",
+        ),
         ChannelKind("contacts", "number", "number of contacts"),
         ChannelKind("patches", "number", "number of patches of contacts"),
         ChannelKind("force", "force", "force on the second surface, world axes", XYZ),
         ChannelKind("normal_force", "force", "sum of the forces of all contacts along their normals"),
         ChannelKind("largest_force", "force", "largest sum of the normal forces of a patch of contacts"),
         ChannelKind(
-            "impulse", "momentum", "sum of the impulses along the normals since the start", unit="N s"
+            "impulse",
+            "momentum",
+            "sum of the impulses along the normals since the start, impacts included",
+            unit="N s",
         ),
         ChannelKind("point", "length", "centre of the forces, in the world", XYZ),
         ChannelKind("slip", "velocity", "largest speed at which a contact slides"),
         ChannelKind(
             "dissipated",
             "moment or energy",
-            "energy lost to impacts, damping and friction since the start",
+            "energy lost to impacts, damping and friction since the start, part of energy.dissipated",
             unit="J",
         ),
         ChannelKind("impacts", "number", "number of impacts since the start"),

@@ -219,7 +219,10 @@ class Contact:
         ChannelKind("friction_force", "force", "force across the normal of the contour, its amount"),
         ChannelKind("force", "force", "force on what touches, world axes", XYZ),
         ChannelKind(
-            "impulse", "momentum", "sum of the impulses along the normal since the start", unit="N s"
+            "impulse",
+            "momentum",
+            "sum of the impulses along the normal since the start, impacts included",
+            unit="N s",
         ),
         ChannelKind("slip", "velocity", "speed at which what touches slides"),
         ChannelKind("slip_path", "length", "length of the path that it has slid"),
@@ -233,7 +236,7 @@ class Contact:
         ChannelKind(
             "dissipated",
             "moment or energy",
-            "energy lost to impacts, damping and friction since the start",
+            "energy lost to impacts, damping and friction since the start, part of energy.dissipated",
             unit="J",
         ),
         ChannelKind("impacts", "number", "number of impacts since the start"),
