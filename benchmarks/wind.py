@@ -24,10 +24,8 @@ from heavylift.solver.marine.wind_loads import (
     DragElement,
     WindField,
     fluctuation_record,
-    fluid_channels,
-    fluid_markers,
 )
-from heavylift.solver.marine.wind_packing import pack_fluid_loads
+from heavylift.solver.marine.wind_packing import fluid_channels, fluid_markers, pack_fluid_loads
 from heavylift.solver.marine.wind_spectrum import wind_components, wind_record
 
 CALLS = 20000

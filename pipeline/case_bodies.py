@@ -3,7 +3,7 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 from itertools import pairwise
-from typing import Annotated, Any, Generic, Literal, TypeVar
+from typing import Annotated, Any, ClassVar, Generic, Literal, TypeVar
 
 from pydantic import (
     Field,
@@ -27,6 +27,7 @@ from heavylift.pipeline.fields import (
     quantity_schema,
     reject,
 )
+from heavylift.solver.scene_bodies import Driven, Fixed, FlexibleBody, RigidBody
 
 __all__ = [
     "AxisAngle",
@@ -96,6 +97,8 @@ class FreeFrame(Section):
 class FixedFrame(Section):
     """The frame stays where it is; its reaction is recorded."""
 
+    CHANNELS: ClassVar = Fixed.CHANNELS
+
     motion: Literal["fixed"]
     origin: Literal["geometry", "centre_of_mass"] = "geometry"
     """Origin of the body frame: that of the geometry, or the centre of mass."""
@@ -103,6 +106,8 @@ class FixedFrame(Section):
 
 class DrivenFrame(Section):
     """The frame follows functions of time; its reaction and the work of the drive are recorded."""
+
+    CHANNELS: ClassVar = Driven.CHANNELS
 
     motion: Literal["driven"]
     origin: Literal["geometry", "centre_of_mass"] = "geometry"
@@ -172,6 +177,8 @@ class InitialSection(RigidInitialSection):
 class FlexibleBodySection(Section):
     """A body with a finite-element model that deforms."""
 
+    CHANNELS: ClassVar = FlexibleBody.CHANNELS
+
     type: Literal["flexible"]
     geometry: Geometry
     """Shape, or matrices of another program."""
@@ -233,6 +240,8 @@ class FlexibleBodySection(Section):
 
 class RigidBodySection(Section):
     """A body that does not deform."""
+
+    CHANNELS: ClassVar = RigidBody.CHANNELS
 
     type: Literal["rigid"]
     mass: Annotated[float, Positive("mass")]

@@ -3,7 +3,7 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 import math
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
@@ -19,9 +19,11 @@ from heavylift.pipeline.fields import (
     refuse_unknown,
     reject,
 )
+from heavylift.solver import collisions as solver
 
 __all__ = [
     "Collision",
+    "CollisionSection",
     "HertzCollisionSection",
     "HuntCrossleyCollisionSection",
     "LinearCollisionSection",
@@ -47,8 +49,10 @@ _LAWS_OF = {
 _LAWS = ("rigid", "linear", "hertz", "hunt-crossley", "thesis")
 
 
-class _CollisionSection(Section):
+class CollisionSection(Section):
     """What all collisions have."""
+
+    CHANNELS: ClassVar = solver.Collision.CHANNELS
 
     name: UniqueName
     """Name; the first part of its channels. With `among` those of the pairs are NAME_1, NAME_2, ..."""
@@ -139,7 +143,7 @@ class _CollisionSection(Section):
         return self
 
 
-class RigidCollisionSection(_CollisionSection):
+class RigidCollisionSection(CollisionSection):
     """Without compliance: surfaces do not enter each other, impacts are at once, and tell impulses, not forces."""
 
     law: Literal["rigid"]
@@ -154,7 +158,7 @@ class RigidCollisionSection(_CollisionSection):
     ``v sqrt(k m)``."""
 
 
-class LinearCollisionSection(_CollisionSection):
+class LinearCollisionSection(CollisionSection):
     """A spring and a damper that never pull; the contacts of a patch share them."""
 
     law: Literal["linear"]
@@ -164,7 +168,7 @@ class LinearCollisionSection(_CollisionSection):
     """Of a patch [N s/m]."""
 
 
-class HertzCollisionSection(_CollisionSection):
+class HertzCollisionSection(CollisionSection):
     """Elastic and smooth bodies (Hertz): a force that grows with the depth to the power of 3/2."""
 
     law: Literal["hertz"]
@@ -177,7 +181,7 @@ class HertzCollisionSection(_CollisionSection):
         return contact_stiffness(value, 1.5)
 
 
-class HuntCrossleyCollisionSection(_CollisionSection):
+class HuntCrossleyCollisionSection(CollisionSection):
     """A force that grows with a power of the depth, and damping that gives a restitution (Hunt and Crossley)."""
 
     law: Literal["hunt-crossley"]
@@ -202,7 +206,7 @@ class HuntCrossleyCollisionSection(_CollisionSection):
         return value
 
 
-class ThesisCollisionSection(_CollisionSection):
+class ThesisCollisionSection(CollisionSection):
     """The parameters of "Integrated simulation of ships and offshore structures (2018)": a spring and a damper."""
 
     law: Literal["thesis"]

@@ -2,7 +2,7 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
@@ -22,6 +22,7 @@ from heavylift.pipeline.fields import (
     refuse_unknown,
     reject,
 )
+from heavylift.solver import contacts as solver
 
 __all__ = [
     "BilateralContactSection",
@@ -174,6 +175,8 @@ _ON_SURFACES = frozenset({"circle", "ellipsoid", "box", "capsule", "cylinder"})
 
 class _ContactSection(Section):
     """What all contacts have."""
+
+    CHANNELS: ClassVar = solver.Contact.CHANNELS
 
     name: UniqueName
     """Name; the first part of its channels."""

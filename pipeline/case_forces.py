@@ -4,7 +4,7 @@
 
 from functools import cache
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
     Discriminator,
@@ -33,7 +33,7 @@ from heavylift.pipeline.fields import (
     reject,
     type_tag,
 )
-from heavylift.solver.connections import JOINTS, PAIR_FORCES, PairForce
+from heavylift.solver.connections import JOINTS, LOAD_CHANNELS, PAIR_FORCES, PairForce, Spring
 
 __all__ = [
     "Force",
@@ -78,6 +78,8 @@ class PointForceSection(Section):
 
 class SpringForceSection(Section):
     """A spring and damper between two points, along their line: it pulls and pushes."""
+
+    CHANNELS: ClassVar = Spring.CHANNELS
 
     type: Literal["spring"]
     name: UniqueName
@@ -128,6 +130,8 @@ class PairForceSection(Section):
 
 class _AlongJoint(Section):
     """What loads along a joint have."""
+
+    CHANNELS: ClassVar = tuple(LOAD_CHANNELS.values())
 
     name: UniqueName
     """Name; the first part of its channels."""

@@ -4,7 +4,7 @@
 
 from itertools import pairwise
 from pathlib import PurePath
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
@@ -21,6 +21,7 @@ from heavylift.pipeline.fields import (
     refuse_unknown,
     reject,
 )
+from heavylift.solver.seas import Hull
 
 __all__ = [
     "DATABASE_FORMATS",
@@ -130,6 +131,8 @@ Square = Annotated[tuple[tuple[float, ...], ...], BeforeValidator(_square), With
 
 class HullSection(Section):
     """A rigid body that floats: its buoyancy, and what dampens it beside the waves that it makes."""
+
+    CHANNELS: ClassVar = Hull.CHANNELS
 
     surface: str | None = None
     """Name of a closed surface of this body, clipped by the still water."""

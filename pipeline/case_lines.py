@@ -3,7 +3,7 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 from itertools import pairwise
-from typing import Annotated, Self
+from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
@@ -18,6 +18,7 @@ from heavylift.pipeline.fields import (
     UniqueName,
     reject,
 )
+from heavylift.solver.marine.moorings import Fender, MooringLine
 
 __all__ = ["FenderSection", "LineSectionSection", "MooringLineSection"]
 
@@ -38,6 +39,8 @@ class LineSectionSection(Section):
 
 class MooringLineSection(Section):
     """A line between an anchor and a fairlead, in equilibrium at every instant."""
+
+    CHANNELS: ClassVar = MooringLine.CHANNELS
 
     name: UniqueName
     """Name; the first part of its channels."""
@@ -90,6 +93,8 @@ class MooringLineSection(Section):
 
 class FenderSection(Section):
     """A one-sided spring on a plane face, which pushes two bodies apart."""
+
+    CHANNELS: ClassVar = Fender.CHANNELS
 
     name: UniqueName
     """Name; the first part of its channels."""

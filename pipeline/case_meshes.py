@@ -2,7 +2,7 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -19,6 +19,7 @@ from heavylift.pipeline.case_mesh_geometry import (
 from heavylift.pipeline.case_mesh_loads import FrameLoad, MeshDampingSection, ShellLoad
 from heavylift.pipeline.case_mesh_supports import FrameSupportSection, ShellSupportSection
 from heavylift.pipeline.fields import Name, Positive, Quantity, Section, reject
+from heavylift.solver.meshes import FrameBody, ShellBody
 
 __all__ = ["Body", "FrameBodySection", "MeshBodySection", "ShellBodySection"]
 
@@ -39,6 +40,8 @@ class MeshBodySection(Section):
 
 class FrameBodySection(MeshBodySection):
     """A beam, cable or rod of cubic elements with large displacements and rotations; it has no torsion."""
+
+    CHANNELS: ClassVar = FrameBody.CHANNELS
 
     type: Literal["frame"]
     geometry: FrameGeometry
@@ -77,6 +80,8 @@ class FrameBodySection(MeshBodySection):
 
 class ShellBodySection(MeshBodySection):
     """A plate, shell or membrane of bicubic elements with large displacements and rotations, flat when unloaded."""
+
+    CHANNELS: ClassVar = ShellBody.CHANNELS
 
     type: Literal["shell"]
     geometry: ShellGeometry

@@ -3,7 +3,7 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
@@ -19,6 +19,7 @@ from heavylift.pipeline.fields import (
     reject,
     type_tag,
 )
+from heavylift.solver.connections import ROPE_CHANNELS
 
 __all__ = ["PathPointSection", "Rope", "SpringRopeSection", "WinchSection", "WireRopeSection"]
 
@@ -72,6 +73,8 @@ def _not_all_ground(path: tuple[PathPointSection, ...]) -> tuple[PathPointSectio
 class WireRopeSection(Section):
     """A wire rope through any number of points, with one tension all along: it pulls and never pushes."""
 
+    CHANNELS: ClassVar = ROPE_CHANNELS
+
     type: Literal["wire"] = "wire"
     name: UniqueName
     """Name; the first part of its channels."""
@@ -97,6 +100,8 @@ class WireRopeSection(Section):
 
 class SpringRopeSection(Section):
     """A rope between two points that pulls like a spring and never pushes."""
+
+    CHANNELS: ClassVar = ROPE_CHANNELS
 
     type: Literal["spring"]
     name: UniqueName

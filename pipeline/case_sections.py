@@ -2,7 +2,7 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -15,6 +15,7 @@ from heavylift.pipeline.fields import (
     Section,
     UniqueName,
 )
+from heavylift.solver.scene import Sensor
 
 __all__ = ["AnimationSection", "GravitySection", "ReportSection", "SensorSection"]
 
@@ -31,6 +32,8 @@ class GravitySection(Section):
 
 class SensorSection(Section):
     """A material point whose position and velocity are recorded."""
+
+    CHANNELS: ClassVar = Sensor.CHANNELS
 
     name: UniqueName
     """Name; its channels are ``NAME.position`` and ``NAME.velocity``."""

@@ -4,7 +4,7 @@
 
 import math
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo, model_validator
 
@@ -24,6 +24,7 @@ from heavylift.pipeline.fields import (
     refuse_unknown,
     reject,
 )
+from heavylift.solver.marine.wind_loads import CoefficientLoad, CurrentField, DragElement, WindField
 
 __all__ = [
     "COEFFICIENT_COLUMNS",
@@ -134,6 +135,8 @@ class TurbulenceSection(Section):
 class WindSection(Section):
     """Wind above the still water."""
 
+    CHANNELS: ClassVar = WindField.CHANNELS
+
     name: Annotated[UniqueName, Field(validate_default=True)] = "wind"
     """By which loads refer to it, and the first part of its channels."""
     speed: _WindSpeed
@@ -175,6 +178,8 @@ class WindSection(Section):
 class CurrentSection(Section):
     """Current below the still water."""
 
+    CHANNELS: ClassVar = CurrentField.CHANNELS
+
     name: Annotated[UniqueName, Field(validate_default=True)] = "current"
     """By which loads refer to it, and the first part of its channels."""
     speed: Annotated[
@@ -210,6 +215,8 @@ class _FluidLoadSection(Section):
 
 class CoefficientLoadSection(_FluidLoadSection):
     """Horizontal force and yaw moment on a whole body, by coefficients over the direction of the relative flow."""
+
+    CHANNELS: ClassVar = CoefficientLoad.CHANNELS
 
     type: Literal["coefficients"]
     point: LengthVector
@@ -286,6 +293,8 @@ class DragElementSection(Section):
 
 class DragLoadSection(_FluidLoadSection):
     """Drag on the pieces of a body, each at its own height."""
+
+    CHANNELS: ClassVar = DragElement.CHANNELS
 
     type: Literal["drag"]
     elements: Annotated[tuple[DragElementSection, ...], Field(min_length=1)]

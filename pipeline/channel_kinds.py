@@ -7,8 +7,17 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from heavylift.pipeline.collision_pairs import declared_collisions, yields
-from heavylift.solver.connections import JOINTS, PAIR_FORCES, Joint, Place
+from heavylift.solver.channels import ENERGY_CHANNELS, MOMENTUM_CHANNELS, MONITOR_CHANNELS
+from heavylift.solver.collisions import Collision
+from heavylift.solver.connections import JOINTS, LOAD_CHANNELS, PAIR_FORCES, Joint, Place, Rope, Spring
+from heavylift.solver.contacts import Contact
 from heavylift.solver.descriptions import known_channels
+from heavylift.solver.marine.moorings import Fender, MooringLine
+from heavylift.solver.marine.wind_loads import CoefficientLoad, DragElement, WindField
+from heavylift.solver.meshes import FrameBody, MeshBody, ShellBody
+from heavylift.solver.scene import Sensor
+from heavylift.solver.scene_bodies import Fixed, FlexibleBody, Free, RigidBody
+from heavylift.solver.seas import Hull
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -20,6 +29,7 @@ __all__ = [
     "CONTOUR_TYPES",
     "MESH_TYPES",
     "NAMED_LISTS",
+    "OF_THE_SCENE",
     "RESERVED_NAMES",
     "SCENE_CHANNELS",
     "Declared",
@@ -28,17 +38,16 @@ __all__ = [
     "declared",
     "joint_coordinate",
     "lies_along_edge",
-    "load_kind",
 ]
 
-ENERGIES = ("kinetic", "elastic", "potential", "external_work", "drive_work", "dissipated", "balance")
-SCENE_CHANNELS = {f"energy.{name}": "moment or energy" for name in ENERGIES} | {
-    "momentum.linear": "momentum",
-    "momentum.angular": "angular momentum",
-    "monitor.violation": "number",
-    "monitor.pivot": "number",
+OF_THE_SCENE = {"energy": ENERGY_CHANNELS, "momentum": MOMENTUM_CHANNELS, "monitor": MONITOR_CHANNELS}
+"""Channels of the whole scene by the first part of their names."""
+SCENE_CHANNELS = {
+    f"{owner}.{channel.name}": channel.quantity
+    for owner, channels in OF_THE_SCENE.items()
+    for channel in channels
 }
-"""Channels of the whole scene: name to kind."""
+"""The same, name to kind."""
 RESERVED_NAMES = frozenset({"energy", "momentum", "time", "monitor", "ground"})
 """Names that nothing in a case may take: first parts of channels of the scene, and the world."""
 
@@ -63,142 +72,36 @@ def _quantities(channels: Iterable[ChannelKind]) -> dict[str, str]:
     return {channel.name: channel.quantity for channel in channels}
 
 
-_POINT = {"position": "length", "velocity": "velocity"}
-_FRAME = _POINT | {"orientation": "number", "angular_velocity": "angular velocity"}
-_MODAL = {"modal_position": "modal coordinate", "modal_velocity": "modal velocity"}
-_REACTION = _quantities(Joint.CHANNELS)
-_ROPE = {
-    "tension": "force",
-    "segment_tension": "force",
-    "length": "length",
-    "rest_length": "length",
-    "drift": "length",
-}
-_SPRING = {"force": "force", "length": "length"}
-_LOAD = {"load": "moment or energy"}
-_CONTACT = {
-    "gap": "length",
-    "force": "force",
-    "normal_force": "force",
-    "friction_force": "force",
-    "impulse": "momentum",
-    "slip": "velocity",
-    "slip_path": "length",
-    "coordinate": "number",
-    "point": "length",
-    "dissipated": "moment or energy",
-    "impacts": "number",
-}
-_COLLISION = {
-    "gap": "length",
-    "contacts": "number",
-    "patches": "number",
-    "force": "force",
-    "normal_force": "force",
-    "largest_force": "force",
-    "impulse": "momentum",
-    "point": "length",
-    "slip": "velocity",
-    "dissipated": "moment or energy",
-    "impacts": "number",
-}
-COLLISION_CONTACT = {
-    "point": "length",
-    "normal": "number",
-    "gap": "length",
-    "force": "force",
-    "friction": "force",
-    "impulse": "momentum",
-    "patch": "number",
-}
+COLLISION_CONTACT = _quantities(Collision.CONTACT_CHANNELS)
 """Last parts of the channels of each recorded contact of a collision, ``NAME.contact_1.point``: name to kind."""
-_HULL = {
-    "displaced_volume": "volume",
-    "buoyancy_centre": "length",
-    "ballast": "mass",
-    "wave_elevation": "length",
-    "wave_force": "force",
-    "wave_moment": "moment or energy",
-    "radiation_force": "force",
-    "radiation_moment": "moment or energy",
+MESHES: Mapping[str, type[MeshBody]] = {"frame": FrameBody, "shell": ShellBody}
+BODIES: Mapping[str, Any] = {"flexible": FlexibleBody, "rigid": RigidBody, **MESHES}
+LISTED: Mapping[str, Any] = {
+    "ropes": Rope,
+    "sensors": Sensor,
+    "contacts": Contact,
+    "lines": MooringLine,
+    "fenders": Fender,
 }
-"""Channels of a rigid body that floats, besides its own."""
-_LINE = {
-    "tension": "force",
-    "anchor_tension": "force",
-    "horizontal_tension": "force",
-    "seabed_length": "length",
-}
-_FENDER = {"force": "force", "compression": "length"}
-_FLUID = {"speed": "velocity", "direction": "angle"}
-_FLUID_LOAD = {"force": "force", "yaw_moment": "moment or energy"}
-_MESH = _POINT | {"strain_drift": "number"}
-_FRAME_MESH = _MESH | {
-    "tangent": "number",
-    "axial_force": "force",
-    "bending_moment": "moment or energy",
-    "axial_stress": "pressure",
-}
-_SHELL_MESH = _MESH | {
-    "slope_x": "number",
-    "slope_y": "number",
-    "twist": "slope per length",
-    "membrane_force": "force per length",
-    "bending_moment": "moment per length",
-    "von_mises": "pressure",
-}
-MESH_TYPES = frozenset({"frame", "shell"})
+"""What the tables of some lists become, whatever they say: they record the same."""
+
+MESH_TYPES = frozenset(MESHES)
 """Types of bodies made of elements, whose channels have a component for every node or element."""
 
 CONTOUR_TYPES = frozenset({"surface", "curve", "cylinder", "band"})
 """Types of contours."""
 
-_OTHERS = (
-    _FRAME
-    | _MODAL
-    | _ROPE
-    | _SPRING
-    | _LOAD
-    | _CONTACT
-    | _COLLISION
-    | _HULL
-    | _LINE
-    | _FENDER
-    | _FLUID
-    | _FLUID_LOAD
-    | _SHELL_MESH
-    | _FRAME_MESH
-)
-
-_VECTORS = frozenset(
-    {*_POINT, "angular_velocity", *_REACTION, "linear", "angular", "point", "normal", "buoyancy_centre"}
-    | {f"{cause}_{what}" for cause in ("wave", "radiation") for what in ("force", "moment")}
-)
-_BY_OWNER = frozenset({*_MODAL, "segment_tension", "force", *_FRAME_MESH, *_SHELL_MESH})
-"""Channels whose components the scene decides: a force is a vector of a contact, and one number of a spring."""
-
 
 def all_channels() -> dict[str, str]:
     """Every last part of a channel that anything in the cases read so far may have: name to kind."""
-    return _quantities(known_channels()) | _OTHERS
+    return {name: channels[0].quantity for name, channels in known_channels().items()}
 
 
 def channel_components(kind: str) -> tuple[str, ...] | None:
     """Components of a channel by the last part of its name; of numbers that part; None if the scene decides."""
-    if kind in _VECTORS:
-        return ("x", "y", "z")
-    if kind == "orientation":
-        return ("q0", "q1", "q2", "q3")
-    if kind == "coordinate":
-        return ("u", "v")
-    if kind == "yaw_moment":
-        return ("z",)
-    return None if kind in _BY_OWNER else (kind,)
-
-
-def load_kind(joint_type: str) -> str:
-    """Kind of the load along a joint: a force where it slides, a moment where it turns."""
-    return "force" if joint_coordinate(joint_type) == "travel" else "moment or energy"
+    channels = known_channels().get(kind, ())
+    found = {channel.columns() for channel in channels if channel.components is not None}
+    return found.pop() if len(found) == 1 else (kind,) if not channels else None
 
 
 def joint_coordinate(joint_type: str) -> str:
@@ -283,10 +186,11 @@ def declared(document: Mapping[str, Any]) -> Declared:
     for name, row in _named(document, "joints"):
         joints.setdefault(name, str(row.get("type")))  # of a name that occurs again the first one counts
     channels |= {name: _joint_channels(kind) for name, kind in joints.items()}
-    channels |= {name: _ROPE for name, _ in _named(document, "ropes")}
-    channels |= {name: _POINT for name, _ in _named(document, "sensors")}
+    for key, described in LISTED.items():
+        channels |= dict.fromkeys(
+            (name for name, _ in _named(document, key)), _quantities(described.CHANNELS)
+        )
     channels |= {name: _force_channels(row, joints) for name, row in _named(document, "forces")}
-    channels |= {name: _CONTACT for name, _ in _named(document, "contacts")}
     contours = document.get("contours", {})
     contours = contours if isinstance(contours, dict) else {}
     channels |= {name: {} for name in contours}
@@ -295,15 +199,13 @@ def declared(document: Mapping[str, Any]) -> Declared:
     rows = list(_named(document, "collisions"))
     collided = declared_collisions(rows, surfaces, yielding)
     channels |= {name: {} for name in (*surfaces, *(name for name, _ in rows))}
-    channels |= {pair: _COLLISION for _, pair, _ in collided}
+    channels |= {pair: _quantities(Collision.CHANNELS) for _, pair, _ in collided}
     afloat = document.get("hulls", {})
     hulls = frozenset(name for name in afloat if name in bodies) if isinstance(afloat, dict) else frozenset()
-    channels |= {name: {**channels[name], **_HULL} for name in hulls}
+    channels |= {name: {**channels[name], **_quantities(Hull.CHANNELS)} for name in hulls}
     fluids = _fluids(document)
-    channels |= dict.fromkeys(fluids, _FLUID)
+    channels |= dict.fromkeys(fluids, _quantities(WindField.CHANNELS))  # a current has the same
     channels |= {name: _fluid_load_channels(row) for name, row in _named(document, "fluid_loads")}
-    channels |= {name: _LINE for name, _ in _named(document, "lines")}
-    channels |= {name: _FENDER for name, _ in _named(document, "fenders")}
     channels |= {name: {} for name, _ in _named(document, "tanks")}
     numbered = [pair for name, pair, _ in collided if pair != name]
     return Declared(
@@ -346,11 +248,10 @@ def _named(document: Mapping[str, Any], key: str, name: str = "name") -> Iterato
 
 
 def _body_channels(body: Mapping[str, Any]) -> Mapping[str, str]:
-    if str(body.get("type")) in MESH_TYPES:
-        return _FRAME_MESH if body["type"] == "frame" else _SHELL_MESH
+    described = BODIES.get(str(body.get("type")), RigidBody)
     frame = body.get("frame")
-    free = isinstance(frame, dict) and frame.get("motion") == "free"
-    return _FRAME | (_MODAL if body.get("type") == "flexible" else {}) | ({} if free else _REACTION)
+    free = described in MESHES.values() or (isinstance(frame, dict) and frame.get("motion") == "free")
+    return _quantities((*described.CHANNELS, *(Free if free else Fixed).CHANNELS))
 
 
 def _fluids(document: Mapping[str, Any]) -> list[str]:
@@ -366,7 +267,8 @@ def _fluids(document: Mapping[str, Any]) -> list[str]:
 
 
 def _fluid_load_channels(row: Mapping[str, Any]) -> Mapping[str, str]:
-    return _FLUID_LOAD if row.get("type") == "coefficients" else {"force": "force"}
+    described = CoefficientLoad if row.get("type") == "coefficients" else DragElement
+    return _quantities(described.CHANNELS)
 
 
 def _joint_channels(kind: str) -> Mapping[str, str]:
@@ -377,8 +279,9 @@ def _joint_channels(kind: str) -> Mapping[str, str]:
 def _force_channels(row: Mapping[str, Any], joints: Mapping[str, str]) -> Mapping[str, str]:
     kind = row.get("type", "point")
     if kind in {"joint_spring", "motor"}:
-        return {"load": load_kind(joints.get(str(row.get("joint")), ""))}
-    described = PAIR_FORCES.get(str(kind)) if kind not in {"spring", "point"} else None
-    if described is not None:
-        return _quantities(described.CHANNELS)
-    return _SPRING if kind == "spring" else {}
+        coordinate = joint_coordinate(joints.get(str(row.get("joint")), ""))
+        return _quantities([LOAD_CHANNELS["travel" if coordinate == "travel" else "angle"]])
+    if kind == "spring":
+        return _quantities(Spring.CHANNELS)
+    described = None if kind == "point" else PAIR_FORCES.get(str(kind))
+    return {} if described is None else _quantities(described.CHANNELS)

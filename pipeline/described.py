@@ -61,6 +61,7 @@ def make_section(
         name, __base__=base, __module__=described.__module__, __doc__=described.__doc__, **own
     )
     made.DESCRIBED = described  # type: ignore[attr-defined]
+    made.CHANNELS = described.CHANNELS
     return made
 
 

@@ -27,7 +27,9 @@ from heavylift.pipeline.channel_kinds import RESERVED_NAMES, Declared
 from heavylift.pipeline.quantity_names import parse_quantity_name
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Sequence
+
+    from heavylift.solver.descriptions import ChannelKind
 
 __all__ = [
     "GROUND",
@@ -77,6 +79,8 @@ class Section(BaseModel):
     model_config: ClassVar[ConfigDict] = ConfigDict(
         extra="forbid", frozen=True, strict=False, allow_inf_nan=False, defer_build=True
     )
+    CHANNELS: ClassVar[Sequence[ChannelKind]] = ()
+    """What is recorded of that which a table describes."""
 
 
 @dataclass(frozen=True)

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from heavylift.numerics.quantity import quantity_schema
 from heavylift.numerics.units import KINDS
-from heavylift.pipeline.schema import case_schema
+from heavylift.pipeline.channel_kinds import OF_THE_SCENE
+from heavylift.pipeline.schema import case_schema, channel_schema
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
 __all__ = ["key_tables"]
 
@@ -59,7 +61,9 @@ def key_tables() -> str:
                     below.append(reference)
         waiting = below + waiting
     titles = {name: section.title for name, section in found.items()}
-    return "\n".join([HEAD, *(_table(section, titles) for section in order)])
+    scene = (channel_schema(owner, channels) for owner, channels in OF_THE_SCENE.items())
+    last = ["\n## Channels of the whole scene\n", *_channels(chain.from_iterable(scene))]
+    return "\n".join([HEAD, *(_table(section, titles) for section in order), *last])
 
 
 def _choice(definition: Mapping[str, Any]) -> str:
@@ -100,11 +104,16 @@ def _table(section: _Found, titles: Mapping[str, str]) -> str:
         cells = (f"`{key}`", _words(node, titles), default, _sentence(node.get("description", "")))
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     if "channels" in section.schema:
-        lines += ["", "| channel | quantity | |", "|---|---|---|"]
-        for channel in section.schema["channels"]:
-            quantity = f"{channel['quantity']} [{KINDS[channel['quantity']].unit}]"
-            lines.append(f"| `NAME.{channel['name']}` | {quantity} | {channel['sentence']} |")
+        lines += ["", *_channels(section.schema["channels"])]
     return "\n".join(lines)
+
+
+def _channels(channels: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+    yield from ("| channel | unit | components | |", "|---|---|---|---|")
+    for channel in channels:
+        names = channel["components"]
+        components = "several" if names is None else ", ".join(f"`{name}`" for name in names)
+        yield f"| `{channel['name']}` | {channel['unit']} | {components} | {channel['sentence']} |"
 
 
 def _sentence(text: str) -> str:

@@ -265,7 +265,7 @@ def merge_segments(
     channels
         Channels of the records.
     descriptions
-        Words for channels, by the last part of their names or the whole name.
+        What each channel is, in words, by its name.
     metadata
         Root attributes: title, digest, outcome, versions, sources, ...
     meshes
@@ -295,8 +295,7 @@ def merge_segments(
             dataset.attrs["unit"] = channel.unit
             dataset.attrs["components"] = json.dumps(channel.components)
             dataset.attrs["column"] = channel.column
-            words = descriptions.get(channel.name) or descriptions.get(channel.name.rpartition(".")[2], "")
-            dataset.attrs["description"] = words
+            dataset.attrs["description"] = descriptions[channel.name]
         count = 0
         for segment in () if first is None else chain((first,), segments):
             end = count + len(segment.times)

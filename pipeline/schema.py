@@ -11,13 +11,19 @@ from typing import TYPE_CHECKING, Any
 from pydantic.json_schema import GenerateJsonSchema
 
 from heavylift.pipeline.case import Case
+from heavylift.pipeline.case_collisions import CollisionSection
+from heavylift.solver.collisions import Collision
 from heavylift.solver.descriptions import described_fields
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from pydantic.json_schema import JsonSchemaValue
     from pydantic_core import core_schema
 
-__all__ = ["case_schema"]
+    from heavylift.solver.descriptions import ChannelKind
+
+__all__ = ["case_schema", "channel_schema"]
 
 
 def case_schema() -> dict[str, Any]:
@@ -33,6 +39,19 @@ def case_schema() -> dict[str, Any]:
     }
 
 
+def channel_schema(owner: str, channels: Sequence[ChannelKind]) -> list[dict[str, Any]]:
+    """Channels of an owner: name, unit, components or None where the scene decides, and what each is in words."""
+    return [
+        {
+            "name": f"{owner}.{channel.name}",
+            "unit": channel.unit,
+            "components": None if channel.components is None else list(channel.components),
+            "sentence": channel.sentence,
+        }
+        for channel in channels
+    ]
+
+
 class _Described(GenerateJsonSchema):
     """Describes keys by the docstrings of their fields, read from the sources here because only a schema needs them."""
 
@@ -43,12 +62,13 @@ class _Described(GenerateJsonSchema):
         docs: dict[str, str] = {}
         for base in reversed(section.__mro__):
             docs |= _attribute_docs(base)
+        channels = channel_schema("NAME", section.CHANNELS)
+        if issubclass(section, CollisionSection):
+            channels += channel_schema("NAME.contact_1", Collision.CONTACT_CHANNELS)
+        if channels:
+            found["channels"] = channels
         described = getattr(section, "DESCRIBED", None)
         if described is not None:
-            found["channels"] = [
-                {"name": channel.name, "quantity": channel.quantity, "sentence": channel.sentence}
-                for channel in described.CHANNELS
-            ]
             own = {field.name for field in described_fields(described)}
             for base in reversed(described.__mro__):
                 docs |= {name: text for name, text in _attribute_docs(base).items() if name in own}

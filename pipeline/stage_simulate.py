@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline.advance import Advancer, stop_requests
-from heavylift.pipeline.channel_descriptions import CHANNEL_DESCRIPTIONS
 from heavylift.pipeline.diagnosis import diagnosis, diagnosis_lines, steps_taken
 from heavylift.pipeline.mesh_results import mesh_shape, save_meshes
 from heavylift.pipeline.provenance import simulate_digest, source_digest, versions
@@ -206,7 +205,7 @@ def _merge(
         work.folder.segments,
         work.folder.results,
         channels,
-        CHANNEL_DESCRIPTIONS | {c.name: c.sentence for c in simulation.channels if c.sentence},
+        {channel.name: channel.sentence for channel in simulation.channels},
         metadata,
         meshes,
     )

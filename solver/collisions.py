@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from heavylift.solver.contacts import ContactLaw, RigidLaw
+from heavylift.solver.descriptions import XYZ, ChannelKind
 
 if TYPE_CHECKING:
     from heavylift.preprocess.surfaces import TriangleSurface
@@ -77,6 +78,45 @@ class Collision:
         Record the distance of the surfaces where they are far from each other too; otherwise the gap that is recorded
         there is only the reach of the search, a few ways of a step.
     """
+
+    CHANNELS: ClassVar = (
+        ChannelKind(
+            "gap",
+            "length",
+            "smallest distance of the surfaces, negative inside; no more than what the search looks for",
+        ),
+        ChannelKind("contacts", "number", "number of contacts"),
+        ChannelKind("patches", "number", "number of patches of contacts"),
+        ChannelKind("force", "force", "force on the second surface, world axes", XYZ),
+        ChannelKind("normal_force", "force", "sum of the forces of all contacts along their normals"),
+        ChannelKind("largest_force", "force", "largest sum of the normal forces of a patch of contacts"),
+        ChannelKind(
+            "impulse",
+            "momentum",
+            "sum of the impulses along the normals since the start, impacts included",
+            unit="N s",
+        ),
+        ChannelKind("point", "length", "centre of the forces, in the world", XYZ),
+        ChannelKind("slip", "velocity", "largest speed at which a contact slides"),
+        ChannelKind(
+            "dissipated",
+            "moment or energy",
+            "energy lost to impacts, damping and friction since the start, part of energy.dissipated",
+            unit="J",
+        ),
+        ChannelKind("impacts", "number", "number of impacts since the start"),
+    )
+    """What it records, in the order of its columns."""
+    CONTACT_CHANNELS: ClassVar = (
+        ChannelKind("point", "length", "point of the contact, in the world", XYZ),
+        ChannelKind("normal", "number", "unit normal from the first surface to the second, world axes", XYZ),
+        ChannelKind("gap", "length", "distance of the surfaces at the contact; negative inside"),
+        ChannelKind("force", "force", "force of the contact along its normal"),
+        ChannelKind("friction", "force", "force of the contact across its normal, its amount"),
+        ChannelKind("impulse", "momentum", "impulse of the last step along the normal", unit="N s"),
+        ChannelKind("patch", "number", "number of the patch of the contact; -1 where none is recorded"),
+    )
+    """What it records of each of its `recorded` contacts, behind its own channels: ``NAME.contact_1.point``, ..."""
 
     name: str
     surfaces: tuple[str, str]

@@ -17,12 +17,15 @@ from heavylift.solver.descriptions import XYZ, ChannelKind, Family
 from heavylift.solver.scene_bodies import GROUND
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
 __all__ = [
     "ANGLE_CHANNELS",
     "GROUND",
     "JOINTS",
+    "LOAD_CHANNELS",
     "PAIR_FORCES",
     "REACTION_FORCE",
     "REACTION_MOMENT",
@@ -71,6 +74,24 @@ ANGLE_CHANNELS = (
 TRAVEL_CHANNELS = (
     ChannelKind("travel", "length", "travel of side b to side a along the axis of the joint"),
     ChannelKind("travel_rate", "velocity", "rate of that travel"),
+)
+LOAD_CHANNELS: Mapping[str, ChannelKind] = {
+    "angle": ChannelKind("load", "moment or energy", "torque about the axis of the joint on its side b"),
+    "travel": ChannelKind("load", "force", "force along the axis of the joint on its side b", by_owner=True),
+}
+"""Of what acts along a joint, by its coordinate."""
+ROPE_CHANNELS = (
+    ChannelKind("tension", "force", "tension of the rope"),
+    ChannelKind("length", "length", "length of the rope along its path"),
+    ChannelKind("rest_length", "length", "unstretched length of the rope"),
+    ChannelKind(
+        "drift",
+        "length",
+        "length of the rope along its path less the stretched length that its tension belongs to",
+    ),
+    ChannelKind(
+        "segment_tension", "force", "tension of each segment of the rope, from its first end on", None
+    ),
 )
 
 
@@ -279,6 +300,12 @@ class Spring:
         beyond the ends.
     """
 
+    CHANNELS: ClassVar = (
+        ChannelKind("force", "force", "tension of the spring with its damper; negative if it pushes"),
+        ChannelKind("length", "length", "distance of the ends of the spring"),
+    )
+    """What it records, in the order of its columns."""
+
     name: str
     body_a: str
     point_a: NDArray[np.float64]
@@ -307,6 +334,9 @@ class JointSpring:
         A table in place of the stiffness: restoring torque [N m] or force [N] over value less rest.
     """
 
+    CHANNEL_BY_COORDINATE: ClassVar = LOAD_CHANNELS
+    """What it records, by the coordinate of its joint."""
+
     name: str
     joint: str
     rest: float = 0.0
@@ -319,6 +349,9 @@ class JointSpring:
 @dataclass(frozen=True, eq=False, kw_only=True)
 class JointMotor:
     """Torque [N m] or force [N] of a on b along a hinge or slider, a table over time [s], linear in between."""
+
+    CHANNEL_BY_COORDINATE: ClassVar = LOAD_CHANNELS
+    """What it records, by the coordinate of its joint."""
 
     name: str
     joint: str
@@ -381,6 +414,9 @@ class Rope:
         How its length changes.
     """
 
+    CHANNELS: ClassVar = ROPE_CHANNELS
+    """What it records, in the order of its columns; the last one a segment."""
+
     name: str
     path: tuple[RopePoint, ...]
     axial_stiffness: float
@@ -402,6 +438,9 @@ class SpringRope:
     stiffness, damping
         [N/m], [N s/m].
     """
+
+    CHANNELS: ClassVar = ROPE_CHANNELS
+    """What it records, in the order of its columns; it has one segment."""
 
     name: str
     body_a: str

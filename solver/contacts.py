@@ -8,9 +8,11 @@ primitive of another body touch it.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+
+from heavylift.solver.descriptions import XYZ, ChannelKind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -210,6 +212,36 @@ class Contact:
     events
         Split the step at impacts of a rigid law; else impacts happen at ends of steps.
     """
+
+    CHANNELS: ClassVar = (
+        ChannelKind("gap", "length", "distance of what touches from the contour; negative inside"),
+        ChannelKind("normal_force", "force", "force on what touches along the normal of the contour"),
+        ChannelKind("friction_force", "force", "force across the normal of the contour, its amount"),
+        ChannelKind("force", "force", "force on what touches, world axes", XYZ),
+        ChannelKind(
+            "impulse",
+            "momentum",
+            "sum of the impulses along the normal since the start, impacts included",
+            unit="N s",
+        ),
+        ChannelKind("slip", "velocity", "speed at which what touches slides"),
+        ChannelKind("slip_path", "length", "length of the path that it has slid"),
+        ChannelKind(
+            "coordinate",
+            "number",
+            "parameters u and v of the touched point on the contour, 0 to 1",
+            ("u", "v"),
+        ),
+        ChannelKind("point", "length", "touched point of the contour, in the world", XYZ),
+        ChannelKind(
+            "dissipated",
+            "moment or energy",
+            "energy lost to impacts, damping and friction since the start, part of energy.dissipated",
+            unit="J",
+        ),
+        ChannelKind("impacts", "number", "number of impacts since the start"),
+    )
+    """What it records, in the order of its columns."""
 
     name: str
     contour: str

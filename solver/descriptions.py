@@ -32,12 +32,12 @@ from typing import (
 )
 
 from heavylift.numerics.quantity import Quantity, WorldDirection
-from heavylift.numerics.units import KINDS
+from heavylift.numerics.units import KINDS, parse_unit
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable
+    from collections.abc import Callable, Collection, Mapping, Sequence
 
-__all__ = ["ChannelKind", "DescribedField", "Family", "described_fields"]
+__all__ = ["XYZ", "ChannelKind", "DescribedField", "Family", "described_fields", "known_channels"]
 
 T = TypeVar("T")
 XYZ = ("x", "y", "z")
@@ -56,38 +56,45 @@ class ChannelKind:
     sentence
         What it is, in words.
     components
-        Names of its columns; of a number its own name.
+        Names of its columns; empty of a number, whose column has its own name; None if the scene decides.
+    unit
+        SI unit, another name for that of the quantity if given: energies are J, not N m.
+    by_owner
+        Whether it may be another quantity than a channel with this name elsewhere, which is declared before it.
     """
 
     name: str
     quantity: str
     sentence: str
-    components: tuple[str, ...] = ()
+    components: tuple[str, ...] | None = ()
+    unit: str = ""
+    by_owner: bool = False
 
     def __post_init__(self) -> None:
         if self.quantity not in KINDS or not self.sentence:
             raise TypeError(
                 f"channel {self.name!r}: {self.quantity!r}, expected a known quantity and a sentence"
             )
-        known = _CHANNELS.setdefault(self.name, self)
-        if (known.quantity, known.components) != (self.quantity, self.components):
+        kind = KINDS[self.quantity]
+        if self.unit and parse_unit(self.unit) != (1.0, kind.dimension):
+            raise TypeError(f"channel {self.name!r} in {self.unit}, expected another name for {kind.unit}")
+        object.__setattr__(self, "unit", self.unit or kind.unit)
+        known = _CHANNELS.setdefault(self.name, [])
+        if known and known[0].quantity != self.quantity and not self.by_owner:
             raise TypeError(
-                f"channel {self.name!r} is a {self.quantity} with components {self.components}, elsewhere"
-                f" a {known.quantity} with {known.components}"
+                f"channel {self.name!r} is a {self.quantity} here, and elsewhere a {known[0].quantity}"
             )
+        known.append(self)
 
-    @property
-    def unit(self) -> str:
-        """SI unit."""
-        return KINDS[self.quantity].unit
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """Name of each column."""
+    def columns(self, chosen: Mapping[str, tuple[str, ...]] | None = None) -> tuple[str, ...]:
+        """Name of each column; `chosen` are the components, by channel, that the scene decides."""
+        if self.components is None:
+            return (chosen or {})[self.name]
         return self.components or (self.name,)
 
 
-_CHANNELS: dict[str, ChannelKind] = {}
+_CHANNELS: dict[str, list[ChannelKind]] = {}
+"""By name; all of one quantity, but for those that have theirs from their owner."""
 
 
 class DescribedField(NamedTuple):
@@ -266,9 +273,9 @@ def _named_in(base: type, described: type) -> set[str]:
     return set(inspect.get_annotations(base)) & {field.name for field in fields(described)}
 
 
-def known_channels() -> Iterable[ChannelKind]:
-    """Channels that descriptions which have been imported declare."""
-    return _CHANNELS.values()
+def known_channels() -> Mapping[str, Sequence[ChannelKind]]:
+    """Channels by name that descriptions which have been imported declare, of all their owners."""
+    return _CHANNELS
 
 
 def _place(described: type) -> str:

@@ -21,7 +21,6 @@ from heavylift.solver.rows import RowArrays, RowSystem
 
 __all__ = [
     "ACCELERATIONS",
-    "ENERGY_NAMES",
     "FORCES",
     "RECORD",
     "ROWS",
@@ -84,8 +83,6 @@ ROWS, FORCES, RECORD, ACCELERATIONS = range(4)
 """What markers are filled for: rows only; forces too; records too; all of it, with rates and second rates."""
 
 NO_CORNERS = np.zeros(0)
-
-ENERGY_NAMES = ("kinetic", "elastic", "potential", "external_work", "drive_work", "dissipated")
 
 
 class BodyKind(Arrays, metaclass=ABCMeta):

@@ -315,8 +315,8 @@ class Verb:
         return load_unit(kind_units(kind)[self.group]).addresses[_symbol(kind, self)]
 
     def __call__(self, kinds: Any, *arguments: Any) -> None:
-        """Serve the kinds of a table or a tuple from Python."""
-        for kind in kinds:
+        """Serve the kinds of a table or a tuple, or a single kind, from Python."""
+        for kind in (kinds,) if isinstance(kinds, Arrays) else kinds:
             function = self.chosen(type(kind))
             if isinstance(function, Dispatcher):
                 native = self._native.get(type(kind))

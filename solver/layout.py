@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from heavylift.solver.channels import XYZ, Channel, add_channels
+from heavylift.solver.channels import ENERGY_CHANNELS, MOMENTUM_CHANNELS, Channel, add_channels
 from heavylift.solver.coordinates import attachments, first_dofs, mode_count, velocity_count
 from heavylift.solver.corners import scene_corners
 from heavylift.solver.interface import (
-    ENERGY_NAMES,
     Bodies,
     Forces,
     Joints,
@@ -24,7 +23,7 @@ from heavylift.solver.kinds import STEP
 from heavylift.solver.layout_rows import pack_connections
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.meshes import FrameBody, MeshBody, ShellBody
-from heavylift.solver.scene import AnyBody, Fixed, FlexibleBody, Free, Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene import AnyBody, Fixed, FlexibleBody, Gravity, PointForce, RigidBody, Scene
 from heavylift.solver.scene_checks import check_scene
 
 __all__ = ["Channel", "Layout", "pack_scene"]
@@ -91,25 +90,25 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
 
     channels: list[Channel] = []
     column = 0
+    places: dict[str, int] = {}
     for body in ordered:
-        column = add_channels(body.name, _body_channels(body), channels, column)
+        places[body.name] = column
+        recorded = (*body.CHANNELS, *body.motion.CHANNELS)
+        column = add_channels(body.name, recorded, channels, column, _chosen(body))
     sensors: dict[str, list[tuple[int, Any]]] = {body.name: [] for body in ordered}
     for sensor in scene.sensors:
         sensors[sensor.body].append((column, np.asarray(sensor.point, dtype=np.float64)))
-        entries = [("position", "m", XYZ), ("velocity", "m/s", XYZ)]
-        column = add_channels(sensor.name, entries, channels, column)
+        column = add_channels(sensor.name, sensor.CHANNELS, channels, column)
     made = pack_connections(scene, ordered, column, integrator, _moving(scene))
     book, column = made.book, made.column
     channels += made.channels
     dofs = first_dofs(ordered, made.bases)
-    for name in (*ENERGY_NAMES, "balance"):
-        column = add_channels("energy", [(name, "J", (name,))], channels, column)
-    entries = [("linear", "kg m/s", XYZ), ("angular", "kg m^2/s", XYZ)]
-    column = add_channels("momentum", entries, channels, column)
+    column = add_channels("energy", ENERGY_CHANNELS, channels, column)
+    column = add_channels("momentum", MOMENTUM_CHANNELS, channels, column)
 
     notes: list[str] = [] if made.sea is None else list(made.sea.notes)
     bodies: list[Any] = []
-    number = start = 0
+    number = 0
     for group, pack in _groups(scene):
         names = [body.name for body in group]
         place: Any = dofs[names[0]]
@@ -128,9 +127,9 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
                 step=0.0 if scene.touches else step,
                 notes=notes,
             )
-        bodies.append(pack_group(group, number, place, start, book.of(names), _of_sensors(sensors, group)))
+        of_sensors = _of_sensors(sensors, group)
+        bodies.append(pack_group(group, number, place, places[names[0]], book.of(names), of_sensors))
         number += len(group)
-        start += sum(_width(body) for body in group)
     forces: list[Any] = []
     if gravity:
         from heavylift.solver.forces.gravity import pack_gravity
@@ -212,44 +211,14 @@ def _groups(scene: Scene) -> list[tuple[list[Any], Callable[..., Any]]]:
     return groups
 
 
-def _width(body: AnyBody) -> int:
-    """Record columns of a body: pose 7, velocities 6, modal 2 nf, reaction 6 unless it is free; own ones of a mesh."""
+def _chosen(body: AnyBody) -> dict[str, tuple[str, ...]]:
+    """Components of the channels that have as many as a body has modes, nodes or elements."""
     if isinstance(body, MeshBody):
-        from heavylift.solver.bodies.ancf.packing import record_width
+        from heavylift.solver.bodies.ancf.packing import mesh_columns
 
-        return record_width(body)
-    if _floats(body):
-        from heavylift.solver.marine.hull_channels import record_width as hull_width
-
-        return hull_width()
-    return 13 + 2 * mode_count(body) + (0 if isinstance(body.motion, Free) else 6)
-
-
-def _body_channels(body: AnyBody) -> list[tuple[str, str, tuple[str, ...]]]:
-    """Name, unit and components of the channels of a body."""
-    if isinstance(body, MeshBody):
-        from heavylift.solver.bodies.ancf.packing import mesh_channels
-
-        return mesh_channels(body)
-    entries: list[tuple[str, str, tuple[str, ...]]] = [
-        ("position", "m", XYZ),
-        ("orientation", "1", ("q0", "q1", "q2", "q3")),
-        ("velocity", "m/s", XYZ),
-        ("angular_velocity", "rad/s", XYZ),
-    ]
-    if isinstance(body, FlexibleBody):
-        modes = tuple(str(i + 1) for i in range(body.reduced.mode_count))
-        entries += [
-            ("modal_position", "m kg^0.5", modes),
-            ("modal_velocity", "m kg^0.5/s", modes),
-        ]
-    if _floats(body):
-        from heavylift.solver.marine.hull_channels import HULL_CHANNELS
-
-        entries += HULL_CHANNELS
-    if not isinstance(body.motion, Free):
-        entries += [("reaction_force", "N", XYZ), ("reaction_moment", "N m", XYZ)]
-    return entries
+        return mesh_columns(body)
+    modes = tuple(str(i + 1) for i in range(mode_count(body)))
+    return {"modal_position": modes, "modal_velocity": modes}
 
 
 def _floats(body: AnyBody) -> bool:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.solver.channels import Channel, add_channels, add_described
+from heavylift.solver.channels import MONITOR_CHANNELS, Channel, add_channels
 from heavylift.solver.connections import PairForce
 from heavylift.solver.coordinates import attachments, first_dofs, inverse_masses, inverse_scales
 from heavylift.solver.interface import FORCES
@@ -133,7 +133,7 @@ def _pack(
         columns = []
         for joint in scene.joints:
             columns.append(packed.column)
-            packed.column = add_described(joint.name, joint.CHANNELS, packed.channels, packed.column)
+            packed.column = add_channels(joint.name, joint.CHANNELS, packed.channels, packed.column)
         packed.joints, make_system, packed.block_names = pack_joints(
             scene.joints, columns, book, attachment, inverse_scales(ordered), ordered
         )
@@ -156,10 +156,7 @@ def _pack(
         classify_rows(made)
         packed.systems = (made,)
         if made.monitor >= 0:
-            for name in ("violation", "pivot"):
-                packed.column = add_channels(
-                    "monitor", [(name, "1", (name,))], packed.channels, packed.column
-                )
+            packed.column = add_channels("monitor", MONITOR_CHANNELS, packed.channels, packed.column)
         if scene.touches:
             _add_contacts(scene, ordered, packed, markers, attachment, inverse_mass)
     return packed
@@ -171,7 +168,7 @@ def _pack_pair_forces(scene: Scene, packed: PackedConnections) -> None:
     for force in scene.forces:
         if isinstance(force, PairForce):
             groups.setdefault(type(force).__module__, []).append((force, packed.column))
-            packed.column = add_described(force.name, force.CHANNELS, packed.channels, packed.column)
+            packed.column = add_channels(force.name, force.CHANNELS, packed.channels, packed.column)
     for module, members in groups.items():
         pack = importlib.import_module(module).pack
         packed.forces.append(pack([force for force, _ in members], [at for _, at in members], packed.book))
@@ -196,19 +193,17 @@ def _add_contacts(
 ) -> None:
     """Their system beside that of the joints, and their channels."""
     from heavylift.solver.contact.packing import pack_contacts
-    from heavylift.solver.contact.record import CONTACT_CHANNELS
 
     columns = []
     for contact in scene.contacts:
         columns.append(packed.column)
-        packed.column = add_channels(contact.name, list(CONTACT_CHANNELS), packed.channels, packed.column)
+        packed.column = add_channels(contact.name, contact.CHANNELS, packed.channels, packed.column)
     for collision in scene.collisions:
-        from heavylift.solver.contact.mesh_record import collision_channels
-
         columns.append(packed.column)
-        packed.column = add_channels(
-            collision.name, collision_channels(collision.recorded), packed.channels, packed.column
-        )
+        packed.column = add_channels(collision.name, collision.CHANNELS, packed.channels, packed.column)
+        for i in range(collision.recorded):
+            name = f"{collision.name}.contact_{i + 1}"
+            packed.column = add_channels(name, collision.CONTACT_CHANNELS, packed.channels, packed.column)
     contacts = pack_contacts(
         scene,
         ordered,
@@ -229,13 +224,13 @@ def _pack_laws(
     scene: Scene, ordered: Sequence[AnyBody], packed: PackedConnections, attachment: Any, integrator: str
 ) -> PackedLaws:
     """Ropes, springs, stops, friction, motors."""
-    from heavylift.solver.joints.laws import law_channels, law_owners, pack_laws
+    from heavylift.solver.joints.laws import add_law_channels, law_owners, pack_laws
 
     by_name = {joint.name: joint for joint in scene.joints}
     places = {}
     for owner in law_owners(scene):
         places[owner.name] = packed.column
-        packed.column = add_channels(owner.name, law_channels(owner, by_name), packed.channels, packed.column)
+        packed.column = add_law_channels(owner, by_name, packed.channels, packed.column)
     return pack_laws(
         scene,
         places,

@@ -192,13 +192,13 @@ def pack_sea(scene: Scene, book: MarkerBook, channels: list[Channel], column: in
     packed.tangents = np.zeros((len(sea.lines) + len(sea.fenders), 9))
     packed.rate_tangents = np.zeros_like(packed.tangents)
     if sea.lines:
-        from heavylift.solver.marine.mooring_lines import LINE_CHANNELS, line_markers, pack_mooring_lines
+        from heavylift.solver.marine.mooring_lines import line_markers, pack_mooring_lines
 
         markers = line_markers(book, sea.lines)
         columns = []
         for line in sea.lines:
             columns.append(column)
-            column = add_channels(line.name, list(LINE_CHANNELS), channels, column)
+            column = add_channels(line.name, line.CHANNELS, channels, column)
         places = [
             (_place(scene.bodies, line.body_a, line.point_a), _place(scene.bodies, line.body_b, line.point_b))
             for line in sea.lines
@@ -211,13 +211,13 @@ def pack_sea(scene: Scene, book: MarkerBook, channels: list[Channel], column: in
                 (body, marker, row) for body, marker in ((line.body_a, a), (line.body_b, b)) if body in afloat
             ]
     if sea.fenders:
-        from heavylift.solver.marine.fenders import FENDER_CHANNELS, fender_markers, pack_fenders
+        from heavylift.solver.marine.fenders import fender_markers, pack_fenders
 
         of_fenders = fender_markers(book, sea.fenders)
         columns = []
         for fender in sea.fenders:
             columns.append(column)
-            column = add_channels(fender.name, list(FENDER_CHANNELS), channels, column)
+            column = add_channels(fender.name, fender.CHANNELS, channels, column)
         fenders = pack_fenders(sea.fenders, of_fenders, columns)
         after = slice(len(sea.lines), None)
         packed.forces.append(
@@ -233,8 +233,7 @@ def pack_sea(scene: Scene, book: MarkerBook, channels: list[Channel], column: in
 
 
 def _pack_fluids(sea: Sea, packed: PackedSea, book: MarkerBook, channels: list[Channel], column: int) -> int:
-    from heavylift.solver.marine.wind_loads import fluid_channels, fluid_markers
-    from heavylift.solver.marine.wind_packing import pack_fluid_loads
+    from heavylift.solver.marine.wind_packing import fluid_channels, fluid_markers, pack_fluid_loads
 
     for one in sea.fields:
         speed, limit = float(np.max(np.atleast_2d(one.speed)[:, -1])), LARGE_SPEEDS[type(one).__name__]
@@ -244,9 +243,9 @@ def _pack_fluids(sea: Sea, packed: PackedSea, book: MarkerBook, channels: list[C
                 f"{one.name!r} of {speed:g} m/s is {knots:.3g} knots: was a speed in knots meant?"
             )
     columns = []
-    for owner, name, unit, components in fluid_channels(sea.fields, sea.loads):
+    for owner, kind in fluid_channels(sea.fields, sea.loads):
         columns.append(column)
-        column = add_channels(owner, [(name, unit, components)], channels, column)
+        column = add_channels(owner, [kind], channels, column)
     packed.forces.append(
         pack_fluid_loads(
             sea.fields,

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
+from heavylift.solver.descriptions import ChannelKind
 from heavylift.solver.scene_bodies import Free
 
 if TYPE_CHECKING:
@@ -36,6 +37,12 @@ FRAME_VECTORS = ("position", "tangent")
 
 SHELL_VECTORS = ("position", "slope_x", "slope_y", "twist")
 """Vectors of a node of a shell: ``r`` [m], ``r_x``, ``r_y`` [1] and ``r_xy`` [1/m]."""
+
+NODE_POSITION = ChannelKind("position", "length", "position of every node in the world", None)
+NODE_VELOCITY = ChannelKind("velocity", "velocity", "velocity of every node in world axes", None)
+STRAIN_DRIFT = ChannelKind(
+    "strain_drift", "number", "largest distance of carried strains from those of the shape"
+)
 
 
 def _zeros(count: int) -> NDArray[np.float64]:
@@ -169,6 +176,9 @@ class MeshBody:
         Distance of carried strains from those of the shape at which ``"auto"`` changes over [1].
     """
 
+    CHANNELS: ClassVar[tuple[ChannelKind, ...]]
+    """What it records, in the order of its columns: vectors of all nodes, then results of all elements."""
+
     name: str
     nodes: NDArray[np.float64]
     supports: tuple[Support, ...] = ()
@@ -209,6 +219,25 @@ class FrameBody(MeshBody):
         Strain of each element in the given shape, which pre-stresses it, shape (e,); none if empty.
     """
 
+    CHANNELS: ClassVar = (
+        NODE_POSITION,
+        ChannelKind(
+            "tangent", "number", "derivative of the position of every node by the length, world axes", None
+        ),
+        NODE_VELOCITY,
+        ChannelKind("axial_force", "force", "tension in the middle of every element", None),
+        ChannelKind(
+            "bending_moment", "moment or energy", "bending moment at both ends of every element", None
+        ),
+        ChannelKind(
+            "axial_stress",
+            "pressure",
+            "largest stress of the outermost fibres at the ends of every element",
+            None,
+        ),
+        STRAIN_DRIFT,
+    )
+
     tangents: NDArray[np.float64]
     elements: NDArray[np.int64]
     sections: tuple[FrameSection, ...]
@@ -236,6 +265,49 @@ class ShellBody(MeshBody):
     gauss_points
         For membrane strains, along each direction, 3 to 7.
     """
+
+    CHANNELS: ClassVar = (
+        NODE_POSITION,
+        ChannelKind(
+            "slope_x",
+            "number",
+            "derivative of the position of every node by the length along x of the mesh, world axes",
+            None,
+        ),
+        ChannelKind(
+            "slope_y",
+            "number",
+            "derivative of the position of every node by the length along y of the mesh, world axes",
+            None,
+        ),
+        ChannelKind(
+            "twist",
+            "slope per length",
+            "derivative of the position of every node by both lengths, world axes",
+            None,
+        ),
+        NODE_VELOCITY,
+        ChannelKind(
+            "membrane_force",
+            "force per length",
+            "force in the plane by the length, in the middle of every element",
+            None,
+        ),
+        ChannelKind(
+            "bending_moment",
+            "moment per length",
+            "bending moment by the length, in the middle of every element",
+            None,
+            by_owner=True,
+        ),
+        ChannelKind(
+            "von_mises",
+            "pressure",
+            "von Mises stress in the middle of every element; at supports and edges it may be higher",
+            None,
+        ),
+        STRAIN_DRIFT,
+    )
 
     slopes: NDArray[np.float64]
     elements: NDArray[np.int64]

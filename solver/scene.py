@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
 
 import numpy as np
 
 from heavylift.solver.scene_bodies import (
+    POINT_CHANNELS,
     Driven,
     Fixed,
     FlexibleBody,
@@ -86,6 +87,9 @@ class PointForce:
 @dataclass(frozen=True, eq=False)
 class Sensor:
     """A material point whose position and velocity are recorded: body name and point [m] in its frame."""
+
+    CHANNELS: ClassVar = POINT_CHANNELS
+    """What it records, in the order of its columns."""
 
     name: str
     body: str

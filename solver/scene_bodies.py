@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.descriptions import XYZ, ChannelKind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -15,7 +16,9 @@ if TYPE_CHECKING:
     from heavylift.modal.reduced import ReducedBody
 
 __all__ = [
+    "FRAME_CHANNELS",
     "GROUND",
+    "POINT_CHANNELS",
     "Driven",
     "Fixed",
     "FlexibleBody",
@@ -28,6 +31,30 @@ __all__ = [
 
 GROUND = "ground"
 """Name of the world as a side of a joint, rope or spring; no body may take it."""
+
+POSITION = ChannelKind("position", "length", "position in the world", XYZ)
+VELOCITY = ChannelKind("velocity", "velocity", "velocity in world axes", XYZ)
+POINT_CHANNELS = (POSITION, VELOCITY)
+"""What is recorded of a material point."""
+FRAME_CHANNELS = (
+    POSITION,
+    ChannelKind(
+        "orientation",
+        "number",
+        "unit quaternion from body to world axes, scalar first",
+        ("q0", "q1", "q2", "q3"),
+    ),
+    VELOCITY,
+    ChannelKind("angular_velocity", "angular velocity", "angular velocity in body axes", XYZ),
+)
+"""What is recorded of the frame of a body."""
+HELD_CHANNELS = (
+    ChannelKind("reaction_force", "force", "force that holds or drives the frame, world axes", XYZ),
+    ChannelKind(
+        "reaction_moment", "moment or energy", "moment that holds or drives the frame, world axes", XYZ
+    ),
+)
+"""What is recorded of a frame that does not move freely, behind what its body records."""
 
 
 def _zeros(count: int) -> NDArray[np.float64]:
@@ -83,10 +110,15 @@ class Profile:
 class Free:
     """The frame moves by the equations of motion."""
 
+    CHANNELS: ClassVar[tuple[ChannelKind, ...]] = ()
+    """What bodies that move so record behind their own channels."""
+
 
 @dataclass(frozen=True)
 class Fixed:
     """The frame stays where it starts; its reaction is recorded."""
+
+    CHANNELS: ClassVar = HELD_CHANNELS
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +134,8 @@ class Driven:
     axis, pivot
         World direction (any length) and world point [m].
     """
+
+    CHANNELS: ClassVar = HELD_CHANNELS
 
     translation: tuple[Profile | None, Profile | None, Profile | None] = (None, None, None)
     angle: Profile | None = None
@@ -135,6 +169,15 @@ class FlexibleBody:
         Of critical, per mode, shape (nf,); zero if empty.
     """
 
+    CHANNELS: ClassVar = (
+        *FRAME_CHANNELS,
+        ChannelKind(
+            "modal_position", "modal coordinate", "coordinates of the mass-normalised mode shapes", None
+        ),
+        ChannelKind("modal_velocity", "modal velocity", "speeds of the mass-normalised mode shapes", None),
+    )
+    """What it records, in the order of its columns; one a mode."""
+
     name: str
     reduced: ReducedBody
     motion: Motion = field(default_factory=Free)
@@ -164,6 +207,9 @@ class RigidBody:
     motion, position, orientation, velocity, angular_velocity
         As in `FlexibleBody`, of the body frame.
     """
+
+    CHANNELS: ClassVar[tuple[ChannelKind, ...]] = FRAME_CHANNELS
+    """What it records, in the order of its columns."""
 
     name: str
     mass: float

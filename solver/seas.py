@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
+from heavylift.solver.descriptions import XYZ, ChannelKind
 from heavylift.solver.scene_bodies import RigidBody
 
 if TYPE_CHECKING:
@@ -91,6 +92,37 @@ class Hull:
     open_deck
         Height in the frame of the body [m] from which on the surface may be open; right while all of that is dry.
     """
+
+    CHANNELS: ClassVar = (
+        ChannelKind("displaced_volume", "volume", "volume of the water that the hull displaces"),
+        ChannelKind("buoyancy_centre", "length", "centre of that volume, in the world", XYZ),
+        ChannelKind("ballast", "mass", "mass of the water in the tanks of the hull"),
+        ChannelKind(
+            "wave_elevation",
+            "length",
+            "elevation of the undisturbed waves at the low-passed place of the reference point",
+        ),
+        ChannelKind("wave_force", "force", "force of the waves, heading axes", XYZ),
+        ChannelKind(
+            "wave_moment",
+            "moment or energy",
+            "moment of the waves about the reference point, heading axes",
+            XYZ,
+        ),
+        ChannelKind(
+            "radiation_force",
+            "force",
+            "force of memory and damping, without added mass, heading axes",
+            XYZ,
+        ),
+        ChannelKind(
+            "radiation_moment",
+            "moment or energy",
+            "moment of memory and damping about the reference point, heading axes",
+            XYZ,
+        ),
+    )
+    """What it records behind the channels of its body, in the order of its columns."""
 
     body: str
     restoring: TriangleSurface | LinearRestoring | None
@@ -210,6 +242,8 @@ class FloatingBody(RigidBody):
     group
         Names of all hulls whose velocities are coupled by water, in order.
     """
+
+    CHANNELS: ClassVar = (*RigidBody.CHANNELS, *Hull.CHANNELS)
 
     hull: Hull = field(default_factory=lambda: Hull(body="", restoring=None))
     group: tuple[str, ...] = ()

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Vector, record_at
-from heavylift.solver.channels import XYZ
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import COMPLIANT, ContactRows
 from heavylift.solver.contact.laws import stored_energy
@@ -19,37 +18,9 @@ from heavylift.solver.contact.mesh_slots import surface_count
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
 
-__all__ = ["COLLISION_CHANNELS", "collision_channels"]
-
-COLLISION_CHANNELS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
-    ("gap", "m", ("gap",)),
-    ("contacts", "1", ("contacts",)),
-    ("patches", "1", ("patches",)),
-    ("force", "N", XYZ),
-    ("normal_force", "N", ("normal_force",)),
-    ("largest_force", "N", ("largest_force",)),
-    ("impulse", "N s", ("impulse",)),
-    ("point", "m", XYZ),
-    ("slip", "m/s", ("slip",)),
-    ("dissipated", "J", ("dissipated",)),
-    ("impacts", "1", ("impacts",)),
-)
-"""Name, unit and components of the channels of a collision, in the order of its columns."""
-
-ONE_CONTACT: tuple[tuple[str, str, tuple[str, ...]], ...] = (
-    ("point", "m", XYZ),
-    ("normal", "1", XYZ),
-    ("gap", "m", ("gap",)),
-    ("force", "N", ("force",)),
-    ("friction", "N", ("friction",)),
-    ("impulse", "N s", ("impulse",)),
-    ("patch", "1", ("patch",)),
-)
-"""The same of each recorded contact."""
-
 
 class CollisionColumns(Record):
-    """Columns of a collision, see `COLLISION_CHANNELS`."""
+    """Columns of a collision, see `heavylift.solver.collisions.Collision`."""
 
     gap: float
     contacts: float
@@ -65,7 +36,7 @@ class CollisionColumns(Record):
 
 
 class ContactColumns(Record):
-    """Columns of a recorded contact, behind those of its collision; see `ONE_CONTACT`."""
+    """Columns of a recorded contact, behind those of its collision."""
 
     point: Vector
     normal: Vector
@@ -80,14 +51,6 @@ CONTACTS_AT, ONE_WIDTH = (columns.layout.itemsize // 8 for columns in (Collision
 """How many columns these are."""
 
 collision_columns, contact_columns = record_at(CollisionColumns), record_at(ContactColumns)
-
-
-def collision_channels(recorded: int) -> list[tuple[str, str, tuple[str, ...]]]:
-    """Channels of a collision that records some of its contacts."""
-    found = list(COLLISION_CHANNELS)
-    for i in range(recorded):
-        found += [(f"contact_{i + 1}.{name}", unit, parts) for name, unit, parts in ONE_CONTACT]
-    return found
 
 
 @implement(record_pairs, SurfacePairs)

@@ -1,4 +1,4 @@
-"""Contacts in a record: channels, energies, forces on bodies that are held."""
+"""Contacts in a record: their columns, energies, forces on bodies that are held."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.channels import XYZ
 from heavylift.solver.contact.interface import pose_contours
 from heavylift.solver.contact.kind import (
     COMPLIANT,
@@ -23,23 +22,6 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.row_impulses import add_reactions
-
-__all__ = ["CONTACT_CHANNELS"]
-
-CONTACT_CHANNELS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
-    ("gap", "m", ("gap",)),
-    ("normal_force", "N", ("normal_force",)),
-    ("friction_force", "N", ("friction_force",)),
-    ("force", "N", XYZ),
-    ("impulse", "N s", ("impulse",)),
-    ("slip", "m/s", ("slip",)),
-    ("slip_path", "m", ("slip_path",)),
-    ("coordinate", "1", ("u", "v")),
-    ("point", "m", XYZ),
-    ("dissipated", "J", ("dissipated",)),
-    ("impacts", "1", ("impacts",)),
-)
-"""Name, unit and components of the channels of a contact, in the order of its columns."""
 
 
 @kernel(internal=True)

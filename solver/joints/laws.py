@@ -7,7 +7,7 @@ forces.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
-from heavylift.solver.connections import GROUND, Joint, JointMotor, JointSpring, Limits, Spring
+from heavylift.solver.channels import Channel, add_channels
+from heavylift.solver.connections import GROUND, Joint, JointMotor, JointSpring, Limits, Rope, Spring
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.coordinate import (
     ANGLE,
@@ -33,15 +34,13 @@ if TYPE_CHECKING:
     from heavylift.solver.rows import Attachment
     from heavylift.solver.scene import Scene
 
-__all__ = ["STOP_RATE", "PackedLaws", "law_channels", "law_owners", "pack_laws"]
+__all__ = ["STOP_RATE", "PackedLaws", "add_law_channels", "law_owners", "pack_laws"]
 
 STOP_RATE = 400.0
 """Frequency [rad/s] on the characteristic mass of the joint that a stop gets if no stiffness is given."""
 
 SLOWEST_RATE = 1e-9
 """Stiffness over damping [1/s] of a row that is a damper only."""
-
-Entries = list[tuple[str, str, tuple[str, ...]]]
 
 
 @dataclass
@@ -64,16 +63,15 @@ def law_owners(scene: Scene) -> list[Any]:
     return [*scene.ropes, *(f for f in scene.forces if isinstance(f, (Spring, JointSpring, JointMotor)))]
 
 
-def law_channels(owner: Any, joints: dict[str, Joint]) -> Entries:
-    """Name, unit and components of the channels of one of them."""
-    if isinstance(owner, Spring):
-        return [("force", "N", ("force",)), ("length", "m", ("length",))]
+def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Channel], column: int) -> int:
+    """Append the channels of one of them; returns the next free column."""
     if isinstance(owner, (JointSpring, JointMotor)):
-        unit = "N m" if joint_coordinate(joints[owner.joint], owner) == ANGLE else "N"
-        return [("load", unit, ("load",))]
-    from heavylift.solver.joints.rope_packing import rope_channels
-
-    return rope_channels(owner)
+        turns = joint_coordinate(joints[owner.joint], owner) == ANGLE
+        load = owner.CHANNEL_BY_COORDINATE["angle" if turns else "travel"]
+        return add_channels(owner.name, [load], channels, column)
+    parts = len(owner.path) - 1 if isinstance(owner, Rope) else 1
+    segments = {"segment_tension": tuple(str(i + 1) for i in range(parts))}
+    return add_channels(owner.name, owner.CHANNELS, channels, column, segments)
 
 
 @dataclass

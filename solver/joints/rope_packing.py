@@ -22,20 +22,10 @@ from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import Attachment
 from heavylift.solver.scene import AnyBody
 
-__all__ = ["LARGEST_STRAIN", "pack_ropes", "rope_channels", "start_length"]
+__all__ = ["LARGEST_STRAIN", "pack_ropes", "start_length"]
 
 LARGEST_STRAIN = 0.02
 """Strain of a wire rope at the start above which it is refused: steel ropes break near it."""
-
-
-def rope_channels(rope: Rope | SpringRope) -> list[tuple[str, str, tuple[str, ...]]]:
-    """Name, unit and components of the channels of a rope."""
-    parts = len(rope.path) - 1 if isinstance(rope, Rope) else 1
-    single = [("tension", "N"), ("length", "m"), ("rest_length", "m"), ("drift", "m")]
-    return [
-        *((name, unit, (name,)) for name, unit in single),
-        ("segment_tension", "N", tuple(str(i + 1) for i in range(parts))),
-    ]
 
 
 def pack_ropes(

@@ -23,10 +23,7 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.marine.moorings import Fender
 from heavylift.solver.markers import MarkerBook
 
-__all__ = ["FENDER_CHANNELS", "Fenders", "fender_markers", "pack_fenders"]
-
-FENDER_CHANNELS = (("force", "N", ("force",)), ("compression", "m", ("compression",)))
-"""Channels of a fender; the compression is 0 while nothing touches it."""
+__all__ = ["Fenders", "fender_markers", "pack_fenders"]
 
 
 class FenderData(Record):

@@ -11,6 +11,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.rigid import RigidFrame, pack_rigid_bodies
+from heavylift.solver.channels import channel_width
 from heavylift.solver.marine.clipping import Clip, clip_surface_now
 from heavylift.solver.marine.hull_checks import check_hull_numbers, check_tank, check_volume
 from heavylift.solver.marine.hulls import (
@@ -79,7 +80,7 @@ def pack_hulls(
     rigid = pack_rigid_bodies(bodies, first_number, first_dof, first_column, markers, sensors)
     names = [body.name for body in bodies]
     count = len(bodies)
-    rigid.table["column"] = first_column + np.arange(count) * _record_width()
+    rigid.table["column"] = first_column + np.arange(count) * channel_width(FloatingBody.CHANNELS)
     groups: list[tuple[str, ...]] = list(dict.fromkeys(body.group for body in bodies))
     group_rows, first_matrix = [], 0
     for group in groups:
@@ -165,12 +166,6 @@ def _cover(
     out, deep = records(Clip, 1), -2.0 * float(np.abs(points).max())
     clip_surface_now(points, triangles, np.eye(3).ravel(), deep * 2.0, np.zeros_like(points), out)
     hull.least_volume = LEAST_SHARE * out[0].volume
-
-
-def _record_width() -> int:
-    from heavylift.solver.marine.hull_channels import record_width
-
-    return record_width()
 
 
 class _Surfaces:

@@ -63,7 +63,7 @@ def restore_at_rest(kind: Hulls) -> None:
 @implement(record, Hulls)
 @kernel(internal=True)
 def record_hulls(kind: Hulls, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
-    """Columns of a rigid body, then `HULL_CHANNELS`."""
+    """Columns of a rigid body, then those of a hull."""
     record_rigid_bodies(kind, time, work, row)
     _set_stage(kind, time)
     find_waves(kind, time)

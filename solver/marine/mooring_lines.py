@@ -32,7 +32,6 @@ from heavylift.solver.marine.moorings import MooringLine, check_sections
 from heavylift.solver.markers import MarkerBook
 
 __all__ = [
-    "LINE_CHANNELS",
     "LINE_OVERSTRETCHED",
     "MooringData",
     "MooringLines",
@@ -41,14 +40,6 @@ __all__ = [
     "line_markers",
     "pack_mooring_lines",
 ]
-
-LINE_CHANNELS = (
-    ("tension", "N", ("tension",)),
-    ("anchor_tension", "N", ("anchor_tension",)),
-    ("horizontal_tension", "N", ("horizontal_tension",)),
-    ("seabed_length", "m", ("seabed_length",)),
-)
-"""Channels of a line: at the fairlead, at the anchor, horizontal at the fairlead, unstretched length on the seabed."""
 
 LINE_OVERSTRETCHED = int(Outcome.LINE_OVERSTRETCHED)
 """Outcome of a step in which a line is stretched beyond its limit, or has no equilibrium."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.descriptions import ChannelKind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -59,6 +60,14 @@ class MooringLine:
         Mean strain at which a simulation stops, and beyond which a line is refused at the start.
     """
 
+    CHANNELS: ClassVar = (
+        ChannelKind("tension", "force", "tension of the line at its fairlead"),
+        ChannelKind("anchor_tension", "force", "tension of the line at its anchor"),
+        ChannelKind("horizontal_tension", "force", "horizontal part of the tension at the fairlead"),
+        ChannelKind("seabed_length", "length", "unstretched length of the line that lies on the bottom"),
+    )
+    """What it records, in the order of its columns."""
+
     name: str
     body_a: str
     point_a: NDArray[np.float64]
@@ -95,6 +104,12 @@ class Fender:
         A table in place of the stiffness: force [N] over compression [m], both from zero and not falling; held at
         the slope of its last piece beyond its end.
     """
+
+    CHANNELS: ClassVar = (
+        ChannelKind("force", "force", "force of the fender along its normal"),
+        ChannelKind("compression", "length", "compression of the fender, 0 while nothing presses it"),
+    )
+    """What it records, in the order of its columns."""
 
     name: str
     body_a: str

@@ -13,16 +13,14 @@ the relative velocity and act at the centre of pressure, so that roll and pitch 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.channels import XYZ
-from heavylift.solver.interface import FORCES
+from heavylift.solver.descriptions import XYZ, ChannelKind
 from heavylift.solver.marine.wind_spectrum import (
     HIGHEST_FREQUENCY,
     HOUR,
@@ -32,7 +30,6 @@ from heavylift.solver.marine.wind_spectrum import (
     wind_components,
     wind_record,
 )
-from heavylift.solver.markers import MarkerBook
 
 __all__ = [
     "AIR_DENSITY",
@@ -45,12 +42,13 @@ __all__ = [
     "WindField",
     "fluctuation_record",
     "fluctuation_records",
-    "fluid_channels",
-    "fluid_markers",
 ]
 
 AIR_DENSITY = 1.225
 """[kg/m3]."""
+
+GOES = ChannelKind("direction", "angle", "where the wind or current goes, from world x, anticlockwise")
+LOAD_FORCE = ChannelKind("force", "force", "sum of the forces of the pieces of this name, world axes", XYZ)
 
 Array = NDArray[np.float64]
 
@@ -184,6 +182,12 @@ class WindField:
         Of the air [kg/m3].
     """
 
+    CHANNELS: ClassVar = (
+        ChannelKind("speed", "velocity", "speed of the wind at 10 m above the still water"),
+        GOES,
+    )
+    """What it records, in the order of its columns."""
+
     speed: float
     name: str = "wind"
     averaging_time: float = HOUR
@@ -209,6 +213,12 @@ class CurrentField:
     direction
         Where the water goes [rad]; or rows of time [s] and angle [rad], shape (n, 2), linear between.
     """
+
+    CHANNELS: ClassVar = (
+        ChannelKind("speed", "velocity", "speed of the current at the still water"),
+        GOES,
+    )
+    """What it records, in the order of its columns."""
 
     speed: float | Array
     name: str = "current"
@@ -246,6 +256,17 @@ class CoefficientLoad:
     axis
         Direction of the body that is its heading, in the body frame, shape (3,).
     """
+
+    CHANNELS: ClassVar = (
+        LOAD_FORCE,
+        ChannelKind(
+            "yaw_moment",
+            "moment or energy",
+            "sum of the yaw moments of the pieces of this name about their centres of pressure",
+            ("z",),
+        ),
+    )
+    """What is recorded of all loads of its name, in the order of columns."""
 
     name: str
     body: str
@@ -288,6 +309,9 @@ class DragElement:
         Direction of the body that is its heading, in the body frame, shape (3,).
     """
 
+    CHANNELS: ClassVar = (LOAD_FORCE,)
+    """What is recorded of all loads of its name."""
+
     name: str
     body: str
     point: Array
@@ -302,44 +326,3 @@ class DragElement:
 FluidField = WindField | CurrentField
 
 FluidLoad = CoefficientLoad | DragElement
-
-
-def fluid_markers(book: MarkerBook, loads: Sequence[FluidLoad]) -> list[tuple[int, int]]:
-    """New markers of each load: its point, and its heading or -1 where that does not matter."""
-    made = []
-    for load in loads:
-        point = np.asarray(load.point, dtype=np.float64)
-        number = book.point(load.body, point, FORCES)
-        if isinstance(load, DragElement) and np.ndim(load.area) == 0:
-            made.append((number, -1))
-            continue
-        axis = np.asarray(load.axis, dtype=np.float64)
-        length = float(np.linalg.norm(axis)) if axis.shape == (3,) else 0.0
-        if not 0.0 < length < np.inf:
-            raise InputError(
-                f"axis {axis.tolist()}",
-                source=load.name,
-                key="axis",
-                expected="three numbers, a direction that is not zero",
-            )
-        made.append((number, book.direction(load.body, axis / length, FORCES, at=point)))
-    return made
-
-
-def fluid_channels(
-    fields: Sequence[FluidField], loads: Sequence[FluidLoad]
-) -> list[tuple[str, str, str, tuple[str, ...]]]:
-    """Owner, name, unit and components of all channels, in the order in which their columns are asked for.
-
-    Of each field its speed, at 10 m for wind and at the still water for current, and where it goes; of each name of
-    loads the total force in world axes and, if some have coefficients, the total of their yaw moments.
-    """
-    channels: list[tuple[str, str, str, tuple[str, ...]]] = []
-    for one in fields:
-        channels.append((one.name, "speed", "m/s", ("speed",)))
-        channels.append((one.name, "direction", "rad", ("direction",)))
-    for name in dict.fromkeys(load.name for load in loads):
-        channels.append((name, "force", "N", XYZ))
-        if any(isinstance(load, CoefficientLoad) for load in loads if load.name == name):
-            channels.append((name, "yaw_moment", "N m", ("z",)))
-    return channels

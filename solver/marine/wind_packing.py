@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
+from heavylift.solver.descriptions import ChannelKind
+from heavylift.solver.interface import FORCES
 from heavylift.solver.marine.wind import (
     BOX,
     COEFFICIENTS,
@@ -28,11 +30,11 @@ from heavylift.solver.marine.wind_coefficients import SMALL_ANGLE, coefficient_c
 from heavylift.solver.marine.wind_loads import (
     CoefficientLoad,
     CurrentField,
+    DragElement,
     FluctuationRecord,
     FluidField,
     FluidLoad,
     WindField,
-    fluid_channels,
 )
 from heavylift.solver.marine.wind_spectrum import (
     HOUR,
@@ -43,14 +45,46 @@ from heavylift.solver.marine.wind_spectrum import (
     hourly_mean,
     profile_slope,
 )
+from heavylift.solver.markers import MarkerBook
 
-__all__ = ["pack_fluid_loads"]
+__all__ = ["fluid_channels", "fluid_markers", "pack_fluid_loads"]
 
 FULL_TURN = 2.0 * math.pi
 INTENSITY_EXPONENT = -0.22
 """Of the turbulence intensity over the height, ISO 19901-1."""
 
 Array = NDArray[np.float64]
+
+
+def fluid_markers(book: MarkerBook, loads: Sequence[FluidLoad]) -> list[tuple[int, int]]:
+    """New markers of each load: its point, and its heading or -1 where that does not matter."""
+    made = []
+    for load in loads:
+        point = np.asarray(load.point, dtype=np.float64)
+        number = book.point(load.body, point, FORCES)
+        if isinstance(load, DragElement) and np.ndim(load.area) == 0:
+            made.append((number, -1))
+            continue
+        axis = np.asarray(load.axis, dtype=np.float64)
+        length = float(np.linalg.norm(axis)) if axis.shape == (3,) else 0.0
+        if not 0.0 < length < np.inf:
+            raise InputError(
+                f"axis {axis.tolist()}",
+                source=load.name,
+                key="axis",
+                expected="three numbers, a direction that is not zero",
+            )
+        made.append((number, book.direction(load.body, axis / length, FORCES, at=point)))
+    return made
+
+
+def fluid_channels(fields: Sequence[FluidField], loads: Sequence[FluidLoad]) -> list[tuple[str, ChannelKind]]:
+    """Owners and channels in the order of their columns: of each field, then of each name of loads."""
+    channels = [(one.name, kind) for one in fields for kind in one.CHANNELS]
+    for name in dict.fromkeys(load.name for load in loads):
+        kinds = dict.fromkeys(kind for load in loads if load.name == name for kind in load.CHANNELS)
+        channels += [(name, kind) for kind in kinds]
+    return channels
 
 
 def pack_fluid_loads(
@@ -72,9 +106,9 @@ def pack_fluid_loads(
     loads
         What they push on.
     markers
-        Of each load, from `heavylift.solver.marine.wind_loads.fluid_markers`.
+        Of each load, from `fluid_markers`.
     columns
-        First record column of each channel of `heavylift.solver.marine.wind_loads.fluid_channels`.
+        First record column of each channel of `fluid_channels`.
     level
         Height of the still water [m].
     ramp
@@ -92,8 +126,8 @@ def pack_fluid_loads(
         twice = next(name for name in names if names.count(name) > 1)
         raise InputError(f"two fields named {twice!r}", source="wind and current", key="name", expected="one")
     column_of = {
-        (owner, name): column
-        for (owner, name, _, _), column in zip(fluid_channels(fields, loads), columns, strict=True)
+        (owner, kind.name): column
+        for (owner, kind), column in zip(fluid_channels(fields, loads), columns, strict=True)
     }
     profiles, turns, fluctuations, curves = _Rows(2), _Rows(2), _Rows(1), _Rows(13)
     _check_water(level, ramp, water_density)

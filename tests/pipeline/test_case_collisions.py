@@ -12,7 +12,6 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case
 from heavylift.pipeline.case_collisions import thesis_numbers
 from heavylift.pipeline.case_places import places
-from heavylift.pipeline.channel_descriptions import CHANNEL_DESCRIPTIONS
 from heavylift.pipeline.channel_kinds import COLLISION_CONTACT, all_channels, channel_components, declared
 
 COLLISION = {
@@ -99,7 +98,6 @@ def test_checks_may_name_every_channel_of_a_collision_in_its_unit(folder, name):
     assert quantity.kind.unit == COLLISION[name]
     assert quantity.item == f"landing.{name}"
     assert name in all_channels()
-    assert name in CHANNEL_DESCRIPTIONS
 
 
 @pytest.mark.parametrize("name", RECORDED)
@@ -109,7 +107,6 @@ def test_checks_may_name_every_channel_of_a_recorded_contact(folder, name):
     assert quantity.kind.unit == RECORDED[name]
     assert (quantity.item, quantity.component) == (f"bump_4.contact_2.{name}", component.strip("."))
     assert name in COLLISION_CONTACT
-    assert name in CHANNEL_DESCRIPTIONS
 
 
 def test_collisions_have_no_other_channels_and_surfaces_none(folder):

@@ -10,7 +10,6 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case
-from heavylift.pipeline.channel_descriptions import CHANNEL_DESCRIPTIONS
 from heavylift.pipeline.channel_kinds import all_channels, channel_components, declared
 from heavylift.pipeline.provenance import simulate_digest
 
@@ -79,7 +78,6 @@ def test_checks_may_name_every_channel_of_a_contact_in_its_unit(folder, name):
     assert quantity.kind.unit == CONTACT[name]
     assert quantity.item == f"landing.{name}"
     assert name in all_channels()
-    assert name in CHANNEL_DESCRIPTIONS
 
 
 def test_a_contact_has_no_other_channels_and_a_contour_has_none(folder):

@@ -15,7 +15,6 @@ from heavylift.numerics.units import KINDS
 from heavylift.pipeline import load_case
 from heavylift.pipeline.assemble_water import sea_gravity
 from heavylift.pipeline.case_places import places
-from heavylift.pipeline.channel_descriptions import CHANNEL_DESCRIPTIONS
 from heavylift.pipeline.channel_kinds import declared
 
 HERE = Path(__file__).parent
@@ -84,10 +83,9 @@ def test_gravity_of_water_is_its_own_or_the_standard_one(folder):
         ("underwater.yaw_moment", "N m"),
     ],
 )
-def test_channels_have_kinds_and_descriptions(folder, name, unit):
+def test_channels_have_kinds(folder, name, unit):
     case = load_case(folder)
     assert case.quantity(f"channel.{name}.end").kind.unit == unit
-    assert CHANNEL_DESCRIPTIONS[name.rpartition(".")[2]]
     assert KINDS["volume"].unit == "m^3"
 
 

@@ -31,7 +31,8 @@ def merge(folder, channels):
         "sources": ["a", "b"],
         "versions": {"x": "1"},
     }
-    merge_segments(folder.segments, folder.results, infos, {"position": "where it is"}, metadata)
+    sentences = {"a.position": "where it is", "energy.balance": "what is left"}
+    merge_segments(folder.segments, folder.results, infos, sentences, metadata)
 
 
 def test_an_unfinished_run_can_be_read(out):

@@ -212,4 +212,14 @@ def test_a_joint_brings_its_keys_and_channels():
         "| `lead` | length [m] |  | Travel a turn [m], not zero; positive for a right-handed thread. |"
         in screw
     )
-    assert "| `NAME.thread_force` | force [N] |" in screw
+    assert "| `NAME.thread_force` | N |" in screw
+
+
+def test_channels_stand_below_what_records_them():
+    text = key_tables()
+    hit = text[text.index('## collisions, law = "rigid"') :].partition("\n## ")[0]
+    assert "| `NAME.force` | N | `x`, `y`, `z` | force on the second surface, world axes |" in hit
+    assert "| `NAME.contact_1.force` | N |  | force of the contact along its normal |" in hit
+    beam = text[text.index('## bodies.NAME, type = "frame"') :].partition("\n## ")[0]
+    assert "| `NAME.bending_moment` | N m | several | bending moment at both ends of every element |" in beam
+    assert "| `energy.kinetic` | J |" in text

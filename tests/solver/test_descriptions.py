@@ -13,7 +13,7 @@ import pytest
 
 from heavylift.numerics.quantity import Positive, Quantity
 from heavylift.solver.connections import JOINTS, PAIR_FORCES, Joint, Place
-from heavylift.solver.descriptions import ChannelKind, Family, _read, described_fields
+from heavylift.solver.descriptions import XYZ, ChannelKind, Family, _read, described_fields, known_channels
 
 WORDS = (
     "ball",
@@ -227,3 +227,15 @@ def test_a_channel_has_a_known_quantity_and_a_sentence():
         ChannelKind("silent", "length", "")
     with pytest.raises(TypeError, match=r"'angle' is a length .*elsewhere a angle"):
         ChannelKind("angle", "length", "how far")
+    with pytest.raises(TypeError, match="'loss' in N, expected another name for N m"):
+        ChannelKind("loss", "moment or energy", "how much", unit="N")
+    assert "loss" not in known_channels()
+
+
+def test_a_channel_is_a_number_a_vector_or_what_the_scene_decides():
+    assert ChannelKind("angle", "angle", "how far").columns() == ("angle",)
+    assert ChannelKind("reaction_force", "force", "how hard", XYZ).columns() == XYZ
+    nodes = ChannelKind("reaction_force", "force", "how hard", None)
+    assert nodes.columns({"reaction_force": ("1", "2")}) == ("1", "2")
+    assert ChannelKind("angle", "angle", "how far").unit == "rad"
+    assert ChannelKind("reaction_moment", "moment or energy", "how hard", XYZ, unit="J").unit == "J"

@@ -353,3 +353,11 @@ def test_bases_of_kinds_are_no_kinds() -> None:
     known = kinds_with_verbs()
     assert RigidBodies in known
     assert not any(issubclass(other, kind) for kind in known for other in known if other is not kind)
+
+
+def test_a_verb_serves_a_single_kind_from_python_as_it_does_in_kernels() -> None:
+    """An optional verb, too: what is no table must not be passed over as if it held nothing."""
+    total = np.zeros(2)
+    rest(Springs(np.ones(1), np.ones(1)), total)
+    pull(Weights(np.ones(2)), 0.5, False, total)
+    np.testing.assert_array_equal(total, [11.0, 1.0])

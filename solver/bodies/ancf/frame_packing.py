@@ -39,7 +39,7 @@ __all__ = [
     "element_lengths",
     "load_shape",
     "locate",
-    "result_channels",
+    "result_columns",
     "shape_values",
     "start_coordinates",
     "strain_counts",
@@ -57,11 +57,11 @@ def body_constants(body: FrameBody) -> NDArray[np.float64]:
     return np.array([float(EXACT if body.model == "exact" else GREEN_LAGRANGE)])
 
 
-def result_channels(body: FrameBody) -> list[tuple[str, str, tuple[str, ...]]]:
-    """Name, unit and components of what is recorded: by element, moments at its first and second node."""
+def result_columns(body: FrameBody) -> dict[str, tuple[str, ...]]:
+    """Components of what is recorded of all elements; of moments at the first and second node of each."""
     each = tuple(str(e) for e in range(len(body.elements)))
     ends = tuple(f"{e}.{end}" for e in each for end in ("first", "second"))
-    return [("axial_force", "N", each), ("bending_moment", "N m", ends), ("axial_stress", "Pa", each)]
+    return {"axial_force": each, "bending_moment": ends, "axial_stress": each}
 
 
 def start_coordinates(body: FrameBody) -> NDArray[np.float64]:

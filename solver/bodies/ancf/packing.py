@@ -35,10 +35,11 @@ from heavylift.solver.bodies.ancf.load_packing import LoadBook
 from heavylift.solver.bodies.ancf.moving_packing import pack_moving
 from heavylift.solver.bodies.ancf.pattern_tables import base_blocks, block_ranges, clears
 from heavylift.solver.bodies.ancf.types import MeshType, type_of
+from heavylift.solver.channels import channel_width
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.meshes import MeshBody
 
-__all__ = ["check_mesh", "mass_and_inertia", "mesh_channels", "pack_meshes", "record_width"]
+__all__ = ["check_mesh", "mass_and_inertia", "mesh_columns", "pack_meshes"]
 
 SCHEMES = {"carried": CARRIED, "energy-momentum": ENERGY_MOMENTUM, "auto": AUTO, "explicit": EXPLICIT}
 SETS = 3
@@ -84,22 +85,15 @@ def mass_and_inertia(body: MeshBody) -> tuple[float, float]:
     return float(mass), float(np.linalg.eigvalsh(np.trace(second) * np.eye(3) - second)[2])
 
 
-def mesh_channels(body: MeshBody) -> list[tuple[str, str, tuple[str, ...]]]:
-    """Name, unit and components of the channels of a body: nodal vectors in world axes, velocities, stresses, drift."""
+def mesh_columns(body: MeshBody) -> dict[str, tuple[str, ...]]:
+    """Components of the channels of a body: of nodal vectors and velocities by node, of results by element."""
     of_type = type_of(body)
     parts = tuple(f"{node}.{axis}" for node in range(len(body.nodes)) for axis in "xyz")
-    units = {"position": "m", "twist": "1/m"}
-    return [
-        *((vector, units.get(vector, "1"), parts) for vector in of_type.vectors),
-        ("velocity", "m/s", parts),
-        *of_type.result_channels(body),
-        ("strain_drift", "1", ("strain_drift",)),
-    ]
+    return dict.fromkeys((*of_type.vectors, "velocity"), parts) | of_type.result_columns(body)
 
 
-def record_width(body: MeshBody) -> int:
-    """Record columns of a body."""
-    return sum(len(components) for _, _, components in mesh_channels(body))
+def _record_width(body: MeshBody) -> int:
+    return channel_width(body.CHANNELS, mesh_columns(body))
 
 
 class _Builder:
@@ -213,7 +207,7 @@ class _Builder:
         numbers.drift_tolerance, numbers.mass = body.drift_tolerance, mass
         numbers.size = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
         line.number, line.dof = number, dof
-        line.column, line.last_result = column, column + record_width(body) - 1
+        line.column, line.last_result = column, column + _record_width(body) - 1
         line.first_node, line.node_count, line.base_node_count = first_node, nodes, base_nodes
         line.first_element, line.element_count = first_element, count
         line.first_base, line.base_count, line.moving_count = first_base, len(bases.bases), moving
@@ -369,7 +363,7 @@ def pack_meshes(
         zip(bodies, dofs, markers, sensors, counts, strict=True)
     ):
         builder.add(body, first_number + i, dof, column, plan_bases(body, on_body), watched, count)
-        column += record_width(body)
+        column += _record_width(body)
     kind = builder.finish(bodies)
     prepare_mass(kind)
     return kind

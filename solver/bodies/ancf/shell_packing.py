@@ -29,7 +29,7 @@ __all__ = [
     "element_data",
     "load_shape",
     "locate",
-    "result_channels",
+    "result_columns",
     "shape_values",
     "start_coordinates",
     "strain_counts",
@@ -147,8 +147,8 @@ def _inverse(shape: FlatShape, element: int, point: NDArray[np.float64]) -> NDAr
     return np.clip(local, 0.0, 1.0)
 
 
-def result_channels(body: ShellBody) -> list[tuple[str, str, tuple[str, ...]]]:
-    """Name, unit and components of what is recorded of all elements, at their centres.
+def result_columns(body: ShellBody) -> dict[str, tuple[str, ...]]:
+    """Components of what is recorded of all elements, at their centres.
 
     Axes are those of the surface, the first along the lines of the mesh direction x; moments are those of
     curvatures along ``n = r_x x r_y``, whose side is the top.
@@ -156,4 +156,4 @@ def result_channels(body: ShellBody) -> list[tuple[str, str, tuple[str, ...]]]:
     elements = range(len(body.elements))
     parts = tuple(f"{e}.{axes}" for e in elements for axes in ("xx", "yy", "xy"))
     sides = tuple(f"{e}.{side}" for e in elements for side in ("top", "middle", "bottom"))
-    return [("membrane_force", "N/m", parts), ("bending_moment", "N m/m", parts), ("von_mises", "Pa", sides)]
+    return {"membrane_force": parts, "bending_moment": parts, "von_mises": sides}

@@ -38,7 +38,7 @@ class MeshType:
     shape_values: Callable[[Any, int, tuple[float, ...], int], Any]
     load_shape: Callable[[Any, int], Any]
     body_constants: Callable[[Any], Any]
-    result_channels: Callable[[Any], list[tuple[str, str, tuple[str, ...]]]]
+    result_columns: Callable[[Any], dict[str, tuple[str, ...]]]
 
     @property
     def rows(self) -> int:
@@ -65,5 +65,5 @@ def type_of(body: MeshBody) -> MeshType:
         shape_values=module.shape_values,
         load_shape=module.load_shape,
         body_constants=module.body_constants,
-        result_channels=module.result_channels,
+        result_columns=module.result_columns,
     )

@@ -9,7 +9,7 @@ from frame_examples import EA, EI, EXAMPLES, MASS, SECTION, Example, arc, line
 from frame_meshes import get, matrix, pack, put
 from scipy.linalg import eigh, expm
 
-from heavylift.solver.bodies.ancf.frame_packing import load_shape, result_channels
+from heavylift.solver.bodies.ancf.frame_packing import load_shape, result_columns
 from heavylift.solver.bodies.ancf.kind import FrameMeshes
 
 
@@ -313,13 +313,13 @@ def test_a_follower_load_has_the_resultant_of_its_chord(name: str) -> None:
 
 def recorded(kind: FrameMeshes, body: object) -> dict[str, np.ndarray]:
     """Channels by name; nothing beyond them is written."""
-    channels = result_channels(body)  # type: ignore[arg-type]
-    row = np.full(2 + sum(len(parts) for _, _, parts in channels) + 1, np.nan)
+    columns = result_columns(body)  # type: ignore[arg-type]
+    row = np.full(2 + sum(map(len, columns.values())) + 1, np.nan)
     fm.record_elements(kind, 0, row, 2)
     assert np.isnan(row[[0, 1, -1]]).all()
     assert np.isfinite(row[2:-1]).all()
     found, at = {}, 2
-    for name, _, parts in channels:
+    for name, parts in columns.items():
         found[name] = row[at : at + len(parts)]
         at += len(parts)
     return found

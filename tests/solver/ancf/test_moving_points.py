@@ -86,7 +86,6 @@ def shell() -> ShellBody:
     )
 
 
-@kernel
 def begin(bodies: Any, work: Any, step: float) -> None:
     """Up to free velocities of the midpoint."""
     start(bodies, 0.0, work)
@@ -95,7 +94,6 @@ def begin(bodies: Any, work: Any, step: float) -> None:
     factor(bodies, step, work)
 
 
-@kernel
 def go_on(bodies: Any, systems: Any, step: float, work: Any) -> None:
     """A step without rows, up to its end."""
     complete(bodies, systems, True, step, work)
@@ -109,13 +107,11 @@ def aim(kind: Any, slot: int, controls: Any, weights: Any) -> None:
     aim_point(kind.moving, kind, 0, slot, controls, weights, 0, controls.shape[0])
 
 
-@kernel
 def settle(bodies: Any, systems: Any, at_midpoint: bool, work: Any) -> None:
     """Velocities of the moving points."""
     settle_points(bodies, systems, at_midpoint, work)
 
 
-@kernel
 def invert(bodies: Any, system: Any, at_midpoint: bool) -> None:
     """X of all panels."""
     apply_inverse(bodies, at_midpoint, system)
@@ -129,7 +125,6 @@ def solve(system: Any, work: Any) -> None:
     solve_rows(system, work.velocity)
 
 
-@kernel
 def spread(
     bodies: Any, everything: Any, systems: Any, joints: Any, at_midpoint: bool, work: Any, step: float
 ) -> None:

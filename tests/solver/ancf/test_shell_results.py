@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from shell_scenes import distorted_element, pack, put, recorded, rotation, shell
 
-from heavylift.solver.bodies.ancf.shell_packing import result_channels, start_coordinates
+from heavylift.solver.bodies.ancf.shell_packing import result_columns, start_coordinates
 from heavylift.solver.mesh_shapes import rectangle
 from heavylift.solver.meshes import ShellBody, ShellSection
 
@@ -14,17 +14,14 @@ from heavylift.solver.meshes import ShellBody, ShellSection
 def record(body: ShellBody, coordinates: np.ndarray) -> dict[str, np.ndarray]:
     kind = pack([body])
     put(kind.position, coordinates)
-    channels = result_channels(body)
-    width = sum(len(parts) for _, _, parts in channels)
+    columns = result_columns(body)
+    width = sum(map(len, columns.values()))
     row = np.full(width + 4, np.nan)
     recorded(kind, 0, row, 3)
     assert np.isnan(row[[0, 1, 2, -1]]).all()
     assert np.isfinite(row[3:-1]).all()
-    ends = np.cumsum([3] + [len(parts) for _, _, parts in channels])
-    return {
-        name: row[a:b].reshape(-1, 3)
-        for (name, _, _), a, b in zip(channels, ends[:-1], ends[1:], strict=True)
-    }
+    ends = np.cumsum([3, *map(len, columns.values())])
+    return {name: row[a:b].reshape(-1, 3) for name, a, b in zip(columns, ends[:-1], ends[1:], strict=True)}
 
 
 def test_section_forces_of_constant_strain_and_curvature() -> None:

@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.solver.channels import add_channels
+from heavylift.solver.channels import channel_width
 from heavylift.solver.connections import GROUND
 from heavylift.solver.interface import (
     Workspace,
@@ -20,7 +20,6 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.marine.catenary_line import solve_catenary
 from heavylift.solver.marine.mooring_lines import (
-    LINE_CHANNELS,
     LINE_OVERSTRETCHED,
     MooringLines,
     line_markers,
@@ -70,7 +69,7 @@ class Bench:
         markers = line_markers(book, [line])
         self.kind: MooringLines = pack_mooring_lines([line], markers, [0], [(anchor, fairlead)])
         self.work = Workspace.empty(0, book.count)
-        self.row = np.zeros(add_channels("line", LINE_CHANNELS, [], 0))
+        self.row = np.zeros(channel_width(line.CHANNELS))
 
     def at(self, anchor: np.ndarray, fairlead: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces [N] on the anchor and on the fairlead at these places."""

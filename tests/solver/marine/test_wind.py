@@ -23,10 +23,8 @@ from heavylift.solver.marine.wind_loads import (
     WindField,
     fluctuation_record,
     fluctuation_records,
-    fluid_channels,
-    fluid_markers,
 )
-from heavylift.solver.marine.wind_packing import pack_fluid_loads
+from heavylift.solver.marine.wind_packing import fluid_channels, fluid_markers, pack_fluid_loads
 from heavylift.solver.scene import PointForce, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
@@ -69,7 +67,7 @@ def apply(body, fields, loads, time=0.0, **water):
     book = MarkerBook()
     markers = fluid_markers(book, loads)
     channels = fluid_channels(fields, loads)
-    columns = np.cumsum([0, *[len(components) for *_, components in channels]])
+    columns = np.cumsum([0, *[len(kind.columns()) for _, kind in channels]])
     kind = pack_fluid_loads(fields, loads, markers, [int(c) for c in columns[:-1]], **water)
     work = Workspace.empty(6, book.count)
     for load, (point, heading) in zip(loads, markers, strict=True):
@@ -81,8 +79,8 @@ def apply(body, fields, loads, time=0.0, **water):
     forces = work.markers["force"]
     power = float(np.sum(forces * work.markers["velocity"]))
     record = {
-        f"{owner}.{name}": row[start : start + len(components)]
-        for (owner, name, _, components), start in zip(channels, columns, strict=False)
+        f"{owner}.{kind.name}": row[start : start + len(kind.columns())]
+        for (owner, kind), start in zip(channels, columns, strict=False)
     }
     nothing = np.zeros(3)
     return [(forces[p], forces[h] if h >= 0 else nothing) for p, h in markers], power, record
@@ -335,7 +333,7 @@ def test_loads_of_one_name_are_recorded_as_their_sum():
     loads = [element(name="deck"), element(name="deck", area=7.0), hull(name="deck")]
     pairs, _, record = apply(body, [WindField(speed=10.0)], loads)
     np.testing.assert_allclose(record["deck.force"], sum(pair[0] for pair in pairs), rtol=1e-12)
-    assert [name for _, name, _, _ in fluid_channels([], loads)] == ["force", "yaw_moment"]
+    assert [kind.name for _, kind in fluid_channels([], loads)] == ["force", "yaw_moment"]
 
 
 @pytest.mark.parametrize(
