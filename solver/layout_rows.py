@@ -96,7 +96,7 @@ def pack_connections(
     from heavylift.solver.joints.mesh_joints import expand_joints
 
     scene = expand_joints(scene)
-    packed = _pack(scene, ordered, column, integrator, {})
+    packed = _pack(scene, ordered, column, integrator, {}, counting=True)
 
     markers = packed.book.of([body.name for body in meshes])
     counts = {
@@ -109,9 +109,15 @@ def pack_connections(
 
 
 def _pack(
-    scene: Scene, ordered: Sequence[AnyBody], column: int, integrator: str, bases: Mapping[str, int]
+    scene: Scene,
+    ordered: Sequence[AnyBody],
+    column: int,
+    integrator: str,
+    bases: Mapping[str, int],
+    *,
+    counting: bool = False,
 ) -> PackedConnections:
-    """One pass with a given number of bases."""
+    """One pass with a given number of bases; one that only counts ends with the last marker."""
     packed = PackedConnections(MarkerBook(), bases, [], column)
     book = packed.book
     for force in scene.forces:
@@ -143,6 +149,8 @@ def _pack(
         packed.block_names += laws.block_names
         packed.forces += laws.forces
     markers = _contact_markers(scene, book)
+    if counting:
+        return packed
     if scene.joints or laws is not None or scene.touches:
         inverse_mass = inverse_masses(ordered, bases)
         held: RowSystem | None = make_system(inverse_mass, packed.column) if scene.joints else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -75,8 +76,16 @@ def shape_values(body: ShellBody, element: int, local: tuple[float, ...], vector
     """
     along_x, along_y = ((0, 0), (1, 0), (0, 1), (1, 1))[vector]
     a, b = body.lengths[element]
-    values = shapes(np.array([local[0]]), np.array([local[1]]), along_x, along_y)[0]
+    values = _unit_shapes(local[0], local[1], along_x, along_y)
     return values * vector_scales(body.lengths[element : element + 1])[0] / (a**along_x * b**along_y)
+
+
+@lru_cache(maxsize=4096)
+def _unit_shapes(xi: float, eta: float, along_xi: int, along_eta: int) -> NDArray[np.float64]:
+    """`shapes` at one point; surfaces ask for the same ones in each element."""
+    values = shapes(np.array([xi]), np.array([eta]), along_xi, along_eta)[0]
+    values.flags.writeable = False
+    return values
 
 
 def load_shape(body: ShellBody, element: int) -> NDArray[np.float64]:
