@@ -94,7 +94,13 @@ CONTOUR_TYPES = frozenset({"surface", "curve", "cylinder", "band"})
 
 def all_channels() -> dict[str, str]:
     """Every last part of a channel that anything in the cases read so far may have: name to kind."""
-    return {name: channels[0].quantity for name, channels in known_channels().items()}
+    elsewhere = [*Collision.CONTACT_CHANNELS, *(channel for own in OF_THE_SCENE.values() for channel in own)]
+    found = {}
+    for name, channels in known_channels().items():
+        own = [channel for channel in channels if all(channel is not other for other in elsewhere)]
+        if own:
+            found[name] = own[0].quantity
+    return found
 
 
 def channel_components(kind: str) -> tuple[str, ...] | None:
