@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from heavylift.pipeline.collision_pairs import declared_collisions, yields
 from heavylift.solver.channels import ENERGY_CHANNELS, MOMENTUM_CHANNELS, MONITOR_CHANNELS
 from heavylift.solver.collisions import Collision
-from heavylift.solver.connections import JOINTS, LOAD_CHANNELS, PAIR_FORCES, Joint, Place, Rope, Spring
+from heavylift.solver.connections import JOINTS, LOAD_CHANNELS, PAIR_FORCES, Place, Rope, Spring
 from heavylift.solver.contacts import Contact
 from heavylift.solver.descriptions import known_channels
 from heavylift.solver.marine.moorings import Fender, MooringLine
@@ -278,8 +278,9 @@ def _fluid_load_channels(row: Mapping[str, Any]) -> Mapping[str, str]:
 
 
 def _joint_channels(kind: str) -> Mapping[str, str]:
+    """Of a sort that does not exist any channel, so that its type is all that is told."""
     described = JOINTS.get(kind)
-    return _quantities(Joint.CHANNELS if described is None else described.CHANNELS)
+    return all_channels() if described is None else _quantities(described.CHANNELS)
 
 
 def _force_channels(row: Mapping[str, Any], joints: Mapping[str, str]) -> Mapping[str, str]:
@@ -289,5 +290,7 @@ def _force_channels(row: Mapping[str, Any], joints: Mapping[str, str]) -> Mappin
         return _quantities([LOAD_CHANNELS["travel" if coordinate == "travel" else "angle"]])
     if kind == "spring":
         return _quantities(Spring.CHANNELS)
-    described = None if kind == "point" else PAIR_FORCES.get(str(kind))
-    return {} if described is None else _quantities(described.CHANNELS)
+    if kind == "point":
+        return {}
+    described = PAIR_FORCES.get(str(kind))
+    return all_channels() if described is None else _quantities(described.CHANNELS)

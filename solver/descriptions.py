@@ -133,7 +133,7 @@ class Family(Generic[T]):
         Raises
         ------
         TypeError
-            If another one has the word, a field has no quantity, or a field hides one of a base class.
+            If another one has the word, a channel stands twice, a field has no quantity, or hides one of a base class.
         """
 
         def register(described: type[T]) -> type[T]:
@@ -146,6 +146,10 @@ class Family(Generic[T]):
                 raise TypeError(
                     f"{self.name} {word!r} is described twice: {_place(other)} and {_place(described)}"
                 )
+            channels = [channel.name for channel in getattr(described, "CHANNELS", ())]
+            twice = sorted({name for name in channels if channels.count(name) > 1})
+            if twice:
+                raise TypeError(f"{_place(described)}: records {', '.join(twice)} twice")
             for base in described.__mro__[1:]:
                 hidden = _named_in(described, described) & _named_in(base, described)
                 if hidden:

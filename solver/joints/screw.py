@@ -1,8 +1,8 @@
 """Screws: the point of b travels along z of a as b turns about it; 5 rows.
 
-With the pitch p, the travel a radian, and two directions x, y of a across the axis::
+The rows of a cylindrical joint, and with the pitch p, the travel a radian::
 
-    x_a . (p_b - p_a) = 0,  y_a . (p_b - p_a) = 0,  z_a . x_b = 0,  z_a . y_b = 0,  z_a . (p_b - p_a) - p phi = 0
+    z_a . (p_b - p_a) - p phi = 0
 
 The travel says how many whole turns the angle ``phi`` has made: that is certain while the last row is off by less than
 half a lead, so a screw is rigid, and starts on the turn on which both are zero. The last row transmits the force f of
@@ -27,25 +27,10 @@ from heavylift.numerics.quantity import Quantity
 from heavylift.numerics.records import Records, records
 from heavylift.solver.connections import ANGLE_CHANNELS, JOINTS, TRAVEL_CHANNELS, Joint, Place
 from heavylift.solver.descriptions import ChannelKind
-from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints.packing import (
-    AngleMarkers,
-    JointEntry,
-    JointPlace,
-    TravelMarkers,
-    angle_markers,
-    point_markers,
-    refuse_opposite,
-    travel_markers,
-)
-from heavylift.solver.joints.reactions import (
-    REACTION_WIDTH,
-    add_force,
-    add_moment,
-    clear_reaction,
-    reactions,
-    record_travel,
-)
+from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
+from heavylift.solver.joints import slider_hinge
+from heavylift.solver.joints.packing import JointPlace
+from heavylift.solver.joints.reactions import REACTION_WIDTH, add_force, reactions, record_travel
 from heavylift.solver.joints.row_writing import (
     add_direction_row,
     angle_bias,
@@ -56,12 +41,15 @@ from heavylift.solver.joints.row_writing import (
     hinge_rate,
     near_angle,
     residuals,
-    square_bias,
-    square_row,
     targets,
     travel_bias,
-    travel_row,
     vector,
+)
+from heavylift.solver.joints.slider_hinge import (
+    SliderHingeEntry,
+    fill_slider_hinge_bias,
+    fill_slider_hinge_rows,
+    write_slider_hinge_reaction,
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
@@ -92,17 +80,11 @@ class Screw(Joint):
     """Travel a turn [m], not zero; positive for a right-handed thread."""
 
 
-class ScrewEntry(JointEntry):
-    """Direction markers x, y, z of a, x and y of b, travel a radian [m], markers of the recorded angle and travel."""
+class ScrewEntry(SliderHingeEntry):
+    """A cylindrical joint, with its direction marker x of a and the travel a radian [m]."""
 
     x_a: int
-    y_a: int
-    z_a: int
-    x_b: int
-    y_b: int
     pitch: float
-    angle: AngleMarkers
-    travel: TravelMarkers
 
 
 class Screws(Arrays):
@@ -120,8 +102,7 @@ def pack(joints: Sequence[Screw], places: Sequence[JointPlace], book: MarkerBook
         If a lead is zero or not finite, the screw is compliant, its axes point away from each other at the start, or
         travel and angle do not belong to one turn there.
     """
-    rows = []
-    for joint, place in zip(joints, places, strict=True):
+    for joint in joints:
         if not (math.isfinite(joint.lead) and joint.lead != 0.0):
             raise InputError(
                 f"a lead of {joint.lead} m",
@@ -137,18 +118,12 @@ def pack(joints: Sequence[Screw], places: Sequence[JointPlace], book: MarkerBook
                 key=key,
                 expected="none: a screw is rigid; a soft body or joint beside it",
             )
-        refuse_opposite(joint, place, (2,))
+    rows = slider_hinge.pack_entries(joints, places, book)
+    for i, (joint, place) in enumerate(zip(joints, places, strict=True)):
         pitch = joint.lead / (2.0 * math.pi)
         _refuse_other_turns(joint, place, pitch)
-        axes_a = (
-            book.direction(joint.body_a, joint.frame_a.axes[:, k], at=joint.frame_a.point) for k in range(3)
-        )
-        axes_b = (
-            book.direction(joint.body_b, joint.frame_b.axes[:, k], at=joint.frame_b.point) for k in range(2)
-        )
-        points = point_markers(book, joint)
-        recorded = (angle_markers(book, joint, RECORD), travel_markers(book, joint, RECORD))
-        rows.append((place.block, *points, place.column, *axes_a, *axes_b, pitch, *recorded))
+        x_a = book.direction(joint.body_a, joint.frame_a.axes[:, 0], at=joint.frame_a.point)
+        rows[i] += (x_a, pitch)
     return Screws(records(ScrewEntry, rows))
 
 
@@ -176,14 +151,11 @@ def _scale_row(system: RowArrays, attachment: int, row: int, factor: float) -> N
 @implement(fill_rows, Screws)
 @kernel(internal=True)
 def fill_screw_rows(kind: Screws, with_residual: bool, work: Workspace, system: RowArrays) -> None:
-    """Rows from the markers."""
+    """Rows of a cylindrical joint and of the thread."""
+    fill_slider_hinge_rows(kind, with_residual, work, system)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
         block, point_a, point_b = entry.block, entry.point_a, entry.point_b
-        x = travel_row(system, block, 0, work, point_a, point_b, entry.x_a)
-        y = travel_row(system, block, 1, work, point_a, point_b, entry.y_a)
-        zx = square_row(system, block, 2, work, entry.z_a, entry.x_b)
-        zy = square_row(system, block, 3, work, entry.z_a, entry.y_b)
         angle = angle_row(system, block, THREAD, work, entry.x_a, entry.x_b, entry.y_b)
         _scale_row(system, 2 * block, THREAD, -entry.pitch)
         _scale_row(system, 2 * block + 1, THREAD, -entry.pitch)
@@ -192,24 +164,21 @@ def fill_screw_rows(kind: Screws, with_residual: bool, work: Workspace, system: 
         add_direction_row(system, 2 * block, THREAD, work, point_a, (-e[0], -e[1], -e[2]))
         add_direction_row(system, 2 * block + 1, THREAD, work, point_b, e)
         if with_residual:
-            along, g = dot(e, r), residuals(system, block)
-            g[0], g[1], g[2], g[3] = x, y, zx, zy
-            g[THREAD] = along - entry.pitch * near_angle(angle, along / entry.pitch)
+            along = dot(e, r)
+            turned = near_angle(angle, along / entry.pitch)
+            residuals(system, block)[THREAD] = along - entry.pitch * turned
 
 
 @implement(fill_bias, Screws)
 @kernel(internal=True)
 def fill_screw_bias(kind: Screws, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms."""
+    fill_slider_hinge_bias(kind, time, work, system)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        target, point_a, point_b = targets(system, entry.block), entry.point_a, entry.point_b
-        target[0] = -travel_bias(work, point_a, point_b, entry.x_a)
-        target[1] = -travel_bias(work, point_a, point_b, entry.y_a)
-        target[2] = -square_bias(work, entry.z_a, entry.x_b)
-        target[3] = -square_bias(work, entry.z_a, entry.y_b)
         turning = angle_bias(work, entry.x_a, entry.x_b, entry.y_b)
-        target[THREAD] = entry.pitch * turning - travel_bias(work, point_a, point_b, entry.z_a)
+        along = travel_bias(work, entry.point_a, entry.point_b, entry.z_a)
+        targets(system, entry.block)[THREAD] = entry.pitch * turning - along
 
 
 @implement(record_joints, Screws)
@@ -220,19 +189,15 @@ def record_screws(
     """Reaction on b, angle, travel, force of the thread."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry.block, entry.column
-        clear_reaction(row, column)
-        add_force(system, block, 0, work, entry.x_a, row, column)
-        add_force(system, block, 1, work, entry.y_a, row, column)
-        add_moment(system, block, 2, work, entry.x_b, entry.z_a, row, column)
-        add_moment(system, block, 3, work, entry.y_b, entry.z_a, row, column)
-        add_force(system, block, THREAD, work, entry.z_a, row, column)
-        force, e = reactions(system, block)[THREAD], vector(work, entry.z_a)
+        column, recorded = entry.column, entry.column + REACTION_WIDTH
+        write_slider_hinge_reaction(system, entry, work, row)
+        add_force(system, entry.block, THREAD, work, entry.z_a, row, column)
+        force, e = reactions(system, entry.block)[THREAD], vector(work, entry.z_a)
         for k in range(3):
             row[column + 3 + k] -= entry.pitch * force * e[k]
-        record_travel(work, entry.travel, row, column + REACTION_WIDTH + 2)
-        seen, expected = entry.angle, row[column + REACTION_WIDTH + 2] / entry.pitch
+        record_travel(work, entry.travel, row, recorded + 2)
+        seen = entry.angle
         angle = hinge_angle(work, seen.x_a, seen.x_b, seen.y_b)
-        row[column + REACTION_WIDTH] = near_angle(angle, expected)
-        row[column + REACTION_WIDTH + 1] = hinge_rate(work, seen.x_a, seen.x_b, seen.y_b)
-        row[column + REACTION_WIDTH + 4] = force
+        row[recorded] = near_angle(angle, row[recorded + 2] / entry.pitch)
+        row[recorded + 1] = hinge_rate(work, seen.x_a, seen.x_b, seen.y_b)
+        row[recorded + 4] = force

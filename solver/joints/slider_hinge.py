@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,7 +55,17 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows import RowArrays
 
-__all__ = ["Cylindrical", "SliderHinge", "SliderHinges", "pack"]
+__all__ = [
+    "Cylindrical",
+    "SliderHinge",
+    "SliderHingeEntry",
+    "SliderHinges",
+    "fill_slider_hinge_bias",
+    "fill_slider_hinge_rows",
+    "pack",
+    "pack_entries",
+    "write_slider_hinge_reaction",
+]
 
 
 @JOINTS.describe("slider_hinge")
@@ -119,6 +129,14 @@ def pack(
     joints: Sequence[SliderHinge | Cylindrical], places: Sequence[JointPlace], book: MarkerBook
 ) -> SliderHinges:
     """Make the kind."""
+    rows = pack_entries(joints, places, book)
+    return SliderHinges(records(SliderHingeEntry, rows), records(AngleState, len(rows)))
+
+
+def pack_entries(
+    joints: Sequence[Joint], places: Sequence[JointPlace], book: MarkerBook
+) -> list[tuple[Any, ...]]:
+    """Fields of each slider hinge."""
     rows = []
     for joint, place in zip(joints, places, strict=True):
         refuse_opposite(joint, place, (2,))
@@ -132,7 +150,7 @@ def pack(
         )
         recorded = (angle_markers(book, joint, RECORD), travel_markers(book, joint, RECORD))
         rows.append((place.block, *point_markers(book, joint), place.column, *axes, *recorded))
-    return SliderHinges(records(SliderHingeEntry, rows), records(AngleState, len(rows)))
+    return rows
 
 
 @implement(fill_rows, SliderHinges)
@@ -166,6 +184,19 @@ def fill_slider_hinge_bias(kind: SliderHinges, time: float, work: Workspace, sys
         target[3] = -square_bias(work, entry.z_a, entry.y_b)
 
 
+@kernel(internal=True)
+def write_slider_hinge_reaction(
+    system: RowArrays, entry: SliderHingeEntry, work: Workspace, row: NDArray[np.float64]
+) -> None:
+    """Force and moment of the four rows on b."""
+    block, column = entry.block, entry.column
+    clear_reaction(row, column)
+    add_force(system, block, 0, work, entry.m_a, row, column)
+    add_force(system, block, 1, work, entry.n_a, row, column)
+    add_moment(system, block, 2, work, entry.x_b, entry.z_a, row, column)
+    add_moment(system, block, 3, work, entry.y_b, entry.z_a, row, column)
+
+
 @implement(record_joints, SliderHinges)
 @kernel(internal=True)
 def record_slider_hinges(
@@ -174,11 +205,7 @@ def record_slider_hinges(
     """Reaction on b, angle, travel."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry.block, entry.column
-        clear_reaction(row, column)
-        add_force(system, block, 0, work, entry.m_a, row, column)
-        add_force(system, block, 1, work, entry.n_a, row, column)
-        add_moment(system, block, 2, work, entry.x_b, entry.z_a, row, column)
-        add_moment(system, block, 3, work, entry.y_b, entry.z_a, row, column)
+        write_slider_hinge_reaction(system, entry, work, row)
+        column = entry.column
         record_angle(work, entry.angle, kind.state[j], time, row, column + REACTION_WIDTH)
         record_travel(work, entry.travel, row, column + REACTION_WIDTH + 2)

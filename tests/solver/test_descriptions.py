@@ -190,6 +190,15 @@ def test_two_descriptions_with_one_word_are_refused():
         things.describe("rod")(Second)
 
 
+def test_a_channel_that_stands_twice_is_refused():
+    @dataclass(frozen=True, eq=False, kw_only=True)
+    class Doubled(Joint):
+        CHANNELS: ClassVar = (*Joint.CHANNELS, Joint.CHANNELS[0])
+
+    with pytest.raises(TypeError, match="Doubled: records reaction_force twice"):
+        Family[Joint]("joint", "heavylift.solver.joints").describe("doubled")(Doubled)
+
+
 def test_a_field_that_hides_one_of_the_base_is_refused():
     @dataclass(frozen=True, kw_only=True)
     class Heavy(Thing):
