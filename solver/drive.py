@@ -22,7 +22,7 @@ from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import exponential_quaternion, quaternion_product, rotate_by_quaternion
 from heavylift.numerics.small import cross
-from heavylift.solver.scene_bodies import Driven, Profile
+from heavylift.solver.scene.bodies import Driven, Profile
 
 __all__ = [
     "DRIVEN",

@@ -19,7 +19,7 @@ from heavylift.solver.joints.row_writing import (
     travel_rate,
     vector,
 )
-from heavylift.solver.rows import RowArrays
+from heavylift.solver.rows.structure import RowArrays
 
 __all__ = [
     "REACTION_WIDTH",

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.contours.packed_contour import PackedContour
+from heavylift.contours.splines.packed_contour import PackedContour
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back

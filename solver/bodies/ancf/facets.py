@@ -11,9 +11,9 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import rotate_back
 from heavylift.solver.bodies.ancf.kind import Meshes, MovingPoints
 from heavylift.solver.bodies.ancf.moving import body_with_points, point_value
-from heavylift.solver.contact.facet_kind import FacetSurfaces
 from heavylift.solver.contact.interface import put_surface_rows
 from heavylift.solver.contact.kind import ContactRows
+from heavylift.solver.contact.triangles.facet_kind import FacetSurfaces
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
 
