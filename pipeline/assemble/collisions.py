@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.collisions import Collision
     from heavylift.pipeline.results.storage import OutputFolder
+    from heavylift.solver.scene import collisions as c
     from heavylift.solver.scene.contacts import ContactLaw
-    from heavylift.solver.scene.scene import collisions as c
 
 __all__ = ["assemble_collisions", "assemble_surfaces", "collision_law", "collision_notes"]
 
@@ -62,7 +62,7 @@ def assemble_surfaces(
 
 def assemble_collisions(case: Case) -> tuple[c.Collision, ...]:
     """Collisions of a case, one a pair of surfaces."""
-    from heavylift.solver.scene.scene import collisions as c
+    from heavylift.solver.scene import collisions as c
 
     found = []
     for name, (index, pair) in case.collided.items():

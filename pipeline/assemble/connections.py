@@ -17,10 +17,10 @@ from heavylift.pipeline.assemble.sides import make_profile
 from heavylift.pipeline.case.bodies import ProfileSection
 from heavylift.pipeline.case.joints import AngleLimitsSection, TravelLimitsSection
 from heavylift.pipeline.case.places import located
+from heavylift.solver.scene import connections as c
+from heavylift.solver.scene import scene as s
 from heavylift.solver.scene.connections import Place
 from heavylift.solver.scene.descriptions import described_fields
-from heavylift.solver.scene.scene import connections as c
-from heavylift.solver.scene.scene import scene as s
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -17,9 +17,9 @@ from heavylift.pipeline.assemble.mesh_shapes import read_points
 from heavylift.pipeline.case.contours import BandContourSection, SurfaceContourSection
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.results.model_io import read_model
+from heavylift.solver.scene import contacts as c
 from heavylift.solver.scene.meshes import FrameBody
 from heavylift.solver.scene.scene import FlexibleBody
-from heavylift.solver.scene.scene import contacts as c
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -11,7 +11,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.surfaces import stored_surface
 from heavylift.pipeline.assemble.water import water_of
 from heavylift.pipeline.case.places import located
-from heavylift.solver.scene.scene import sea as seas
+from heavylift.solver.scene import sea as seas
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

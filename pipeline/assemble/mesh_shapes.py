@@ -10,7 +10,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.mesh_geometry import counts_of
-from heavylift.solver.scene.scene import mesh_shapes
+from heavylift.solver.scene import mesh_shapes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

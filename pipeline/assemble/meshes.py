@@ -9,7 +9,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.mesh_shapes import Place, frame_mesh, shell_mesh
 from heavylift.pipeline.case.mesh_supports import CORNERS, EDGES
-from heavylift.solver.scene.scene import meshes as m
+from heavylift.solver.scene import meshes as m
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -19,9 +19,9 @@ from heavylift.pipeline.assemble.water import has_sea
 from heavylift.pipeline.case.bodies import FlexibleBodySection
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.results.model_io import read_header, read_model, read_reduced
+from heavylift.solver.scene import scene as s
 from heavylift.solver.scene.connections import EdgeJoint
 from heavylift.solver.scene.meshes import FrameBody, ShellBody
-from heavylift.solver.scene.scene import scene as s
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

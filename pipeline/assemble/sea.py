@@ -13,7 +13,7 @@ from heavylift.pipeline.case.columns import read_columns
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.case.waves import ELEVATION_COLUMNS, SPECTRUM_COLUMNS
 from heavylift.pipeline.case.wind import COEFFICIENT_COLUMNS
-from heavylift.solver.scene.scene import sea as seas
+from heavylift.solver.scene import sea as seas
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

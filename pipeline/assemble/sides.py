@@ -9,7 +9,7 @@ import numpy as np
 
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
 from heavylift.pipeline.case.fields import GROUND
-from heavylift.solver.scene.scene import scene as s
+from heavylift.solver.scene import scene as s
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -19,7 +19,7 @@ from heavylift.pipeline.case.fields import (
     refuse_unknown,
     reject,
 )
-from heavylift.solver.scene.scene import collisions as solver
+from heavylift.solver.scene import collisions as solver
 
 __all__ = [
     "Collision",

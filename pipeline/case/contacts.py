@@ -22,7 +22,7 @@ from heavylift.pipeline.case.fields import (
     refuse_unknown,
     reject,
 )
-from heavylift.solver.scene.scene import contacts as solver
+from heavylift.solver.scene import contacts as solver
 
 __all__ = [
     "BilateralContactSection",

@@ -24,9 +24,9 @@ from heavylift.pipeline.case.fields import (
     reject,
 )
 from heavylift.pipeline.case.mesh_supports import EdgeName, NodeNumber
+from heavylift.solver.scene import connections as c
 from heavylift.solver.scene.bodies import Profile
 from heavylift.solver.scene.connections import Place
-from heavylift.solver.scene.scene import connections as c
 
 __all__ = [
     "AngleLimitsSection",

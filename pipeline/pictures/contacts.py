@@ -8,10 +8,10 @@ import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.pictures.render import Lines, Patch, Points
+from heavylift.solver.scene import contacts as c
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import FlexibleBody
-from heavylift.solver.scene.scene import contacts as c
 
 if TYPE_CHECKING:
     from collections.abc import Callable

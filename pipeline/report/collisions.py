@@ -14,8 +14,8 @@ from heavylift.pipeline.checks.collision_regime import (
     regime,
 )
 from heavylift.pipeline.pictures.plots import Series, history_plot
-from heavylift.pipeline.report.document import Figure, Section, Table, Text
-from heavylift.pipeline.results.words import number_words, short_table
+from heavylift.pipeline.report.document import Figure, Section, Table, Text, short_table
+from heavylift.pipeline.results.words import number_words
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

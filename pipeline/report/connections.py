@@ -10,13 +10,8 @@ from heavylift.numerics.quantity import Quantity
 from heavylift.pipeline.case.bodies import ProfileSection
 from heavylift.pipeline.case.channel_kinds import joint_coordinate, lies_along_edge
 from heavylift.pipeline.case.joints import AngleLimitsSection, TravelLimitsSection
-from heavylift.pipeline.results.words import (
-    number_words,
-    numbers_words,
-    profile_words,
-    range_words,
-    short_table,
-)
+from heavylift.pipeline.report.document import short_table
+from heavylift.pipeline.results.words import number_words, numbers_words, profile_words, range_words
 from heavylift.solver.scene.descriptions import DescribedField, described_fields
 
 if TYPE_CHECKING:

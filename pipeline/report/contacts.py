@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.pipeline.pictures.plots import Series, history_plot
-from heavylift.pipeline.report.document import Figure, Section, Table, Text
-from heavylift.pipeline.results.words import number_words, numbers_words, short_table
+from heavylift.pipeline.report.document import Figure, Section, Table, Text, short_table
+from heavylift.pipeline.results.words import number_words, numbers_words
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from heavylift.pipeline.results.storage import replacing
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
 __all__ = [
@@ -23,9 +23,12 @@ __all__ = [
     "Table",
     "Text",
     "Verdict",
+    "short_table",
     "to_html",
     "to_markdown",
 ]
+
+_ROWS = 60  # rows of a short table at most
 
 
 @dataclass(frozen=True)
@@ -314,3 +317,13 @@ figcaption { color: var(--grey); font-size: 14px; margin-top: 6px; }
 @media (max-width: 720px) { main { padding: 20px; } .figures { grid-template-columns: 1fr; } }
 @media print { body { background: #fff; font-size: 11pt; } main { max-width: none; padding: 0; }
   h2 { break-after: avoid; } tr { break-inside: avoid; } .scroll { overflow: visible; } }"""
+
+
+def short_table(
+    header: Sequence[str], rows: Sequence[tuple[str, ...]], numbers: frozenset[int] = frozenset()
+) -> Table:
+    """A table that says how many rows it leaves out; `numbers` are columns set to the right."""
+    shown = list(rows[:_ROWS])
+    if len(rows) > _ROWS:
+        shown.append(("…", f"{len(rows) - _ROWS} more", *([""] * (len(header) - 2))))
+    return Table(tuple(header), tuple(shown), numbers)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.pipeline.case.channel_kinds import lies_along_edge
-from heavylift.pipeline.report.document import Section, Table
-from heavylift.pipeline.results.words import number_words, numbers_words, short_table
+from heavylift.pipeline.report.document import Section, Table, short_table
+from heavylift.pipeline.results.words import number_words, numbers_words
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -8,9 +8,9 @@ import numpy as np
 
 from heavylift.pipeline.report.connections import connection_tables
 from heavylift.pipeline.report.contacts import contact_tables
-from heavylift.pipeline.report.document import Facts, Section, Table, Text
+from heavylift.pipeline.report.document import Facts, Section, Table, Text, short_table
 from heavylift.pipeline.report.surfaces import collision_tables
-from heavylift.pipeline.results.words import number_words, numbers_words, profile_words, short_table
+from heavylift.pipeline.results.words import number_words, numbers_words, profile_words
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

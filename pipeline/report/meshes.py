@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.pipeline.case.mesh_geometry import counts_of
-from heavylift.pipeline.report.document import Facts, Section, Table, Text
+from heavylift.pipeline.report.document import Facts, Section, Table, Text, short_table
 from heavylift.pipeline.report.inputs import initial_rows
 from heavylift.pipeline.results.signals import scaled_unit
-from heavylift.pipeline.results.words import number_words, numbers_words, short_table
+from heavylift.pipeline.results.words import number_words, numbers_words
 
 if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case

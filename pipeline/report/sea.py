@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.report.document import Facts, Section, Table, Text
-from heavylift.pipeline.results.words import number_words, numbers_words, short_table
+from heavylift.pipeline.report.document import Facts, Section, Table, Text, short_table
+from heavylift.pipeline.results.words import number_words, numbers_words
 
 if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case

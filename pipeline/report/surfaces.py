@@ -8,8 +8,8 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.collisions import collision_notes
-from heavylift.pipeline.report.document import Section, Table, Text
-from heavylift.pipeline.results.words import number_words, numbers_words, short_table
+from heavylift.pipeline.report.document import Section, Table, Text, short_table
+from heavylift.pipeline.results.words import number_words, numbers_words
 
 if TYPE_CHECKING:
     from heavylift.pipeline.assemble.surfaces import StoredSurface

@@ -1,4 +1,4 @@
-"""Numbers, functions of time and long tables as words for the report."""
+"""Numbers and functions of time as words."""
 
 from __future__ import annotations
 
@@ -6,16 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.pipeline.report.document import Table
 from heavylift.pipeline.results.signals import scaled_unit
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["number_words", "numbers_words", "profile_words", "range_words", "short_table"]
+__all__ = ["number_words", "numbers_words", "profile_words", "range_words"]
 
 _SHOWN = 12  # numbers of a list at most
-_ROWS = 60  # rows of a table at most
 
 
 def number_words(value: float, unit: str) -> str:
@@ -49,13 +47,3 @@ def profile_words(profile: Any, unit: str) -> str:
         for h in profile.harmonics
     ]
     return " + ".join(parts)
-
-
-def short_table(
-    header: Sequence[str], rows: Sequence[tuple[str, ...]], numbers: frozenset[int] = frozenset()
-) -> Table:
-    """A table that says how many rows it leaves out; `numbers` are columns set to the right."""
-    shown = list(rows[:_ROWS])
-    if len(rows) > _ROWS:
-        shown.append(("…", f"{len(rows) - _ROWS} more", *([""] * (len(header) - 2))))
-    return Table(tuple(header), tuple(shown), numbers)

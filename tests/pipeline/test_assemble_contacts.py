@@ -14,7 +14,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, run_case
 from heavylift.pipeline.assemble.scene import assemble_scene
 from heavylift.pipeline.results.storage import OutputFolder
-from heavylift.solver.scene.scene import contacts as c
+from heavylift.solver.scene import contacts as c
 
 HERE = Path(__file__).parent
 

@@ -17,7 +17,7 @@ from heavylift.pipeline.report.report import write_report
 from heavylift.pipeline.report.scene import scene_others
 from heavylift.pipeline.results.histories import FORMAT, load_results
 from heavylift.pipeline.results.storage import OutputFolder
-from heavylift.solver.scene.scene import contacts as c
+from heavylift.solver.scene import contacts as c
 
 RECORDS = 11
 
