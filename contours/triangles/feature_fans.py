@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from heavylift.contours.triangles.feature_gap import fixed_point
 from heavylift.contours.triangles.feature_regions import SLACK
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 
 if TYPE_CHECKING:
     import numpy as np
@@ -99,7 +99,7 @@ def fan_is_crossed(
                 continue
             # three points of which each two are joined: a triangle
             bx, by, bz = points[third, 0] - px, points[third, 1] - py, points[third, 2] - pz
-            nx, ny, nz = cross(ax, ay, az, bx, by, bz)
+            nx, ny, nz = cross((ax, ay, az), (bx, by, bz))
             area = math.sqrt(nx * nx + ny * ny + nz * nz)
             if area == 0.0:
                 continue
@@ -121,9 +121,9 @@ def fan_is_crossed(
             share = max(height, 0.0) / fall
             fx, fy, fz = rx + share * e[0], ry + share * e[1], rz + share * e[2]
             # weights of the corners
-            ux, uy, uz = cross(fx, fy, fz, bx, by, bz)
+            ux, uy, uz = cross((fx, fy, fz), (bx, by, bz))
             u = (ux * nx + uy * ny + uz * nz) / (area * area)
-            vx, vy, vz = cross(ax, ay, az, fx, fy, fz)
+            vx, vy, vz = cross((ax, ay, az), (fx, fy, fz))
             v = (vx * nx + vy * ny + vz * nz) / (area * area)
             if u >= INSIDE and v >= INSIDE and u + v <= 1.0 - INSIDE:
                 return True

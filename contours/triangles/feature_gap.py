@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record
 from heavylift.numerics.records import Vector as VectorField
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 
 if TYPE_CHECKING:
     import numpy as np
@@ -161,7 +161,7 @@ def gap_of_edges(
     ax, ay, az = a1[0] - a0[0], a1[1] - a0[1], a1[2] - a0[2]
     bx, by, bz = b1[0] - b0[0], b1[1] - b0[1], b1[2] - b0[2]
     rx, ry, rz = b0[0] - a0[0], b0[1] - a0[1], b0[2] - a0[2]
-    cx, cy, cz = cross(ax, ay, az, bx, by, bz)
+    cx, cy, cz = cross((ax, ay, az), (bx, by, bz))
     square = cx * cx + cy * cy + cz * cz
     lengths = (ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz)
     if square <= PARALLEL * PARALLEL * lengths:
@@ -170,8 +170,8 @@ def gap_of_edges(
     factor = side / math.sqrt(square)
     nx, ny, nz = factor * cx, factor * cy, factor * cz
     # r x d_B and r x d_A, both along the common normal, give the places along the edges
-    ux, uy, uz = cross(rx, ry, rz, bx, by, bz)
-    vx, vy, vz = cross(rx, ry, rz, ax, ay, az)
+    ux, uy, uz = cross((rx, ry, rz), (bx, by, bz))
+    vx, vy, vz = cross((rx, ry, rz), (ax, ay, az))
     u = (ux * cx + uy * cy + uz * cz) / square
     v = (vx * cx + vy * cy + vz * cz) / square
     fill(
@@ -267,7 +267,7 @@ def contact_gap(
 def beyond_side(p: Vector, a: Vector, b: Vector, n: Vector) -> float:
     """How far [m] a point lies on the outer side of the edge from a to b of a face that n sees turn left."""
     dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    ox, oy, oz = cross(dx, dy, dz, n[0], n[1], n[2])
+    ox, oy, oz = cross((dx, dy, dz), n)
     outside = (p[0] - a[0]) * ox + (p[1] - a[1]) * oy + (p[2] - a[2]) * oz
     return outside / math.sqrt(dx * dx + dy * dy + dz * dz)
 

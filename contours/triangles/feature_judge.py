@@ -23,7 +23,7 @@ from heavylift.contours.triangles.feature_fans import NEAR_PART, fan_is_crossed,
 from heavylift.contours.triangles.feature_gap import beyond_face, fixed_point, turned, turned_back
 from heavylift.contours.triangles.feature_regions import SLACK, vertex_is_nearest, vertex_neighbour_sum
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 
 if TYPE_CHECKING:
     import numpy as np
@@ -83,9 +83,9 @@ def turn_at(d: Vector, motion: RelativeMotion, t: float, back: bool) -> Vector:
 def inside_face(p: Vector, a: Vector, b: Vector, c: Vector, n: Vector) -> bool:
     """Whether the foot of a point on the plane of a face lies in the face or on its border."""
     ab, bc, ca = minus(b, a), minus(c, b), minus(a, c)
-    u = cross(n[0], n[1], n[2], ab[0], ab[1], ab[2])
-    v = cross(n[0], n[1], n[2], bc[0], bc[1], bc[2])
-    w = cross(n[0], n[1], n[2], ca[0], ca[1], ca[2])
+    u = cross(n, ab)
+    v = cross(n, bc)
+    w = cross(n, ca)
     twice_area = -dot(u, ca)
     if twice_area < 0.0:  # corners turn the other way round n
         return False

@@ -20,7 +20,7 @@ from heavylift.contours.triangles.feature_judge import (
 )
 from heavylift.contours.triangles.feature_regions import SLACK, edge_inward_sum, edge_is_nearest
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 
 if TYPE_CHECKING:
     import numpy as np
@@ -148,31 +148,31 @@ def judge_edges(
     u = minus(a1, a0)
     # at the end
     v1 = minus(q1, q0)
-    c1 = cross(u[0], u[1], u[2], v1[0], v1[1], v1[2])
+    c1 = cross(u, v1)
     square1 = dot(c1, c1)
     if square1 <= PARALLEL * PARALLEL * dot(u, u) * dot(v1, v1):
         return NEITHER, 1.0, 0.0, 0.0, 0.0, 0.0
     r1 = minus(q0, a0)
     length1 = math.sqrt(square1)
     gap = dot(c1, r1) / length1
-    w = cross(r1[0], r1[1], r1[2], v1[0], v1[1], v1[2])
+    w = cross(r1, v1)
     along_a = dot(w, c1) / square1
-    w = cross(r1[0], r1[1], r1[2], u[0], u[1], u[2])
+    w = cross(r1, u)
     along_b = dot(w, c1) / square1
     c, length, at_a, at_b, t = c1, length1, along_a, along_b, 1.0
     if hit:
         t = time
         p, q = between(p0, q0, t), between(p1, q1, t)
         v = minus(q, p)
-        c = cross(u[0], u[1], u[2], v[0], v[1], v[2])
+        c = cross(u, v)
         square = dot(c, c)
         if square <= PARALLEL * PARALLEL * dot(u, u) * dot(v, v):
             return NEITHER, 1.0, 0.0, 0.0, 0.0, 0.0
         length = math.sqrt(square)
         r = minus(p, a0)
-        w = cross(r[0], r[1], r[2], v[0], v[1], v[2])
+        w = cross(r, v)
         at_a = dot(w, c) / square
-        w = cross(r[0], r[1], r[2], u[0], u[1], u[2])
+        w = cross(r, u)
         at_b = dot(w, c) / square
     elif abs(gap) > far or min(along_a, along_b) < -ON_BORDER or max(along_a, along_b) > 1.0 + ON_BORDER:
         return NEITHER, 1.0, 0.0, 0.0, 0.0, 0.0

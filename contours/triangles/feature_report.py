@@ -16,7 +16,7 @@ from heavylift.contours.triangles.feature_judge import HIT, dot, minus
 from heavylift.numerics.arrays import Arrays, Floats2, Ints1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Records, records
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -134,7 +134,7 @@ def normal_of(
             fixed_point(points, edges[feature_b].ends[1]), fixed_point(points, edges[feature_b].ends[0])
         )
         v = turned(w[0], w[1], w[2], motion.end)
-        n = cross(u[0], u[1], u[2], v[0], v[1], v[2])
+        n = cross(u, v)
         side /= math.sqrt(dot(n, n))
     else:
         n = fixed_point(normals, feature_a if kind == VERTEX_FACE else feature_b)

@@ -19,7 +19,7 @@ from heavylift.contours.triangles.surface_tree import tree_depth
 from heavylift.contours.triangles.triangle_distance import point_triangle, segment_segment
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -124,7 +124,7 @@ def _shared(a: Vector, b: Vector, c: Vector, n: Vector, p: Vector, q: Vector, r:
         e = minus(b, a) if i == 0 else (minus(c, b) if i == 1 else minus(a, c))
         for j in range(3):
             f = minus(q, p) if j == 0 else (minus(r, q) if j == 1 else minus(p, r))
-            axis = cross(e[0], e[1], e[2], f[0], f[1], f[2])
+            axis = cross(e, f)
             if dot(axis, axis) > ALONG * ALONG * dot(e, e) * dot(f, f):
                 least = min(least, _shared_along(axis, a, b, c, p, q, r))
     return least

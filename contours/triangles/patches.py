@@ -10,7 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 from heavylift.numerics.jit import in_python, kernel
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross, subtract
 
 if TYPE_CHECKING:
     import numpy as np
@@ -254,14 +254,7 @@ def _farthest(
 @kernel(inline=True, internal=True)
 def _beside(n: Vector, points: NDArray[np.float64], a: int, b: int) -> Vector:
     """Vector in the patch plane whose product with ``x - a`` is twice the area [m^2] of the triangle a, b, x."""
-    return cross(
-        n[0],
-        n[1],
-        n[2],
-        points[b, 0] - points[a, 0],
-        points[b, 1] - points[a, 1],
-        points[b, 2] - points[a, 2],
-    )
+    return cross(n, subtract(points[b], points[a]))
 
 
 @kernel(inline=True, internal=True)

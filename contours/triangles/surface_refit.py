@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from heavylift.contours.triangles.surface_layout import IS_FACE
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross, subtract
 
 if TYPE_CHECKING:
     import numpy as np
@@ -114,12 +114,8 @@ def _refit_triangles(
         farthest = max(farthest, aa, bb, cc)
         if triangles[t].flags & IS_FACE:
             x, y, z = cross(
-                points[b, 0] - points[a, 0],
-                points[b, 1] - points[a, 1],
-                points[b, 2] - points[a, 2],
-                points[c, 0] - points[a, 0],
-                points[c, 1] - points[a, 1],
-                points[c, 2] - points[a, 2],
+                subtract(points[b], points[a]),
+                subtract(points[c], points[a]),
             )
             length = math.sqrt(x * x + y * y + z * z)
             if length > 0.0:

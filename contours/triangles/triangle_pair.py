@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from heavylift.contours.triangles.feature_judge import between, dot, minus
 from heavylift.contours.triangles.triangle_distance import point_triangle, segment_segment
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 
 if TYPE_CHECKING:
     import numpy as np
@@ -114,9 +114,9 @@ def _line_goes_through(e: Vector, f: Vector, a: Vector, b: Vector, c: Vector) ->
     """Whether the line through two points goes through a triangle or its border."""
     along = minus(f, e)
     a, b, c = minus(a, e), minus(b, e), minus(c, e)
-    x = dot(along, cross(a[0], a[1], a[2], b[0], b[1], b[2]))
-    y = dot(along, cross(b[0], b[1], b[2], c[0], c[1], c[2]))
-    z = dot(along, cross(c[0], c[1], c[2], a[0], a[1], a[2]))
+    x = dot(along, cross(a, b))
+    y = dot(along, cross(b, c))
+    z = dot(along, cross(c, a))
     return min(x, y, z) >= 0.0 or max(x, y, z) <= 0.0
 
 

@@ -22,7 +22,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.records import Record, Records
 from heavylift.numerics.records import Vector as VectorField
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 from heavylift.solver.joints.row_writing import dot, near_angle
 
 __all__ = ["START_WRAP", "PlaceGradient", "RopePlace", "path_length"]
@@ -74,7 +74,7 @@ def _tangent(place: RopePlace, q: Vector, sense: float) -> Vector:
     d = _sum(d, -dot(d, n), n)
     distance = math.sqrt(dot(d, d))
     u = (d[0] / distance, d[1] / distance, d[2] / distance)
-    v = cross(n[0], n[1], n[2], u[0], u[1], u[2])
+    v = cross(n, u)
     c = r / distance
     s = sense * math.sqrt(1.0 - c * c)
     return c * u[0] - s * v[0], c * u[1] - s * v[1], c * u[2] - s * v[2]
@@ -102,8 +102,8 @@ def _straight(a: RopePlace, b: RopePlace) -> tuple[Vector, Vector]:
     for _ in range(NEWTON_STEPS):
         D = _sum(_sum(_sum(_centre(b), -1.0, _centre(a)), r2, e2), -r1, e1)
         t1, t2 = (
-            cross(n1[0], n1[1], n1[2], e1[0], e1[1], e1[2]),
-            cross(n2[0], n2[1], n2[2], e2[0], e2[1], e2[2]),
+            cross(n1, e1),
+            cross(n2, e2),
         )
         a11, a12, a21, a22 = dot(D, t1), r2 * dot(t2, e1), -r1 * dot(t1, e2), dot(D, t2)
         f1, f2 = dot(D, e1), dot(D, e2)
@@ -141,8 +141,8 @@ def _add_straight(
     D = _sum(_sum(_sum(_centre(b), -1.0, _centre(a)), r2, e2), -r1, e1)
     length = math.sqrt(dot(D, D))
     m = (D[0] / length, D[1] / length, D[2] / length)
-    t1 = cross(n1[0], n1[1], n1[2], e1[0], e1[1], e1[2])
-    t2 = cross(n2[0], n2[1], n2[2], e2[0], e2[1], e2[2])
+    t1 = cross(n1, e1)
+    t2 = cross(n2, e2)
     a11 = dot(D, t1) if r1 > 0.0 else 1.0
     a22 = dot(D, t2) if r2 > 0.0 else 1.0
     a12, a21 = r2 * dot(t2, e1), -r1 * dot(t1, e2)
@@ -188,7 +188,7 @@ def path_length(places: Records[RopePlace], gradient: Records[PlaceGradient], wr
         r = places[i].radius
         if r > 0.0:
             n = _axis(places[i])
-            s = cross(arrival[0], arrival[1], arrival[2], e1[0], e1[1], e1[2])
+            s = cross(arrival, e1)
             wrap = near_angle(math.atan2(dot(n, s), dot(arrival, e1)), wraps[i])
             total += r * wrap
             if math.isfinite(wrap):  # what has no path must not spoil the count of turns

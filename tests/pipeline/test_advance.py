@@ -11,8 +11,8 @@ import pytest
 from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline.results.segments import read_segments, segment_path
 from heavylift.pipeline.results.storage import StopError
+from heavylift.pipeline.stages import advance
 from heavylift.pipeline.stages.advance import Advancer, StopRequest
-from heavylift.pipeline.stages.stages import advance
 
 STEPS = 303
 next_piece = advance._next_piece

@@ -207,7 +207,7 @@ def test_picture_says_time_largest_stress_and_scale(renderer, monkeypatch):
 
 
 def test_scale_bar_has_the_length_it_says(renderer, monkeypatch):
-    from heavylift.pipeline.pictures.bodies import scene as picture_scene
+    from heavylift.pipeline.pictures import scene as picture_scene
 
     bars = []
     monkeypatch.setattr(picture_scene, "add_scale_bar", lambda _axes, *numbers: bars.append(numbers))

@@ -5,8 +5,8 @@ import io
 import numpy as np
 import pytest
 
+from heavylift.pipeline.pictures import render as picture_render
 from heavylift.pipeline.pictures.bodies import Painter
-from heavylift.pipeline.pictures.bodies import render as picture_render
 from heavylift.pipeline.pictures.camera import View, choose_view, fit_camera
 from heavylift.pipeline.pictures.drawings import (
     deformation_scale,

@@ -12,8 +12,9 @@ from scipy.sparse import csr_array, identity
 
 from heavylift.modal.invariants import shape_integrals
 from heavylift.modal.reduced import ReducedBody
-from heavylift.pipeline import picture_render, report
 from heavylift.pipeline.case.case_file import load_case
+from heavylift.pipeline.pictures import render as picture_render
+from heavylift.pipeline.report import report
 from heavylift.pipeline.report.bodies import body_sections
 from heavylift.pipeline.report.document import (
     Album,

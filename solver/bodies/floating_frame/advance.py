@@ -7,7 +7,7 @@ import math
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.rotation import write_rotation_matrix
-from heavylift.numerics.small import cross, rotate, rotate_back
+from heavylift.numerics.vectors import cross, rotate, rotate_back, subtract, vector_at
 from heavylift.solver.bodies.floating_frame.inertia import (
     body_momenta,
     deformed_inertia,
@@ -84,24 +84,20 @@ def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float,
             frame.stage_velocity[j] = velocity[j]
         if motion == FREE:
             R = frame.mid_rotation
-            v = rotate_back(R, velocity[0], velocity[1], velocity[2])
+            v = rotate_back(R, velocity)
             w = (velocity[3], velocity[4], velocity[5])
             p, l = body_momenta(
                 shape_of(kind, body), frame, kind.coupling[:, first : first + n], v, w, velocity[6:]
             )
-            p1, p2, p3 = rotate(R, p[0], p[1], p[2])
-            l1, l2, l3 = rotate(R, l[0], l[1], l[2])
+            p1, p2, p3 = rotate(R, p)
+            l1, l2, l3 = rotate(R, l)
             advance_pose(frame, velocity, h)
             frame.linear_momentum[0] = 2.0 * p1 - frame.linear_momentum[0]
             frame.linear_momentum[1] = 2.0 * p2 - frame.linear_momentum[1]
             frame.linear_momentum[2] = 2.0 * p3 - frame.linear_momentum[2]
             moved = cross(
-                frame.mid_position[0] - frame.position[0],
-                frame.mid_position[1] - frame.position[1],
-                frame.mid_position[2] - frame.position[2],
-                frame.linear_momentum[0],
-                frame.linear_momentum[1],
-                frame.linear_momentum[2],
+                subtract(frame.mid_position, frame.position),
+                frame.linear_momentum,
             )
             frame.angular_momentum[0] = 2.0 * l1 - frame.transported_momentum[0] + moved[0]
             frame.angular_momentum[1] = 2.0 * l2 - frame.transported_momentum[1] + moved[1]
@@ -136,12 +132,12 @@ def evaluate_end(kind: FloatingFrameBodies, body: int) -> None:
     R = frame.end_rotation
     write_rotation_matrix(orientation_of(frame), R)
     if kind.table[body].motion == FREE:
-        p = rotate_back(R, frame.linear_momentum[0], frame.linear_momentum[1], frame.linear_momentum[2])
-        l = rotate_back(R, frame.angular_momentum[0], frame.angular_momentum[1], frame.angular_momentum[2])
+        p = rotate_back(R, frame.linear_momentum)
+        l = rotate_back(R, frame.angular_momentum)
         v, w = frame_velocity_from_momenta(
             shape, frame, kind.coupling[:, modes], p, l, kind.modal_velocity[modes]
         )
-        v1, v2, v3 = rotate(R, v[0], v[1], v[2])
+        v1, v2, v3 = rotate(R, v)
         frame.velocity[0], frame.velocity[1], frame.velocity[2] = v1, v2, v3
         frame.spin[0], frame.spin[1], frame.spin[2] = w
 
@@ -189,10 +185,10 @@ def _begin_drive_work(kind: FloatingFrameBodies, body: int, step: float, work: W
     h = step
     frame = kind.frame[body]
     m, R = frame.mass, frame.mid_rotation
-    moment = rotate(R, frame.moment[0], frame.moment[1], frame.moment[2])
-    spin = rotate(R, frame.stage_velocity[3], frame.stage_velocity[4], frame.stage_velocity[5])
-    s = rotate(R, frame.first_moment[0], frame.first_moment[1], frame.first_moment[2])
-    t = cross(s[0], s[1], s[2], work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2])
+    moment = rotate(R, frame.moment)
+    spin = rotate(R, vector_at(frame.stage_velocity, 3))
+    s = rotate(R, frame.first_moment)
+    t = cross(s, work.sums.gravity)
     for k in range(3):
         frame.stage_velocity[3 + k] = spin[k]
         frame.right_hand_side[k] = frame.linear_momentum[k] + h * (frame.force[k] + m * work.sums.gravity[k])
@@ -210,19 +206,15 @@ def _finish_drive_work(kind: FloatingFrameBodies, body: int) -> None:
         shape_of(kind, body),
         frame,
         kind.coupling[:, modes],
-        rotate_back(R, frame.velocity[0], frame.velocity[1], frame.velocity[2]),
+        rotate_back(R, frame.velocity),
         (frame.spin[0], frame.spin[1], frame.spin[2]),
         kind.modal_velocity[modes],
     )
-    p = rotate(R, p[0], p[1], p[2])
-    l = rotate(R, l[0], l[1], l[2])
+    p = rotate(R, p)
+    l = rotate(R, l)
     moved = cross(
-        frame.position[0] - frame.mid_pose[0],
-        frame.position[1] - frame.mid_pose[1],
-        frame.position[2] - frame.mid_pose[2],
-        p[0],
-        p[1],
-        p[2],
+        subtract(frame.position, frame.mid_pose),
+        p,
     )
     done = 0.0
     for k in range(3):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from heavylift.contours.splines.modal_sums import modal_points, modal_shapes
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import rotate_back
+from heavylift.numerics.vectors import rotate_back
 from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies
 from heavylift.solver.bodies.frames.contours import frame_speed, owner_of
 from heavylift.solver.contact.interface import (
@@ -100,7 +100,7 @@ def put_flexible_contour_rows(
     pose = contacts.poses[contour]
     for r in range(3):
         d = scratch.directions[r]
-        d1, d2, d3 = rotate_back(pose.rotation, d[0], d[1], d[2])
+        d1, d2, d3 = rotate_back(pose.rotation, d)
         for i in range(n):
             contacts.panels[panel + i * lanes + r] = -(
                 d1 * shapes[i] + d2 * shapes[n + i] + d3 * shapes[2 * n + i]

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross, solve_symmetric_3
+from heavylift.numerics.small import solve_symmetric_3
+from heavylift.numerics.vectors import cross
 from heavylift.solver.bodies.floating_frame.kind import FloatingFrame
 
 __all__ = [
@@ -236,10 +237,10 @@ def frame_velocity_forces(
         a1 += (shape[antisymmetric + i] - products[i]) * qd[i]
         a2 += (shape[antisymmetric + n + i] - products[n + i]) * qd[i]
         a3 += (shape[antisymmetric + 2 * n + i] - products[2 * n + i]) * qd[i]
-    t1, t2, t3 = cross(w1, w2, w3, frame.first_moment[0], frame.first_moment[1], frame.first_moment[2])
-    f1, f2, f3 = cross(w1, w2, w3, t1 + 2.0 * s1, t2 + 2.0 * s2, t3 + 2.0 * s3)
+    t1, t2, t3 = cross((w1, w2, w3), frame.first_moment)
+    f1, f2, f3 = cross((w1, w2, w3), (t1 + 2.0 * s1, t2 + 2.0 * s2, t3 + 2.0 * s3))
     l1, l2, l3 = inertia_product(frame, w1, w2, w3)
-    g1, g2, g3 = cross(w1, w2, w3, l1, l2, l3)
+    g1, g2, g3 = cross((w1, w2, w3), (l1, l2, l3))
     trace = u11 + u22 + u33
     u12, u21 = 0.5 * (y12 + a3), 0.5 * (y12 - a3)
     u31, u13 = 0.5 * (y13 + a2), 0.5 * (y13 - a2)
@@ -282,8 +283,8 @@ def body_momenta(
         l3 += I_tf[2, i] * qd[i]
     m = frame.mass
     s1, s2, s3 = frame.first_moment[0], frame.first_moment[1], frame.first_moment[2]
-    a1, a2, a3 = cross(w[0], w[1], w[2], s1, s2, s3)
-    b1, b2, b3 = cross(s1, s2, s3, v[0], v[1], v[2])
+    a1, a2, a3 = cross(w, (s1, s2, s3))
+    b1, b2, b3 = cross((s1, s2, s3), v)
     c1, c2, c3 = inertia_product(frame, w[0], w[1], w[2])
     return (
         (m * v[0] + a1 + p1, m * v[1] + a2 + p2, m * v[2] + a3 + p3),
@@ -319,7 +320,7 @@ def frame_velocity_from_momenta(
         l3 -= I_tf[2, i] * qd[i]
     inverse_mass = 1.0 / frame.mass
     s1, s2, s3 = frame.first_moment[0], frame.first_moment[1], frame.first_moment[2]
-    a1, a2, a3 = cross(s1, s2, s3, p1, p2, p3)
+    a1, a2, a3 = cross((s1, s2, s3), (p1, p2, p3))
     w1, w2, w3 = solve_symmetric_3(
         frame.inertia[0] - (s2 * s2 + s3 * s3) * inverse_mass,
         frame.inertia[1] - (s1 * s1 + s3 * s3) * inverse_mass,
@@ -331,5 +332,5 @@ def frame_velocity_from_momenta(
         l2 - a2 * inverse_mass,
         l3 - a3 * inverse_mass,
     )
-    b1, b2, b3 = cross(s1, s2, s3, w1, w2, w3)
+    b1, b2, b3 = cross((s1, s2, s3), (w1, w2, w3))
     return ((p1 + b1) * inverse_mass, (p2 + b2) * inverse_mass, (p3 + b3) * inverse_mass), (w1, w2, w3)

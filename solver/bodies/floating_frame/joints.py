@@ -20,7 +20,7 @@ from typing import Any
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import add_multiple
-from heavylift.numerics.small import rotate, rotate_back
+from heavylift.numerics.vectors import rotate, rotate_back
 from heavylift.solver.bodies.floating_frame.advance import evaluate_end
 from heavylift.solver.bodies.floating_frame.inertia import body_momenta, leading_products
 from heavylift.solver.bodies.floating_frame.kind import (
@@ -120,7 +120,7 @@ def _apply_of_lanes(
     out = G.shape[0] // 2 + panel
     R = frame.mid_rotation if at_midpoint else frame.end_rotation
     for r in range(lanes):  # -y, so that all that follows are sums
-        f = rotate_back(R, G[panel + r], G[panel + lanes + r], G[panel + 2 * lanes + r])
+        f = rotate_back(R, (G[panel + r], G[panel + lanes + r], G[panel + 2 * lanes + r]))
         for k in range(3):
             G[out + k * lanes + r] = -f[k]
             G[out + (3 + k) * lanes + r] = -G[panel + (3 + k) * lanes + r]
@@ -144,7 +144,7 @@ def _apply_of_lanes(
         for k in range(6):
             add_multiple(shape, G, at, G, out + k * lanes, coupling, k * total + first + i)
     for r in range(lanes):
-        v = rotate(R, G[out + r], G[out + lanes + r], G[out + 2 * lanes + r])
+        v = rotate(R, (G[out + r], G[out + lanes + r], G[out + 2 * lanes + r]))
         for k in range(3):
             G[out + k * lanes + r] = -v[k]
             G[out + (3 + k) * lanes + r] *= -1.0
@@ -194,10 +194,10 @@ def set_velocity_of_floating_frames(kind: FloatingFrameBodies, step: float, work
         if kind.table[body].motion != FREE:
             continue
         R = frame.end_rotation
-        v = rotate_back(R, velocity[0], velocity[1], velocity[2])
+        v = rotate_back(R, velocity)
         w = (velocity[3], velocity[4], velocity[5])
         p, l = body_momenta(shape_of(kind, body), frame, kind.coupling[:, modes], v, w, velocity[6:])
-        p, l = rotate(R, p[0], p[1], p[2]), rotate(R, l[0], l[1], l[2])
+        p, l = rotate(R, p), rotate(R, l)
         for k in range(3):
             frame.velocity[k] = velocity[k]
             frame.spin[k] = velocity[3 + k]

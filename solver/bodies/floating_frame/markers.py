@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross, rotate
+from heavylift.numerics.vectors import cross, rotate
 from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies
 from heavylift.solver.bodies.frames.motion import add_wrench, write_point
 from heavylift.solver.interface import (
@@ -57,17 +57,19 @@ def write_markers(kind: FloatingFrameBodies, level: int, work: Workspace) -> Non
             for i in range(6, 6 + n):
                 jacobian[0, i] = jacobian[1, i] = jacobian[2, i] = 0.0
         w1, w2, w3 = frame.mid_spin[0], frame.mid_spin[1], frame.mid_spin[2]
-        c1, c2, c3 = cross(w1, w2, w3, u1, u2, u3)
-        point = rotate(R, u1, u2, u3)
+        c1, c2, c3 = cross((w1, w2, w3), (u1, u2, u3))
+        point = rotate(R, (u1, u2, u3))
         if not direction:
             rate = rotate(
                 R,
-                frame.mid_velocity[0] + c1 + d1,
-                frame.mid_velocity[1] + c2 + d2,
-                frame.mid_velocity[2] + c3 + d3,
+                (
+                    frame.mid_velocity[0] + c1 + d1,
+                    frame.mid_velocity[1] + c2 + d2,
+                    frame.mid_velocity[2] + c3 + d3,
+                ),
             )
         else:
-            rate = rotate(R, c1, c2, c3)
+            rate = rotate(R, (c1, c2, c3))
         for k in range(3):
             work.markers[number].point[k] = point[k] + (frame.mid_position[k] if not direction else 0.0)
             work.markers[number].velocity[k] = rate[k]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross, rotate, rotate_back
+from heavylift.numerics.vectors import cross, rotate, rotate_back, subtract, vector_at
 from heavylift.solver.bodies.floating_frame.inertia import (
     body_momenta,
     frame_velocity_forces,
@@ -55,14 +55,14 @@ def start_floating_frames(kind: FloatingFrameBodies, time: float, work: Workspac
                 frame.spin[k] = frame.drive_rates[3 + k]
         stage_at_state(kind, body, True)
         R = frame.mid_rotation
-        v = rotate_back(R, frame.velocity[0], frame.velocity[1], frame.velocity[2])
+        v = rotate_back(R, frame.velocity)
         w = (frame.spin[0], frame.spin[1], frame.spin[2])
         modes = slice(first, first + n)
         p, l = body_momenta(
             shape_of(kind, body), frame, kind.coupling[:, modes], v, w, kind.modal_velocity[modes]
         )
-        p = rotate(R, p[0], p[1], p[2])
-        l = rotate(R, l[0], l[1], l[2])
+        p = rotate(R, p)
+        l = rotate(R, l)
         for k in range(3):
             frame.linear_momentum[k] = p[k]
             frame.angular_momentum[k] = l[k]
@@ -129,9 +129,7 @@ def _write_reaction(
     # gravity acts like an acceleration of the frame in the other direction
     a1, a2, a3 = rotate_back(
         R,
-        motion[6] - work.sums.gravity[0],
-        motion[7] - work.sums.gravity[1],
-        motion[8] - work.sums.gravity[2],
+        subtract(vector_at(motion, 6), work.sums.gravity),
     )
     quadratic_modal_force(
         shape, modal_position, position_products, velocity_products, w1, w2, w3, quadratic_force
@@ -160,15 +158,17 @@ def _write_reaction(
         l3 += coupling[2, i] * acceleration
     s1, s2, s3 = frame.first_moment[0], frame.first_moment[1], frame.first_moment[2]
     mass = frame.mass
-    c1, c2, c3 = cross(b1, b2, b3, s1, s2, s3)
-    d1, d2, d3 = cross(s1, s2, s3, a1, a2, a3)
+    c1, c2, c3 = cross((b1, b2, b3), (s1, s2, s3))
+    d1, d2, d3 = cross((s1, s2, s3), (a1, a2, a3))
     e1, e2, e3 = inertia_product(frame, b1, b2, b3)
-    force = rotate(R, mass * a1 + c1 + p1 - f[0], mass * a2 + c2 + p2 - f[1], mass * a3 + c3 + p3 - f[2])
+    force = rotate(R, (mass * a1 + c1 + p1 - f[0], mass * a2 + c2 + p2 - f[1], mass * a3 + c3 + p3 - f[2]))
     moment = rotate(
         R,
-        d1 + e1 + l1 - m[0] - frame.moment[0],
-        d2 + e2 + l2 - m[1] - frame.moment[1],
-        d3 + e3 + l3 - m[2] - frame.moment[2],
+        (
+            d1 + e1 + l1 - m[0] - frame.moment[0],
+            d2 + e2 + l2 - m[1] - frame.moment[1],
+            d3 + e3 + l3 - m[2] - frame.moment[2],
+        ),
     )
     for k in range(3):
         reaction[k] = force[k] - frame.force[k]
@@ -192,7 +192,7 @@ def add_floating_frame_totals(kind: FloatingFrameBodies, work: Workspace) -> Non
         R = frame.mid_rotation
         rates = kind.modal_velocity[modes]
         I_tf = kind.coupling[:, modes]
-        v = rotate_back(R, frame.velocity[0], frame.velocity[1], frame.velocity[2])
+        v = rotate_back(R, frame.velocity)
         w = (frame.spin[0], frame.spin[1], frame.spin[2])
         p, l = body_momenta(shape, frame, I_tf, v, w, rates)
         kinetic = p[0] * v[0] + p[1] * v[1] + p[2] * v[2] + l[0] * w[0] + l[1] * w[1] + l[2] * w[2]
@@ -212,8 +212,8 @@ def add_floating_frame_totals(kind: FloatingFrameBodies, work: Workspace) -> Non
         totals.kinetic += 0.5 * kinetic
         totals.elastic += 0.5 * elastic
         m = frame.mass
-        s = rotate(R, frame.first_moment[0], frame.first_moment[1], frame.first_moment[2])
+        s = rotate(R, frame.first_moment)
         for k in range(3):
             totals.potential -= work.sums.gravity[k] * (m * frame.position[k] + s[k])
         totals.dissipated += frame.dissipated_work
-        add_momenta(frame, rotate(R, p[0], p[1], p[2]), rotate(R, l[0], l[1], l[2]), totals)
+        add_momenta(frame, rotate(R, p), rotate(R, l), totals)

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cholesky_factor, cholesky_solve, rotate, rotate_back
+from heavylift.numerics.small import cholesky_factor, cholesky_solve
+from heavylift.numerics.vectors import rotate, rotate_back
 from heavylift.solver.bodies.floating_frame.inertia import deformed_inertia, stacked_products
 from heavylift.solver.bodies.floating_frame.kind import (
     FloatingFrame,
@@ -77,7 +78,7 @@ def stage_at_state(kind: FloatingFrameBodies, body: int, with_inertia: bool) -> 
     mid_modal_position = kind.mid_modal_position[modes]
     mid_modal_velocity = kind.mid_modal_velocity[modes]
     pose_stage(frame)
-    v = rotate_back(frame.mid_rotation, frame.velocity[0], frame.velocity[1], frame.velocity[2])
+    v = rotate_back(frame.mid_rotation, frame.velocity)
     for k in range(3):
         frame.mid_velocity[k] = v[k]
         frame.mid_spin[k] = frame.spin[k]
@@ -232,7 +233,7 @@ def solve_stage(kind: FloatingFrameBodies, body: int, weight: float, work: Works
         velocity[6 + i] += inverse_diagonal[i] * (
             modal_right_hand_side[i] + weight * quadratic_force[i] - coupled
         )
-    v = rotate(kind.frame[body].mid_rotation, y[0], y[1], y[2])
+    v = rotate(kind.frame[body].mid_rotation, y)
     for k in range(3):
         velocity[k] += v[k]
         velocity[3 + k] += y[3 + k]

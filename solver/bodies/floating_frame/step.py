@@ -31,7 +31,7 @@ from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import write_rotation_matrix
-from heavylift.numerics.small import cross, rotate_back
+from heavylift.numerics.vectors import add_scaled, cross, rotate_back, subtract
 from heavylift.solver.bodies.floating_frame.inertia import (
     antisymmetric_products,
     deformed_inertia,
@@ -94,9 +94,7 @@ def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float)
             predict_pose(frame, h, 0.125 * h * h)
         v = rotate_back(
             R,
-            frame.velocity[0] + 0.5 * h * frame.acceleration[0],
-            frame.velocity[1] + 0.5 * h * frame.acceleration[1],
-            frame.velocity[2] + 0.5 * h * frame.acceleration[2],
+            add_scaled(frame.velocity, 0.5 * h, frame.acceleration),
         )
         for k in range(3):
             frame.mid_velocity[k] = v[k]
@@ -117,12 +115,8 @@ def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float)
             kind.coupling[:, modes],
         )
         moved = cross(
-            frame.position[0] - frame.mid_position[0],
-            frame.position[1] - frame.mid_position[1],
-            frame.position[2] - frame.mid_position[2],
-            frame.linear_momentum[0],
-            frame.linear_momentum[1],
-            frame.linear_momentum[2],
+            subtract(frame.position, frame.mid_position),
+            frame.linear_momentum,
         )
         for k in range(3):
             frame.transported_momentum[k] = frame.angular_momentum[k] + moved[k]
@@ -155,7 +149,7 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
         modal_load = kind.modal_load[modes]
         shape = shape_of(kind, body)
         R = frame.mid_rotation
-        g1, g2, g3 = rotate_back(R, work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2])
+        g1, g2, g3 = rotate_back(R, work.sums.gravity)
         for i in range(n):
             inverse_diagonal[i] = 1.0 / (1.0 + 0.25 * h * h * stiffness[i] + 0.5 * h * damping[i])
             gravity = shape[i] * g1 + shape[n + i] * g2 + shape[2 * n + i] * g3
@@ -164,9 +158,7 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
             )
         v1, v2, v3 = rotate_back(
             R,
-            frame.start_velocity[0] + lag * frame.lag[0],
-            frame.start_velocity[1] + lag * frame.lag[1],
-            frame.start_velocity[2] + lag * frame.lag[2],
+            add_scaled(frame.start_velocity, lag, frame.lag),
         )
         w1 = frame.start_velocity[3] + lag * frame.lag[3]
         w2 = frame.start_velocity[4] + lag * frame.lag[4]
@@ -203,20 +195,16 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
             m = frame.mass
             p = rotate_back(
                 R,
-                frame.linear_momentum[0] + 0.5 * h * (frame.force[0] + m * work.sums.gravity[0]),
-                frame.linear_momentum[1] + 0.5 * h * (frame.force[1] + m * work.sums.gravity[1]),
-                frame.linear_momentum[2] + 0.5 * h * (frame.force[2] + m * work.sums.gravity[2]),
+                add_scaled(frame.linear_momentum, 0.5 * h, add_scaled(frame.force, m, work.sums.gravity)),
             )
-            l = rotate_back(
-                R, frame.transported_momentum[0], frame.transported_momentum[1], frame.transported_momentum[2]
-            )
-            t = cross(frame.first_moment[0], frame.first_moment[1], frame.first_moment[2], g1, g2, g3)
+            l = rotate_back(R, frame.transported_momentum)
+            t = cross(frame.first_moment, (g1, g2, g3))
             for k in range(3):
                 frame.right_hand_side[k] = p[k]
                 frame.right_hand_side[3 + k] = l[k] + 0.5 * h * (frame.moment[k] + t[k])
             factor_frame(frame, inverse_diagonal, kind.translation[:, modes], coupling)
         elif motion == DRIVEN:
-            v1, v2, v3 = rotate_back(R, frame.mean_twist[0], frame.mean_twist[1], frame.mean_twist[2])
+            v1, v2, v3 = rotate_back(R, frame.mean_twist)
             frame.right_hand_side[0], frame.right_hand_side[1], frame.right_hand_side[2] = v1, v2, v3
             for k in range(3):
                 frame.right_hand_side[3 + k] = frame.mean_twist[3 + k]

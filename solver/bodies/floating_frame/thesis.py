@@ -12,7 +12,7 @@ rule between velocities at half steps; everything else is first order. For compa
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross, rotate_back
+from heavylift.numerics.vectors import cross, rotate_back
 from heavylift.solver.bodies.floating_frame.inertia import (
     body_momenta,
     frame_velocity_forces,
@@ -68,8 +68,8 @@ def thesis_velocity_floating_frames(
         shape = shape_of(kind, body)
         stage_at_state(kind, body, True)
         R = frame.mid_rotation
-        g = rotate_back(R, work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2])
-        v = rotate_back(R, frame.velocity[0], frame.velocity[1], frame.velocity[2])
+        g = rotate_back(R, work.sums.gravity)
+        v = rotate_back(R, frame.velocity)
         w = (frame.spin[0], frame.spin[1], frame.spin[2])
         rows = slice(8 * first, 8 * (first + n))
         position_products = kind.position_products[rows]
@@ -106,10 +106,8 @@ def thesis_velocity_floating_frames(
             f, t = frame_velocity_forces(
                 shape, kind.modal_position[modes], position_products, frame, w[0], w[1], w[2], rates
             )
-            force = rotate_back(R, frame.force[0], frame.force[1], frame.force[2])
-            moment = cross(
-                frame.first_moment[0], frame.first_moment[1], frame.first_moment[2], g[0], g[1], g[2]
-            )
+            force = rotate_back(R, frame.force)
+            moment = cross(frame.first_moment, g)
             for k in range(3):
                 frame.right_hand_side[k] = p[k] + h * (force[k] + m * g[k] + f[k])
                 frame.right_hand_side[3 + k] = l[k] + h * (frame.moment[k] + moment[k] + t[k])
@@ -117,7 +115,7 @@ def thesis_velocity_floating_frames(
         elif motion == DRIVEN:
             prescribed = frame.drive_rates
             drive_velocity(kind.constants[kind.table[body].drive :], time + h, prescribed)
-            a = rotate_back(R, prescribed[0], prescribed[1], prescribed[2])
+            a = rotate_back(R, prescribed)
             for k in range(3):
                 frame.right_hand_side[k] = a[k]
                 frame.right_hand_side[3 + k] = prescribed[3 + k]
@@ -178,17 +176,17 @@ def _add_drive_work(kind: FloatingFrameBodies, body: int, step: float, work: Wor
     velocity = work.velocity[dof : dof + 6 + n]
     rates = kind.modal_velocity[modes]
     w = (frame.spin[0], frame.spin[1], frame.spin[2])
-    v = rotate_back(R, frame.velocity[0], frame.velocity[1], frame.velocity[2])
-    v1 = rotate_back(R, velocity[0], velocity[1], velocity[2])
+    v = rotate_back(R, frame.velocity)
+    v1 = rotate_back(R, velocity)
     w1 = (velocity[3], velocity[4], velocity[5])
     p, l = body_momenta(shape, frame, I_tf, v, w, rates)
     p1, l1 = body_momenta(shape, frame, I_tf, v1, w1, velocity[6:])
     f, t = frame_velocity_forces(
         shape, kind.modal_position[modes], position_products, frame, w[0], w[1], w[2], rates
     )
-    g = rotate_back(R, work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2])
-    force = rotate_back(R, frame.force[0], frame.force[1], frame.force[2])
-    weight = cross(frame.first_moment[0], frame.first_moment[1], frame.first_moment[2], g[0], g[1], g[2])
+    g = rotate_back(R, work.sums.gravity)
+    force = rotate_back(R, frame.force)
+    weight = cross(frame.first_moment, g)
     for k in range(3):
         impulse = p1[k] - p[k] - h * (force[k] + m * g[k] + f[k])
         twist = l1[k] - l[k] - h * (frame.moment[k] + weight[k] + t[k])

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross, rotate, rotate_back
+from heavylift.numerics.vectors import cross, rotate, rotate_back
 from heavylift.solver.bodies.floating_frame.inertia import deformed_inertia, stacked_products
 from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies
 from heavylift.solver.bodies.floating_frame.markers import add_joint_forces
@@ -63,7 +63,7 @@ def _gather_loads(kind: FloatingFrameBodies, body: int, work: Workspace) -> None
     for i in range(n):
         modal_right_hand_side[i] = modal_load[i]
     if gravity[0] != 0.0 or gravity[1] != 0.0 or gravity[2] != 0.0:
-        g = rotate_back(kind.frame[body].mid_rotation, gravity[0], gravity[1], gravity[2])
+        g = rotate_back(kind.frame[body].mid_rotation, gravity)
         for i in range(n):
             modal_right_hand_side[i] += (
                 translation[0, i] * g[0] + translation[1, i] * g[1] + translation[2, i] * g[2]
@@ -206,15 +206,12 @@ def record_fixed(kind: FloatingFrameBodies, body: int, work: Workspace, row: NDA
         l1 += kind.coupling[0, m] * a
         l2 += kind.coupling[1, m] * a
         l3 += kind.coupling[2, m] * a
-    g = rotate_back(R, work.sums.gravity[0], work.sums.gravity[1], work.sums.gravity[2])
+    g = rotate_back(R, work.sums.gravity)
     mass = frame.mass
-    t = cross(frame.first_moment[0], frame.first_moment[1], frame.first_moment[2], g[0], g[1], g[2])
-    force = rotate(R, p1 - mass * g[0], p2 - mass * g[1], p3 - mass * g[2])
+    t = cross(frame.first_moment, g)
+    force = rotate(R, (p1 - mass * g[0], p2 - mass * g[1], p3 - mass * g[2]))
     moment = rotate(
-        R,
-        l1 - t[0] - frame.moment[0],
-        l2 - t[1] - frame.moment[1],
-        l3 - t[2] - frame.moment[2],
+        R, (l1 - t[0] - frame.moment[0], l2 - t[1] - frame.moment[1], l3 - t[2] - frame.moment[2])
     )
     for k in range(3):
         row[column + 13 + 2 * n + k] = force[k] - frame.force[k]
@@ -243,9 +240,9 @@ def add_totals_of_fixed(kind: FloatingFrameBodies, body: int, sums: Sums) -> Non
         l3 += kind.coupling[2, m] * rate
     sums.kinetic += 0.5 * kinetic
     sums.elastic += 0.5 * elastic
-    s = rotate(R, frame.first_moment[0], frame.first_moment[1], frame.first_moment[2])
-    p = rotate(R, p1, p2, p3)
+    s = rotate(R, frame.first_moment)
+    p = rotate(R, (p1, p2, p3))
     for k in range(3):
         sums.potential -= sums.gravity[k] * (frame.mass * frame.position[k] + s[k])
-    add_momenta(frame, p, rotate(R, l1, l2, l3), sums)
+    add_momenta(frame, p, rotate(R, (l1, l2, l3)), sums)
     sums.dissipated += frame.dissipated_work

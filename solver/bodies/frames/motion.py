@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
-from heavylift.numerics.small import cross, rotate
+from heavylift.numerics.vectors import add, cross, rotate
 from heavylift.solver.bodies.frames.base import Frame, FrameBodies, FrameMotion
 from heavylift.solver.drive import FREE
 from heavylift.solver.interface import Sums, Workspace, check, write_velocity
@@ -135,9 +135,9 @@ def write_point(
 ) -> None:
     """World position and velocity of a point, of which place and rate in body axes are known, into six columns."""
     u, d = place, rate
-    c = cross(frame.spin[0], frame.spin[1], frame.spin[2], u[0], u[1], u[2])
-    point = rotate(frame.mid_rotation, u[0], u[1], u[2])
-    moved = rotate(frame.mid_rotation, c[0] + d[0], c[1] + d[1], c[2] + d[2])
+    c = cross(frame.spin, u)
+    point = rotate(frame.mid_rotation, u)
+    moved = rotate(frame.mid_rotation, add(c, d))
     for k in range(3):
         row[column + k] = frame.position[k] + point[k]
         row[column + 3 + k] = frame.velocity[k] + moved[k]
@@ -149,7 +149,7 @@ def add_momenta(
 ) -> None:
     """Momenta of a body, the angular one about the origin of its frame, and works into the totals; world axes."""
     p = linear
-    x = cross(frame.position[0], frame.position[1], frame.position[2], p[0], p[1], p[2])
+    x = cross(frame.position, p)
     for k in range(3):
         sums.linear_momentum[k] += p[k]
         sums.angular_momentum[k] += angular[k] + x[k]

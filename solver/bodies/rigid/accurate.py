@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 from heavylift.solver.bodies.rigid.kind import RigidBodies
 from heavylift.solver.bodies.rigid.stage import gather_marker_forces, prescribe, start_rigid_bodies
 from heavylift.solver.drive import DRIVEN, FREE
@@ -90,8 +90,8 @@ def begin_rigid_stage(
         p1 = r11 * u1 + r12 * u2 + r13 * u3
         p2 = r21 * u1 + r22 * u2 + r23 * u3
         p3 = r31 * u1 + r32 * u2 + r33 * u3
-        c1, c2, c3 = cross(w1, w2, w3, p1, p2, p3)
-        b1, b2, b3 = cross(w1, w2, w3, c1, c2, c3)
+        c1, c2, c3 = cross((w1, w2, w3), (p1, p2, p3))
+        b1, b2, b3 = cross((w1, w2, w3), (c1, c2, c3))
         seen, jacobian = work.markers[number], work.jacobian[number]
         seen.point[0], seen.point[1], seen.point[2] = x1 + p1, x2 + p2, x3 + p3
         seen.velocity[0], seen.velocity[1] = v1 + c1, v2 + c2

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import quaternion_product, rotate_by_quaternion
-from heavylift.numerics.small import cross, rotate
+from heavylift.numerics.vectors import cross, rotate
 from heavylift.solver.bodies.frames.base import FrameMotion
 from heavylift.solver.bodies.frames.motion import add_momenta, orientation_of, write_motion, write_point
 from heavylift.solver.bodies.rigid.kind import RigidFrame, RigidFrames
@@ -49,7 +49,7 @@ def _put_user_motion(frame: RigidFrame, out: FrameMotion) -> tuple[float, float,
     arm = rotate_by_quaternion(q, frame.centre[0], frame.centre[1], frame.centre[2])
     w = rotate_by_quaternion(axes, frame.spin[0], frame.spin[1], frame.spin[2])
     spin = rotate_by_quaternion(q, w[0], w[1], w[2])
-    side = cross(spin[0], spin[1], spin[2], arm[0], arm[1], arm[2])
+    side = cross(spin, arm)
     for k in range(4):
         out.orientation[k] = q[k]
     for k in range(3):
@@ -76,18 +76,20 @@ def _write_reaction(
         frame.principal_inertia[1] * w2,
         frame.principal_inertia[2] * w3,
     )
-    gyroscopic = cross(w1, w2, w3, l1, l2, l3)
+    gyroscopic = cross((w1, w2, w3), (l1, l2, l3))
     moment = rotate(
         frame.mid_rotation,
-        driven * (frame.principal_inertia[0] * frame.spin_rate[0] + gyroscopic[0])
-        - frame.moment[0]
-        - work.row_force[dof + 3],
-        driven * (frame.principal_inertia[1] * frame.spin_rate[1] + gyroscopic[1])
-        - frame.moment[1]
-        - work.row_force[dof + 4],
-        driven * (frame.principal_inertia[2] * frame.spin_rate[2] + gyroscopic[2])
-        - frame.moment[2]
-        - work.row_force[dof + 5],
+        (
+            driven * (frame.principal_inertia[0] * frame.spin_rate[0] + gyroscopic[0])
+            - frame.moment[0]
+            - work.row_force[dof + 3],
+            driven * (frame.principal_inertia[1] * frame.spin_rate[1] + gyroscopic[1])
+            - frame.moment[1]
+            - work.row_force[dof + 4],
+            driven * (frame.principal_inertia[2] * frame.spin_rate[2] + gyroscopic[2])
+            - frame.moment[2]
+            - work.row_force[dof + 5],
+        ),
     )
     for k in range(3):
         reaction[k] = (
@@ -95,7 +97,7 @@ def _write_reaction(
             - frame.force[k]
             - work.row_force[dof + k]
         )
-    about_origin = cross(arm[0], arm[1], arm[2], reaction[0], reaction[1], reaction[2])
+    about_origin = cross(arm, reaction)
     for k in range(3):
         reaction[3 + k] = moment[k] + about_origin[k]
 

@@ -6,7 +6,7 @@ import math
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import quaternion_product, rotate_by_quaternion
-from heavylift.numerics.small import cross, rotate
+from heavylift.numerics.vectors import cross, rotate
 from heavylift.solver.bodies.frames.base import FrameMotion
 from heavylift.solver.bodies.frames.motion import add_wrench, orientation_of, pose_stage
 from heavylift.solver.bodies.rigid.kind import RigidFrame, RigidFrames
@@ -57,9 +57,9 @@ def prescribe(kind: RigidFrames, body: int, time: float, out: FrameMotion) -> No
     c1, c2, c3 = frame.centre[0], frame.centre[1], frame.centre[2]
     w1, w2, w3 = motion[3], motion[4], motion[5]
     b1, b2, b3 = motion[9], motion[10], motion[11]
-    s1, s2, s3 = cross(w1, w2, w3, c1, c2, c3)
-    i1, i2, i3 = cross(w1, w2, w3, s1, s2, s3)
-    t1, t2, t3 = cross(b1, b2, b3, c1, c2, c3)
+    s1, s2, s3 = cross((w1, w2, w3), (c1, c2, c3))
+    i1, i2, i3 = cross((w1, w2, w3), (s1, s2, s3))
+    t1, t2, t3 = cross((b1, b2, b3), (c1, c2, c3))
     arm = rotate_by_quaternion(q, c1, c2, c3)
     side = rotate_by_quaternion(q, s1, s2, s3)
     rate = rotate_by_quaternion(q, t1 + i1, t2 + i2, t3 + i3)
@@ -145,13 +145,13 @@ def fill_rigid_markers(kind: RigidFrames, at_midpoint: bool, level: int, work: W
         if serves == ROWS and level < ACCELERATIONS:
             continue
         w1, w2, w3 = frame.mid_spin[0], frame.mid_spin[1], frame.mid_spin[2]
-        c = cross(w1, w2, w3, u1, u2, u3)
-        rate = rotate(R, c[0], c[1], c[2])
+        c = cross((w1, w2, w3), (u1, u2, u3))
+        rate = rotate(R, c)
         for k in range(3):
             work.markers[number].velocity[k] = rate[k] + translation * frame.mid_velocity[k]
         if level == ACCELERATIONS:
-            b = cross(w1, w2, w3, c[0], c[1], c[2])
-            bias = rotate(R, b[0], b[1], b[2])
+            b = cross((w1, w2, w3), c)
+            bias = rotate(R, b)
             for k in range(3):
                 work.markers[number].bias[k] = bias[k]
 
@@ -208,7 +208,7 @@ def move_driven(kind: RigidFrames, body: int, time: float, step: float, work: Wo
     prescribe(kind, body, time, kind.frame[body])
     L = spatial_momentum(frame, frame.spin[0], frame.spin[1], frame.spin[2])
     spin_after = rotate_by_quaternion(orientation_of(frame), frame.spin[0], frame.spin[1], frame.spin[2])
-    moment = rotate(R, frame.moment[0], frame.moment[1], frame.moment[2])
+    moment = rotate(R, frame.moment)
     before, moved = (v1, v2, v3), (frame.position[0] - x1, frame.position[1] - x2, frame.position[2] - x3)
     twist_before = (l1, l2, l3)
     done = external = 0.0

@@ -6,7 +6,7 @@ import math
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import rotate_by_quaternion
-from heavylift.numerics.small import cross, rotate, rotate_back
+from heavylift.numerics.vectors import cross, rotate, rotate_back
 from heavylift.solver.bodies.frames.motion import advance_pose, orientation_of, predict_pose
 from heavylift.solver.bodies.rigid.kind import RigidBodies, RigidFrames
 from heavylift.solver.bodies.rigid.stage import (
@@ -59,12 +59,7 @@ def factor_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None
         dof = kind.table[body].dof
         frame = kind.frame[body]
         if kind.table[body].motion == FREE:
-            L = rotate_back(
-                frame.mid_rotation,
-                frame.angular_momentum[0],
-                frame.angular_momentum[1],
-                frame.angular_momentum[2],
-            )
+            L = rotate_back(frame.mid_rotation, frame.angular_momentum)
             for k in range(3):
                 work.velocity[dof + k] = frame.velocity[k] + 0.5 * h * (
                     frame.force[k] * frame.inverse_mass + work.sums.gravity[k]
@@ -92,9 +87,11 @@ def advance_rigid_bodies(kind: RigidFrames, time: float, step: float, work: Work
         w1, w2, w3 = velocity[3], velocity[4], velocity[5]
         L = rotate(
             frame.mid_rotation,
-            frame.principal_inertia[0] * w1,
-            frame.principal_inertia[1] * w2,
-            frame.principal_inertia[2] * w3,
+            (
+                frame.principal_inertia[0] * w1,
+                frame.principal_inertia[1] * w2,
+                frame.principal_inertia[2] * w3,
+            ),
         )
         external = 0.0
         for k in range(3):
@@ -197,12 +194,12 @@ def thesis_velocity_rigid_bodies(kind: RigidBodies, time: float, step: float, wo
             continue
         w1, w2, w3 = frame.spin[0], frame.spin[1], frame.spin[2]
         gyroscopic = cross(
-            w1,
-            w2,
-            w3,
-            frame.principal_inertia[0] * w1,
-            frame.principal_inertia[1] * w2,
-            frame.principal_inertia[2] * w3,
+            (w1, w2, w3),
+            (
+                frame.principal_inertia[0] * w1,
+                frame.principal_inertia[1] * w2,
+                frame.principal_inertia[2] * w3,
+            ),
         )
         for k in range(3):
             work.velocity[dof + k] = frame.velocity[k] + h * (

@@ -12,7 +12,7 @@ from heavylift.contours.splines.basis import find_span, wrap
 from heavylift.contours.splines.evaluate import surface_weights
 from heavylift.contours.splines.search_step import BORDER
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import rotate_back
+from heavylift.numerics.vectors import rotate_back
 from heavylift.solver.contact.interface import form_controls
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.search.features import Footprints, weigh
@@ -83,9 +83,7 @@ def weigh_footprint(
     scratch.lever[0], scratch.lever[1], scratch.lever[2] = p1, p2, p3
     n1, n2, n3 = rotate_back(
         contacts.poses[contour].rotation,
-        scratch.directions[0, 0],
-        scratch.directions[0, 1],
-        scratch.directions[0, 2],
+        scratch.directions[0],
     )
     if result.flags & BORDER == 0:  # beyond it the distance from the edge stands
         gap = n1 * (y1 - p1) + n2 * (y2 - p2) + n3 * (y3 - p3)

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import rotate_back
+from heavylift.numerics.vectors import rotate_back
 from heavylift.solver.contact.kind import ContactRows
 
 __all__ = ["put_frame_rows", "put_pose_rows"]
@@ -30,7 +30,7 @@ def put_pose_rows(contacts: ContactRows, attachment: int, pose_row: int, sign: f
     c1, c2, c3 = sign * scratch.lever[0], sign * scratch.lever[1], sign * scratch.lever[2]
     for r in range(3):
         d1, d2, d3 = scratch.directions[r, 0], scratch.directions[r, 1], scratch.directions[r, 2]
-        e1, e2, e3 = rotate_back(pose.rotation, d1, d2, d3)
+        e1, e2, e3 = rotate_back(pose.rotation, (d1, d2, d3))
         contacts.panels[panel + r] = sign * d1
         contacts.panels[panel + lanes + r] = sign * d2
         contacts.panels[panel + 2 * lanes + r] = sign * d3

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross, rotate
+from heavylift.numerics.vectors import cross, rotate
 from heavylift.solver.contact.interface import form_controls
 from heavylift.solver.contact.kind import OF_GROUND, OF_RIGID, ContactRows
 from heavylift.solver.interface import Bodies
@@ -25,11 +25,11 @@ def put_directions(
 ) -> None:
     """Normal, first tangent and ``n x t`` in the world, from unit vectors in the axes of the contour."""
     pose, scratch = contacts.poses[contour], contacts.scratch
-    s1, s2, s3 = cross(n1, n2, n3, t1, t2, t3)
+    s1, s2, s3 = cross((n1, n2, n3), (t1, t2, t3))
     a, b, d = (
-        rotate(pose.rotation, n1, n2, n3),
-        rotate(pose.rotation, t1, t2, t3),
-        rotate(pose.rotation, s1, s2, s3),
+        rotate(pose.rotation, (n1, n2, n3)),
+        rotate(pose.rotation, (t1, t2, t3)),
+        rotate(pose.rotation, (s1, s2, s3)),
     )
     for k in range(3):
         scratch.directions[0, k] = a[k]
@@ -40,6 +40,6 @@ def put_directions(
 @kernel(internal=True)
 def put_ball(contacts: ContactRows, contour: int, length: float, n1: float, n2: float, n3: float) -> None:
     """Arm of a point or ball: from its centre against the normal to the contour, so that forces on both meet."""
-    a = rotate(contacts.poses[contour].rotation, n1, n2, n3)
+    a = rotate(contacts.poses[contour].rotation, (n1, n2, n3))
     for k in range(3):
         contacts.scratch.arm[k] = -length * a[k]

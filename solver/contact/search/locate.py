@@ -7,7 +7,7 @@ flexible body are formed where they are needed.
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import rotate, rotate_back
+from heavylift.numerics.vectors import rotate, rotate_back, subtract
 from heavylift.solver.contact.interface import put_contour_rows
 from heavylift.solver.contact.kind import LOST, NOT_A_NUMBER, OF_GROUND, OF_RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.search.features import touch, weigh
@@ -39,9 +39,7 @@ def locate(contacts: ContactRows, bodies: Bodies, c: int, cold: bool, work: Work
     marker = contacts.table[c].centre
     y1, y2, y3 = rotate_back(
         pose.rotation,
-        work.markers[marker].point[0] - pose.origin[0],
-        work.markers[marker].point[1] - pose.origin[1],
-        work.markers[marker].point[2] - pose.origin[2],
+        subtract(work.markers[marker].point, pose.origin),
     )
     scratch.has_slopes = False
     touch(contacts.features, contacts, bodies, c, cold, y1, y2, y3, work)
@@ -52,7 +50,7 @@ def locate(contacts: ContactRows, bodies: Bodies, c: int, cold: bool, work: Work
     contacts.counts.controls = 0
     if contacts.contours[contour].owner != OF_RIGID and contacts.contours[contour].owner != OF_GROUND:
         weigh(contacts.features, contacts, bodies, c, y1, y2, y3)
-    s = rotate(pose.rotation, scratch.lever[0], scratch.lever[1], scratch.lever[2])
+    s = rotate(pose.rotation, scratch.lever)
     for k in range(3):
         state.touched[k] = pose.origin[k] + s[k]
         state.normal[k] = scratch.directions[0, k]

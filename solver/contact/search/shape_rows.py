@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import rotate, rotate_back
+from heavylift.numerics.vectors import rotate, rotate_back
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.search.directions import put_directions
 from heavylift.solver.interface import Workspace
@@ -30,7 +30,7 @@ def place_shape(contacts: ContactRows, c: int, y1: float, y2: float, y3: float, 
             w1 += share * work.markers[first + m].point[0]
             w2 += share * work.markers[first + m].point[1]
             w3 += share * work.markers[first + m].point[2]
-        b = rotate_back(pose.rotation, w1, w2, w3)
+        b = rotate_back(pose.rotation, (w1, w2, w3))
         for k in range(3):
             placed.axes[k, column] = b[k]
 
@@ -50,7 +50,7 @@ def put_touch(
     t1, t2, t3 = a1 - share * n1, a2 - share * n2, a3 - share * n3
     size = 1.0 / math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
     put_directions(contacts, contour, n1, n2, n3, size * t1, size * t2, size * t3)
-    x = rotate(contacts.poses[contour].rotation, x1, x2, x3)
+    x = rotate(contacts.poses[contour].rotation, (x1, x2, x3))
     for k in range(3):
         scratch.arm[k] = x[k]
         scratch.lever[k] = result.position[k]

@@ -9,7 +9,7 @@ from heavylift.contours.splines.evaluate import curve_point, curve_weights
 from heavylift.contours.splines.search import closest_on_curve
 from heavylift.contours.splines.search_step import CONVERGED, NEED_SPAN, start_search
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross, rotate_back
+from heavylift.numerics.vectors import cross, rotate_back
 from heavylift.solver.contact.kind import CURVE, FOUND, ContactRows
 from heavylift.solver.contact.search.directions import form_span, put_ball, put_directions
 from heavylift.solver.contact.search.features import Curves, touch, weigh
@@ -112,15 +112,15 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
     o1 = o2 = o3 = 0.0
     if contacts.table[c].law == CURVE:
         # normals that turn with the curve and not about it: those of the last time, squared to the tangent
-        n1, n2, n3 = rotate_back(pose.rotation, state.normal[0], state.normal[1], state.normal[2])
+        n1, n2, n3 = rotate_back(pose.rotation, state.normal)
         share = n1 * t1 + n2 * t2 + n3 * t3
         n1, n2, n3 = n1 - share * t1, n2 - share * t2, n3 - share * t3
         size = math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
         if size < 1e-3:  # a bead placed where the first guess lies along the curve
-            n1, n2, n3 = cross(t1, t2, t3, t2, t3, -t1)
+            n1, n2, n3 = cross((t1, t2, t3), (t2, t3, -t1))
             size = math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
         n1, n2, n3 = n1 / size, n2 / size, n3 / size
-        b1, b2, b3 = cross(t1, t2, t3, n1, n2, n3)
+        b1, b2, b3 = cross((t1, t2, t3), (n1, n2, n3))
         state.end_gap = n1 * d1 + n2 * d2 + n3 * d3
         state.second_end_gap = b1 * d1 + b2 * d2 + b3 * d3
         put_directions(contacts, contour, n1, n2, n3, b1, b2, b3)  # the third is n x b = t
@@ -128,10 +128,10 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
             scratch.arm[k] = 0.0
     elif pose.width > 0.0:
         # the director lies along the width; the normal is square to it and to the curve
-        n1, n2, n3 = cross(pose.director[0], pose.director[1], pose.director[2], t1, t2, t3)
+        n1, n2, n3 = cross(pose.director, (t1, t2, t3))
         size = contacts.contours[contour].flip / math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
         n1, n2, n3 = size * n1, size * n2, size * n3
-        b1, b2, b3 = cross(t1, t2, t3, n1, n2, n3)
+        b1, b2, b3 = cross((t1, t2, t3), (n1, n2, n3))
         across = b1 * d1 + b2 * d2 + b3 * d3
         o1, o2, o3 = across * b1, across * b2, across * b3
         gap = n1 * d1 + n2 * d2 + n3 * d3 - radius
@@ -145,7 +145,7 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
         if distance > 1e-12 * contacts.values[c].length_scale:
             n1, n2, n3 = d1 / distance, d2 / distance, d3 / distance
         else:
-            n1, n2, n3 = rotate_back(pose.rotation, state.normal[0], state.normal[1], state.normal[2])
+            n1, n2, n3 = rotate_back(pose.rotation, state.normal)
         share = n1 * t1 + n2 * t2 + n3 * t3
         o1, o2, o3 = pose.radius * n1, pose.radius * n2, pose.radius * n3
         state.end_gap = distance - pose.radius - radius
@@ -154,7 +154,7 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
         if size > 1e-6:
             put_directions(contacts, contour, n1, n2, n3, f1 / size, f2 / size, f3 / size)
         else:
-            g1, g2, g3 = rotate_back(pose.rotation, state.tangent[0], state.tangent[1], state.tangent[2])
+            g1, g2, g3 = rotate_back(pose.rotation, state.tangent)
             put_directions(contacts, contour, n1, n2, n3, g1, g2, g3)
         put_ball(contacts, contour, distance - pose.radius, n1, n2, n3)
     scratch.lever[0], scratch.lever[1], scratch.lever[2] = (s[0] + o1, s[1] + o2, s[2] + o3)
@@ -185,9 +185,9 @@ def _put_slopes(
     scratch.has_slopes = True
     for r in range(3):
         d = scratch.directions[r]
-        d1, d2, d3 = rotate_back(pose.rotation, d[0], d[1], d[2])
-        a1, a2, a3 = cross(o1, o2, o3, d1, d2, d3)
-        e1, e2, e3 = cross(a1, a2, a3, t1, t2, t3)
+        d1, d2, d3 = rotate_back(pose.rotation, d)
+        a1, a2, a3 = cross((o1, o2, o3), (d1, d2, d3))
+        e1, e2, e3 = cross((a1, a2, a3), (t1, t2, t3))
         scratch.slopes[r, 0] = e1 / speed
         scratch.slopes[r, 1] = e2 / speed
         scratch.slopes[r, 2] = e3 / speed

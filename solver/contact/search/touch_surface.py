@@ -8,7 +8,7 @@ from heavylift.contours.splines.basis import find_span
 from heavylift.contours.splines.search import closest_on_surface
 from heavylift.contours.splines.search_step import BORDER, NEED_SPAN, start_search
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 from heavylift.solver.contact.kind import BILATERAL, POINT, ContactRows
 from heavylift.solver.contact.search.directions import form_span, put_ball, put_directions
 from heavylift.solver.contact.search.features import Surfaces, touch
@@ -73,7 +73,7 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
     scratch, state = contacts.scratch, contacts.state[c]
     result = scratch.result
     s, along, across = result.position, result.tangent_u, result.tangent_v
-    n1, n2, n3 = cross(along[0], along[1], along[2], across[0], across[1], across[2])
+    n1, n2, n3 = cross(along, across)
     size = contacts.contours[contour].flip / math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
     n1, n2, n3 = size * n1, size * n2, size * n3
     d1, d2, d3 = y1 - s[0], y2 - s[1], y3 - s[2]

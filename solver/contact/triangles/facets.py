@@ -18,7 +18,7 @@ from heavylift.contours.triangles.feature_gap import (
 from heavylift.contours.triangles.surface_pack import CollisionSurfaces
 from heavylift.contours.triangles.surface_refit import refit_surface
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross, rotate_back
+from heavylift.numerics.vectors import cross, rotate_back, subtract
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.interface import put_surface_rows
 from heavylift.solver.contact.kind import ContactRows
@@ -106,11 +106,11 @@ def _share_in_face(facets: FacetSurfaces, meshes: SurfacePairs, face: int, x: Ve
     u1, u2, u3 = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
     v1, v2, v3 = points[c, 0] - points[a, 0], points[c, 1] - points[a, 1], points[c, 2] - points[a, 2]
     r1, r2, r3 = x[0] - points[a, 0], x[1] - points[a, 1], x[2] - points[a, 2]
-    t1, t2, t3 = cross(u1, u2, u3, v1, v2, v3)
+    t1, t2, t3 = cross((u1, u2, u3), (v1, v2, v3))
     area = t1 * n[0] + t2 * n[1] + t3 * n[2]
-    t1, t2, t3 = cross(r1, r2, r3, v1, v2, v3)
+    t1, t2, t3 = cross((r1, r2, r3), (v1, v2, v3))
     at_b = (t1 * n[0] + t2 * n[1] + t3 * n[2]) / area
-    t1, t2, t3 = cross(u1, u2, u3, r1, r2, r3)
+    t1, t2, t3 = cross((u1, u2, u3), (r1, r2, r3))
     at_c = (t1 * n[0] + t2 * n[1] + t3 * n[2]) / area
     facets.corners[0], facets.corners[1], facets.corners[2] = a, b, c
     facets.shares[0], facets.shares[1], facets.shares[2] = 1.0 - at_b - at_c, at_b, at_c
@@ -157,7 +157,7 @@ def touch_facets(
         x = point[0], point[1], point[2]
         if side == 1:
             origin = relative.origin
-            x = rotate_back(relative.rotation, x[0] - origin[0], x[1] - origin[1], x[2] - origin[2])
+            x = rotate_back(relative.rotation, subtract(x, origin))
         if row >= 0:
             feature = state.other_feature if side == 1 else state.feature
             _share(facets, meshes, state.feature_kind, feature, side == 1, facets.rows[row].surface, x)

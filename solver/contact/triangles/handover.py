@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross, rotate
+from heavylift.numerics.vectors import add, add_scaled, cross, rotate, scaled
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import COMPLIANT, ContactRows
 from heavylift.solver.contact.laws.normal_force import stored_energy
@@ -84,9 +84,7 @@ def _distance(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int, tu
     shift = 0.5 * turned * (radii[meshes.pairs[pair].surfaces[0]] - radii[meshes.pairs[pair].surfaces[1]])
     x1, x2, x3 = rotate(
         pose.rotation,
-        0.5 * (touch.point_a[0] + touch.point_b[0]) + shift * touch.normal[0],
-        0.5 * (touch.point_a[1] + touch.point_b[1]) + shift * touch.normal[1],
-        0.5 * (touch.point_a[2] + touch.point_b[2]) + shift * touch.normal[2],
+        add_scaled(scaled(0.5, add(touch.point_a, touch.point_b)), shift, touch.normal),
     )
     d1 = x1 + pose.origin[0] - state.touched[0]
     d2 = x2 + pose.origin[1] - state.touched[1]
@@ -101,7 +99,7 @@ def turn_memory(contacts: ContactRows, c: int, t1: float, t2: float, t3: float) 
     n1, n2, n3 = state.normal[0], state.normal[1], state.normal[2]
     # components of the tangent before: the second ones are turned by the same angle
     cosine = t1 * state.tangent[0] + t2 * state.tangent[1] + t3 * state.tangent[2]
-    s1, s2, s3 = cross(n1, n2, n3, state.tangent[0], state.tangent[1], state.tangent[2])
+    s1, s2, s3 = cross((n1, n2, n3), state.tangent)
     sine = t1 * s1 + t2 * s2 + t3 * s3
     size = math.hypot(cosine, sine)
     if not size > 0.0:

@@ -7,7 +7,7 @@ import math
 from heavylift.contours.triangles.feature_gap import EDGE_EDGE, feature_gap
 from heavylift.contours.triangles.surface_layout import RelativePose
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import rotate
+from heavylift.numerics.vectors import rotate
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.triangles.kind import SurfacePairs
@@ -72,7 +72,7 @@ def aligned(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int) -> f
     """Cosine between the normal left in `touch` and that of a contact."""
     touch, state = meshes.touch, contacts.state[c]
     pose = contacts.poses[meshes.pairs[pair].poses[0]]
-    n1, n2, n3 = rotate(pose.rotation, touch.normal[0], touch.normal[1], touch.normal[2])
+    n1, n2, n3 = rotate(pose.rotation, touch.normal)
     return n1 * state.normal[0] + n2 * state.normal[1] + n3 * state.normal[2]
 
 
@@ -90,7 +90,7 @@ def deepest_of(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> float:
 def _is_turned(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, near: float) -> bool:
     """Whether the normal left in `touch` is against that of the nearest contact that touches along the same line."""
     touch, pose = meshes.touch, contacts.poses[meshes.pairs[pair].poses[0]]
-    x1, x2, x3 = rotate(pose.rotation, touch.point_a[0], touch.point_a[1], touch.point_a[2])
+    x1, x2, x3 = rotate(pose.rotation, touch.point_a)
     x1, x2, x3 = x1 + pose.origin[0], x2 + pose.origin[1], x3 + pose.origin[2]
     turned, nearest = False, math.inf
     for k in range(contacts.counts.of_contours, count):

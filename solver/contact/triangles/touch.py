@@ -15,7 +15,7 @@ from heavylift.contours.triangles.feature_gap import (
 )
 from heavylift.contours.triangles.surface_layout import RelativePose
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import rotate, rotate_back
+from heavylift.numerics.vectors import rotate, rotate_back, subtract
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.search.contour_rows import put_pose_rows
 from heavylift.solver.contact.search.directions import put_directions
@@ -34,14 +34,12 @@ Direction = tuple[float, float, float]
 def relative_pose(first: RelativePose, second: RelativePose, out: RelativePose) -> None:
     """``R = R_A^T R_B`` and ``p = R_A^T (p_B - p_A)`` of two poses."""
     for j in range(3):
-        r = rotate_back(first.rotation, second.rotation[j], second.rotation[3 + j], second.rotation[6 + j])
+        r = rotate_back(first.rotation, (second.rotation[j], second.rotation[3 + j], second.rotation[6 + j]))
         for i in range(3):
             out.rotation[3 * i + j] = r[i]
     p = rotate_back(
         first.rotation,
-        second.origin[0] - first.origin[0],
-        second.origin[1] - first.origin[1],
-        second.origin[2] - first.origin[2],
+        subtract(second.origin, first.origin),
     )
     for i in range(3):
         out.origin[i] = p[i]
@@ -79,7 +77,7 @@ def _tangent(
         a, b = meshes.surfaces.edges[edge].ends[0], meshes.surfaces.edges[edge].ends[1]
     t1, t2, t3 = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
     if on_second:
-        t1, t2, t3 = rotate(meshes.relative[pair].rotation, t1, t2, t3)
+        t1, t2, t3 = rotate(meshes.relative[pair].rotation, (t1, t2, t3))
     share = t1 * n1 + t2 * n2 + t3 * n3
     t1, t2, t3 = t1 - share * n1, t2 - share * n2, t3 - share * n3
     size = math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
@@ -102,7 +100,7 @@ def _keep_side(meshes: SurfacePairs, contacts: ContactRows, c: int, pair: int) -
     relative = meshes.relative[pair]
     contact_gap(meshes.surfaces, EDGE_EDGE, feature, other, 0.0, state.side, relative, touch)
     pose = contacts.poses[contacts.table[c].contour]
-    n1, n2, n3 = rotate(pose.rotation, touch.normal[0], touch.normal[1], touch.normal[2])
+    n1, n2, n3 = rotate(pose.rotation, touch.normal)
     if n1 * state.normal[0] + n2 * state.normal[1] + n3 * state.normal[2] < 0.0:
         state.side = -state.side
 
@@ -136,9 +134,9 @@ def touch_mesh_contact(
     scratch.lever[0], scratch.lever[1], scratch.lever[2] = x1, x2, x3
     put_pose_rows(contacts, 2 * c, first_pose, -1.0)
     pose = contacts.poses[first_pose]
-    s = rotate(pose.rotation, x1, x2, x3)
+    s = rotate(pose.rotation, (x1, x2, x3))
     y = rotate_back(
-        relative.rotation, x1 - relative.origin[0], x2 - relative.origin[1], x3 - relative.origin[2]
+        relative.rotation, (x1 - relative.origin[0], x2 - relative.origin[1], x3 - relative.origin[2])
     )
     for k in range(3):
         state.touched[k] = pose.origin[k] + s[k]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import rotate_back
+from heavylift.numerics.vectors import rotate_back
 from heavylift.solver.interface import (
     Workspace,
 )
@@ -198,7 +198,7 @@ def _load_hull(kind: Hulls, hull: int, step: float, work: Workspace) -> None:
     """Momentum of body, ballast and water at the start, half impulses of forces of markers, waves and weight."""
     frame, vectors = kind.frame[hull], kind.vectors
     h, R, out = step, kind.frame[hull].mid_rotation, 6 * hull
-    L = rotate_back(R, frame.angular_momentum[0], frame.angular_momentum[1], frame.angular_momentum[2])
+    L = rotate_back(R, frame.angular_momentum)
     for k in range(3):
         vectors.load[out + k] = frame.mass * (frame.velocity[k] + 0.5 * h * work.sums.gravity[k])
         vectors.load[out + 3 + k] = L[k]
@@ -215,7 +215,7 @@ def _load_hull(kind: Hulls, hull: int, step: float, work: Workspace) -> None:
         f1 = m * (kind.tanks[tank].start_velocity[0] + 0.5 * h * work.sums.gravity[0])
         f2 = m * (kind.tanks[tank].start_velocity[1] + 0.5 * h * work.sums.gravity[1])
         f3 = m * (kind.tanks[tank].start_velocity[2] + 0.5 * h * work.sums.gravity[2])
-        b1, b2, b3 = rotate_back(R, f1, f2, f3)
+        b1, b2, b3 = rotate_back(R, (f1, f2, f3))
         r1, r2, r3 = (
             kind.tanks[tank].point[0],
             kind.tanks[tank].point[1],

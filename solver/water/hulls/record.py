@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
-from heavylift.numerics.small import cross, rotate
+from heavylift.numerics.vectors import add, cross, rotate, scaled
 from heavylift.solver.bodies.rigid.record import add_rigid_totals, record_rigid_bodies
 from heavylift.solver.bodies.rigid.stage import stage_at_state
 from heavylift.solver.interface import (
@@ -116,7 +116,7 @@ def _displaced(kind: Hulls, hull: int) -> tuple[float, float, float, float]:
         return 0.0, x, y, z
     if sort == LINEAR:
         centre = kind.hulls[hull].buoyancy_centre
-        b = rotate(kind.frame[hull].mid_rotation, centre[0], centre[1], centre[2])
+        b = rotate(kind.frame[hull].mid_rotation, centre)
         return kind.stage[hull].lift[2] / kind.water.weight, x + b[0], y + b[1], z + b[2]
     return 0.0, x, y, z
 
@@ -137,19 +137,10 @@ def add_hull_totals(kind: Hulls, work: Workspace) -> None:
         R = kind.frame[hull].mid_rotation
         for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
             m = kind.tanks[tank].mass
-            arm = rotate(
-                R,
-                kind.tanks[tank].point[0],
-                kind.tanks[tank].point[1],
-                kind.tanks[tank].point[2],
-            )
+            arm = rotate(R, kind.tanks[tank].point)
             l1, l2, l3 = cross(
-                kind.frame[hull].mid_position[0] + arm[0],
-                kind.frame[hull].mid_position[1] + arm[1],
-                kind.frame[hull].mid_position[2] + arm[2],
-                m * kind.tanks[tank].velocity[0],
-                m * kind.tanks[tank].velocity[1],
-                m * kind.tanks[tank].velocity[2],
+                add(kind.frame[hull].mid_position, arm),
+                scaled(m, kind.tanks[tank].velocity),
             )
             totals.angular_momentum[0] += l1
             totals.angular_momentum[1] += l2

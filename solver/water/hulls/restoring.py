@@ -8,7 +8,7 @@ from the stiffness of tilt as a negative float plane does.
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import rotate, rotate_back
+from heavylift.numerics.vectors import rotate, rotate_back
 from heavylift.solver.water.hulls.clipping import (
     clip_surface,
 )
@@ -47,10 +47,10 @@ def restore(kind: Hulls, hull: int) -> None:
         xx, yy = weight * (clip.plane_yy + lever), weight * (clip.plane_xx + lever)
         xy = -weight * clip.plane_xy
     elif sort == LINEAR:
-        d1x, d1y, a = rotate(R, data.axis_x[0], data.axis_x[1], data.axis_x[2])
-        d2x, d2y, b = rotate(R, data.axis_y[0], data.axis_y[1], data.axis_y[2])
-        px, py, pz = rotate(R, data.float_plane[0], data.float_plane[1], data.float_plane[2])
-        bx, by, bz = rotate(R, data.buoyancy_centre[0], data.buoyancy_centre[1], data.buoyancy_centre[2])
+        d1x, d1y, a = rotate(R, data.axis_x)
+        d2x, d2y, b = rotate(R, data.axis_y)
+        px, py, pz = rotate(R, data.float_plane)
+        bx, by, bz = rotate(R, data.buoyancy_centre)
         A, Sx, Sy = data.waterplane[0], data.waterplane[1], data.waterplane[2]
         Ixx, Iyy, Ixy = data.waterplane[3], data.waterplane[4], data.waterplane[5]
         z = height + pz
@@ -79,8 +79,8 @@ def restore(kind: Hulls, hull: int) -> None:
         )  # fmt: skip
     if data.last_tank > data.first_tank:
         about_x, about_y = _free_surfaces(kind, hull)
-        d1x, d1y, a = rotate(R, data.axis_x[0], data.axis_x[1], data.axis_x[2])
-        d2x, d2y, b = rotate(R, data.axis_y[0], data.axis_y[1], data.axis_y[2])
+        d1x, d1y, a = rotate(R, data.axis_x)
+        d2x, d2y, b = rotate(R, data.axis_y)
         f1, f2 = kind.water.gravity * about_y * a, kind.water.gravity * about_x * b
         moment_x += d1y * f1 + d2y * f2
         moment_y -= d1x * f1 + d2x * f2
@@ -88,7 +88,7 @@ def restore(kind: Hulls, hull: int) -> None:
         xx -= g1 * d1y * d1y + g2 * d2y * d2y
         yy -= g1 * d1x * d1x + g2 * d2x * d2x
         xy += g1 * d1x * d1y + g2 * d2x * d2y
-    m1, m2, m3 = rotate_back(R, moment_x, moment_y, 0.0)
+    m1, m2, m3 = rotate_back(R, (moment_x, moment_y, 0.0))
     stage.lift[0], stage.lift[1], stage.lift[2] = 0.0, 0.0, force
     stage.lift[3], stage.lift[4], stage.lift[5] = m1, m2, m3
     stage.stiffness[0], stage.stiffness[1], stage.stiffness[2] = zz, zx, zy
@@ -114,13 +114,13 @@ def restoring_potential(kind: Hulls, hull: int) -> float:
     weight, data = kind.water.weight, kind.hulls[hull]
     sort = kind.hulls[hull].restoring
     potential = 0.0
-    _, _, a = rotate(R, data.axis_x[0], data.axis_x[1], data.axis_x[2])
-    _, _, b = rotate(R, data.axis_y[0], data.axis_y[1], data.axis_y[2])
+    _, _, a = rotate(R, data.axis_x)
+    _, _, b = rotate(R, data.axis_y)
     if sort == CLIPPED:
         potential = -weight * kind.stage[hull].clip.moment[2]
     elif sort == LINEAR:
-        _, _, pz = rotate(R, data.float_plane[0], data.float_plane[1], data.float_plane[2])
-        _, _, bz = rotate(R, data.buoyancy_centre[0], data.buoyancy_centre[1], data.buoyancy_centre[2])
+        _, _, pz = rotate(R, data.float_plane)
+        _, _, bz = rotate(R, data.buoyancy_centre)
         A, Sx, Sy = data.waterplane[0], data.waterplane[1], data.waterplane[2]
         Ixx, Iyy, Ixy = data.waterplane[3], data.waterplane[4], data.waterplane[5]
         z = height + pz

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import write_rotation_matrix
-from heavylift.numerics.small import cross, rotate
+from heavylift.numerics.vectors import cross, rotate
 from heavylift.solver.bodies.frames.motion import add_wrench, orientation_of
 from heavylift.solver.bodies.rigid.stage import fill_rigid_markers, start_rigid_bodies
 from heavylift.solver.bodies.rigid.step import predict_rigid_bodies
@@ -133,9 +133,7 @@ def predict_hulls(kind: Hulls, time: float, step: float) -> None:
     for hull in range(kind.table.shape[0]):
         frame, stage = kind.frame[hull], kind.stage[hull]
         R = kind.frame[hull].mid_rotation
-        x, y, _ = rotate(
-            R, kind.hulls[hull].reference[0], kind.hulls[hull].reference[1], kind.hulls[hull].reference[2]
-        )
+        x, y, _ = rotate(R, kind.hulls[hull].reference)
         stage.target[0], stage.target[1] = frame.mid_position[0] + x, frame.mid_position[1] + y
         stage.target[2] = hull_yaw(kind, hull, R, kind.state[hull].yaw)
         advance_filter(kind, hull, 0.5 * step, False)
@@ -203,11 +201,8 @@ def find_waves(kind: Hulls, time: float) -> None:
 def put_tank_velocity(kind: Hulls, hull: int, tank: int, R: NDArray[np.float64]) -> None:
     """Velocity of the water in a tank at the carried velocities."""
     frame = kind.frame[hull]
-    c = cross(
-        frame.spin[0], frame.spin[1], frame.spin[2],
-        kind.tanks[tank].point[0], kind.tanks[tank].point[1], kind.tanks[tank].point[2],
-    )  # fmt: skip
-    rate = rotate(R, c[0], c[1], c[2])
+    c = cross(frame.spin, kind.tanks[tank].point)  # fmt: skip
+    rate = rotate(R, c)
     for k in range(3):
         kind.tanks[tank].velocity[k] = frame.velocity[k] + rate[k]
 

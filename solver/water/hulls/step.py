@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
-from heavylift.numerics.small import cholesky_factor, cholesky_solve, cross, rotate, rotate_back
+from heavylift.numerics.small import cholesky_factor, cholesky_solve
+from heavylift.numerics.vectors import cross, rotate, rotate_back
 from heavylift.solver.bodies.frames.motion import orientation_of
 from heavylift.solver.bodies.rigid.step import advance_rigid_bodies, finish_rigid_bodies
 from heavylift.solver.interface import (
@@ -178,7 +179,7 @@ def _measure_lag(kind: Hulls, hull: int, step: float) -> None:
     frame = kind.frame[hull]
     put_end(kind, hull, kind.stage[hull].heading)
     R = kind.stage[hull].rotation
-    L = rotate_back(R, frame.angular_momentum[0], frame.angular_momentum[1], frame.angular_momentum[2])
+    L = rotate_back(R, frame.angular_momentum)
     end = kind.vectors.scratch[6 * hull : 6 * hull + 6]
     for k in range(3):
         end[k] = frame.velocity[k]
@@ -203,15 +204,8 @@ def _lag_of_tank(
 ) -> None:
     """The same of the water in a tank: what the middle has is kept in its scratch until the end."""
     R = kind.stage[hull].rotation if at_end else kind.frame[hull].mid_rotation
-    c = cross(
-        velocity[dof + 3],
-        velocity[dof + 4],
-        velocity[dof + 5],
-        kind.tanks[tank].point[0],
-        kind.tanks[tank].point[1],
-        kind.tanks[tank].point[2],
-    )
-    rate = rotate(R, c[0], c[1], c[2])
+    c = cross((velocity[dof + 3], velocity[dof + 4], velocity[dof + 5]), kind.tanks[tank].point)
+    rate = rotate(R, c)
     for k in range(3):
         v = velocity[dof + k] + rate[k]
         if not at_end:
@@ -240,12 +234,7 @@ def _fill_work(kind: Hulls, time: float, step: float) -> None:
                 kind.tanks[tank].velocity[1],
                 kind.tanks[tank].velocity[2],
             )
-            _, _, arm = rotate(
-                kind.frame[hull].mid_rotation,
-                kind.tanks[tank].point[0],
-                kind.tanks[tank].point[1],
-                kind.tanks[tank].point[2],
-            )
+            _, _, arm = rotate(kind.frame[hull].mid_rotation, kind.tanks[tank].point)
             height = kind.frame[hull].mid_position[2] + arm
             kind.state[hull].supplied += gained * (
                 0.5 * (v1 * v1 + v2 * v2 + v3 * v3) + kind.water.gravity * height
@@ -256,8 +245,8 @@ def _fill_work(kind: Hulls, time: float, step: float) -> None:
 def _free_surface_energy(kind: Hulls, hull: int, tank: int) -> float:
     """Potential that the free surface of a tank has in the middle of the step [J]."""
     R, data = kind.frame[hull].mid_rotation, kind.hulls[hull]
-    _, _, a = rotate(R, data.axis_x[0], data.axis_x[1], data.axis_x[2])
-    _, _, b = rotate(R, data.axis_y[0], data.axis_y[1], data.axis_y[2])
+    _, _, a = rotate(R, data.axis_x)
+    _, _, b = rotate(R, data.axis_y)
     about_x, about_y = kind.tanks[tank].free_surface[0], kind.tanks[tank].free_surface[1]
     return -0.5 * kind.water.gravity * (about_y * a * a + about_x * b * b)
 
