@@ -208,7 +208,7 @@ def test_the_report_follows_what_the_other_stages_have_left(heavylift, small_cas
 
 
 def test_progress_without_a_terminal_is_lines_on_standard_error(heavylift, small_case, monkeypatch):
-    from heavylift.pipeline.stages.stages import log
+    from heavylift.pipeline import log
 
     monkeypatch.setattr(log, "PROGRESS_SECONDS", 0.0)
     code, out, error = heavylift("simulate", small_case)
