@@ -22,7 +22,7 @@ import frame_meshes
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf import elements as generics
-from heavylift.solver.meshes import FrameBody, FrameSection
+from heavylift.solver.scene.meshes import FrameBody, FrameSection
 
 if TYPE_CHECKING:
     from collections.abc import Callable

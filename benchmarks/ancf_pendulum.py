@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.solver.meshes import FrameBody, FrameSection, Support
-from heavylift.solver.scene import Gravity, Scene
+from heavylift.solver.scene.meshes import FrameBody, FrameSection, Support
+from heavylift.solver.scene.scene import Gravity, Scene
 from heavylift.solver.simulation import Simulation
 
 LEVELS = (1e-2, 1e-4, 1e-6)

@@ -42,8 +42,8 @@ from heavylift.solver.bodies.ancf.shell_packing import (
     start_coordinates,
     strain_counts,
 )
-from heavylift.solver.mesh_shapes import quadrilateral
-from heavylift.solver.meshes import ShellBody, ShellSection
+from heavylift.solver.scene.mesh_shapes import quadrilateral
+from heavylift.solver.scene.meshes import ShellBody, ShellSection
 from tests.solver.groups import partly
 
 if TYPE_CHECKING:

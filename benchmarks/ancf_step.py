@@ -13,9 +13,9 @@ import statistics
 import numpy as np
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.solver.mesh_shapes import rectangle
-from heavylift.solver.meshes import ShellBody, ShellSection, Support
-from heavylift.solver.scene import Gravity, Scene
+from heavylift.solver.scene.mesh_shapes import rectangle
+from heavylift.solver.scene.meshes import ShellBody, ShellSection, Support
+from heavylift.solver.scene.scene import Gravity, Scene
 from heavylift.solver.simulation import Simulation
 
 MESHES = ((6, 4), (12, 8), (24, 16), (48, 32), (60, 40))

@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.contours.clearance import WaitingNodes, clearance_stack_size, measure_clearance
-from heavylift.contours.surface_layout import pose_of
-from heavylift.contours.surface_pack import pack_surfaces
+from heavylift.contours.triangles.clearance import WaitingNodes, clearance_stack_size, measure_clearance
+from heavylift.contours.triangles.surface_layout import pose_of
+from heavylift.contours.triangles.surface_pack import pack_surfaces
 from heavylift.numerics.records import records
 from heavylift.preprocess.surfaces import TriangleSurface, clean
 
@@ -31,7 +31,7 @@ from collision_scenes import NAMES, query, rotation, surface
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from heavylift.contours.surface_pack import CollisionSurfaces
+    from heavylift.contours.triangles.surface_pack import CollisionSurfaces
 
 REPEATS = 21
 ABOVE = (math.inf, 0.1, 0.01, 0.001)  # m, bounds above the distance

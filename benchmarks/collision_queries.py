@@ -19,12 +19,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "contours
 from collision_kernels import contacts_kernel, gaps_kernel
 from collision_scenes import NAMES, query
 
-from heavylift.contours.feature_gap import EDGE_EDGE, FeatureTouch
-from heavylift.contours.feature_pairs import SWEPT
-from heavylift.contours.feature_report import make_contact_list
-from heavylift.contours.pair_list import make_pair_lists
-from heavylift.contours.patches import extreme_points, group_patches, patch_scratch_size
-from heavylift.contours.surface_pack import pack_surfaces
+from heavylift.contours.triangles.feature_gap import EDGE_EDGE, FeatureTouch
+from heavylift.contours.triangles.feature_pairs import SWEPT
+from heavylift.contours.triangles.feature_report import make_contact_list
+from heavylift.contours.triangles.pair_list import make_pair_lists
+from heavylift.contours.triangles.patches import extreme_points, group_patches, patch_scratch_size
+from heavylift.contours.triangles.surface_pack import pack_surfaces
 
 CAPACITY = 8192
 STEPS = 1800

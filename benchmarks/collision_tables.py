@@ -23,11 +23,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "contours
 from collision_kernels import contacts_kernel
 from collision_scenes import models, query
 
-from heavylift.contours.feature_pairs import SWEPT, contacts_of_pairs
-from heavylift.contours.feature_report import make_contact_list
-from heavylift.contours.pair_list import make_pair_lists
-from heavylift.contours.surface_layout import RelativeMotion
-from heavylift.contours.surface_pack import pack_surfaces
+from heavylift.contours.triangles.feature_pairs import SWEPT, contacts_of_pairs
+from heavylift.contours.triangles.feature_report import make_contact_list
+from heavylift.contours.triangles.pair_list import make_pair_lists
+from heavylift.contours.triangles.surface_layout import RelativeMotion
+from heavylift.contours.triangles.surface_pack import pack_surfaces
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import record_at
 from heavylift.preprocess.exclusion import ExclusionBox, exclude

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.contours.convex import (
+from heavylift.contours.splines.convex import (
     BOX,
     CAPSULE,
     CYLINDER,
@@ -22,16 +22,16 @@ from heavylift.contours.convex import (
     RING,
     shape_row,
 )
-from heavylift.contours.evaluate import SCRATCH, Evaluation, surface_point
-from heavylift.contours.packed_contour import PackedContour
-from heavylift.contours.samples import sample_grid, sample_points
-from heavylift.contours.search import closest_on_surface
-from heavylift.contours.search_circle import ring_on_surface, start_ring
-from heavylift.contours.search_circle_cold import RING_ANGLES, ring_cold
-from heavylift.contours.search_cold import closest_point_cold, closest_shape_cold
-from heavylift.contours.search_shape import closest_shape_on_surface
-from heavylift.contours.search_step import CONVERGED, ContourSearch, start_search
-from heavylift.contours.spaces import clamped_space
+from heavylift.contours.splines.evaluate import SCRATCH, Evaluation, surface_point
+from heavylift.contours.splines.packed_contour import PackedContour
+from heavylift.contours.splines.samples import sample_grid, sample_points
+from heavylift.contours.splines.search import closest_on_surface
+from heavylift.contours.splines.search_circle import ring_on_surface, start_ring
+from heavylift.contours.splines.search_circle_cold import RING_ANGLES, ring_cold
+from heavylift.contours.splines.search_cold import closest_point_cold, closest_shape_cold
+from heavylift.contours.splines.search_shape import closest_shape_on_surface
+from heavylift.contours.splines.search_step import CONVERGED, ContourSearch, start_search
+from heavylift.contours.splines.spaces import clamped_space
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import records
 

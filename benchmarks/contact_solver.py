@@ -21,7 +21,7 @@ import contact_problems as problems
 from heavylift.numerics.arrays import Floats1  # noqa: TC001  the entry needs it
 from heavylift.numerics.objects import entry
 from heavylift.solver.contact.layout import Problem  # noqa: TC001  the entry needs it
-from heavylift.solver.contact.newton import ContactSolvers, NonsmoothNewton, solve_contacts
+from heavylift.solver.contact.solve.newton import ContactSolvers, NonsmoothNewton, solve_contacts
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

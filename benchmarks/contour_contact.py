@@ -22,20 +22,20 @@ import contact_search
 import numpy as np
 import nurbs
 
-from heavylift.contours.evaluate import SCRATCH, Evaluation
-from heavylift.contours.face_grid import face_grid
-from heavylift.contours.modal_sums import modal_data
-from heavylift.contours.neutral import NeutralContour, neutral_surface, packed
-from heavylift.contours.samples import sample_grid, sample_points
-from heavylift.contours.search_step import ContourSearch
+from heavylift.contours.splines.evaluate import SCRATCH, Evaluation
+from heavylift.contours.splines.face_grid import face_grid
+from heavylift.contours.splines.modal_sums import modal_data
+from heavylift.contours.splines.neutral import NeutralContour, neutral_surface, packed
+from heavylift.contours.splines.samples import sample_grid, sample_points
+from heavylift.contours.splines.search_step import ContourSearch
 from heavylift.modal import bases
 from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility
 from heavylift.modal.reduction import reduce_body
-from heavylift.pipeline.assemble import assemble_model
-from heavylift.pipeline.case import load_case
-from heavylift.solver.contacts import Contact, Contour
-from heavylift.solver.scene import Fixed, FlexibleBody, RigidBody, Scene
+from heavylift.pipeline.assemble.finite_elements import assemble_model
+from heavylift.pipeline.case.case_file import load_case
+from heavylift.solver.scene.contacts import Contact, Contour
+from heavylift.solver.scene.scene import Fixed, FlexibleBody, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 if TYPE_CHECKING:

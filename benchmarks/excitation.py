@@ -14,17 +14,17 @@ import numpy as np
 
 from heavylift.numerics.jit import kernel
 from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
-from heavylift.solver.marine.excitation import interpolate_series, sum_excitation
-from heavylift.solver.marine.excitation_packing import pack_series, pack_summed
-from heavylift.solver.marine.spectra import jonswap
-from heavylift.solver.marine.wave_trains import irregular_waves
+from heavylift.solver.water.waves.excitation import interpolate_series, sum_excitation
+from heavylift.solver.water.waves.excitation_packing import pack_series, pack_summed
+from heavylift.solver.water.waves.spectra import jonswap
+from heavylift.solver.water.waves.wave_trains import irregular_waves
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-    from heavylift.solver.marine.wave_trains import WaveTrains
+    from heavylift.solver.water.waves.wave_trains import WaveTrains
 
 CALLS = 5000
 REPEATS = 15

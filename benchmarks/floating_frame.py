@@ -14,7 +14,7 @@ from scipy import sparse
 
 from heavylift.modal.invariants import shape_integrals
 from heavylift.modal.reduced import ReducedBody
-from heavylift.solver.scene import Fixed, FlexibleBody, Free, Motion, RigidBody, Scene
+from heavylift.solver.scene.scene import Fixed, FlexibleBody, Free, Motion, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 STEP = 1e-4

@@ -12,9 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.contours.evaluate import SCRATCH, Evaluation, curve_point, surface_point, surface_weights
-from heavylift.contours.modal_sums import modal_data, modal_points, modal_shapes
-from heavylift.contours.neutral import NeutralContour, neutral_surface, packed
+from heavylift.contours.splines.evaluate import (
+    SCRATCH,
+    Evaluation,
+    curve_point,
+    surface_point,
+    surface_weights,
+)
+from heavylift.contours.splines.modal_sums import modal_data, modal_points, modal_shapes
+from heavylift.contours.splines.neutral import NeutralContour, neutral_surface, packed
 from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:

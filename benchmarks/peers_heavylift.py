@@ -14,16 +14,16 @@ import numpy as np
 from peers_measure import SAMPLES, History, Ladder, Reference
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.pipeline.assemble_scene import assemble_scene
-from heavylift.pipeline.case import Case, load_case
-from heavylift.pipeline.storage import OutputFolder
+from heavylift.pipeline.assemble.scene import assemble_scene
+from heavylift.pipeline.case.case_file import Case, load_case
+from heavylift.pipeline.results.storage import OutputFolder
 from heavylift.solver.simulation import Simulation
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from peers_problems import Problem
 
-    from heavylift.solver.scene import Scene
+    from heavylift.solver.scene.scene import Scene
 
 __all__ = ["NAME", "VERSION", "case_reference", "ladders", "scene_of", "step_microseconds"]
 

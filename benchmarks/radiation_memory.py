@@ -17,7 +17,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.preprocess.exponentials import ExponentialKernel, fit_exponentials
 from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
 from heavylift.preprocess.retardation import RetardationKernel, channel_scales, retardation_kernel
-from heavylift.solver.marine.memory import (
+from heavylift.solver.water.hulls.memory import (
     advance_memory_direct,
     advance_memory_exponential,
     memory_force_direct,

@@ -21,10 +21,10 @@ from pathlib import Path
 
 import numpy as np
 
-from heavylift.pipeline.assemble_scene import assemble_scene
+from heavylift.pipeline.assemble.scene import assemble_scene
 from heavylift.pipeline.log import Log
-from heavylift.pipeline.stages import load_changed_case, run_case
-from heavylift.pipeline.storage import OutputFolder
+from heavylift.pipeline.results.storage import OutputFolder
+from heavylift.pipeline.stages.stages import load_changed_case, run_case
 from heavylift.solver.simulation import Simulation
 
 CASE = Path(__file__).resolve().parents[1] / "cases" / "irregular_sea"
@@ -109,8 +109,8 @@ def moorpy(case, anchors, ends, lengths):
 def moordyn(scene_lines, anchors, ends, interval):
     """CPU time of one dynamic line [s] along the motion of its fairlead."""
     from heavylift.numerics.outcome import InputError
-    from heavylift.pipeline.moordyn_input import LineDynamics
-    from heavylift.pipeline.moordyn_lines import MoorDynLine
+    from heavylift.pipeline.commands.moordyn_input import LineDynamics
+    from heavylift.pipeline.commands.moordyn_lines import MoorDynLine
 
     weight = scene_lines[0].sections[0].weight
     dynamics = LineDynamics(masses=(weight / 9.81 / 0.87,), segment=40.0)

@@ -41,7 +41,7 @@ PROCESSES = 2
 LARGEST = 12
 """Units that are listed."""
 PARTS = ["units", "scenes", "edit"]
-EDITED = "solver/joints/wire_rope.py"
+EDITED = "solver/laws/wire_rope.py"
 
 HINGE = """
 [bodies.arm]
@@ -189,7 +189,7 @@ def run(command: list[str], cache: Path, package: Path | None = None) -> Cost:
 
 def simulate(folder: Path, cache: Path, package: Path | None = None) -> Cost:
     """One step of a case, as its user would run it."""
-    command = [sys.executable, "-P", "-c", "from heavylift.pipeline.cli import main; main()"]
+    command = [sys.executable, "-P", "-c", "from heavylift.pipeline.commands.cli import main; main()"]
     return run([*command, "simulate", str(folder), "--force", "--json"], cache, package)
 
 

@@ -19,7 +19,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.contours.position_difference import EDGE_CASES, VERTEX_CASES, difference_pairs, to_axes
+from heavylift.contours.triangles.position_difference import (
+    EDGE_CASES,
+    VERTEX_CASES,
+    difference_pairs,
+    to_axes,
+)
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "contours"))
 

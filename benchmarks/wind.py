@@ -18,15 +18,15 @@ from heavylift.solver.interface import (
     add_forces,
 )
 from heavylift.solver.joints.packing import MarkerBook
-from heavylift.solver.marine.wind_loads import (
+from heavylift.solver.scene.wind_loads import (
     CoefficientLoad,
     CurrentField,
     DragElement,
     WindField,
     fluctuation_record,
 )
-from heavylift.solver.marine.wind_packing import fluid_channels, fluid_markers, pack_fluid_loads
-from heavylift.solver.marine.wind_spectrum import wind_components, wind_record
+from heavylift.solver.water.wind.packing import fluid_channels, fluid_markers, pack_fluid_loads
+from heavylift.solver.water.wind.spectrum import wind_components, wind_record
 
 CALLS = 20000
 

@@ -12,13 +12,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from heavylift.pipeline.case import load_case
-    from heavylift.pipeline.results import load_results
-    from heavylift.pipeline.stages import run_case
+    from heavylift.pipeline.case.case_file import load_case
+    from heavylift.pipeline.results.histories import load_results
+    from heavylift.pipeline.stages.stages import run_case
 
 __all__ = ["load_case", "load_results", "run_case"]
 
-_HOMES = {"load_case": "case", "load_results": "results", "run_case": "stages"}
+_HOMES = {"load_case": "case.case_file", "load_results": "results.histories", "run_case": "stages.stages"}
 
 
 def __getattr__(name: str) -> Any:

@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.connections import GROUND
-from heavylift.solver.meshes import MeshBody
-from heavylift.solver.rows import DIAGONAL, FACTORED, PRESCRIBED, Attachment
-from heavylift.solver.scene import AnyBody, FlexibleBody, Free, RigidBody
+from heavylift.solver.rows.structure import DIAGONAL, FACTORED, PRESCRIBED, Attachment
+from heavylift.solver.scene.connections import GROUND
+from heavylift.solver.scene.meshes import MeshBody
+from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Free, RigidBody
 
 __all__ = [
     "attachments",

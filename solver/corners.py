@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.connections import JointMotor, Rope
-from heavylift.solver.meshes import MeshBody
-from heavylift.solver.scene import Driven, PointForce, Profile, Scene
+from heavylift.solver.scene.connections import JointMotor, Rope
+from heavylift.solver.scene.meshes import MeshBody
+from heavylift.solver.scene.scene import Driven, PointForce, Profile, Scene
 
 __all__ = ["scene_corners"]
 

@@ -21,8 +21,8 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import exponential_quaternion, quaternion_product, rotate_by_quaternion
-from heavylift.numerics.small import cross
-from heavylift.solver.scene_bodies import Driven, Profile
+from heavylift.numerics.vectors import cross
+from heavylift.solver.scene.bodies import Driven, Profile
 
 __all__ = [
     "DRIVEN",
@@ -142,8 +142,8 @@ def drive_velocity(drive: NDArray[np.float64], time: float, motion: NDArray[np.f
     angle, rate, rate2 = profile_value(drive, int(drive[16]), time)
     turn = exponential_quaternion(angle * drive[0], angle * drive[1], angle * drive[2])
     arm = rotate_by_quaternion(turn, drive[6] - drive[3], drive[7] - drive[4], drive[8] - drive[5])
-    side = cross(drive[0], drive[1], drive[2], arm[0], arm[1], arm[2])
-    inward = cross(drive[0], drive[1], drive[2], side[0], side[1], side[2])
+    side = cross(drive, arm)
+    inward = cross(drive, side)
     # the axis is its own image under Q, so in body axes it is R0^T axis at all times
     axis = rotate_by_quaternion((drive[9], -drive[10], -drive[11], -drive[12]), drive[0], drive[1], drive[2])
     for i in range(3):

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1, Floats3
 from heavylift.numerics.records import Record, Records, Vector, records
 from heavylift.solver.kinds import Members, Table, generic, optional
-from heavylift.solver.rows import RowArrays, RowSystem
+from heavylift.solver.rows.structure import RowArrays, RowSystem
 
 __all__ = [
     "ACCELERATIONS",

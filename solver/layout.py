@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from heavylift.solver.channels import ENERGY_CHANNELS, MOMENTUM_CHANNELS, Channel, add_channels
 from heavylift.solver.coordinates import attachments, first_dofs, mode_count, velocity_count
 from heavylift.solver.corners import scene_corners
 from heavylift.solver.interface import (
@@ -22,8 +21,9 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import STEP
 from heavylift.solver.layout_rows import pack_connections
 from heavylift.solver.markers import BodyMarkers
-from heavylift.solver.meshes import FrameBody, MeshBody, ShellBody
-from heavylift.solver.scene import AnyBody, Fixed, FlexibleBody, Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene.channels import ENERGY_CHANNELS, MOMENTUM_CHANNELS, Channel, add_channels
+from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
+from heavylift.solver.scene.scene import AnyBody, Fixed, FlexibleBody, Gravity, PointForce, RigidBody, Scene
 from heavylift.solver.scene_checks import check_scene
 
 __all__ = ["Channel", "Layout", "pack_scene"]
@@ -178,7 +178,7 @@ def _moving(scene: Scene) -> dict[str, int]:
     """Points of frames and shells that contacts touch."""
     if not scene.touches:
         return {}
-    from heavylift.solver.contact.facet_counts import count_moving
+    from heavylift.solver.contact.triangles.facet_counts import count_moving
 
     return count_moving(scene)
 
@@ -191,15 +191,15 @@ def _groups(scene: Scene) -> list[tuple[list[Any], Callable[..., Any]]]:
     hulls = [body for body in scene.bodies if _floats(body)]
     groups: list[tuple[list[Any], Callable[..., Any]]] = []
     if flexible:
-        from heavylift.solver.bodies.floating_frame import pack_floating_frames
+        from heavylift.solver.bodies.floating_frame.kind import pack_floating_frames
 
         groups.append((flexible, pack_floating_frames))
     if rigid:
-        from heavylift.solver.bodies.rigid import pack_rigid_bodies
+        from heavylift.solver.bodies.rigid.kind import pack_rigid_bodies
 
         groups.append((rigid, pack_rigid_bodies))
     if hulls:
-        from heavylift.solver.marine.hull_packing import pack_hulls
+        from heavylift.solver.water.hulls.packing import pack_hulls
 
         groups.append((hulls, pack_hulls))
     for of_type in (FrameBody, ShellBody):

@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.solver.channels import MONITOR_CHANNELS, Channel, add_channels
-from heavylift.solver.connections import PairForce
 from heavylift.solver.coordinates import attachments, first_dofs, inverse_masses, inverse_scales
 from heavylift.solver.interface import FORCES
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.meshes import MeshBody
-from heavylift.solver.rows import RowSystem, classify_rows, pack_rows
-from heavylift.solver.scene import AnyBody, Gravity, PointForce, Scene
+from heavylift.solver.rows.structure import RowSystem, classify_rows, pack_rows
+from heavylift.solver.scene.channels import MONITOR_CHANNELS, Channel, add_channels
+from heavylift.solver.scene.connections import PairForce
+from heavylift.solver.scene.meshes import MeshBody
+from heavylift.solver.scene.scene import AnyBody, Gravity, PointForce, Scene
 
 if TYPE_CHECKING:
-    from heavylift.solver.joints.laws import PackedLaws
+    from heavylift.solver.laws.packing import PackedLaws
     from heavylift.solver.layout_sea import PackedSea
 
 __all__ = ["PackedConnections", "pack_connections"]
@@ -156,7 +156,7 @@ def _pack(
         held: RowSystem | None = make_system(inverse_mass, packed.column) if scene.joints else None
         made = held
         if laws is not None:
-            from heavylift.solver.joints.law_system import extend_system
+            from heavylift.solver.laws.system import extend_system
 
             made = extend_system(held, laws.blocks, inverse_mass, packed.column, laws=laws.fitted)
         if made is None:  # contacts alone have no rows of joints beside them
@@ -232,7 +232,7 @@ def _pack_laws(
     scene: Scene, ordered: Sequence[AnyBody], packed: PackedConnections, attachment: Any, integrator: str
 ) -> PackedLaws:
     """Ropes, springs, stops, friction, motors."""
-    from heavylift.solver.joints.laws import add_law_channels, law_owners, pack_laws
+    from heavylift.solver.laws.packing import add_law_channels, law_owners, pack_laws
 
     by_name = {joint.name: joint for joint in scene.joints}
     places = {}

@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.channels import Channel, add_channels
-from heavylift.solver.connections import GROUND
-from heavylift.solver.marine.hull_checks import check_sea
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.meshes import MeshBody
-from heavylift.solver.scene import AnyBody, Gravity, Scene
-from heavylift.solver.scene_bodies import Free, RigidBody
-from heavylift.solver.seas import FloatingBody, Hull, Sea
+from heavylift.solver.scene.bodies import Free, RigidBody
+from heavylift.solver.scene.channels import Channel, add_channels
+from heavylift.solver.scene.connections import GROUND
+from heavylift.solver.scene.meshes import MeshBody
+from heavylift.solver.scene.scene import AnyBody, Gravity, Scene
+from heavylift.solver.scene.sea import FloatingBody, Hull, Sea
+from heavylift.solver.water.hulls.checks import check_sea
 
 __all__ = ["PackedSea", "float_bodies", "pack_sea"]
 
@@ -192,7 +192,7 @@ def pack_sea(scene: Scene, book: MarkerBook, channels: list[Channel], column: in
     packed.tangents = np.zeros((len(sea.lines) + len(sea.fenders), 9))
     packed.rate_tangents = np.zeros_like(packed.tangents)
     if sea.lines:
-        from heavylift.solver.marine.mooring_lines import line_markers, pack_mooring_lines
+        from heavylift.solver.water.lines.mooring_lines import line_markers, pack_mooring_lines
 
         markers = line_markers(book, sea.lines)
         columns = []
@@ -211,7 +211,7 @@ def pack_sea(scene: Scene, book: MarkerBook, channels: list[Channel], column: in
                 (body, marker, row) for body, marker in ((line.body_a, a), (line.body_b, b)) if body in afloat
             ]
     if sea.fenders:
-        from heavylift.solver.marine.fenders import fender_markers, pack_fenders
+        from heavylift.solver.water.lines.fenders import fender_markers, pack_fenders
 
         of_fenders = fender_markers(book, sea.fenders)
         columns = []
@@ -233,7 +233,7 @@ def pack_sea(scene: Scene, book: MarkerBook, channels: list[Channel], column: in
 
 
 def _pack_fluids(sea: Sea, packed: PackedSea, book: MarkerBook, channels: list[Channel], column: int) -> int:
-    from heavylift.solver.marine.wind_packing import fluid_channels, fluid_markers, pack_fluid_loads
+    from heavylift.solver.water.wind.packing import fluid_channels, fluid_markers, pack_fluid_loads
 
     for one in sea.fields:
         speed, limit = float(np.max(np.atleast_2d(one.speed)[:, -1])), LARGE_SPEEDS[type(one).__name__]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.interface import FORCES, ROWS
-from heavylift.solver.scene_bodies import GROUND
+from heavylift.solver.scene.bodies import GROUND
 
 __all__ = ["BodyMarkers", "MarkerBook", "PackedMarker", "pack_markers"]
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import (
+from heavylift.solver.scene.connections import (
     GROUND,
     Joint,
     JointMotor,
@@ -17,8 +17,8 @@ from heavylift.solver.connections import (
     Spring,
     SpringRope,
 )
-from heavylift.solver.meshes import MeshBody
-from heavylift.solver.scene import AnyBody, FlexibleBody, Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene.meshes import MeshBody
+from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Gravity, PointForce, RigidBody, Scene
 
 __all__ = ["check_scene"]
 

@@ -17,18 +17,18 @@ from heavylift.numerics.jit import compile_clock
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.carried import carried_words
 from heavylift.solver.compiling import compile_units, missing_units
-from heavylift.solver.energy_watch import EnergyWatch
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
+from heavylift.solver.integrate.energy_watch import EnergyWatch
 from heavylift.solver.integrate.loop import start_scene, write_record
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.mesh_warning import mesh_warning
-from heavylift.solver.scene import Scene
+from heavylift.solver.scene.scene import Scene
 from heavylift.solver.stop_message import stop_message
 
 if TYPE_CHECKING:
     from heavylift.numerics.objects import Unit
-    from heavylift.solver.integrate.diagnosis import Diagnosis
+    from heavylift.solver.start.diagnosis import Diagnosis
 
 __all__ = ["INTEGRATORS", "Simulation"]
 
@@ -235,10 +235,10 @@ class Simulation:
 
     def _fit_joints(self) -> None:
         """Bring the joints to a start that fits, and find out what they leave free."""
-        from heavylift.solver.integrate.consistent_start import check_start, project_start
-        from heavylift.solver.integrate.diagnosis import diagnose
-        from heavylift.solver.integrate.start_rows import StartRows
-        from heavylift.solver.integrate.statics import find_equilibrium
+        from heavylift.solver.start.consistent_start import check_start, project_start
+        from heavylift.solver.start.diagnosis import diagnose
+        from heavylift.solver.start.rows import StartRows
+        from heavylift.solver.statics.equilibrium import find_equilibrium
 
         rows = StartRows(self._layout)
         ways: dict[str, Any] = {
@@ -251,7 +251,7 @@ class Simulation:
         with compile_clock() as compiling:
             self.start_text = ways[self._start_mode](rows).text
         if any("excitation" in kind._fields for kind in self._layout.bodies):
-            from heavylift.solver.marine.hull_parts import check_series
+            from heavylift.solver.water.hulls.parts import check_series
 
             check_series(self._layout.bodies)
         self.start_seconds += clock.thread_time() - begin - compiling.seconds
@@ -266,7 +266,7 @@ class Simulation:
         Stiff springs make accelerations that say nothing of the next step: errors of the stiff governor are a
         quarter of those along arcs. Redundant loops need arcs, whose midpoints are nearer to the constraints.
         """
-        from heavylift.solver.bodies.rigid import RigidBodies
+        from heavylift.solver.bodies.rigid.kind import RigidBodies
 
         for kind in self._layout.bodies:
             if isinstance(kind, RigidBodies):
@@ -457,6 +457,6 @@ def _check_positive(key: str, value: float, expected: str) -> None:
 
 def _relax(rows: Any) -> Any:
     """Equilibrium by a dissipative motion; imported when it is asked for."""
-    from heavylift.solver.integrate.mesh_statics import relax_to_equilibrium
+    from heavylift.solver.statics.mesh_statics import relax_to_equilibrium
 
     return relax_to_equilibrium(rows)

@@ -15,7 +15,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     config = session.config
     whole = config.args == config.getini("testpaths") and not config.option.collectonly
     if whole and not hasattr(config, "workerinput") and not numba.config.DISABLE_JIT:
-        from heavylift.pipeline.compile_kinds import compile_kinds
+        from heavylift.pipeline.commands.compile_kinds import compile_kinds
         from heavylift.pipeline.log import Log
 
         compile_kinds((), Log())

@@ -50,7 +50,7 @@ def start_contacts(layout: Any, step: float) -> None:
     run_start(contacts, layout.bodies, layout.joints, layout.systems, layout.work, step)
     _restore(contacts)
     if contacts.meshes:
-        from heavylift.solver.contact.mesh_start import check_overlaps
+        from heavylift.solver.contact.triangles.start import check_overlaps
 
         check_overlaps(contacts, layout.block_names[first + count :])
         if layout.work.status.outcome == int(Outcome.TOO_MANY_CONTACTS):
@@ -83,7 +83,7 @@ def forget_trials(layout: Any) -> None:
 def _restore(contacts: ContactRows) -> None:
     """What follows from the carried state of contacts between triangles."""
     for meshes in contacts.meshes:
-        from heavylift.solver.contact.mesh_slots import restore_contacts
+        from heavylift.solver.contact.triangles.slots import restore_contacts
 
         restore_contacts(meshes, contacts)
 

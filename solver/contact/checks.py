@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND
 from heavylift.solver.contact.kind import LARGEST_CONTROLS
-from heavylift.solver.contacts import (
+from heavylift.solver.scene.connections import GROUND
+from heavylift.solver.scene.contacts import (
     BilateralLaw,
     BoxShape,
     CapsuleShape,
@@ -26,11 +26,11 @@ from heavylift.solver.contacts import (
     RigidLaw,
     SphereShape,
 )
-from heavylift.solver.meshes import FrameBody
-from heavylift.solver.scene import FlexibleBody, Scene
+from heavylift.solver.scene.meshes import FrameBody
+from heavylift.solver.scene.scene import FlexibleBody, Scene
 
 if TYPE_CHECKING:
-    from heavylift.solver.contacts import Contour
+    from heavylift.solver.scene.contacts import Contour
 
 __all__ = ["check_about_curve", "check_contact", "check_law", "check_motion"]
 

@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.contours.modal_sums import modal_data
-from heavylift.contours.neutral import NeutralContour, packed
-from heavylift.contours.packed_contour import PackedContour
+from heavylift.contours.splines.modal_sums import modal_data
+from heavylift.contours.splines.neutral import NeutralContour, packed
+from heavylift.contours.splines.packed_contour import PackedContour
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid import principal_frame
-from heavylift.solver.connections import GROUND
+from heavylift.solver.bodies.rigid.kind import principal_frame
 from heavylift.solver.contact.checks import check_about_curve
 from heavylift.solver.contact.kind import (
     OF_GROUND,
@@ -28,12 +27,13 @@ from heavylift.solver.contact.kind import (
     Samples,
 )
 from heavylift.solver.contact.sample_packing import pack_samples
-from heavylift.solver.contacts import Contour
-from heavylift.solver.meshes import MeshBody
-from heavylift.solver.scene import FlexibleBody, RigidBody, Scene
+from heavylift.solver.scene.connections import GROUND
+from heavylift.solver.scene.contacts import Contour
+from heavylift.solver.scene.meshes import MeshBody
+from heavylift.solver.scene.scene import FlexibleBody, RigidBody, Scene
 
 if TYPE_CHECKING:
-    from heavylift.solver.scene import AnyBody
+    from heavylift.solver.scene.scene import AnyBody
 
 __all__ = ["PackedContours", "pack_contours"]
 

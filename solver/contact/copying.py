@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.solver.carried import LINE
 from heavylift.solver.contact.kind import ContactRows, ContactState
-from heavylift.solver.rows import ROW_VECTORS
+from heavylift.solver.rows.structure import ROW_VECTORS
 
 __all__ = ["copy_carried"]
 

@@ -13,20 +13,20 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.contours.convex import Primitive
-from heavylift.contours.packed_contour import PackedContour
-from heavylift.contours.search_step import ContourSearch
-from heavylift.contours.surface_layout import RelativePose
+from heavylift.contours.splines.convex import Primitive
+from heavylift.contours.splines.packed_contour import PackedContour
+from heavylift.contours.splines.search_step import ContourSearch
+from heavylift.contours.triangles.surface_layout import RelativePose
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Matrix3, Record, Records, Vector
-from heavylift.solver.contact.facet_kind import FacetSurfaces
 from heavylift.solver.contact.layout import Problem, RowKind, RowParameters, Solution
+from heavylift.solver.contact.triangles.facet_kind import FacetSurfaces
 from heavylift.solver.kinds import Table
-from heavylift.solver.rows import RowArrays
+from heavylift.solver.rows.structure import RowArrays
 
 if TYPE_CHECKING:
-    from heavylift.solver.contact.newton import ContactSolvers
+    from heavylift.solver.contact.solve.newton import ContactSolvers
 
 __all__ = [
     "Colliding",
@@ -524,11 +524,11 @@ class ContactRows(RowArrays):
 
     shape: ClassVar[Any] = block_shape(3)
     kernel_modules: ClassVar[tuple[str, ...]] = (
-        "heavylift.solver.contact.ends",
-        "heavylift.solver.contact.events",
-        "heavylift.solver.contact.locate",
+        "heavylift.solver.contact.solve.ends",
+        "heavylift.solver.contact.solve.events",
+        "heavylift.solver.contact.search.locate",
         "heavylift.solver.contact.record",
-        "heavylift.solver.contact.stage",
+        "heavylift.solver.contact.solve.stage",
     )
 
     carried_fields: ClassVar[tuple[str, ...]] = (

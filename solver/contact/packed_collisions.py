@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.records import Records, records
-from heavylift.solver.contact.facet_kind import FacetSurfaces
 from heavylift.solver.contact.kind import Colliding, ContactContour, ContourPose
+from heavylift.solver.contact.triangles.facet_kind import FacetSurfaces
 
 __all__ = ["PackedCollisions", "no_collisions"]
 

@@ -9,23 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.contours.convex import BOX, CAPSULE, CYLINDER, ELLIPSOID, RING, Primitive, shape_row
+from heavylift.contours.splines.convex import BOX, CAPSULE, CYLINDER, ELLIPSOID, RING, Primitive, shape_row
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Records, lane_records, records
-from heavylift.solver.connections import axes_about
 from heavylift.solver.contact import layout as told
 from heavylift.solver.contact.checks import check_contact
 from heavylift.solver.contact.contour_packing import PackedContours, pack_contours
-from heavylift.solver.contact.facet_counts import moving_points
-from heavylift.solver.contact.features import (
-    Curves,
-    Deforming,
-    Footprints,
-    Primitives,
-    Rings,
-    Surfaces,
-    SurfaceWeights,
-)
 from heavylift.solver.contact.kind import (
     BILATERAL,
     CIRCLE,
@@ -49,11 +38,25 @@ from heavylift.solver.contact.kind import (
     Reduced,
     Scratch,
 )
-from heavylift.solver.contact.laws_packing import force_law, put_law
-from heavylift.solver.contact.newton import ContactSolvers, NonsmoothNewton
+from heavylift.solver.contact.laws.packing import force_law, put_law
 from heavylift.solver.contact.packed_collisions import no_collisions
-from heavylift.solver.contact.problem import make_work
-from heavylift.solver.contacts import (
+from heavylift.solver.contact.search.features import (
+    Curves,
+    Deforming,
+    Footprints,
+    Primitives,
+    Rings,
+    Surfaces,
+    SurfaceWeights,
+)
+from heavylift.solver.contact.solve.newton import ContactSolvers, NonsmoothNewton
+from heavylift.solver.contact.solve.problem import make_work
+from heavylift.solver.contact.triangles.facet_counts import moving_points
+from heavylift.solver.interface import FORCES
+from heavylift.solver.markers import MarkerBook
+from heavylift.solver.rows.structure import DIAGONAL, PRESCRIBED, Attachment, Row, Side
+from heavylift.solver.scene.connections import axes_about
+from heavylift.solver.scene.contacts import (
     BilateralLaw,
     BoxShape,
     CapsuleShape,
@@ -65,14 +68,11 @@ from heavylift.solver.contacts import (
     RigidLaw,
     SphereShape,
 )
-from heavylift.solver.interface import FORCES
-from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows import DIAGONAL, PRESCRIBED, Attachment, Row, Side
-from heavylift.solver.scene import Scene
+from heavylift.solver.scene.scene import Scene
 
 if TYPE_CHECKING:
     from heavylift.solver.contact.packed_collisions import PackedCollisions
-    from heavylift.solver.scene import AnyBody
+    from heavylift.solver.scene.scene import AnyBody
 
 __all__ = ["contact_markers", "pack_contacts"]
 
@@ -141,7 +141,7 @@ def pack_contacts(
     if not scene.collisions:
         collided = no_collisions()
     else:
-        from heavylift.solver.contact.mesh_packing import pack_collisions
+        from heavylift.solver.contact.triangles.packing import pack_collisions
 
         collided = pack_collisions(
             scene, ordered, columns[len(scene.contacts) :], attachment, dofs, scales, len(packed.rows)

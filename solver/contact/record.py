@@ -11,9 +11,9 @@ from heavylift.solver.contact.kind import (
     COMPLIANT,
     ContactRows,
 )
-from heavylift.solver.contact.laws import stored_energy
-from heavylift.solver.contact.locate import locate
-from heavylift.solver.contact.mesh_interface import record_pairs
+from heavylift.solver.contact.laws.normal_force import stored_energy
+from heavylift.solver.contact.search.locate import locate
+from heavylift.solver.contact.triangles.interface import record_pairs
 from heavylift.solver.interface import (
     Bodies,
     Joints,
@@ -21,7 +21,7 @@ from heavylift.solver.interface import (
     record_rows,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.row_impulses import add_reactions
+from heavylift.solver.rows.impulses import add_reactions
 
 
 @kernel(internal=True)

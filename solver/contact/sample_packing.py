@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.contours.layout import LARGEST_DEGREE
-from heavylift.contours.samples import sample_grid, sample_points
-from heavylift.contours.search_circle_cold import RING_ANGLES
+from heavylift.contours.splines.layout import LARGEST_DEGREE
+from heavylift.contours.splines.samples import sample_grid, sample_points
+from heavylift.contours.splines.search_circle_cold import RING_ANGLES
 from heavylift.numerics.records import Records, records
 from heavylift.solver.contact.kind import OF_GROUND, OF_RIGID, ContactContour, SampleGrid, Samples
 
 if TYPE_CHECKING:
-    from heavylift.contours.spaces import SplineSpace
+    from heavylift.contours.splines.spaces import SplineSpace
 
 __all__ = ["pack_samples"]
 

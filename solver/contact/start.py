@@ -5,12 +5,12 @@ from __future__ import annotations
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.solver.contact.counts import contact_count
-from heavylift.solver.contact.delassus import contact_rates
-from heavylift.solver.contact.ends import REST, pressed_force
 from heavylift.solver.contact.interface import forget_accelerations, pose_contours, settle_points
 from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, ContactRows
-from heavylift.solver.contact.locate import locate
-from heavylift.solver.contact.mesh_interface import search_surfaces
+from heavylift.solver.contact.search.locate import locate
+from heavylift.solver.contact.solve.delassus import contact_rates
+from heavylift.solver.contact.solve.ends import REST, pressed_force
+from heavylift.solver.contact.triangles.interface import search_surfaces
 from heavylift.solver.interface import (
     FORCES,
     Bodies,

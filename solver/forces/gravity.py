@@ -16,7 +16,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 
 if TYPE_CHECKING:
-    from heavylift.solver.scene import Gravity
+    from heavylift.solver.scene.scene import Gravity
 
 __all__ = ["UniformGravity", "pack_gravity"]
 

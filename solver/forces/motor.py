@@ -15,7 +15,6 @@ from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Record, Records, records
-from heavylift.solver.connections import JointMotor
 from heavylift.solver.interface import (
     Workspace,
     add_forces,
@@ -26,7 +25,8 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.joints.coordinate import ANGLE, CoordinateEntry, add_load
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import RowSystem
+from heavylift.solver.rows.structure import RowSystem
+from heavylift.solver.scene.connections import JointMotor
 
 __all__ = ["Motors", "pack_motors"]
 

@@ -19,7 +19,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 
 if TYPE_CHECKING:
-    from heavylift.solver.scene import PointForce
+    from heavylift.solver.scene.scene import PointForce
 
 __all__ = ["PointForces", "pack_point_forces"]
 

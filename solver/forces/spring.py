@@ -30,10 +30,10 @@ from heavylift.solver.joints.coordinate import (
     coordinate_rate,
     coordinate_value,
 )
-from heavylift.solver.joints.law_forces import mean_force, spring_force
 from heavylift.solver.joints.row_writing import near_angle
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import RowSystem
+from heavylift.solver.laws.forces import mean_force, spring_force
+from heavylift.solver.rows.structure import RowSystem
 
 __all__ = ["Springs", "pack_springs"]
 

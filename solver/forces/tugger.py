@@ -19,11 +19,11 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Quantity
 from heavylift.numerics.records import Record, Records, records
-from heavylift.solver.connections import PAIR_FORCES, PairForce
-from heavylift.solver.descriptions import ChannelKind
 from heavylift.solver.interface import FORCES, Workspace, add_forces, record_forces
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.scene.connections import PAIR_FORCES, PairForce
+from heavylift.solver.scene.descriptions import ChannelKind
 
 __all__ = ["Tugger", "Tuggers", "pack"]
 

@@ -21,7 +21,6 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.combination import PART, combine_part
-from heavylift.solver.integrate.accurate_rows import constrain, project, soften
 from heavylift.solver.integrate.dense_output import choose_nodes, node_weights, quadrature_weights
 from heavylift.solver.integrate.dop853 import NODES, ORDER, STAGES, write_end, write_errors, write_stage
 from heavylift.solver.integrate.integration import (
@@ -66,6 +65,7 @@ from heavylift.solver.interface import (
     joint_rows,
     store_state,
 )
+from heavylift.solver.rows.accurate import constrain, project, soften
 
 __all__ = ["Integration", "make_integration", "run", "stiffness_seen"]
 

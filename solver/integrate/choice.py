@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, JointSpring, Spring
 from heavylift.solver.coordinates import inverse_scales
 from heavylift.solver.integrate.mesh_rates import highest_rate
-from heavylift.solver.meshes import MeshBody
-from heavylift.solver.scene import FlexibleBody, Scene
+from heavylift.solver.scene.connections import GROUND, JointSpring, Spring
+from heavylift.solver.scene.meshes import MeshBody
+from heavylift.solver.scene.scene import FlexibleBody, Scene
 
 __all__ = ["check_integrator", "choose_integrator", "stiff_mesh", "stiff_part"]
 

@@ -21,7 +21,6 @@ from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.contact.system_interface import after_step, before_advance, go_back
 from heavylift.solver.integrate.loop import evaluate_forces, write_record
-from heavylift.solver.integrate.row_stage import end_step
 from heavylift.solver.interface import (
     FORCES,
     Bodies,
@@ -41,6 +40,7 @@ from heavylift.solver.interface import (
     solve_again,
     solve_midpoint,
 )
+from heavylift.solver.rows.stage import end_step
 
 __all__ = ["run"]
 

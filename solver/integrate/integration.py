@@ -29,7 +29,7 @@ from heavylift.solver.interface import (
     record_rows,
 )
 from heavylift.solver.kinds import Members, implement
-from heavylift.solver.rows import PRESCRIBED, RowSystem
+from heavylift.solver.rows.structure import PRESCRIBED, RowSystem
 
 __all__ = ["Integration", "Progress", "carried", "make_integration", "stiffness_seen", "watch_stability"]
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from heavylift.solver.meshes import FrameBody, MeshBody, ShellBody
+from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
 
 __all__ = ["highest_rate"]
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 from heavylift.numerics.arrays import Floats2
 from heavylift.numerics.objects import entry
 from heavylift.solver.integrate.loop import evaluate_forces, write_record
-from heavylift.solver.integrate.row_thesis import solve_thesis
 from heavylift.solver.interface import (
     FORCES,
     Bodies,
@@ -23,6 +22,7 @@ from heavylift.solver.interface import (
     thesis_advance,
     thesis_velocity,
 )
+from heavylift.solver.rows.thesis import solve_thesis
 
 __all__ = ["run"]
 

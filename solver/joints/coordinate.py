@@ -11,12 +11,6 @@ import math
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Record
-from heavylift.solver.connections import (
-    Joint,
-    JointMotor,
-    JointSpring,
-    Spring,
-)
 from heavylift.solver.interface import Workspace
 from heavylift.solver.joints.packing import angle_markers, travel_markers
 from heavylift.solver.joints.row_writing import (
@@ -35,7 +29,13 @@ from heavylift.solver.joints.row_writing import (
     vector,
 )
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows import RowArrays
+from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.connections import (
+    Joint,
+    JointMotor,
+    JointSpring,
+    Spring,
+)
 
 __all__ = [
     "ANGLE",

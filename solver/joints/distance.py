@@ -20,7 +20,6 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Positive
 from heavylift.numerics.records import Records, records
-from heavylift.solver.connections import JOINTS, Joint, Place
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
 from heavylift.solver.joints.reactions import clear_reaction, reactions
@@ -37,7 +36,8 @@ from heavylift.solver.joints.row_writing import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows import RowArrays
+from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.connections import JOINTS, Joint, Place
 
 __all__ = ["Distance", "Distances", "pack"]
 

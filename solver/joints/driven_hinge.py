@@ -37,7 +37,7 @@ from heavylift.solver.joints.reactions import REACTION_WIDTH, AngleState, add_to
 from heavylift.solver.joints.row_writing import angle_bias, angle_row, near_angle, residuals, targets
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows import RowArrays
+from heavylift.solver.rows.structure import RowArrays
 
 __all__ = ["DrivenHinges", "pack"]
 

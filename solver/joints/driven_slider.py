@@ -37,7 +37,7 @@ from heavylift.solver.joints.slider import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows import RowArrays
+from heavylift.solver.rows.structure import RowArrays
 
 __all__ = ["DrivenSliders", "pack"]
 

@@ -16,8 +16,8 @@ from heavylift.numerics.jit import in_python, kernel
 from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.drive import pack_profile, profile_value
 from heavylift.solver.joints.row_writing import residuals, targets
-from heavylift.solver.rows import RowArrays
-from heavylift.solver.scene_bodies import Profile
+from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.bodies import Profile
 
 __all__ = ["DriveState", "aim", "drive_work", "pack_profiles"]
 

@@ -40,7 +40,7 @@ from heavylift.solver.joints.row_writing import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows import RowArrays
+from heavylift.solver.rows.structure import RowArrays
 
 __all__ = ["EdgeSeams", "pack"]
 

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.connections import JOINTS, EdgeJoint, Joint, JointFrame
 from heavylift.solver.joints.mesh_rows import EdgeSeam, Square, SquareJoint
 from heavylift.solver.joints.packing import start_frames
-from heavylift.solver.meshes import MeshBody, ShellBody
-from heavylift.solver.scene import AnyBody
+from heavylift.solver.scene.connections import JOINTS, EdgeJoint, Joint, JointFrame
+from heavylift.solver.scene.meshes import MeshBody, ShellBody
+from heavylift.solver.scene.scene import AnyBody
 
 __all__ = ["EdgeClamp", "EdgeHinge", "expand_edge"]
 

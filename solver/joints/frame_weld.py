@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Records, records
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.mesh_rows import FrameWeld
 from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
@@ -40,7 +40,7 @@ from heavylift.solver.joints.row_writing import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows import RowArrays
+from heavylift.solver.rows.structure import RowArrays
 
 __all__ = ["FrameWelds", "pack"]
 
@@ -93,7 +93,7 @@ def _normals(kind: FrameWelds, j: int, t: Vector) -> tuple[Vector, Vector, float
     scale = 1.0 / math.sqrt(dot(m, m))
     m = (scale * m[0], scale * m[1], scale * m[2])
     kind.state[j, 0], kind.state[j, 1], kind.state[j, 2] = m
-    return m, cross(u[0], u[1], u[2], m[0], m[1], m[2]), size
+    return m, cross(u, m), size
 
 
 @implement(fill_rows, FrameWelds)

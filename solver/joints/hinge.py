@@ -19,7 +19,6 @@ from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.quantity import Quantity
 from heavylift.numerics.records import Records, records
-from heavylift.solver.connections import ANGLE_CHANNELS, JOINTS, Joint, Limits, Place
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import (
     AngleMarkers,
@@ -47,8 +46,9 @@ from heavylift.solver.joints.row_writing import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows import RowArrays
-from heavylift.solver.scene_bodies import Profile
+from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.bodies import Profile
+from heavylift.solver.scene.connections import ANGLE_CHANNELS, JOINTS, Joint, Limits, Place
 
 __all__ = ["Hinge", "HingeEntry", "Hinges", "pack", "pack_entries"]
 

@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.bodies.ancf.bases import ALONG, frame_tangent, plan_bases
-from heavylift.solver.connections import EdgeJoint, Joint, JointMotor, JointSpring
 from heavylift.solver.joints.edges import expand_edge
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.mesh_rows import FrameWeld, Square, SquareJoint
 from heavylift.solver.joints.packing import JointPlace, start_frames
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.meshes import FrameBody, MeshBody
-from heavylift.solver.scene import AnyBody, Scene
+from heavylift.solver.scene.connections import EdgeJoint, Joint, JointMotor, JointSpring
+from heavylift.solver.scene.meshes import FrameBody, MeshBody
+from heavylift.solver.scene.scene import AnyBody, Scene
 
 __all__ = ["expand_joints"]
 

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.connections import Joint
+from heavylift.solver.scene.connections import Joint
 
 __all__ = ["EdgeSeam", "FrameWeld", "Square", "SquareJoint"]
 
@@ -44,7 +44,7 @@ class SquareJoint(Joint):
 
     @property
     def kind_module(self) -> str:
-        """See `heavylift.solver.connections.Joint`."""
+        """See `heavylift.solver.scene.connections.Joint`."""
         return "heavylift.solver.joints.squares"
 
     @property
@@ -69,7 +69,7 @@ class FrameWeld(Joint):
 
     @property
     def kind_module(self) -> str:
-        """See `heavylift.solver.connections.Joint`."""
+        """See `heavylift.solver.scene.connections.Joint`."""
         return "heavylift.solver.joints.frame_weld"
 
 
@@ -101,7 +101,7 @@ class EdgeSeam(Joint):
 
     @property
     def kind_module(self) -> str:
-        """See `heavylift.solver.connections.Joint`."""
+        """See `heavylift.solver.scene.connections.Joint`."""
         return "heavylift.solver.joints.edge_seam"
 
     @property

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Record
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.connections import GROUND, Joint, JointFrame
 from heavylift.solver.interface import ROWS
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.scene_bodies import Driven
+from heavylift.solver.scene.bodies import Driven
+from heavylift.solver.scene.connections import GROUND, Joint, JointFrame
 
 if TYPE_CHECKING:
-    from heavylift.solver.scene import AnyBody
+    from heavylift.solver.scene.scene import AnyBody
 
 __all__ = [
     "AngleMarkers",

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Records, records
-from heavylift.solver.connections import JOINTS, Joint, Place
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers, refuse_opposite
 from heavylift.solver.joints.reactions import add_force, add_moment, clear_reaction
@@ -31,7 +30,8 @@ from heavylift.solver.joints.row_writing import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows import RowArrays
+from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.connections import JOINTS, Joint, Place
 
 __all__ = ["Planar", "PlanarJoints", "pack"]
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel, view
 from heavylift.numerics.records import Record
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 from heavylift.solver.interface import Workspace
 from heavylift.solver.joints.packing import AngleMarkers, TravelMarkers
 from heavylift.solver.joints.row_writing import (
@@ -19,7 +19,7 @@ from heavylift.solver.joints.row_writing import (
     travel_rate,
     vector,
 )
-from heavylift.solver.rows import RowArrays
+from heavylift.solver.rows.structure import RowArrays
 
 __all__ = [
     "REACTION_WIDTH",
@@ -99,7 +99,7 @@ def add_moment(
     """Moment ``e x c`` on b of a row ``c . e``, with `marker` e on b and c on a, times its reaction."""
     e, c = vector(work, marker), vector(work, partner)
     moment = reactions(system, block)[index]
-    turn = cross(e[0], e[1], e[2], c[0], c[1], c[2])
+    turn = cross(e, c)
     for k in range(3):
         row[column + 3 + k] += moment * turn[k]
 
@@ -117,7 +117,7 @@ def add_pull(
 ) -> None:
     """Moment ``factor arm x pull`` on b of a row that pulls at a vector `arm` on b, times its reaction."""
     moment = factor * reactions(system, block)[index]
-    turn = cross(arm[0], arm[1], arm[2], pull[0], pull[1], pull[2])
+    turn = cross(arm, pull)
     for k in range(3):
         row[column + 3 + k] += moment * turn[k]
 

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, JOINTS
 from heavylift.solver.joints.packing import JointPlace, start_frames
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows import Attachment, RowSystem, pack_rows
+from heavylift.solver.rows.structure import Attachment, RowSystem, pack_rows
+from heavylift.solver.scene.connections import GROUND, JOINTS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from heavylift.solver.connections import Joint
-    from heavylift.solver.scene import AnyBody
+    from heavylift.solver.scene.connections import Joint
+    from heavylift.solver.scene.scene import AnyBody
 
 __all__ = ["joint_module", "pack_joints"]
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel, view
 from heavylift.solver.interface import Workspace
-from heavylift.solver.rows import RowArrays
+from heavylift.solver.rows.structure import RowArrays
 
 __all__ = [
     "Vector",

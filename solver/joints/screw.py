@@ -25,8 +25,6 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Quantity
 from heavylift.numerics.records import Records, records
-from heavylift.solver.connections import ANGLE_CHANNELS, JOINTS, TRAVEL_CHANNELS, Joint, Place
-from heavylift.solver.descriptions import ChannelKind
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints import slider_hinge
 from heavylift.solver.joints.packing import JointPlace
@@ -53,7 +51,9 @@ from heavylift.solver.joints.slider_hinge import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows import RowArrays
+from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.connections import ANGLE_CHANNELS, JOINTS, TRAVEL_CHANNELS, Joint, Place
+from heavylift.solver.scene.descriptions import ChannelKind
 
 __all__ = ["Screw", "Screws", "pack"]
 

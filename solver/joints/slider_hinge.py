@@ -21,7 +21,6 @@ from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.quantity import WorldDirection
 from heavylift.numerics.records import Records, records
-from heavylift.solver.connections import ANGLE_CHANNELS, JOINTS, TRAVEL_CHANNELS, Joint, Place, axes_about
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import (
     AngleMarkers,
@@ -53,7 +52,15 @@ from heavylift.solver.joints.row_writing import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows import RowArrays
+from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.connections import (
+    ANGLE_CHANNELS,
+    JOINTS,
+    TRAVEL_CHANNELS,
+    Joint,
+    Place,
+    axes_about,
+)
 
 __all__ = [
     "Cylindrical",

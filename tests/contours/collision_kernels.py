@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from heavylift.contours.feature_gap import FeatureTouch, contact_gap, feature_gap
-from heavylift.contours.feature_pairs import SWEPT, contacts_of_pairs, find_contacts
-from heavylift.contours.feature_report import ContactList, make_contact_list
-from heavylift.contours.pair_list import PairLists, make_pair_lists
-from heavylift.contours.pair_search import refresh_pairs
-from heavylift.contours.surface_layout import RelativeMotion, RelativePose
-from heavylift.contours.surface_pack import CollisionSurfaces, pack_surfaces
+from heavylift.contours.triangles.feature_gap import FeatureTouch, contact_gap, feature_gap
+from heavylift.contours.triangles.feature_pairs import SWEPT, contacts_of_pairs, find_contacts
+from heavylift.contours.triangles.feature_report import ContactList, make_contact_list
+from heavylift.contours.triangles.pair_list import PairLists, make_pair_lists
+from heavylift.contours.triangles.pair_search import refresh_pairs
+from heavylift.contours.triangles.surface_layout import RelativeMotion, RelativePose
+from heavylift.contours.triangles.surface_pack import CollisionSurfaces, pack_surfaces
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry

@@ -9,7 +9,7 @@ import numpy as np
 from exact_collision import edges_meet, origin_meets_triangle
 from scipy.spatial.transform import Rotation
 
-from heavylift.contours.swept import swept_edges, swept_face_vertex, swept_vertex_face
+from heavylift.contours.triangles.swept import swept_edges, swept_face_vertex, swept_vertex_face
 from heavylift.numerics.jit import kernel
 
 Array = np.ndarray[Any, Any]

@@ -5,9 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.contours.checks import check_contour, check_degree, check_folding, check_kinks, check_outward
-from heavylift.contours.imported import imported_contour
-from heavylift.contours.neutral import neutral_curve, neutral_surface
+from heavylift.contours.splines.checks import (
+    check_contour,
+    check_degree,
+    check_folding,
+    check_kinks,
+    check_outward,
+)
+from heavylift.contours.splines.imported import imported_contour
+from heavylift.contours.splines.neutral import neutral_curve, neutral_surface
 from heavylift.numerics.outcome import InputError
 
 

@@ -9,9 +9,14 @@ import pytest
 from collision_scenes import query
 from scipy.spatial.transform import Rotation
 
-from heavylift.contours.clearance import WaitingNodes, clearance_stack_size, find_clearance, measure_clearance
-from heavylift.contours.surface_layout import RelativePose
-from heavylift.contours.surface_pack import pack_surfaces
+from heavylift.contours.triangles.clearance import (
+    WaitingNodes,
+    clearance_stack_size,
+    find_clearance,
+    measure_clearance,
+)
+from heavylift.contours.triangles.surface_layout import RelativePose
+from heavylift.contours.triangles.surface_pack import pack_surfaces
 from heavylift.numerics.records import record_at, records
 from heavylift.preprocess.primitive_surfaces import (
     box_surface,

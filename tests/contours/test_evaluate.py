@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline, NdBSpline
 
-from heavylift.contours.basis import wrap
-from heavylift.contours.evaluate import (
+from heavylift.contours.splines.basis import wrap
+from heavylift.contours.splines.evaluate import (
     SCRATCH,
     Evaluation,
     curve_weights,
     surface_weights,
 )
-from heavylift.contours.imported import imported_contour
-from heavylift.contours.neutral import NeutralContour, packed
-from heavylift.contours.packed_contour import PackedContour
-from heavylift.contours.sampling import fill_curve, fill_surface
-from heavylift.contours.spaces import SplineSpace, clamped_space, closed_space
+from heavylift.contours.splines.imported import imported_contour
+from heavylift.contours.splines.neutral import NeutralContour, packed
+from heavylift.contours.splines.packed_contour import PackedContour
+from heavylift.contours.splines.sampling import fill_curve, fill_surface
+from heavylift.contours.splines.spaces import SplineSpace, clamped_space, closed_space
 from heavylift.numerics.arrays import Floats1, Ints1
 from heavylift.numerics.objects import entry
 from heavylift.numerics.records import records

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.contours.checks import check_outward
-from heavylift.contours.face_grid import circle_nodes, face_grid, line_nodes, plane_nodes
-from heavylift.contours.neutral import neutral_surface
+from heavylift.contours.splines.checks import check_outward
+from heavylift.contours.splines.face_grid import circle_nodes, face_grid, line_nodes, plane_nodes
+from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.numerics.outcome import InputError
 
 

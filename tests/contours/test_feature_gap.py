@@ -7,7 +7,7 @@ import pytest
 from collision_kernels import gap_kernel, packed, poses, surface
 from collision_scenes import rotation
 
-from heavylift.contours.feature_gap import (
+from heavylift.contours.triangles.feature_gap import (
     EDGE_EDGE,
     EDGE_VERTEX,
     FACE_VERTEX,

@@ -7,11 +7,11 @@ import pytest
 from collision_kernels import box, contacts_kernel, contacts_of, hits_of, packed, plate, poses, surface
 from collision_scenes import query, rotation
 
-from heavylift.contours.feature_gap import EDGE_EDGE, FACE_VERTEX, VERTEX_FACE
-from heavylift.contours.feature_pairs import POSITION_DIFFERENCE
-from heavylift.contours.feature_report import make_contact_list
-from heavylift.contours.overlap import find_overlap
-from heavylift.contours.pair_list import make_pair_lists
+from heavylift.contours.triangles.feature_gap import EDGE_EDGE, FACE_VERTEX, VERTEX_FACE
+from heavylift.contours.triangles.feature_pairs import POSITION_DIFFERENCE
+from heavylift.contours.triangles.feature_report import make_contact_list
+from heavylift.contours.triangles.overlap import find_overlap
+from heavylift.contours.triangles.pair_list import make_pair_lists
 
 UP = np.array([0.0, 0.0, 1.0])
 ONE = np.eye(3)

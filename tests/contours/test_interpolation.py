@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline, make_interp_spline
 
-from heavylift.contours.interpolation import (
+from heavylift.contours.splines.interpolation import (
     basis_matrix,
     control_points,
     interpolation_space,
     parameters_along,
     parameters_averaged,
 )
-from heavylift.contours.neutral import NeutralContour, neutral_curve, neutral_surface
-from heavylift.contours.sampling import evaluate_contour
-from heavylift.contours.spaces import SplineSpace
+from heavylift.contours.splines.neutral import NeutralContour, neutral_curve, neutral_surface
+from heavylift.contours.splines.sampling import evaluate_contour
+from heavylift.contours.splines.spaces import SplineSpace
 from heavylift.numerics.outcome import InputError
 
 WAYS = ["chord", "centripetal", "uniform"]

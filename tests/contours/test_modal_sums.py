@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.contours.modal_sums import modal_data, modal_points, modal_shapes
-from heavylift.contours.neutral import neutral_surface
+from heavylift.contours.splines.modal_sums import modal_data, modal_points, modal_shapes
+from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.numerics.jit import kernel
 
 

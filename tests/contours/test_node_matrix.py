@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.contours.node_matrix import node_matrix, read_node_matrix, read_node_row
+from heavylift.contours.splines.node_matrix import node_matrix, read_node_matrix, read_node_row
 from heavylift.numerics.outcome import InputError
 
 

@@ -7,7 +7,7 @@ import pytest
 from collision_kernels import box, packed, plate, surface
 from collision_scenes import query, rotation
 
-from heavylift.contours.overlap import find_overlap
+from heavylift.contours.triangles.overlap import find_overlap
 
 ONE = np.eye(3)
 

@@ -10,11 +10,11 @@ from scipy.optimize import brentq
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from heavylift.contours.pair_list import make_pair_lists
-from heavylift.contours.pair_search import refresh_pairs
-from heavylift.contours.surface_layout import RelativeMotion
-from heavylift.contours.surface_pack import pack_surfaces
-from heavylift.contours.surface_refit import refit_surface
+from heavylift.contours.triangles.pair_list import make_pair_lists
+from heavylift.contours.triangles.pair_search import refresh_pairs
+from heavylift.contours.triangles.surface_layout import RelativeMotion
+from heavylift.contours.triangles.surface_pack import pack_surfaces
+from heavylift.contours.triangles.surface_refit import refit_surface
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import record_at

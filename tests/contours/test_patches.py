@@ -7,7 +7,12 @@ import itertools
 import numpy as np
 import pytest
 
-from heavylift.contours.patches import PATCH_ANGLE, extreme_points, group_patches, patch_scratch_size
+from heavylift.contours.triangles.patches import (
+    PATCH_ANGLE,
+    extreme_points,
+    group_patches,
+    patch_scratch_size,
+)
 
 COSINE = np.cos(PATCH_ANGLE)
 

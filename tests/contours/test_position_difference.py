@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from random_motions import KINDS, random_pairs
 
-from heavylift.contours.position_difference import (
+from heavylift.contours.triangles.position_difference import (
     EDGE_CASES,
     FACE_SWEEPS,
     FACE_SWEEPS_START,

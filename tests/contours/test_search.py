@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-from heavylift.contours.evaluate import SCRATCH
-from heavylift.contours.packed_contour import PackedContour
-from heavylift.contours.samples import sample_grid, sample_points
-from heavylift.contours.search import closest_on_curve, closest_on_surface, signed_gap
-from heavylift.contours.search_cold import closest_point_cold
-from heavylift.contours.search_step import (
+from heavylift.contours.splines.evaluate import SCRATCH
+from heavylift.contours.splines.packed_contour import PackedContour
+from heavylift.contours.splines.samples import sample_grid, sample_points
+from heavylift.contours.splines.search import closest_on_curve, closest_on_surface, signed_gap
+from heavylift.contours.splines.search_cold import closest_point_cold
+from heavylift.contours.splines.search_step import (
     ABOVE_U,
     ABOVE_V,
     BELOW_U,
@@ -27,7 +27,7 @@ from heavylift.contours.search_step import (
     ContourSearch,
     start_search,
 )
-from heavylift.contours.spaces import clamped_space, closed_space
+from heavylift.contours.splines.spaces import clamped_space, closed_space
 from heavylift.numerics.arrays import Floats1, Floats2, Ints1
 from heavylift.numerics.objects import entry
 from heavylift.numerics.records import records

@@ -9,16 +9,23 @@ import pytest
 from scipy.interpolate import BSpline
 from scipy.spatial.transform import Rotation
 
-from heavylift.contours.convex import RING, shape_row
-from heavylift.contours.evaluate import SCRATCH
-from heavylift.contours.packed_contour import PackedContour
-from heavylift.contours.samples import sample_grid, sample_points
-from heavylift.contours.search_circle import ring_on_surface, start_ring
-from heavylift.contours.search_circle_cold import RING_ANGLES, ring_cold
-from heavylift.contours.search_cold import closest_shape_cold
-from heavylift.contours.search_shape import shape_gap
-from heavylift.contours.search_step import BORDER, CONVERGED, DEGENERATE, NEED_SPAN, TWIN, ContourSearch
-from heavylift.contours.spaces import clamped_space, closed_space
+from heavylift.contours.splines.convex import RING, shape_row
+from heavylift.contours.splines.evaluate import SCRATCH
+from heavylift.contours.splines.packed_contour import PackedContour
+from heavylift.contours.splines.samples import sample_grid, sample_points
+from heavylift.contours.splines.search_circle import ring_on_surface, start_ring
+from heavylift.contours.splines.search_circle_cold import RING_ANGLES, ring_cold
+from heavylift.contours.splines.search_cold import closest_shape_cold
+from heavylift.contours.splines.search_shape import shape_gap
+from heavylift.contours.splines.search_step import (
+    BORDER,
+    CONVERGED,
+    DEGENERATE,
+    NEED_SPAN,
+    TWIN,
+    ContourSearch,
+)
+from heavylift.contours.splines.spaces import clamped_space, closed_space
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import records
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.interpolate import BSpline
 from scipy.spatial.transform import Rotation
 
-from heavylift.contours.convex import (
+from heavylift.contours.splines.convex import (
     BALL,
     BOX,
     CAPSULE,
@@ -19,12 +19,12 @@ from heavylift.contours.convex import (
     core_distance,
     shape_row,
 )
-from heavylift.contours.evaluate import SCRATCH
-from heavylift.contours.packed_contour import PackedContour
-from heavylift.contours.samples import sample_grid, sample_points
-from heavylift.contours.search_cold import closest_shape_cold
-from heavylift.contours.search_shape import closest_shape_on_surface, shape_gap
-from heavylift.contours.search_step import (
+from heavylift.contours.splines.evaluate import SCRATCH
+from heavylift.contours.splines.packed_contour import PackedContour
+from heavylift.contours.splines.samples import sample_grid, sample_points
+from heavylift.contours.splines.search_cold import closest_shape_cold
+from heavylift.contours.splines.search_shape import closest_shape_on_surface, shape_gap
+from heavylift.contours.splines.search_step import (
     BEHIND,
     BORDER,
     CONVERGED,
@@ -34,7 +34,7 @@ from heavylift.contours.search_step import (
     ContourSearch,
     start_search,
 )
-from heavylift.contours.spaces import clamped_space
+from heavylift.contours.splines.spaces import clamped_space
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records

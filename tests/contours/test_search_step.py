@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from heavylift.contours.packed_contour import PackedContour
-from heavylift.contours.search_step import (
+from heavylift.contours.splines.packed_contour import PackedContour
+from heavylift.contours.splines.search_step import (
     ABOVE_U,
     BELOW_U,
     BELOW_V,

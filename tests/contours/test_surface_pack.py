@@ -7,8 +7,8 @@ from collections import defaultdict
 import numpy as np
 import pytest
 
-from heavylift.contours.surface_layout import IS_FACE, OWNS_A, OWNS_AB
-from heavylift.contours.surface_pack import pack_surfaces
+from heavylift.contours.triangles.surface_layout import IS_FACE, OWNS_A, OWNS_AB
+from heavylift.contours.triangles.surface_pack import pack_surfaces
 from heavylift.preprocess.surfaces import TriangleSurface
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.contours.surface_pack import pack_surfaces
-from heavylift.contours.surface_refit import refit_surface
+from heavylift.contours.triangles.surface_pack import pack_surfaces
+from heavylift.contours.triangles.surface_refit import refit_surface
 from heavylift.numerics.jit import kernel
 from heavylift.preprocess.surfaces import TriangleSurface
 

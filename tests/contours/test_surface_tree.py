@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.contours.surface_layout import TreeNode
-from heavylift.contours.surface_tree import LEAF_TRIANGLES, build_tree, tree_depth
+from heavylift.contours.triangles.surface_layout import TreeNode
+from heavylift.contours.triangles.surface_tree import LEAF_TRIANGLES, build_tree, tree_depth
 from heavylift.numerics.records import records
 
 

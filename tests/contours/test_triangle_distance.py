@@ -9,7 +9,7 @@ from math import isqrt
 import numpy as np
 import pytest
 
-from heavylift.contours.triangle_distance import point_triangle, segment_segment
+from heavylift.contours.triangles.triangle_distance import point_triangle, segment_segment
 from heavylift.numerics.jit import kernel
 
 

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from heavylift.solver.mesh_shapes import line
-from heavylift.solver.meshes import FrameBody, FrameSection, Support
-from heavylift.solver.scene import Gravity, Scene
+from heavylift.solver.scene.mesh_shapes import line
+from heavylift.solver.scene.meshes import FrameBody, FrameSection, Support
+from heavylift.solver.scene.scene import Gravity, Scene
 from heavylift.solver.simulation import Simulation
 
 DATA = Path(__file__).parent / "data"

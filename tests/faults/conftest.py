@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 
-from heavylift.pipeline.cli import app
+from heavylift.pipeline.commands.cli import app
 
 if TYPE_CHECKING:
     from collections.abc import Callable

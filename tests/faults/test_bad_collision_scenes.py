@@ -11,13 +11,13 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.primitive_surfaces import box_surface, plane_surface, sphere_surface
-from heavylift.solver.collisions import Collision, CollisionSurface
-from heavylift.solver.contact.mesh_start import check_overlaps
-from heavylift.solver.contacts import BilateralLaw, HertzLaw, HuntCrossleyLaw, LinearLaw, RigidLaw
+from heavylift.solver.contact.triangles.start import check_overlaps
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.mesh_shapes import line
-from heavylift.solver.meshes import FrameBody, FrameSection
-from heavylift.solver.scene import Fixed, Gravity, RigidBody, Scene
+from heavylift.solver.scene.collisions import Collision, CollisionSurface
+from heavylift.solver.scene.contacts import BilateralLaw, HertzLaw, HuntCrossleyLaw, LinearLaw, RigidLaw
+from heavylift.solver.scene.mesh_shapes import line
+from heavylift.solver.scene.meshes import FrameBody, FrameSection
+from heavylift.solver.scene.scene import Fixed, Gravity, RigidBody, Scene
 
 if TYPE_CHECKING:
     from heavylift.preprocess.surfaces import TriangleSurface

@@ -8,8 +8,8 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case
-from heavylift.pipeline.assemble_scene import assemble_scene
-from heavylift.pipeline.storage import OutputFolder
+from heavylift.pipeline.assemble.scene import assemble_scene
+from heavylift.pipeline.results.storage import OutputFolder
 
 
 @pytest.fixture

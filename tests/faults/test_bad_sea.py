@@ -13,11 +13,11 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, run_case
-from heavylift.pipeline.assemble_databases import assemble_radiation
-from heavylift.pipeline.assemble_hulls import hull_surface, resting_position
-from heavylift.pipeline.assemble_lines import assemble_lines
-from heavylift.pipeline.assemble_sea import make_waves
-from heavylift.pipeline.storage import OutputFolder
+from heavylift.pipeline.assemble.databases import assemble_radiation
+from heavylift.pipeline.assemble.hulls import hull_surface, resting_position
+from heavylift.pipeline.assemble.lines import assemble_lines
+from heavylift.pipeline.assemble.sea import make_waves
+from heavylift.pipeline.results.storage import OutputFolder
 
 LINEAR = (
     "hulls.barge.linear={volume = 1, centre_of_buoyancy = [0, 0, 0], reference = [0, 0, 0], area = 1, "
@@ -199,7 +199,7 @@ def test_a_database_of_two_hulls_for_one(folder, database):
 
 def _pack(folder, *overrides):
     """What packing the forces of the waves says of a case."""
-    from heavylift.solver.marine.excitation_packing import pack_summed
+    from heavylift.solver.water.waves.excitation_packing import pack_summed
 
     case = load_case(folder, overrides)
     (radiation,) = assemble_radiation(case, OutputFolder(folder / "out"))
@@ -254,9 +254,9 @@ def test_a_leaking_hull_and_one_that_is_inside_out(folder):
 
 
 def test_a_line_shorter_than_its_span_is_refused_at_the_start(folder):
-    from heavylift.pipeline.assemble_scene import assemble_rigid
-    from heavylift.pipeline.assemble_sides import start_sides
-    from heavylift.solver.marine.mooring_lines import pack_mooring_lines
+    from heavylift.pipeline.assemble.scene import assemble_rigid
+    from heavylift.pipeline.assemble.sides import start_sides
+    from heavylift.solver.water.lines.mooring_lines import pack_mooring_lines
 
     case = load_case(folder, ["lines.0.fairlead_tension=", "lines.0.sections.0.length=150 m"])
     barge, origin = assemble_rigid("barge", case.bodies["barge"])
@@ -269,8 +269,8 @@ def test_a_line_shorter_than_its_span_is_refused_at_the_start(folder):
 
 
 def test_a_tension_that_no_length_gives(folder):
-    from heavylift.pipeline.assemble_scene import assemble_rigid
-    from heavylift.pipeline.assemble_sides import start_sides
+    from heavylift.pipeline.assemble.scene import assemble_rigid
+    from heavylift.pipeline.assemble.sides import start_sides
 
     case = load_case(folder, ["lines.0.fairlead_tension=1 kN"])
     barge, origin = assemble_rigid("barge", case.bodies["barge"])

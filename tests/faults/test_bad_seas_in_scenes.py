@@ -11,12 +11,12 @@ import pytest
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase, check_database
 from heavylift.preprocess.primitive_surfaces import box_surface
-from heavylift.solver.connections import GROUND
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.marine.moorings import Fender, LineSection, MooringLine
-from heavylift.solver.marine.wave_trains import regular_wave
-from heavylift.solver.scene import Fixed, Gravity, RigidBody, Scene
-from heavylift.solver.seas import Hull, LinearRestoring, Radiation, Sea, Tank, Water
+from heavylift.solver.scene.connections import GROUND
+from heavylift.solver.scene.moorings import Fender, LineSection, MooringLine
+from heavylift.solver.scene.scene import Fixed, Gravity, RigidBody, Scene
+from heavylift.solver.scene.sea import Hull, LinearRestoring, Radiation, Sea, Tank, Water
+from heavylift.solver.water.waves.wave_trains import regular_wave
 
 if TYPE_CHECKING:
     from collections.abc import Callable

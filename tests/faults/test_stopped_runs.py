@@ -15,13 +15,13 @@ import pytest
 
 from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline import load_results
-from heavylift.pipeline.storage import OutputFolder
+from heavylift.pipeline.results.storage import OutputFolder
 
 LONG = ("--set", "simulate.duration=40 ms")
 
 SLOW = """
 import time
-from heavylift.pipeline import advance
+from heavylift.pipeline.stages import advance
 advance.SEGMENT_SECONDS = 0.0
 advance.FIRST_PIECE = 500
 advance._next_piece = lambda piece, seconds, growth: 500
@@ -31,7 +31,7 @@ def slow(self, steps):
     time.sleep(0.02)
     return real(self, steps)
 Simulation.advance = slow
-from heavylift.pipeline.cli import main
+from heavylift.pipeline.commands.cli import main
 main()
 """
 """The command line, with a segment every 500 steps and twenty milliseconds."""
@@ -139,7 +139,7 @@ def test_two_runs_in_one_folder(heavylift, small_case, slow_run):
 
 
 def test_a_full_disk_while_simulating(heavylift, small_case, reference, monkeypatch):
-    from heavylift.pipeline import advance
+    from heavylift.pipeline.stages import advance
 
     monkeypatch.setattr(advance, "SEGMENT_SECONDS", 0.0)
     monkeypatch.setattr(advance, "_next_piece", lambda _piece, _seconds, _growth: 500)
@@ -170,7 +170,7 @@ def test_a_full_disk_while_simulating(heavylift, small_case, reference, monkeypa
 
 
 def test_a_full_disk_while_merging(heavylift, small_case, reference, monkeypatch):
-    from heavylift.pipeline import storage
+    from heavylift.pipeline.results import storage
 
     real = storage.sync_file
 
@@ -319,7 +319,7 @@ def test_a_run_that_stops_before_its_first_step_has_no_speed_and_no_drift(heavyl
 
 def test_a_report_that_cannot_be_made_does_not_hide_how_the_run_ended(heavylift, small_case, monkeypatch):
     from heavylift.numerics.outcome import InputError
-    from heavylift.pipeline import report
+    from heavylift.pipeline.report import report
     from heavylift.solver.simulation import Simulation
 
     def nothing(self, _steps):

@@ -5,15 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.numerics.small import (
-    aligned,
-    cholesky_factor,
-    cholesky_solve,
-    cross,
-    rotate,
-    rotate_back,
-    solve_symmetric_3,
-)
+from heavylift.numerics.small import aligned, cholesky_factor, cholesky_solve, solve_symmetric_3
+from heavylift.numerics.vectors import cross, rotate, rotate_back
 
 RNG = np.random.default_rng(7)
 
@@ -26,9 +19,9 @@ def positive_definite(n: int, condition: float = 100.0) -> np.ndarray:
 
 def test_products_of_vectors_and_matrices() -> None:
     a, b, R = RNG.normal(size=3), RNG.normal(size=3), RNG.normal(size=(3, 3))
-    np.testing.assert_allclose(cross(*a, *b), np.cross(a, b), rtol=1e-14)
-    np.testing.assert_allclose(rotate(R.ravel(), *b), R @ b, rtol=1e-14)
-    np.testing.assert_allclose(rotate_back(R.ravel(), *b), R.T @ b, rtol=1e-14)
+    np.testing.assert_allclose(cross(a, b), np.cross(a, b), rtol=1e-14)
+    np.testing.assert_allclose(rotate(R.ravel(), b), R @ b, rtol=1e-14)
+    np.testing.assert_allclose(rotate_back(R.ravel(), b), R.T @ b, rtol=1e-14)
 
 
 @pytest.mark.parametrize("condition", [1.0, 1e4, 1e8])

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.pipeline import advance
-from heavylift.pipeline.advance import Advancer, StopRequest
-from heavylift.pipeline.segments import read_segments, segment_path
-from heavylift.pipeline.storage import StopError
+from heavylift.pipeline.results.segments import read_segments, segment_path
+from heavylift.pipeline.results.storage import StopError
+from heavylift.pipeline.stages import advance
+from heavylift.pipeline.stages.advance import Advancer, StopRequest
 
 STEPS = 303
 next_piece = advance._next_piece

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from heavylift.pipeline import animation
-from heavylift.pipeline.animation import choose_format, evenly, shown_seconds, write_animation
+from heavylift.pipeline.pictures import animation
+from heavylift.pipeline.pictures.animation import choose_format, evenly, shown_seconds, write_animation
 
 
 def png(colour, size=(64, 48)):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.arithmetic import filled, value_of
+from heavylift.pipeline.case.arithmetic import filled, value_of
 
 
 @pytest.mark.parametrize(

@@ -12,9 +12,9 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, run_case
-from heavylift.pipeline.assemble import check_on_body
-from heavylift.pipeline.assemble_scene import assemble_scene
-from heavylift.pipeline.storage import OutputFolder
+from heavylift.pipeline.assemble.finite_elements import check_on_body
+from heavylift.pipeline.assemble.scene import assemble_scene
+from heavylift.pipeline.results.storage import OutputFolder
 
 PUSH = "forces=[{{name='push', body='beam', point={}, force=[1, 0, 0]}}]"
 
@@ -122,8 +122,8 @@ def test_a_scene_imports_only_what_it_has(tmp_path):
     code = (
         "import sys\n"
         "from heavylift.pipeline import load_case\n"
-        "from heavylift.pipeline.assemble_scene import assemble_scene\n"
-        "from heavylift.pipeline.storage import OutputFolder\n"
+        "from heavylift.pipeline.assemble.scene import assemble_scene\n"
+        "from heavylift.pipeline.results.storage import OutputFolder\n"
         "from pathlib import Path\n"
         f"assemble_scene(load_case({str(case)!r}), OutputFolder(Path({str(tmp_path)!r})))\n"
         "parts = ('collisions', 'contacts', 'databases', 'edges', 'hulls', 'lines', 'meshes', 'sea', 'surfaces')\n"

@@ -13,13 +13,13 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, run_case
-from heavylift.pipeline.assemble_collisions import assemble_collisions, collision_notes
-from heavylift.pipeline.assemble_scene import assemble_scene
-from heavylift.pipeline.assemble_surfaces import read_surface_file, stored_surface
+from heavylift.pipeline.assemble.collisions import assemble_collisions, collision_notes
+from heavylift.pipeline.assemble.scene import assemble_scene
+from heavylift.pipeline.assemble.surfaces import read_surface_file, stored_surface
 from heavylift.pipeline.log import Log
-from heavylift.pipeline.provenance import report_digest, simulate_digest, surface_digest
-from heavylift.pipeline.storage import OutputFolder
-from heavylift.solver.contacts import HuntCrossleyLaw, LinearLaw, RigidLaw
+from heavylift.pipeline.results.provenance import report_digest, simulate_digest, surface_digest
+from heavylift.pipeline.results.storage import OutputFolder
+from heavylift.solver.scene.contacts import HuntCrossleyLaw, LinearLaw, RigidLaw
 
 
 @pytest.fixture

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from heavylift.pipeline import load_case
-from heavylift.pipeline.assemble_scene import assemble_scene
-from heavylift.pipeline.storage import OutputFolder
-from heavylift.solver.connections import JointMotor, JointSpring, Rope, Spring, SpringRope
+from heavylift.pipeline.assemble.scene import assemble_scene
+from heavylift.pipeline.results.storage import OutputFolder
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.slider import Slider
+from heavylift.solver.scene.connections import JointMotor, JointSpring, Rope, Spring, SpringRope
 
 
 @pytest.fixture

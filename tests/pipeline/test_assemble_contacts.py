@@ -12,9 +12,9 @@ from scipy.interpolate import BSpline
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, run_case
-from heavylift.pipeline.assemble_scene import assemble_scene
-from heavylift.pipeline.storage import OutputFolder
-from heavylift.solver import contacts as c
+from heavylift.pipeline.assemble.scene import assemble_scene
+from heavylift.pipeline.results.storage import OutputFolder
+from heavylift.solver.scene import contacts as c
 
 HERE = Path(__file__).parent
 

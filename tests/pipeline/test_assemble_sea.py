@@ -13,19 +13,19 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, run_case
-from heavylift.pipeline.assemble_databases import database_manifest, stored_database
-from heavylift.pipeline.assemble_hulls import hull_surface, linear_restoring, resting_position
-from heavylift.pipeline.assemble_scene import assemble_rigid
-from heavylift.pipeline.assemble_sea import assemble_sea, make_waves, sea_provenance
-from heavylift.pipeline.assemble_sides import start_sides
-from heavylift.pipeline.assemble_water import water_of
-from heavylift.pipeline.case_hulls import DatabaseSection, HullSection
-from heavylift.pipeline.case_sea import SeaSection
-from heavylift.pipeline.quantities import Quantities
-from heavylift.pipeline.report_sea import sea_sections
-from heavylift.pipeline.storage import OutputFolder
+from heavylift.pipeline.assemble.databases import database_manifest, stored_database
+from heavylift.pipeline.assemble.hulls import hull_surface, linear_restoring, resting_position
+from heavylift.pipeline.assemble.scene import assemble_rigid
+from heavylift.pipeline.assemble.sea import assemble_sea, make_waves, sea_provenance
+from heavylift.pipeline.assemble.sides import start_sides
+from heavylift.pipeline.assemble.water import water_of
+from heavylift.pipeline.case.hulls import DatabaseSection, HullSection
+from heavylift.pipeline.case.sea import SeaSection
+from heavylift.pipeline.checks.quantities import Quantities
+from heavylift.pipeline.report.sea import sea_sections
+from heavylift.pipeline.results.storage import OutputFolder
 from heavylift.preprocess.surface_refinement import refined_triangles
-from heavylift.solver.seas import Hull, Radiation, Water
+from heavylift.solver.scene.sea import Hull, Radiation, Water
 
 HERE = Path(__file__).parent
 CASES = HERE.parents[1] / "cases"
@@ -203,7 +203,7 @@ def test_figures_of_a_floating_box_as_quantities(folder):
 
 def test_righting_arms_of_the_box_case_are_those_of_its_section():
     from heavylift.preprocess.hull_surface import check_hull
-    from heavylift.solver.marine.righting_arm import righting_arm_curve
+    from heavylift.solver.water.hulls.righting_arm import righting_arm_curve
 
     folder = CASES / "box_hydrostatics"
     lines = [s for s in (folder / "righting_arms.csv").read_text().splitlines() if not s.startswith("#")]
@@ -275,7 +275,7 @@ def test_a_database_is_computed_only_if_its_panels_changed(folder, monkeypatch):
 
 
 def test_panels_of_a_box_are_what_it_wets(folder):
-    from heavylift.pipeline.assemble_panels import bem_inputs
+    from heavylift.pipeline.assemble.panels import bem_inputs
     from heavylift.preprocess.hull_panels import hydrostatics
 
     compute = "{panel_size = 2.5, symmetric = true, frequencies = {first = 0.2, last = 2, count = 10}}"
@@ -363,7 +363,7 @@ def test_the_report_says_what_the_sea_is(folder):
 @pytest.mark.timeout(1800)
 def test_a_moored_barge_in_wind_waves_and_current_runs(folder):
     """Every force at once; what is exact at the start is exact in the records."""
-    from heavylift.pipeline.results import load_results
+    from heavylift.pipeline.results.histories import load_results
 
     case = load_case(folder)
     report = run_case(case)

@@ -10,9 +10,14 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case
-from heavylift.pipeline.case_collisions import thesis_numbers
-from heavylift.pipeline.case_places import places
-from heavylift.pipeline.channel_kinds import COLLISION_CONTACT, all_channels, channel_components, declared
+from heavylift.pipeline.case.channel_kinds import (
+    COLLISION_CONTACT,
+    all_channels,
+    channel_components,
+    declared,
+)
+from heavylift.pipeline.case.collisions import thesis_numbers
+from heavylift.pipeline.case.places import places
 
 COLLISION = {
     "gap": "m",

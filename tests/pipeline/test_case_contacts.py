@@ -10,8 +10,8 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case
-from heavylift.pipeline.channel_kinds import all_channels, channel_components, declared
-from heavylift.pipeline.provenance import simulate_digest
+from heavylift.pipeline.case.channel_kinds import all_channels, channel_components, declared
+from heavylift.pipeline.results.provenance import simulate_digest
 
 CONTACT = {
     "gap": "m",

@@ -10,14 +10,14 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, load_results, run_case
-from heavylift.pipeline.assemble_scene import assemble_scene
-from heavylift.pipeline.quantities import Quantities
-from heavylift.pipeline.report_connections import connection_tables
-from heavylift.pipeline.report_document import Document, to_markdown
-from heavylift.pipeline.report_edges import edge_sections
-from heavylift.pipeline.results import ChannelInfo, Results
-from heavylift.pipeline.schema import case_schema
-from heavylift.pipeline.storage import OutputFolder
+from heavylift.pipeline.assemble.scene import assemble_scene
+from heavylift.pipeline.case.schema import case_schema
+from heavylift.pipeline.checks.quantities import Quantities
+from heavylift.pipeline.report.connections import connection_tables
+from heavylift.pipeline.report.document import Document, to_markdown
+from heavylift.pipeline.report.edges import edge_sections
+from heavylift.pipeline.results.histories import ChannelInfo, Results
+from heavylift.pipeline.results.storage import OutputFolder
 from heavylift.solver.joints.edges import EdgeClamp, EdgeHinge
 
 

@@ -12,16 +12,16 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case
-from heavylift.pipeline.assemble_scene import assemble_scene
-from heavylift.pipeline.mesh_results import mesh_shape, read_meshes, save_meshes
-from heavylift.pipeline.provenance import simulate_digest
-from heavylift.pipeline.quantities import Quantities
-from heavylift.pipeline.report_document import Document, to_markdown
-from heavylift.pipeline.report_meshes import mesh_sections
-from heavylift.pipeline.results import ChannelInfo, Results
-from heavylift.pipeline.schema import case_schema
-from heavylift.pipeline.storage import OutputFolder
-from heavylift.solver.meshes import DistributedLoad, FollowerLoad
+from heavylift.pipeline.assemble.scene import assemble_scene
+from heavylift.pipeline.case.schema import case_schema
+from heavylift.pipeline.checks.quantities import Quantities
+from heavylift.pipeline.report.document import Document, to_markdown
+from heavylift.pipeline.report.meshes import mesh_sections
+from heavylift.pipeline.results.histories import ChannelInfo, Results
+from heavylift.pipeline.results.mesh_results import mesh_shape, read_meshes, save_meshes
+from heavylift.pipeline.results.provenance import simulate_digest
+from heavylift.pipeline.results.storage import OutputFolder
+from heavylift.solver.scene.meshes import DistributedLoad, FollowerLoad
 
 
 @pytest.fixture

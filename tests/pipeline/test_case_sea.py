@@ -13,9 +13,9 @@ import pytest
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.units import KINDS
 from heavylift.pipeline import load_case
-from heavylift.pipeline.assemble_water import sea_gravity
-from heavylift.pipeline.case_places import places
-from heavylift.pipeline.channel_kinds import declared
+from heavylift.pipeline.assemble.water import sea_gravity
+from heavylift.pipeline.case.channel_kinds import declared
+from heavylift.pipeline.case.places import places
 
 HERE = Path(__file__).parent
 

@@ -13,7 +13,7 @@ import pytest
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline import load_case, run_case
-from heavylift.pipeline.case_places import in_case
+from heavylift.pipeline.case.places import in_case
 from heavylift.pipeline.log import Log
 from heavylift.solver import simulation as solver
 

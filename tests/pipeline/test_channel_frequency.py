@@ -10,8 +10,8 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case
-from heavylift.pipeline.quantities import Quantities
-from heavylift.pipeline.results import ChannelInfo, Results
+from heavylift.pipeline.checks.quantities import Quantities
+from heavylift.pipeline.results.histories import ChannelInfo, Results
 
 TIMES = 0.02 * np.arange(251)
 

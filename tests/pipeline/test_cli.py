@@ -13,9 +13,9 @@ import time
 
 import pytest
 
-from heavylift.pipeline.cli import app
+from heavylift.pipeline.commands.cli import app
 
-MAIN = "from heavylift.pipeline.cli import main; main()"
+MAIN = "from heavylift.pipeline.commands.cli import main; main()"
 
 
 @pytest.fixture
@@ -176,7 +176,7 @@ def test_help_is_quick():
 
 def test_importing_the_command_line_imports_no_library_it_does_not_need():
     unwanted = "{'numpy', 'pydantic', 'numba', 'h5py'}"
-    code = f"import sys, heavylift.pipeline.cli; print(sorted({unwanted} & set(sys.modules)))"
+    code = f"import sys, heavylift.pipeline.commands.cli; print(sorted({unwanted} & set(sys.modules)))"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "[]"
 
@@ -260,7 +260,9 @@ def test_of_several_cases_the_largest_code_counts(heavylift, small_case):
 
 
 def test_a_reader_that_closes_early_sees_no_traceback() -> None:
-    command = f"{sys.executable} -c 'from heavylift.pipeline.cli import main; main()' schema | head -n 1"
+    command = (
+        f"{sys.executable} -c 'from heavylift.pipeline.commands.cli import main; main()' schema | head -n 1"
+    )
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert done.stdout.startswith("{")
     assert done.stderr == ""

@@ -7,9 +7,9 @@ import pytest
 
 from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline import load_case, load_results, run_case
-from heavylift.pipeline.assemble_scene import assemble_scene
-from heavylift.pipeline.model_io import read_model, read_reduced
-from heavylift.pipeline.provenance import modes_digest
+from heavylift.pipeline.assemble.scene import assemble_scene
+from heavylift.pipeline.results.model_io import read_model, read_reduced
+from heavylift.pipeline.results.provenance import modes_digest
 
 TOP = "bodies.beam.geometry.groups={root={plane='x', at=0}, top={face='bar.y_max'}, free={plane='x', at='200 mm'}}"
 FINE = "bodies.beam.mesh.divisions={x=[16], y=[2], z=[2]}"

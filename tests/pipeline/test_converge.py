@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.pipeline import converge
-from heavylift.pipeline.convergence import (
+from heavylift.pipeline.checks.convergence import (
     ConvergenceRow,
     cost_of_error,
     fitted_slope,
     observed_order,
     study_table,
 )
+from heavylift.pipeline.commands import converge
 from heavylift.pipeline.log import Log
-from heavylift.pipeline.stage_work import StageReport
-from heavylift.pipeline.stages import RunReport
-from heavylift.pipeline.storage import OutputFolder
+from heavylift.pipeline.results.storage import OutputFolder
+from heavylift.pipeline.stages.stages import RunReport
+from heavylift.pipeline.stages.work import StageReport
 
 
 @pytest.mark.parametrize("order", [1.0, 2.0, 4.0])

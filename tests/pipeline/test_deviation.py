@@ -10,9 +10,9 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case
-from heavylift.pipeline.deviation import deviation_history
-from heavylift.pipeline.quantities import Quantities
-from heavylift.pipeline.results import ChannelInfo, Results
+from heavylift.pipeline.checks.deviation import deviation_history
+from heavylift.pipeline.checks.quantities import Quantities
+from heavylift.pipeline.results.histories import ChannelInfo, Results
 
 TIMES = 0.01 * np.arange(101)
 CIRCLE = np.column_stack([np.cos(TIMES), np.sin(TIMES), 2.0 * TIMES])

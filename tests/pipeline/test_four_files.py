@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from heavylift.pipeline import load_case, run_case
-from heavylift.pipeline.quantities import Quantities
+from heavylift.pipeline.checks.quantities import Quantities
 
 if TYPE_CHECKING:
     from pathlib import Path

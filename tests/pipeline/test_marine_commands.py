@@ -13,17 +13,17 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case
-from heavylift.pipeline.cli import app
-from heavylift.pipeline.column_statistics import chosen_columns, column_statistics
-from heavylift.pipeline.command_hydrostatics import linear_figures
-from heavylift.pipeline.command_lines import line_ends, section_masses
-from heavylift.pipeline.command_rao import response_in_trains, separate_modes
-from heavylift.pipeline.command_statistics_seeds import seed_keys
-from heavylift.pipeline.results import ChannelInfo, Results
-from heavylift.solver.connections import GROUND
-from heavylift.solver.marine.moorings import LineSection, MooringLine
-from heavylift.solver.scene import RigidBody, Scene
-from heavylift.solver.seas import LinearRestoring
+from heavylift.pipeline.commands.cli import app
+from heavylift.pipeline.commands.hydrostatics import linear_figures
+from heavylift.pipeline.commands.lines import line_ends, section_masses
+from heavylift.pipeline.commands.response_operators import response_in_trains, separate_modes
+from heavylift.pipeline.commands.statistics_seeds import seed_keys
+from heavylift.pipeline.results.column_statistics import chosen_columns, column_statistics
+from heavylift.pipeline.results.histories import ChannelInfo, Results
+from heavylift.solver.scene.connections import GROUND
+from heavylift.solver.scene.moorings import LineSection, MooringLine
+from heavylift.solver.scene.scene import RigidBody, Scene
+from heavylift.solver.scene.sea import LinearRestoring
 
 DATABASE = Path(__file__).parents[2] / "cases" / "transport_barge" / "barge.nc"
 LENGTH, BREADTH, DRAFT = 97.5, 36.0, 4.5
@@ -352,8 +352,8 @@ def test_ends_of_lines_follow_their_bodies() -> None:
 
 def test_response_to_one_train_is_half_the_square_of_its_operator() -> None:
     from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
-    from heavylift.solver.marine.frequency_domain import linear_hulls, motion_operators
-    from heavylift.solver.marine.wave_trains import regular_wave
+    from heavylift.solver.water.hulls.frequency_domain import linear_hulls, motion_operators
+    from heavylift.solver.water.waves.wave_trains import regular_wave
 
     database = read_netcdf(DATABASE)
     mass = np.diag([1.6e7] * 3 + [2.5e9, 9e9, 9e9])
@@ -368,9 +368,9 @@ def test_response_to_one_train_is_half_the_square_of_its_operator() -> None:
 
 def test_equal_hulls_that_do_not_feel_each_other_have_modes_of_their_own() -> None:
     from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
-    from heavylift.solver.marine.frequency_domain import linear_hulls, natural_modes
-    from heavylift.solver.marine.joined_database import joined_database
-    from heavylift.solver.seas import Radiation
+    from heavylift.solver.scene.sea import Radiation
+    from heavylift.solver.water.hulls.frequency_domain import linear_hulls, natural_modes
+    from heavylift.solver.water.hulls.joined_database import joined_database
 
     database = read_netcdf(DATABASE)
     mass = np.diag([1.6e7] * 3 + [2.5e9, 9e9, 9e9])

@@ -11,7 +11,13 @@ from heavylift.modal.bases import eigenmode_basis
 from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.reduction import reduce_body
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.model_io import read_header, read_model, read_reduced, write_model, write_reduced
+from heavylift.pipeline.results.model_io import (
+    read_header,
+    read_model,
+    read_reduced,
+    write_model,
+    write_reduced,
+)
 from heavylift.preprocess.blocks import Box, mesh_blocks
 from heavylift.preprocess.elasticity import assemble
 from heavylift.preprocess.groups import OnPlane

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.pipeline.moordyn_coupling import couple_moordyn
-from heavylift.pipeline.moordyn_input import LineDynamics, moordyn_input, quasi_static_force
-from heavylift.pipeline.moordyn_lines import run_moordyn
-from heavylift.solver.connections import GROUND
-from heavylift.solver.marine.catenary_line import solve_catenary
-from heavylift.solver.marine.moorings import LineSection, MooringLine
-from heavylift.solver.scene import Gravity, PointForce, RigidBody, Scene
-from heavylift.solver.seas import Sea
+from heavylift.pipeline.commands.moordyn_coupling import couple_moordyn
+from heavylift.pipeline.commands.moordyn_input import LineDynamics, moordyn_input, quasi_static_force
+from heavylift.pipeline.commands.moordyn_lines import run_moordyn
+from heavylift.solver.scene.connections import GROUND
+from heavylift.solver.scene.moorings import LineSection, MooringLine
+from heavylift.solver.scene.scene import Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene.sea import Sea
+from heavylift.solver.water.lines.catenary_line import solve_catenary
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
-from heavylift.pipeline.picture_meshes import MeshSkin, join, rest_coordinates
-from heavylift.pipeline.picture_others import Others, rope_line
-from heavylift.pipeline.picture_render import Renderer, RenderingUnavailableError, rendering_backend
-from heavylift.pipeline.picture_run import MeshRun
-from heavylift.pipeline.picture_scene import ScenePainter
-from heavylift.solver.connections import JointFrame, SpringRope
+from heavylift.pipeline.pictures.attached import Others, rope_line
+from heavylift.pipeline.pictures.meshes import MeshSkin, join, rest_coordinates
+from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError, rendering_backend
+from heavylift.pipeline.pictures.run import MeshRun
+from heavylift.pipeline.pictures.scene import ScenePainter
 from heavylift.solver.joints.ball import Ball
-from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSection
-from heavylift.solver.scene import RigidBody, Scene
+from heavylift.solver.scene.connections import JointFrame, SpringRope
+from heavylift.solver.scene.meshes import FrameBody, FrameSection, ShellBody, ShellSection
+from heavylift.solver.scene.scene import RigidBody, Scene
 
 E, NU, T = 2.1e11, 0.3, 0.01
 LENGTH, WIDTH, BAR = 3.0, 2.0, 0.02
@@ -207,7 +207,7 @@ def test_picture_says_time_largest_stress_and_scale(renderer, monkeypatch):
 
 
 def test_scale_bar_has_the_length_it_says(renderer, monkeypatch):
-    from heavylift.pipeline import picture_scene
+    from heavylift.pipeline.pictures import scene as picture_scene
 
     bars = []
     monkeypatch.setattr(picture_scene, "add_scale_bar", lambda _axes, *numbers: bars.append(numbers))

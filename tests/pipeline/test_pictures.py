@@ -5,9 +5,10 @@ import io
 import numpy as np
 import pytest
 
-from heavylift.pipeline import picture_render
-from heavylift.pipeline.picture_camera import View, choose_view, fit_camera
-from heavylift.pipeline.picture_drawings import (
+from heavylift.pipeline.pictures import render as picture_render
+from heavylift.pipeline.pictures.bodies import Painter
+from heavylift.pipeline.pictures.camera import View, choose_view, fit_camera
+from heavylift.pipeline.pictures.drawings import (
     deformation_scale,
     mesh_drawing,
     mode_drawing,
@@ -16,9 +17,8 @@ from heavylift.pipeline.picture_drawings import (
     stress_drawing,
     stress_limit,
 )
-from heavylift.pipeline.picture_render import Drawing, Renderer, RenderingUnavailableError, rendering_backend
-from heavylift.pipeline.picture_surface import surface_from_mesh, surface_from_nodes
-from heavylift.pipeline.pictures import Painter
+from heavylift.pipeline.pictures.outer_surface import surface_from_mesh, surface_from_nodes
+from heavylift.pipeline.pictures.render import Drawing, Renderer, RenderingUnavailableError, rendering_backend
 from heavylift.preprocess.mesh import Mesh
 
 LENGTH, WIDTH, HEIGHT = 0.4, 0.1, 0.05

@@ -8,10 +8,10 @@ import math
 import numpy as np
 import pytest
 
-from heavylift.pipeline.plot_rao import operator_plot, response_plot
-from heavylift.pipeline.rao_report import operator_rows, write_rao_report
-from heavylift.solver.marine.frequency_domain import MotionOperators, NaturalMode, response_statistics
-from heavylift.solver.marine.spectra import jonswap
+from heavylift.pipeline.pictures.plot_response_operators import operator_plot, response_plot
+from heavylift.pipeline.report.response_operators import operator_rows, write_rao_report
+from heavylift.solver.water.hulls.frequency_domain import MotionOperators, NaturalMode, response_statistics
+from heavylift.solver.water.waves.spectra import jonswap
 
 OMEGA = np.linspace(0.2, 2.5, 80)
 

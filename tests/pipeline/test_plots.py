@@ -5,8 +5,8 @@ import io
 import numpy as np
 import pytest
 
-from heavylift.pipeline.plots import Series, energy_plot, history_plot, spectrum_plot
-from heavylift.pipeline.signals import amplitude_spectrum, envelope, scaled_unit, spectrum_peaks
+from heavylift.pipeline.pictures.plots import Series, energy_plot, history_plot, spectrum_plot
+from heavylift.pipeline.results.signals import amplitude_spectrum, envelope, scaled_unit, spectrum_peaks
 
 INTERVAL = 1.0e-4
 TIMES = np.arange(5000) * INTERVAL

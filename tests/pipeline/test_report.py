@@ -12,12 +12,11 @@ from scipy.sparse import csr_array, identity
 
 from heavylift.modal.invariants import shape_integrals
 from heavylift.modal.reduced import ReducedBody
-from heavylift.pipeline import picture_render, report
-from heavylift.pipeline.case import load_case
-from heavylift.pipeline.model_io import write_model, write_reduced
-from heavylift.pipeline.report import write_report
-from heavylift.pipeline.report_bodies import body_sections
-from heavylift.pipeline.report_document import (
+from heavylift.pipeline.case.case_file import load_case
+from heavylift.pipeline.pictures import render as picture_render
+from heavylift.pipeline.report import report
+from heavylift.pipeline.report.bodies import body_sections
+from heavylift.pipeline.report.document import (
     Album,
     Document,
     Facts,
@@ -27,8 +26,10 @@ from heavylift.pipeline.report_document import (
     to_html,
     to_markdown,
 )
-from heavylift.pipeline.results import FORMAT
-from heavylift.pipeline.storage import OutputFolder, write_json
+from heavylift.pipeline.report.report import write_report
+from heavylift.pipeline.results.histories import FORMAT
+from heavylift.pipeline.results.model_io import write_model, write_reduced
+from heavylift.pipeline.results.storage import OutputFolder, write_json
 from heavylift.preprocess.mesh import Mesh
 from heavylift.preprocess.model import FEModel, Material
 
@@ -340,7 +341,7 @@ def test_only_eigenmodes_have_a_residual(case, tmp_path):
 
 @pytest.mark.parametrize(("wanted", "drawn_count"), [(2, 30), (33, 33)])
 def test_the_contact_sheet_is_limited(case, tmp_path, wanted, drawn_count):
-    from heavylift.pipeline.report_bodies import _mode_figures
+    from heavylift.pipeline.report.bodies import _mode_figures
 
     class Sheets:
         has_outline = True

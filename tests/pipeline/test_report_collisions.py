@@ -13,17 +13,17 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from heavylift.pipeline import load_case, run_case
-from heavylift.pipeline.assemble_scene import assemble_scene
-from heavylift.pipeline.collision_regime import effective_mass, linear_restitution, peak_estimate
-from heavylift.pipeline.mesh_results import mesh_shape, write_meshes
-from heavylift.pipeline.picture_collisions import Touching, TouchingSurface, collision_picture
-from heavylift.pipeline.picture_render import Renderer, RenderingUnavailableError, rendering_backend
-from heavylift.pipeline.picture_triangles import clip_triangles
-from heavylift.pipeline.report import write_report
-from heavylift.pipeline.report_collision_pictures import touching_surfaces
-from heavylift.pipeline.report_scene import scene_others
-from heavylift.pipeline.results import FORMAT, load_results
-from heavylift.pipeline.storage import OutputFolder
+from heavylift.pipeline.assemble.scene import assemble_scene
+from heavylift.pipeline.checks.collision_regime import effective_mass, linear_restitution, peak_estimate
+from heavylift.pipeline.pictures.collisions import Touching, TouchingSurface, collision_picture
+from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError, rendering_backend
+from heavylift.pipeline.pictures.triangles import clip_triangles
+from heavylift.pipeline.report.collision_pictures import touching_surfaces
+from heavylift.pipeline.report.report import write_report
+from heavylift.pipeline.report.scene import scene_others
+from heavylift.pipeline.results.histories import FORMAT, load_results
+from heavylift.pipeline.results.mesh_results import mesh_shape, write_meshes
+from heavylift.pipeline.results.storage import OutputFolder
 
 RECORDS = 21
 IMPULSE = 3000.0  # N s

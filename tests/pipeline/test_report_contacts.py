@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from heavylift.pipeline import load_case
-from heavylift.pipeline.assemble_scene import assemble_scene
-from heavylift.pipeline.picture_contacts import contour_parts, force_arrow, scene_size, shape_parts
-from heavylift.pipeline.picture_render import RenderingUnavailableError, rendering_backend
-from heavylift.pipeline.report import write_report
-from heavylift.pipeline.report_scene import scene_others
-from heavylift.pipeline.results import FORMAT, load_results
-from heavylift.pipeline.storage import OutputFolder
-from heavylift.solver import contacts as c
+from heavylift.pipeline.assemble.scene import assemble_scene
+from heavylift.pipeline.pictures.contacts import contour_parts, force_arrow, scene_size, shape_parts
+from heavylift.pipeline.pictures.render import RenderingUnavailableError, rendering_backend
+from heavylift.pipeline.report.report import write_report
+from heavylift.pipeline.report.scene import scene_others
+from heavylift.pipeline.results.histories import FORMAT, load_results
+from heavylift.pipeline.results.storage import OutputFolder
+from heavylift.solver.scene import contacts as c
 
 RECORDS = 11
 

@@ -6,16 +6,16 @@ import h5py
 import numpy as np
 import pytest
 
-from heavylift.pipeline import cli
-from heavylift.pipeline.assemble_scene import assemble_scene
-from heavylift.pipeline.case import load_case
-from heavylift.pipeline.mesh_results import mesh_shape, write_meshes
-from heavylift.pipeline.picture_render import RenderingUnavailableError, rendering_backend
-from heavylift.pipeline.report import write_report
-from heavylift.pipeline.report_document import Document, Figure, Section, to_html, to_markdown
-from heavylift.pipeline.report_scene import mesh_body, mesh_run
-from heavylift.pipeline.results import FORMAT, load_results
-from heavylift.pipeline.storage import OutputFolder
+from heavylift.pipeline.assemble.scene import assemble_scene
+from heavylift.pipeline.case.case_file import load_case
+from heavylift.pipeline.commands import cli
+from heavylift.pipeline.pictures.render import RenderingUnavailableError, rendering_backend
+from heavylift.pipeline.report.document import Document, Figure, Section, to_html, to_markdown
+from heavylift.pipeline.report.report import write_report
+from heavylift.pipeline.report.scene import mesh_body, mesh_run
+from heavylift.pipeline.results.histories import FORMAT, load_results
+from heavylift.pipeline.results.mesh_results import mesh_shape, write_meshes
+from heavylift.pipeline.results.storage import OutputFolder
 from heavylift.solver.bodies.ancf.frame_stress import frame_stresses
 
 LENGTH, ELEMENTS, RECORDS = 2.0, 6, 9

@@ -8,9 +8,9 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_results
-from heavylift.pipeline.advance import Advancer, StopRequest
-from heavylift.pipeline.results import ChannelInfo, merge_segments
-from heavylift.pipeline.storage import OutputFolder
+from heavylift.pipeline.results.histories import ChannelInfo, merge_segments
+from heavylift.pipeline.results.storage import OutputFolder
+from heavylift.pipeline.stages.advance import Advancer, StopRequest
 
 
 @pytest.fixture

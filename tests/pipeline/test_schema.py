@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from heavylift.pipeline.key_tables import key_tables
-from heavylift.pipeline.schema import case_schema
+from heavylift.pipeline.case.key_tables import key_tables
+from heavylift.pipeline.case.schema import case_schema
 
 jsonschema = pytest.importorskip("jsonschema")
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.sinusoid import fit_sinusoid
+from heavylift.pipeline.results.sinusoid import fit_sinusoid
 
 
 @pytest.mark.parametrize("frequency", [51.0, 622.97, 7237.81, 49000.0])

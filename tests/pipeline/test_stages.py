@@ -12,11 +12,11 @@ import pytest
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline import load_case, load_results, run_case
-from heavylift.pipeline.assemble_scene import assemble_scene
+from heavylift.pipeline.assemble.scene import assemble_scene
+from heavylift.pipeline.checks.quantities import Quantities, evaluate_checks
 from heavylift.pipeline.log import Log
-from heavylift.pipeline.model_io import read_reduced
-from heavylift.pipeline.quantities import Quantities, evaluate_checks
-from heavylift.pipeline.storage import OutputFolder
+from heavylift.pipeline.results.model_io import read_reduced
+from heavylift.pipeline.results.storage import OutputFolder
 
 COMPUTED = ("mesh", "modes", "simulate")
 
@@ -135,7 +135,7 @@ def test_a_body_about_its_centre_of_mass_is_where_it_was_drawn(small_case):
 
 
 def test_static_vectors_make_a_point_stiffness_exact(small_case):
-    from heavylift.pipeline.model_io import read_model
+    from heavylift.pipeline.results.model_io import read_model
 
     overrides = (
         "bodies.beam.modes.static_points=[['200 mm', 0, 0]]",

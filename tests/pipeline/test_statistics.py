@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.statistics import (
+from heavylift.pipeline.results.statistics import (
     gumbel_fit,
     power_spectrum,
     rayleigh_extreme,
     record_statistics,
 )
-from heavylift.solver.marine.spectra import jonswap
-from heavylift.solver.marine.wave_trains import irregular_waves
+from heavylift.solver.water.waves.spectra import jonswap
+from heavylift.solver.water.waves.wave_trains import irregular_waves
 
 
 def test_sine_has_its_mean_deviation_ranges_and_period():

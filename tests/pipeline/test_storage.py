@@ -8,7 +8,14 @@ import os
 import pytest
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.pipeline.storage import StopError, digest_file, digest_json, read_json, replacing, write_json
+from heavylift.pipeline.results.storage import (
+    StopError,
+    digest_file,
+    digest_json,
+    read_json,
+    replacing,
+    write_json,
+)
 
 
 def names(folder):

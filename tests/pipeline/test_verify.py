@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.pipeline.verify import CaseVerdict, exit_code
+from heavylift.pipeline.commands.verify import CaseVerdict, exit_code
 
 
 @pytest.mark.parametrize(

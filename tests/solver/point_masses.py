@@ -25,7 +25,7 @@ from scipy.spatial.transform import Rotation
 
 from heavylift.modal.invariants import shape_integrals
 from heavylift.modal.reduced import ReducedBody
-from heavylift.solver.scene import (
+from heavylift.solver.scene.scene import (
     Driven,
     Fixed,
     FlexibleBody,

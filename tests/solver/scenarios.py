@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from point_masses import Array, Load, Start, System, channels_of, make_cloud
 
-from heavylift.solver.scene import Driven, Fixed, Harmonic, Profile
+from heavylift.solver.scene.scene import Driven, Fixed, Harmonic, Profile
 from heavylift.solver.simulation import Simulation
 
 DURATION = 0.4

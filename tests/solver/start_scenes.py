@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from heavylift.solver.connections import GROUND, Joint, axes_about, frame_in_body
-from heavylift.solver.integrate.start_rows import StartRows
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.scene import Gravity, RigidBody, Scene
+from heavylift.solver.scene.connections import GROUND, Joint, axes_about, frame_in_body
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
+from heavylift.solver.start.rows import StartRows
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

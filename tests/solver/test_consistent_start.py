@@ -21,9 +21,9 @@ from start_scenes import (
 )
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.integrate.consistent_start import check_start, project_start
 from heavylift.solver.joints.hinge import Hinge
-from heavylift.solver.scene import Scene
+from heavylift.solver.scene.scene import Scene
+from heavylift.solver.start.consistent_start import check_start, project_start
 
 
 def test_closed_start_passes_and_nothing_moves() -> None:

@@ -12,8 +12,15 @@ from typing import Annotated, Any, ClassVar
 import pytest
 
 from heavylift.numerics.quantity import Positive, Quantity
-from heavylift.solver.connections import JOINTS, PAIR_FORCES, Joint, Place
-from heavylift.solver.descriptions import XYZ, ChannelKind, Family, _read, described_fields, known_channels
+from heavylift.solver.scene.connections import JOINTS, PAIR_FORCES, Joint, Place
+from heavylift.solver.scene.descriptions import (
+    XYZ,
+    ChannelKind,
+    Family,
+    _read,
+    described_fields,
+    known_channels,
+)
 
 WORDS = (
     "ball",
@@ -59,8 +66,8 @@ def test_every_joint_says_its_rows_and_channels(word):
 def test_a_description_that_was_read_is_the_one_of_its_module(name, family):
     code = (
         "import importlib\n"
-        "from heavylift.solver.connections import EdgeJoint, Joint, PairForce\n"
-        f"from heavylift.solver.connections import {name} as family\n"
+        "from heavylift.solver.scene.connections import EdgeJoint, Joint, PairForce\n"
+        f"from heavylift.solver.scene.connections import {name} as family\n"
         "for word in family.words:\n"
         "    read = family.get(word)\n"
         "    module = importlib.import_module(read.__module__)\n"
@@ -95,7 +102,7 @@ HEAD = """
     from dataclasses import dataclass
     from typing import Annotated
     from heavylift.numerics.quantity import Quantity
-    from heavylift.solver.connections import PAIR_FORCES, PairForce
+    from heavylift.solver.scene.connections import PAIR_FORCES, PairForce
 """
 
 
@@ -152,7 +159,7 @@ def test_a_base_beside_its_description_is_refused(tmp_path):
 def test_descriptions_are_read_without_a_compiler():
     code = (
         "import sys\n"
-        "from heavylift.solver.connections import JOINTS\n"
+        "from heavylift.solver.scene.connections import JOINTS\n"
         "assert JOINTS.get('screw').__name__ == 'Screw'\n"
         "assert len(JOINTS.words) >= 12\n"
         "print(sorted({'numba', 'scipy', 'heavylift.solver.joints.screw'} & set(sys.modules)))\n"
@@ -209,7 +216,7 @@ def test_a_field_that_hides_one_of_the_base_is_refused():
 
 
 def test_a_key_that_hides_one_of_where_a_joint_is_is_refused():
-    from heavylift.pipeline.case_joints import joint_section
+    from heavylift.pipeline.case.joints import joint_section
 
     @dataclass(frozen=True, eq=False, kw_only=True)
     class Placed(Joint):

@@ -7,13 +7,13 @@ import pytest
 from scipy.sparse import csr_array
 from start_scenes import DOWN, bricard, joint, linkage, parallelograms, rod, rows_of
 
-from heavylift.solver.integrate.body_graph import body_graph
-from heavylift.solver.integrate.diagnosis import Diagnosis, diagnose
-from heavylift.solver.integrate.row_rank import block_rank
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.hinge import Hinge
-from heavylift.solver.scene import Scene
+from heavylift.solver.scene.scene import Scene
+from heavylift.solver.start.body_graph import body_graph
+from heavylift.solver.start.diagnosis import Diagnosis, diagnose
+from heavylift.solver.start.row_rank import block_rank
 
 
 def found(scene: Scene) -> Diagnosis:

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.drive import DRIVE_HEAD, drive_pose, drive_velocity, pack_drive, profile_value
-from heavylift.solver.scene import Driven, Harmonic, Profile
+from heavylift.solver.scene.scene import Driven, Harmonic, Profile
 
 TIMES, VALUES = np.array([0.5, 1.0, 1.7, 2.0, 3.0]), np.array([1.0, -2.0, 0.5, 0.5, 4.0])
 

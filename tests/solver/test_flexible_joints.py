@@ -15,10 +15,10 @@ from scenarios import HARMONICS
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from heavylift.solver.connections import GROUND, Joint, JointFrame, axes_about
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.hinge import Hinge
-from heavylift.solver.scene import Fixed, FlexibleBody, Gravity, RigidBody, Scene, Sensor
+from heavylift.solver.scene.connections import GROUND, Joint, JointFrame, axes_about
+from heavylift.solver.scene.scene import Fixed, FlexibleBody, Gravity, RigidBody, Scene, Sensor
 from heavylift.solver.simulation import Simulation
 
 DURATION = 0.4

@@ -8,8 +8,7 @@ from point_masses import Cloud, System, make_cloud
 from scenarios import start_of
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.floating_frame import FloatingFrameBodies
-from heavylift.solver.bodies.floating_frame_inertia import (
+from heavylift.solver.bodies.floating_frame.inertia import (
     body_momenta,
     deformed_inertia,
     frame_velocity_forces,
@@ -17,7 +16,8 @@ from heavylift.solver.bodies.floating_frame_inertia import (
     quadratic_modal_force,
     stacked_products,
 )
-from heavylift.solver.bodies.floating_frame_shape import product_columns, shape_of
+from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies
+from heavylift.solver.bodies.floating_frame.shape import product_columns, shape_of
 from heavylift.solver.layout import pack_scene
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
 from heavylift.solver.bodies.ancf.frame_stress import cubic_shapes, frame_lengths, frame_stresses
-from heavylift.solver.meshes import FrameBody, FrameSection
+from heavylift.solver.scene.meshes import FrameBody, FrameSection
 
 E, A, I, C = 2.1e11, 3e-4, 5e-9, 0.02
 PLACES = np.linspace(0.0, 1.0, 5)

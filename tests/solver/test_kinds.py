@@ -16,7 +16,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import CompileError, entry, load_unit
 from heavylift.numerics.sources import closure
 from heavylift.solver.bodies.ancf.kind import FrameMeshes
-from heavylift.solver.bodies.rigid import RigidBodies
+from heavylift.solver.bodies.rigid.kind import RigidBodies
 from heavylift.solver.compiling import all_units
 from heavylift.solver.interface import Bodies, BodyKind, Workspace
 from heavylift.solver.kinds import (

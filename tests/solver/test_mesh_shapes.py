@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.mesh_shapes import (
+from heavylift.solver.scene.mesh_shapes import (
     FrameMesh,
     ShellMesh,
     arc,

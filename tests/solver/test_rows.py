@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.integrate.row_solver import assemble, factor_rows, smallest_pivot, solve_rows
-from heavylift.solver.rows import (
+from heavylift.solver.rows.solver import assemble, factor_rows, smallest_pivot, solve_rows
+from heavylift.solver.rows.structure import (
     DIAGONAL,
     PRESCRIBED,
     Attachment,

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from heavylift.solver.connections import GROUND, JointFrame, JointMotor, JointSpring, axes_about
 from heavylift.solver.joints.screw import Screw
-from heavylift.solver.scene import Gravity, RigidBody, Scene
+from heavylift.solver.scene.connections import GROUND, JointFrame, JointMotor, JointSpring, axes_about
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 MASS, INERTIA, WEIGHT = 5.0, 0.02, 9.81

@@ -5,7 +5,7 @@ import pytest
 
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
 from heavylift.solver.bodies.ancf.shell_stress import shell_coordinates, shell_stresses, von_mises
-from heavylift.solver.meshes import ShellBody, ShellSection
+from heavylift.solver.scene.meshes import ShellBody, ShellSection
 
 E, NU, T = 7e10, 0.3, 0.004
 GRID = np.linspace(0.0, 1.0, 5)

@@ -17,7 +17,7 @@ from scenarios import FLEXIBLE, RIGID, start_of
 
 from heavylift.numerics.objects import compiled_units
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.solver.scene import Gravity, Scene
+from heavylift.solver.scene.scene import Gravity, Scene
 from heavylift.solver.simulation import Simulation
 
 SYSTEMS = {
@@ -307,7 +307,7 @@ def test_a_scene_imports_only_what_it_contains() -> None:
         import numpy as np
         from heavylift.modal.invariants import ShapeIntegrals
         from heavylift.modal.reduced import ReducedBody
-        from heavylift.solver.scene import Fixed, FlexibleBody, Scene
+        from heavylift.solver.scene.scene import Fixed, FlexibleBody, Scene
         from heavylift.solver.simulation import Simulation
 
         integrals = ShapeIntegrals(
@@ -337,16 +337,16 @@ def test_scene_without_water_imports_nothing_of_it(tmp_path):
     program = """
         import sys
         import numpy as np
-        from heavylift.solver.connections import GROUND
+        from heavylift.solver.scene.connections import GROUND
         from heavylift.solver.joints.hinge import Hinge
-        from heavylift.solver.scene import Gravity, RigidBody, Scene
+        from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
         from heavylift.solver.simulation import Simulation
 
         body = RigidBody("rod", 1.0, np.eye(3), centre_of_mass=np.array([1.0, 0.0, 0.0]))
         weight = Gravity(np.array([0.0, 0.0, -9.81]))
         scene = Scene((body,), (weight,), joints=(Hinge(name="pin", body_a=GROUND, body_b="rod"),))
         Simulation(scene, 1e-3, integrator="dele2").advance(3)
-        print([n for n in sys.modules if ".marine" in n or n.endswith(("seas", "layout_sea", "hydrodynamics"))])
+        print([n for n in sys.modules if ".water" in n or n.endswith(("scene.sea", "layout_sea", "hydrodynamics"))])
     """
     done = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(program)],
@@ -403,8 +403,8 @@ def test_no_kernel_reads_or_writes_beyond_an_array(tmp_path: Path) -> None:
             "test_floating_frame_inertia.py",
             "test_drive.py",
             "test_kinds.py",
-            "marine/test_hulls.py::TestHullsAlone::test_goes_on_bit_for_bit",
-            "marine/test_hulls.py::TestHullsAlone::test_a_state_of_other_water_is_refused",
+            "water/test_hulls.py::TestHullsAlone::test_goes_on_bit_for_bit",
+            "water/test_hulls.py::TestHullsAlone::test_a_state_of_other_water_is_refused",
         ],
         {"NUMBA_BOUNDSCHECK": "1", "HEAVYLIFT_CACHE_DIR": str(tmp_path)},
     )

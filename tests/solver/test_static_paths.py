@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from trusses import Truss, apex_load, shallow_truss
 
-from heavylift.solver.integrate.arc_length import trace_path
-from heavylift.solver.integrate.load_steps import follow_load
-from heavylift.solver.integrate.relaxation import relax
-from heavylift.solver.integrate.settling import settle
-from heavylift.solver.integrate.static_newton import Progress, correct
+from heavylift.solver.statics.arc_length import trace_path
+from heavylift.solver.statics.load_steps import follow_load
+from heavylift.solver.statics.newton import Progress, correct
+from heavylift.solver.statics.relaxation import relax
+from heavylift.solver.statics.settling import settle
 
 HEIGHT = 0.2
 LIMIT = apex_load(HEIGHT / np.sqrt(3.0))  # where dP/dz = EA (H^2 - 3 z^2)/L^3 vanishes

@@ -12,10 +12,10 @@ from scipy.spatial.transform import Rotation
 from start_scenes import DOWN, G, linkage, parallelograms, place, quaternion, rod, rows_of
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, JointFrame, Rope, RopePoint, Spring
-from heavylift.solver.integrate.statics import find_equilibrium
 from heavylift.solver.joints.ball import Ball
-from heavylift.solver.scene import Fixed, FlexibleBody, PointForce, RigidBody, Scene
+from heavylift.solver.scene.connections import GROUND, JointFrame, Rope, RopePoint, Spring
+from heavylift.solver.scene.scene import Fixed, FlexibleBody, PointForce, RigidBody, Scene
+from heavylift.solver.statics.equilibrium import find_equilibrium
 
 
 def pendulum(angle: float) -> Scene:

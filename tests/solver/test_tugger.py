@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, JointFrame, axes_about
 from heavylift.solver.forces.tugger import Tugger
 from heavylift.solver.joints.slider import Slider
-from heavylift.solver.scene import RigidBody, Scene
+from heavylift.solver.scene.connections import GROUND, JointFrame, axes_about
+from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 MASS, HEIGHT, TENSION, START = 3.0, 4.0, 50.0, 3.0

@@ -27,8 +27,8 @@ from mechanisms import (
 
 from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
-from heavylift.solver.connections import Limits
-from heavylift.solver.scene import Scene
+from heavylift.solver.scene.connections import Limits
+from heavylift.solver.scene.scene import Scene
 from heavylift.solver.simulation import Simulation
 
 if TYPE_CHECKING:

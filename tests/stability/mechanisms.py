@@ -8,9 +8,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from heavylift.numerics.rotation import quaternion_product, rotation_matrix
-from heavylift.solver.connections import GROUND, Joint, JointFrame, Rope, RopePoint, axes_about
 from heavylift.solver.joints.hinge import Hinge
-from heavylift.solver.scene import Gravity, RigidBody, Scene, Sensor
+from heavylift.solver.scene.connections import GROUND, Joint, JointFrame, Rope, RopePoint, axes_about
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene, Sensor
 
 STANDARD_GRAVITY = 9.81
 DOWN = Gravity(np.array([0.0, -STANDARD_GRAVITY, 0.0]))

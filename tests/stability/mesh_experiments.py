@@ -15,9 +15,9 @@ from experiments import Row, Run, completed, run
 from random_meshes import random_frame, random_linkage, random_shell
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.solver.mesh_shapes import line, rectangle
-from heavylift.solver.meshes import FrameBody, FrameSection, MeshBody, ShellBody, ShellSection, Support
-from heavylift.solver.scene import Gravity, Scene
+from heavylift.solver.scene.mesh_shapes import line, rectangle
+from heavylift.solver.scene.meshes import FrameBody, FrameSection, MeshBody, ShellBody, ShellSection, Support
+from heavylift.solver.scene.scene import Gravity, Scene
 from heavylift.solver.simulation import Simulation
 
 if TYPE_CHECKING:

@@ -9,11 +9,11 @@ import numpy as np
 from mechanisms import STANDARD_GRAVITY
 
 from heavylift.numerics.rotation import quaternion_from_rotation_vector
-from heavylift.solver.connections import GROUND, JointFrame
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
-from heavylift.solver.mesh_shapes import arc, line, quadrilateral, rectangle
-from heavylift.solver.meshes import (
+from heavylift.solver.scene.connections import GROUND, JointFrame
+from heavylift.solver.scene.mesh_shapes import arc, line, quadrilateral, rectangle
+from heavylift.solver.scene.meshes import (
     DistributedLoad,
     FollowerLoad,
     FrameBody,
@@ -22,7 +22,7 @@ from heavylift.solver.meshes import (
     ShellSection,
     Support,
 )
-from heavylift.solver.scene import Gravity, RigidBody, Scene
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 
 if TYPE_CHECKING:
     from numpy.random import Generator

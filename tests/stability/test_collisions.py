@@ -12,7 +12,7 @@ import pytest
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.preprocess.primitive_surfaces import box_surface, plane_surface
 from heavylift.preprocess.surfaces import TriangleSurface
-from heavylift.solver.contacts import RigidLaw
+from heavylift.solver.scene.contacts import RigidLaw
 from heavylift.solver.simulation import Simulation
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "solver" / "contact"))

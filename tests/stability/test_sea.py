@@ -19,15 +19,15 @@ from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotatio
 from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
 from heavylift.preprocess.primitive_surfaces import box_surface
 from heavylift.preprocess.retardation import infinite_added_mass
-from heavylift.solver.collisions import Collision, CollisionSurface
-from heavylift.solver.connections import GROUND, SpringRope
-from heavylift.solver.contacts import RigidLaw
-from heavylift.solver.marine.moorings import Fender, LineSection, MooringLine
-from heavylift.solver.marine.wave_trains import regular_wave
-from heavylift.solver.marine.wind_loads import CurrentField, DragElement, WindField
-from heavylift.solver.scene import Gravity, RigidBody, Scene
-from heavylift.solver.seas import Hull, LinearRestoring, Radiation, Sea, Water
+from heavylift.solver.scene.collisions import Collision, CollisionSurface
+from heavylift.solver.scene.connections import GROUND, SpringRope
+from heavylift.solver.scene.contacts import RigidLaw
+from heavylift.solver.scene.moorings import Fender, LineSection, MooringLine
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
+from heavylift.solver.scene.sea import Hull, LinearRestoring, Radiation, Sea, Water
+from heavylift.solver.scene.wind_loads import CurrentField, DragElement, WindField
 from heavylift.solver.simulation import Simulation
+from heavylift.solver.water.waves.wave_trains import regular_wave
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "solver"))
 sys.path.append(str(Path(__file__).resolve().parents[1] / "solver" / "contact"))

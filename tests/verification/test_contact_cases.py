@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from heavylift.numerics.outcome import Outcome
+from heavylift.pipeline.commands.verify import verify_case
 from heavylift.pipeline.log import Log
-from heavylift.pipeline.verify import verify_case
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]

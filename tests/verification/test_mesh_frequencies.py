@@ -10,13 +10,13 @@ from numpy.polynomial import Polynomial, legendre
 from scipy.linalg import eigh
 
 from heavylift.solver.bodies.ancf import frame_packing, shell_packing
-from heavylift.solver.mesh_shapes import line, rectangle
-from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSection, Support
-from heavylift.solver.scene import Gravity, Scene
+from heavylift.solver.scene.mesh_shapes import line, rectangle
+from heavylift.solver.scene.meshes import FrameBody, FrameSection, ShellBody, ShellSection, Support
+from heavylift.solver.scene.scene import Gravity, Scene
 from heavylift.solver.simulation import Simulation
 
 if TYPE_CHECKING:
-    from heavylift.solver.meshes import MeshBody
+    from heavylift.solver.scene.meshes import MeshBody
 
 STEEL, DENSITY = 2.1e11, 7850.0
 LENGTH, AREA, SECOND_MOMENT = 2.0, 1e-4, 8e-10

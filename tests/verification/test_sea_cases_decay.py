@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import Outcome
+from heavylift.pipeline.commands.verify import verify_case
 from heavylift.pipeline.log import Log
-from heavylift.pipeline.stages import load_changed_case
-from heavylift.pipeline.verify import verify_case
+from heavylift.pipeline.stages.stages import load_changed_case
 from heavylift.preprocess.hydrodynamics import check_database
 from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
 from heavylift.preprocess.retardation import retardation_kernel

@@ -10,18 +10,18 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.pipeline.command_statistics_seeds import simulate_seeds
+from heavylift.pipeline.commands.statistics_seeds import simulate_seeds
+from heavylift.pipeline.commands.verify import verify_case
 from heavylift.pipeline.log import Log
-from heavylift.pipeline.results import load_results
-from heavylift.pipeline.stages import load_changed_case, run_case
-from heavylift.pipeline.verify import verify_case
+from heavylift.pipeline.results.histories import load_results
+from heavylift.pipeline.stages.stages import load_changed_case, run_case
 
 if TYPE_CHECKING:
     from types import ModuleType
 
     from numpy.typing import NDArray
 
-    from heavylift.pipeline.results import Results
+    from heavylift.pipeline.results.histories import Results
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 BARGE, SEA = CASES / "transport_barge", CASES / "irregular_sea"

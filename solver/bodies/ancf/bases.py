@@ -13,7 +13,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.solver.bodies.ancf.kind import POINT_MARKER, TANGENT_MARKER, TRIAD_MARKER, VECTOR_MARKER
 from heavylift.solver.bodies.ancf.types import type_of
 from heavylift.solver.markers import BodyMarkers
-from heavylift.solver.meshes import FrameBody, MeshBody, ShellBody
+from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
 
 __all__ = ["Base", "Bases", "MarkerEntry", "frame_tangent", "plan_bases"]
 

@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.contours.packed_contour import PackedContour
+from heavylift.contours.splines.packed_contour import PackedContour
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import rotate_back
+from heavylift.numerics.vectors import rotate_back
 from heavylift.solver.bodies.ancf.facets import bound_facets, form_facets
 from heavylift.solver.bodies.ancf.joints import apply_inverse_of_meshes, take_impulses
 from heavylift.solver.bodies.ancf.kind import (
@@ -235,7 +235,7 @@ def put_mesh_contour_rows(kind: Meshes, contacts: ContactRows, contact: int, cou
         aim_point(kind.moving, kind, dof, slot + 1, contacts.places, scratch.slope_weights, 0, count)
     for r in range(3):
         d = scratch.directions[r]
-        d1, d2, d3 = rotate_back(pose.rotation, d[0], d[1], d[2])
+        d1, d2, d3 = rotate_back(pose.rotation, d)
         contacts.panels[panel + r] = -d1
         contacts.panels[panel + lanes + r] = -d2
         contacts.panels[panel + 2 * lanes + r] = -d3

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from heavylift.preprocess.surfaces import TriangleSurface
 from heavylift.solver.bodies.ancf.types import type_of
-from heavylift.solver.meshes import FrameBody, MeshBody, ShellBody
+from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
 
 if TYPE_CHECKING:
     from collections.abc import Hashable

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import rotate_back
+from heavylift.numerics.vectors import rotate_back
 from heavylift.solver.bodies.ancf.kind import Meshes, MovingPoints
 from heavylift.solver.bodies.ancf.moving import body_with_points, point_value
-from heavylift.solver.contact.facet_kind import FacetSurfaces
 from heavylift.solver.contact.interface import put_surface_rows
 from heavylift.solver.contact.kind import ContactRows
+from heavylift.solver.contact.triangles.facet_kind import FacetSurfaces
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
 
@@ -122,7 +122,7 @@ def put_rows_on_meshes(kind: Meshes, contacts: ContactRows, contact: int, side: 
     panel += column * lanes
     for r in range(3):
         d = scratch.directions[r]
-        d1, d2, d3 = rotate_back(pose.rotation, d[0], d[1], d[2])
+        d1, d2, d3 = rotate_back(pose.rotation, d)
         contacts.panels[panel + r] = sign * d1
         contacts.panels[panel + lanes + r] = sign * d2
         contacts.panels[panel + 2 * lanes + r] = sign * d3

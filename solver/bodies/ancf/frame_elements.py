@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 from heavylift.solver.bodies.ancf.elements import (
     add_follower_load,
     add_mean_stress_forces,
@@ -201,7 +201,7 @@ def add_frame_follower(
         point = axial_point(constants, own, g)
         d = combine(point.first, shape)
         inverse = 1.0 / math.sqrt(dot(d, d))
-        side = cross(axis[0], axis[1], axis[2], d[0], d[1], d[2])
+        side = cross(axis, d)
         f = add_vector((0.0, 0.0, 0.0), inverse * normal, side)
         f = add_vector(f, inverse * tangential, d)
         f1 = add_vector(f1, point.loads[0], f)

@@ -17,7 +17,7 @@ import math
 
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 from heavylift.solver.bodies.ancf.frame_data import (
     AXIAL_POINTS,
     BENDING_POINTS,
@@ -52,7 +52,7 @@ __all__ = [
 @kernel(inline=True, internal=True)
 def curvature(d: Vector, c: Vector) -> Vector:
     """``K = d x c / |d|^2``."""
-    k = cross(d[0], d[1], d[2], c[0], c[1], c[2])
+    k = cross(d, c)
     inverse = 1.0 / dot(d, d)
     return inverse * k[0], inverse * k[1], inverse * k[2]
 
@@ -80,8 +80,8 @@ def _moment(strain: Floats1, at: int, curved: bool, d: Vector, c: Vector) -> Vec
 def _gradient(d: Vector, c: Vector, m: Vector) -> tuple[Vector, Vector]:
     """Derivatives of ``m.K`` by d and c: ``(c x m) / |d|^2 - 2 m.K d / |d|^2`` and ``(m x d) / |d|^2``."""
     inverse = 1.0 / dot(d, d)
-    by_d = cross(c[0], c[1], c[2], m[0], m[1], m[2])
-    by_c = cross(m[0], m[1], m[2], d[0], d[1], d[2])
+    by_d = cross(c, m)
+    by_c = cross(m, d)
     along = 2.0 * inverse * dot(d, by_d)  # d.(c x m) = m.(d x c)
     return (
         (
@@ -102,8 +102,8 @@ def _curvature_stiffness(
     g = dot(c, d)
     a2 = material * inverse * inverse
     p = 2.0 * geometric * inverse * inverse
-    cm = cross(c[0], c[1], c[2], m[0], m[1], m[2])
-    md = cross(m[0], m[1], m[2], d[0], d[1], d[2])
+    cm = cross(c, m)
+    md = cross(m, d)
     triple = dot(d, cm)
     ratio = g * inverse
     # by d d: (..) I - a2 c c^T + u d^T + d u^T
@@ -231,8 +231,8 @@ def add_exact_rates(
             else:
                 inverse = factor / dot(d, d)
                 k = curvature(d, c)
-                turn = cross(d1[0], d1[1], d1[2], c[0], c[1], c[2])
-                bend = cross(d[0], d[1], d[2], c1[0], c1[1], c1[2])
+                turn = cross(d1, c)
+                bend = cross(d, c1)
                 stretch = 2.0 * dot(d, d1)
                 for i in range(3):
                     strain[place + i] += inverse * (turn[i] + bend[i] - stretch * k[i])

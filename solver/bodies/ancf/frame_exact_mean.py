@@ -26,7 +26,7 @@ from __future__ import annotations
 
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 from heavylift.solver.bodies.ancf.frame_data import (
     AXIAL_POINTS,
     BENDING_POINTS,
@@ -72,11 +72,9 @@ def _vector_gradient(m: Vector, d0: Vector, c0: Vector, d1: Vector, c1: Vector) 
     d, c = _middle(d0, d1), _middle(c0, c1)
     u0, u1 = 1.0 / dot(d0, d0), 1.0 / dot(d1, d1)
     u = 0.5 * (u0 + u1)
-    normal = _middle(
-        cross(d0[0], d0[1], d0[2], c0[0], c0[1], c0[2]), cross(d1[0], d1[1], d1[2], c1[0], c1[1], c1[2])
-    )
-    by_d = cross(c[0], c[1], c[2], m[0], m[1], m[2])
-    by_c = cross(m[0], m[1], m[2], d[0], d[1], d[2])
+    normal = _middle(cross(d0, c0), cross(d1, c1))
+    by_d = cross(c, m)
+    by_c = cross(m, d)
     along = -2.0 * u0 * u1 * dot(m, normal)
     return (
         (u * by_d[0] + along * d[0], u * by_d[1] + along * d[1], u * by_d[2] + along * d[2]),

@@ -30,7 +30,7 @@ from heavylift.solver.bodies.ancf.frame_shape import (
     reference_element,
 )
 from heavylift.solver.bodies.ancf.mesh_checks import check_finite, check_load, check_numbers, check_supports
-from heavylift.solver.meshes import FRAME_VECTORS, FrameBody, FrameSection
+from heavylift.solver.scene.meshes import FRAME_VECTORS, FrameBody, FrameSection
 
 __all__ = [
     "body_constants",

@@ -12,7 +12,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from heavylift.solver.meshes import FrameBody
+    from heavylift.solver.scene.meshes import FrameBody
 
 __all__ = ["FrameStresses", "cubic_shapes", "frame_lengths", "frame_stresses"]
 

@@ -21,7 +21,7 @@ from heavylift.solver.interface import (
     write_velocity,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.rows import (
+from heavylift.solver.rows.structure import (
     FACTORED,
     RowArrays,
 )

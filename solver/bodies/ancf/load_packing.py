@@ -13,7 +13,7 @@ from heavylift.numerics.records import Records, records
 from heavylift.solver.bodies.ancf.frame_data import FrameFollower
 from heavylift.solver.bodies.ancf.kind import DEAD_LOAD, FOLLOWER_ELEMENT, FOLLOWER_NODE, MeshLoad
 from heavylift.solver.bodies.ancf.types import type_of
-from heavylift.solver.meshes import DistributedLoad, FollowerLoad, FrameBody, MeshBody
+from heavylift.solver.scene.meshes import DistributedLoad, FollowerLoad, FrameBody, MeshBody
 
 __all__ = ["LoadBook"]
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.meshes import DistributedLoad, FollowerLoad, MeshBody
+from heavylift.solver.scene.meshes import DistributedLoad, FollowerLoad, MeshBody
 
 __all__ = ["check_finite", "check_load", "check_numbers", "check_supports"]
 

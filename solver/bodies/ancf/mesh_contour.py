@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.meshes import FrameBody, MeshBody, ShellBody
+from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.contours.spaces import SplineSpace
+    from heavylift.contours.splines.spaces import SplineSpace
 
 __all__ = ["ControlVectors", "MeshContour", "control_vectors", "mesh_contour", "start_control"]
 
@@ -92,7 +92,7 @@ def mesh_contour(body: MeshBody) -> MeshContour:
     InputError
         If the elements do not make one line, or one rectangle.
     """
-    from heavylift.contours.spaces import SplineSpace
+    from heavylift.contours.splines.spaces import SplineSpace
 
     made = control_vectors(body)
     spaces = tuple(

@@ -23,7 +23,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import forward_pivot, subtract_forward
 from heavylift.solver.bodies.ancf.assembly import set_size
 from heavylift.solver.bodies.ancf.kind import Meshes, MovingPoints
-from heavylift.solver.rows import RowArrays
+from heavylift.solver.rows.structure import RowArrays
 
 __all__ = [
     "add_point_compliance",

@@ -12,7 +12,7 @@ from heavylift.numerics.records import Records, records
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.ancf.kind import MeshPlaces, MovingPoint, MovingPoints, PointsOfBody
 from heavylift.solver.bodies.ancf.mesh_contour import control_vectors
-from heavylift.solver.meshes import MeshBody
+from heavylift.solver.scene.meshes import MeshBody
 
 __all__ = ["pack_moving"]
 

@@ -35,9 +35,9 @@ from heavylift.solver.bodies.ancf.load_packing import LoadBook
 from heavylift.solver.bodies.ancf.moving_packing import pack_moving
 from heavylift.solver.bodies.ancf.pattern_tables import base_blocks, block_ranges, clears
 from heavylift.solver.bodies.ancf.types import MeshType, type_of
-from heavylift.solver.channels import channel_width
 from heavylift.solver.markers import BodyMarkers
-from heavylift.solver.meshes import MeshBody
+from heavylift.solver.scene.channels import channel_width
+from heavylift.solver.scene.meshes import MeshBody
 
 __all__ = ["check_mesh", "mass_and_inertia", "mesh_columns", "pack_meshes"]
 

@@ -19,7 +19,7 @@ import math
 from typing import Any
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 from heavylift.solver.bodies.ancf.kind import TANGENT_MARKER, TRIAD_MARKER, Meshes
 from heavylift.solver.bodies.ancf.stage import base_value
 from heavylift.solver.interface import Workspace
@@ -67,10 +67,10 @@ def _triad(kind: Meshes, marker: int) -> Vector:
     ra, rb = base_value(kind, base, kind.mid_velocity), base_value(kind, base + 1, kind.mid_velocity)
     size = 1.0 / math.sqrt(_dot(a, a))
     e1 = (size * a[0], size * a[1], size * a[2])
-    n = cross(a[0], a[1], a[2], b[0], b[1], b[2])
+    n = cross(a, b)
     area = 1.0 / math.sqrt(_dot(n, n))
     e3 = (area * n[0], area * n[1], area * n[2])
-    e2 = cross(e3[0], e3[1], e3[2], e1[0], e1[1], e1[2])
+    e2 = cross(e3, e1)
     b1, b2 = _dot(b, e1), _dot(b, e2)
     along = size * _dot(e1, ra)
     q, r = -size * _dot(e3, ra), size * _dot(e2, ra)
@@ -79,9 +79,9 @@ def _triad(kind: Meshes, marker: int) -> Vector:
     dq = p * r - 2.0 * q * along
     dp = 2.0 * q * _dot(e1, rb) - 2.0 * p * _dot(e2, rb) + q * r * b2 + p * r * b1 + b1 * dq
     dp /= b2
-    turn = cross(p, q, r, d1, d2, d3)
-    centripetal = cross(p, q, r, turn[0], turn[1], turn[2])
-    change = cross(dp, dq, dr, d1, d2, d3)
+    turn = cross((p, q, r), (d1, d2, d3))
+    centripetal = cross((p, q, r), turn)
+    change = cross((dp, dq, dr), (d1, d2, d3))
     c1, c2, c3 = change[0] + centripetal[0], change[1] + centripetal[1], change[2] + centripetal[2]
     return (
         c1 * e1[0] + c2 * e2[0] + c3 * e3[0],

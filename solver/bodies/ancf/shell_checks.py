@@ -10,12 +10,12 @@ from heavylift.numerics.outcome import InputError
 from heavylift.solver.bodies.ancf.mesh_checks import check_load, check_numbers, check_supports
 from heavylift.solver.bodies.ancf.shell_data import gauss_rule
 from heavylift.solver.bodies.ancf.shell_reference import FlatShape, flat_shape, grid, section_numbers, shapes
-from heavylift.solver.meshes import SHELL_VECTORS
+from heavylift.solver.scene.meshes import SHELL_VECTORS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.solver.meshes import ShellBody
+    from heavylift.solver.scene.meshes import ShellBody
 
 __all__ = ["check_shell"]
 

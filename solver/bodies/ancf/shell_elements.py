@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.small import cross
+from heavylift.numerics.vectors import cross
 from heavylift.solver.bodies.ancf.elements import (
     add_follower_load,
     add_stiffness,
@@ -227,7 +227,7 @@ def record_shell(kind: ShellMeshes, body: int, row: NDArray[np.float64], column:
         b = centre_vector(kind, begin + e, own.centre[1])
         xx, yy, xy = 0.5 * (dot(a, a) - 1.0), 0.5 * (dot(b, b) - 1.0), 0.5 * dot(a, b)
         Nx, Ny, Nxy = stretch * (xx + nu * yy), stretch * (yy + nu * xx), stretch * (1.0 - nu) * xy
-        n = cross(a[0], a[1], a[2], b[0], b[1], b[2])
+        n = cross(a, b)
         length = math.sqrt(dot(n, n))
         kx = dot(n, centre_vector(kind, begin + e, own.centre[2])) / length
         ky = dot(n, centre_vector(kind, begin + e, own.centre[3])) / length

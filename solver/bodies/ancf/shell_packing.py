@@ -22,7 +22,7 @@ from heavylift.solver.bodies.ancf.shell_reference import (
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.solver.meshes import ShellBody
+    from heavylift.solver.scene.meshes import ShellBody
 
 __all__ = [
     "body_constants",

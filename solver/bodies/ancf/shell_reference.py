@@ -20,7 +20,7 @@ from heavylift.solver.bodies.ancf.shell_data import (
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.solver.meshes import ShellBody, ShellSection
+    from heavylift.solver.scene.meshes import ShellBody, ShellSection
 
 __all__ = [
     "FlatShape",

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from heavylift.solver.meshes import ShellBody
+    from heavylift.solver.scene.meshes import ShellBody
 
 __all__ = ["ShellStresses", "shell_coordinates", "shell_stresses", "von_mises"]
 

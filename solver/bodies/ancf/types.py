@@ -16,7 +16,7 @@ from heavylift.solver.bodies.ancf.kind import (
     ShellMeshElement,
     ShellMeshes,
 )
-from heavylift.solver.meshes import FRAME_VECTORS, SHELL_VECTORS, FrameBody, MeshBody
+from heavylift.solver.scene.meshes import FRAME_VECTORS, SHELL_VECTORS, FrameBody, MeshBody
 
 __all__ = ["MeshType", "type_of"]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from frame_oracle import OracleElement, Section
 
-from heavylift.solver.meshes import FrameBody, FrameSection
+from heavylift.solver.scene.meshes import FrameBody, FrameSection
 
 SECTION = FrameSection(density=7800.0, youngs_modulus=2e5, area=0.01, second_moment=3e-4, outer_fibre=0.05)
 EA, EI, MASS = 2e3, 60.0, 78.0

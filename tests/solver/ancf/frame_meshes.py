@@ -28,7 +28,7 @@ from heavylift.solver.bodies.ancf.kind import (
 from tests.solver.groups import partly
 
 if TYPE_CHECKING:
-    from heavylift.solver.meshes import FrameBody
+    from heavylift.solver.scene.meshes import FrameBody
 
 __all__ = ["get", "matrix", "pack", "put"]
 

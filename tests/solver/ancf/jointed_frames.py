@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from heavylift.solver.connections import GROUND, JointFrame, axes_about, frame_in_body
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.hinge import Hinge
-from heavylift.solver.mesh_shapes import line
-from heavylift.solver.meshes import FrameBody, FrameSection, Support
-from heavylift.solver.scene import Gravity, RigidBody, Scene
+from heavylift.solver.scene.connections import GROUND, JointFrame, axes_about, frame_in_body
+from heavylift.solver.scene.mesh_shapes import line
+from heavylift.solver.scene.meshes import FrameBody, FrameSection, Support
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 DOWN = Gravity(np.array([0.0, 0.0, -9.81]))

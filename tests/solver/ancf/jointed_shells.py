@@ -8,12 +8,12 @@ import numpy as np
 from jointed_frames import Part, on, rod
 from scipy.spatial.transform import Rotation
 
-from heavylift.solver.connections import GROUND, JointFrame, axes_about
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.edges import EdgeClamp, EdgeHinge
 from heavylift.solver.joints.hinge import Hinge
-from heavylift.solver.mesh_shapes import ShellMesh, rectangle
-from heavylift.solver.meshes import ShellBody, ShellSection, Support
+from heavylift.solver.scene.connections import GROUND, JointFrame, axes_about
+from heavylift.solver.scene.mesh_shapes import ShellMesh, rectangle
+from heavylift.solver.scene.meshes import ShellBody, ShellSection, Support
 
 HALF, WHOLE, PANEL = rectangle(0.5, 0.6, 2, 3), rectangle(1.0, 0.6, 4, 3), rectangle(0.5, 0.6, 2, 2)
 TURN = Rotation.from_euler("xyz", [0.1, 0.2, 0.9])

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from heavylift.solver.meshes import ShellBody, ShellSection
+    from heavylift.solver.scene.meshes import ShellBody, ShellSection
 
 CORNERS = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 

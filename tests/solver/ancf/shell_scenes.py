@@ -35,7 +35,7 @@ from heavylift.solver.bodies.ancf.shell_packing import (
     start_coordinates,
     strain_counts,
 )
-from heavylift.solver.meshes import ShellBody, ShellSection
+from heavylift.solver.scene.meshes import ShellBody, ShellSection
 from tests.solver.groups import partly
 
 LANES, BLOCK = 16, 12 * 16
@@ -44,7 +44,7 @@ STEEL = ShellSection(0.01, 7850.0, 2.1e11, 0.3)
 
 
 def shell(mesh: Any, section: ShellSection = STEEL, **more: Any) -> ShellBody:
-    """A body on a mesh of `heavylift.solver.mesh_shapes`."""
+    """A body on a mesh of `heavylift.solver.scene.mesh_shapes`."""
     return ShellBody(
         name="plate",
         nodes=mesh.nodes,

@@ -14,8 +14,8 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.bodies.ancf import elements as generics
 from heavylift.solver.bodies.ancf.kind import FrameMeshes
-from heavylift.solver.meshes import FrameBody, FrameSection, Support
-from heavylift.solver.scene import Gravity, Scene
+from heavylift.solver.scene.meshes import FrameBody, FrameSection, Support
+from heavylift.solver.scene.scene import Gravity, Scene
 from heavylift.solver.simulation import Simulation
 
 if TYPE_CHECKING:

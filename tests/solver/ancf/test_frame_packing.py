@@ -22,7 +22,7 @@ from heavylift.solver.bodies.ancf.frame_packing import (
     strain_counts,
 )
 from heavylift.solver.bodies.ancf.frame_shape import reference_element
-from heavylift.solver.meshes import DistributedLoad, FollowerLoad, FrameBody, FrameSection, Support
+from heavylift.solver.scene.meshes import DistributedLoad, FollowerLoad, FrameBody, FrameSection, Support
 
 
 @pytest.fixture(params=EXAMPLES)

@@ -17,7 +17,6 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.solver.bodies.ancf.elements import add_elastic_forces
 from heavylift.solver.bodies.ancf.kind import POINT_MARKER, TANGENT_MARKER, TRIAD_MARKER, VECTOR_MARKER
 from heavylift.solver.bodies.ancf.stability import SHARE
-from heavylift.solver.connections import GROUND, JointFrame, Spring
 from heavylift.solver.integrate.accurate import make_integration
 from heavylift.solver.integrate.mesh_rates import highest_rate
 from heavylift.solver.interface import begin_stage
@@ -25,8 +24,9 @@ from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.mesh_shapes import rectangle
-from heavylift.solver.meshes import (
+from heavylift.solver.scene.connections import GROUND, JointFrame, Spring
+from heavylift.solver.scene.mesh_shapes import rectangle
+from heavylift.solver.scene.meshes import (
     DistributedLoad,
     FrameBody,
     FrameSection,
@@ -35,7 +35,7 @@ from heavylift.solver.meshes import (
     ShellSection,
     Support,
 )
-from heavylift.solver.scene import Gravity, RigidBody, Scene
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 LENGTH, AREA, DENSITY, INERTIA = 1.2, 0.0018, 5540.0, 1.215e-8

@@ -12,11 +12,11 @@ from scipy.interpolate import BSpline
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.bodies.ancf.mesh_contour import control_vectors, mesh_contour, start_control
 from heavylift.solver.bodies.ancf.types import type_of
-from heavylift.solver.mesh_shapes import arc, grid, line, rectangle, spline
-from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSection
+from heavylift.solver.scene.mesh_shapes import arc, grid, line, rectangle, spline
+from heavylift.solver.scene.meshes import FrameBody, FrameSection, ShellBody, ShellSection
 
 if TYPE_CHECKING:
-    from heavylift.contours.spaces import SplineSpace
+    from heavylift.contours.splines.spaces import SplineSpace
 
 SECTION = FrameSection(density=1000.0, youngs_modulus=1e7, area=1e-3, second_moment=1e-7)
 SHEET = ShellSection(0.01, 1000.0, 1e7, 0.3)

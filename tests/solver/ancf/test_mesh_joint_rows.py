@@ -17,7 +17,6 @@ from joint_scenes import RESIDUALS, Pose, make_joint
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.kind import FrameMeshes, ShellMeshes
 from heavylift.solver.bodies.ancf.second_rates import write_second_rates
-from heavylift.solver.connections import GROUND, JointFrame, axes_about
 from heavylift.solver.integrate.loop import start_scene
 from heavylift.solver.interface import (
     RECORD,
@@ -31,9 +30,10 @@ from heavylift.solver.joints.edges import EdgeClamp, EdgeHinge
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.mesh_shapes import line, quadrilateral, rectangle
-from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSection
-from heavylift.solver.scene import PointForce, RigidBody, Scene
+from heavylift.solver.scene.connections import GROUND, JointFrame, axes_about
+from heavylift.solver.scene.mesh_shapes import line, quadrilateral, rectangle
+from heavylift.solver.scene.meshes import FrameBody, FrameSection, ShellBody, ShellSection
+from heavylift.solver.scene.scene import PointForce, RigidBody, Scene
 
 ON_SHELLS = ("ball", "distance", "fixed", "hinge", "planar", "slider", "universal")
 BENT = np.array([[0.0, 0.0, 0.0], [1.2, 0.1, 0.0], [1.1, 0.9, 0.0], [-0.1, 0.8, 0.0]])

@@ -20,11 +20,11 @@ from jointed_shells import (
 from scipy.integrate import solve_ivp
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, JointSpring
 from heavylift.solver.joints.edges import EdgeClamp, EdgeHinge
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.mesh_shapes import quadrilateral, rectangle
-from heavylift.solver.scene import Scene
+from heavylift.solver.scene.connections import GROUND, JointSpring
+from heavylift.solver.scene.mesh_shapes import quadrilateral, rectangle
+from heavylift.solver.scene.scene import Scene
 
 
 def all_parts(**more: object) -> Scene:

@@ -9,11 +9,11 @@ import pytest
 from jointed_frames import DOWN, bar, rod
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, JointFrame
 from heavylift.solver.joints.ball import Ball
-from heavylift.solver.mesh_shapes import rectangle
-from heavylift.solver.meshes import ShellBody, ShellSection
-from heavylift.solver.scene import Scene
+from heavylift.solver.scene.connections import GROUND, JointFrame
+from heavylift.solver.scene.mesh_shapes import rectangle
+from heavylift.solver.scene.meshes import ShellBody, ShellSection
+from heavylift.solver.scene.scene import Scene
 from heavylift.solver.simulation import Simulation
 
 pytestmark = pytest.mark.slow  # each scene compiles for half a minute

@@ -9,15 +9,11 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, JointFrame, SpringRope
-from heavylift.solver.integrate.mesh_statics import relax_to_equilibrium
-from heavylift.solver.integrate.mesh_system import MeshSystem
-from heavylift.solver.integrate.start_rows import StartRows
-from heavylift.solver.integrate.statics import find_equilibrium
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.layout import Layout, pack_scene
-from heavylift.solver.mesh_shapes import line, rectangle
-from heavylift.solver.meshes import (
+from heavylift.solver.scene.connections import GROUND, JointFrame, SpringRope
+from heavylift.solver.scene.mesh_shapes import line, rectangle
+from heavylift.solver.scene.meshes import (
     DistributedLoad,
     FollowerLoad,
     FrameBody,
@@ -27,7 +23,11 @@ from heavylift.solver.meshes import (
     ShellSection,
     Support,
 )
-from heavylift.solver.scene import Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene.scene import Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.start.rows import StartRows
+from heavylift.solver.statics.equilibrium import find_equilibrium
+from heavylift.solver.statics.mesh_statics import relax_to_equilibrium
+from heavylift.solver.statics.mesh_system import MeshSystem
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

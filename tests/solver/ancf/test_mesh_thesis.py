@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.solver.mesh_shapes import line
-from heavylift.solver.meshes import FrameBody, FrameSection, Support
-from heavylift.solver.scene import Gravity, Scene
+from heavylift.solver.scene.mesh_shapes import line
+from heavylift.solver.scene.meshes import FrameBody, FrameSection, Support
+from heavylift.solver.scene.scene import Gravity, Scene
 from heavylift.solver.simulation import Simulation
 
 pytestmark = pytest.mark.slow  # two integrators compile

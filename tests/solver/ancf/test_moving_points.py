@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-from heavylift.contours.packed_contour import PackedContour
+from heavylift.contours.splines.packed_contour import PackedContour
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import records
 from heavylift.solver.bodies.ancf.assembly import set_size
@@ -22,7 +22,6 @@ from heavylift.solver.bodies.ancf.packing import SCHEMES, pack_meshes
 from heavylift.solver.bodies.ancf.sparse_matrices import mesh_matrices
 from heavylift.solver.bodies.ancf.types import type_of
 from heavylift.solver.contact.interface import settle_points
-from heavylift.solver.integrate.row_solver import assemble, factor_rows, solve_rows
 from heavylift.solver.interface import (
     FORCES,
     Bodies,
@@ -40,15 +39,16 @@ from heavylift.solver.interface import (
     start,
 )
 from heavylift.solver.markers import BodyMarkers
-from heavylift.solver.mesh_shapes import line, rectangle
-from heavylift.solver.meshes import FrameBody, FrameSection, ShellBody, ShellSection, Support
-from heavylift.solver.rows import (
+from heavylift.solver.rows.solver import assemble, factor_rows, solve_rows
+from heavylift.solver.rows.structure import (
     FACTORED,
     PRESCRIBED,
     Attachment,
     classify_rows,
     pack_rows,
 )
+from heavylift.solver.scene.mesh_shapes import line, rectangle
+from heavylift.solver.scene.meshes import FrameBody, FrameSection, ShellBody, ShellSection, Support
 
 STEP = 2e-3
 SPOT, OTHER = (2, (0.3, 0.7)), (0, (0.6, 0.2))

@@ -32,12 +32,12 @@ from heavylift.solver.bodies.ancf.shell_packing import (
     shape_values,
     start_coordinates,
 )
-from heavylift.solver.mesh_shapes import ShellMesh, grid, quadrilateral, rectangle
+from heavylift.solver.scene.mesh_shapes import ShellMesh, grid, quadrilateral, rectangle
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from heavylift.solver.meshes import ShellBody
+    from heavylift.solver.scene.meshes import ShellBody
 
 
 def one_rectangle(**more: object) -> ShellBody:

@@ -21,8 +21,8 @@ from heavylift.solver.bodies.ancf.shell_packing import (
     start_coordinates,
     strain_counts,
 )
-from heavylift.solver.mesh_shapes import ShellMesh, grid, quadrilateral, rectangle
-from heavylift.solver.meshes import DistributedLoad, ShellBody, ShellSection, Support
+from heavylift.solver.scene.mesh_shapes import ShellMesh, grid, quadrilateral, rectangle
+from heavylift.solver.scene.meshes import DistributedLoad, ShellBody, ShellSection, Support
 
 # Square plate L = 10 m, h = 0.1 m, E = 1 GPa, q = 981 N/m2: centre deflection in mm, n x n bicubic Hermite elements
 # for n = 2, 4, 6, 8, 10. Bicubic Hermite plate, Kirchhoff exact: simply supported 478.220 (nu 0), 435.180 (nu 0.3),

@@ -7,8 +7,8 @@ import pytest
 from shell_scenes import add_both, find, pack, put, shell, stiffness, taken
 
 from heavylift.solver.bodies.ancf.shell_packing import element_data, load_shape, start_coordinates
-from heavylift.solver.mesh_shapes import rectangle
-from heavylift.solver.meshes import ShellSection
+from heavylift.solver.scene.mesh_shapes import rectangle
+from heavylift.solver.scene.meshes import ShellSection
 
 # Square plate L = 10 m, h = 0.1 m, E = 1 GPa, q = 981 N/m2: centre deflection in mm, n x n bicubic Hermite elements,
 # strain of Green-Lagrange and bending, edges that cannot move; computed by separate code with 7 x 7 points.

@@ -7,8 +7,8 @@ import pytest
 from shell_scenes import distorted_element, pack, put, recorded, rotation, shell
 
 from heavylift.solver.bodies.ancf.shell_packing import result_columns, start_coordinates
-from heavylift.solver.mesh_shapes import rectangle
-from heavylift.solver.meshes import ShellBody, ShellSection
+from heavylift.solver.scene.mesh_shapes import rectangle
+from heavylift.solver.scene.meshes import ShellBody, ShellSection
 
 
 def record(body: ShellBody, coordinates: np.ndarray) -> dict[str, np.ndarray]:

@@ -16,8 +16,8 @@ from heavylift.solver.contact.layout import (
     RowParameters,
     Solution,
 )
-from heavylift.solver.contact.newton import NonsmoothNewton, solve_contacts
-from heavylift.solver.contact.problem import make_work
+from heavylift.solver.contact.solve.newton import NonsmoothNewton, solve_contacts
+from heavylift.solver.contact.solve.problem import make_work
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.contours.neutral import neutral_curve, neutral_surface
-from heavylift.solver.contacts import Contact, Contour, RigidLaw, SphereShape
-from heavylift.solver.scene import Gravity, RigidBody, Scene
+from heavylift.contours.splines.neutral import neutral_curve, neutral_surface
+from heavylift.solver.scene.contacts import Contact, Contour, RigidLaw, SphereShape
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 if TYPE_CHECKING:

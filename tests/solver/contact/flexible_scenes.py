@@ -9,9 +9,9 @@ import numpy as np
 from contact_scenes import ball
 from point_masses import Cloud
 
-from heavylift.contours.neutral import neutral_surface
-from heavylift.solver.contacts import Contact, Contour, PointShape
-from heavylift.solver.scene import Fixed, FlexibleBody, Free, Gravity, Scene
+from heavylift.contours.splines.neutral import neutral_surface
+from heavylift.solver.scene.contacts import Contact, Contour, PointShape
+from heavylift.solver.scene.scene import Fixed, FlexibleBody, Free, Gravity, Scene
 
 SIDE, COUNT = 1.0, 7
 CENTRE = COUNT // 2 * COUNT + COUNT // 2

@@ -9,9 +9,9 @@ import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.preprocess.surfaces import TriangleSurface
-from heavylift.solver.collisions import Collision, CollisionSurface
-from heavylift.solver.contacts import RigidLaw
-from heavylift.solver.scene import Gravity, RigidBody, Scene
+from heavylift.solver.scene.collisions import Collision, CollisionSurface
+from heavylift.solver.scene.contacts import RigidLaw
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 if TYPE_CHECKING:

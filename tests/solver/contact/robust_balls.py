@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from contact_scenes import RADIUS, Run, ball, ball_on_floor, surface
 
-from heavylift.solver.contacts import HertzLaw, HuntCrossleyLaw, LinearLaw, RigidLaw
+from heavylift.solver.scene.contacts import HertzLaw, HuntCrossleyLaw, LinearLaw, RigidLaw
 from heavylift.solver.simulation import Simulation
 
 if TYPE_CHECKING:
-    from heavylift.solver.scene import Scene
+    from heavylift.solver.scene.scene import Scene
 
 
 def bowl(x: Any, y: Any) -> Any:

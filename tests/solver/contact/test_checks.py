@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from heavylift.contours.neutral import neutral_curve, neutral_surface
+from heavylift.contours.splines.neutral import neutral_curve, neutral_surface
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.contact.check_start import check_places
 from heavylift.solver.contact.kind import LOST, TOO_DEEP
-from heavylift.solver.contacts import (
+from heavylift.solver.layout import Layout, pack_scene
+from heavylift.solver.scene.contacts import (
     BilateralLaw,
     BoxShape,
     CapsuleShape,
@@ -24,8 +25,7 @@ from heavylift.solver.contacts import (
     PointShape,
     SphereShape,
 )
-from heavylift.solver.layout import Layout, pack_scene
-from heavylift.solver.scene import RigidBody, Scene
+from heavylift.solver.scene.scene import RigidBody, Scene
 
 GRID = np.stack(
     [*np.meshgrid(np.linspace(0, 2, 5), np.linspace(0, 1, 5), indexing="ij"), np.zeros((5, 5))], axis=2

@@ -35,7 +35,7 @@ from heavylift.preprocess.primitive_surfaces import (
     sphere_surface,
 )
 from heavylift.preprocess.surfaces import TriangleSurface
-from heavylift.solver.contacts import HuntCrossleyLaw, LinearLaw, RigidLaw
+from heavylift.solver.scene.contacts import HuntCrossleyLaw, LinearLaw, RigidLaw
 from heavylift.solver.simulation import Simulation
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from mesh_contact_scenes import DOWN, MASS, G, ball, body, run, turn
 
-from heavylift.contours.neutral import neutral_surface
+from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.preprocess.primitive_surfaces import box_surface, plane_surface
-from heavylift.solver.collisions import Collision, CollisionSurface
-from heavylift.solver.connections import JointFrame, Rope, RopePoint, Winch
-from heavylift.solver.contacts import Contact, Contour, LinearLaw, RigidLaw, SphereShape
 from heavylift.solver.joints.ball import Ball
-from heavylift.solver.scene import Gravity, Scene
+from heavylift.solver.scene.collisions import Collision, CollisionSurface
+from heavylift.solver.scene.connections import JointFrame, Rope, RopePoint, Winch
+from heavylift.solver.scene.contacts import Contact, Contour, LinearLaw, RigidLaw, SphereShape
+from heavylift.solver.scene.scene import Gravity, Scene
 from heavylift.solver.simulation import Simulation
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]

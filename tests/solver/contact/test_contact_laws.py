@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import beta
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact.laws import (
+from heavylift.solver.contact.laws.normal_force import (
     hunt_crossley_damping,
     mean_normal_force,
     normal_force,

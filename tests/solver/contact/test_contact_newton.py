@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, nnls
 
-from heavylift.solver.contact.laws import mean_normal_force
+from heavylift.solver.contact.laws.normal_force import mean_normal_force
 from heavylift.solver.contact.layout import (
     BILATERAL,
     COMPLIANT,
@@ -18,7 +18,7 @@ from heavylift.solver.contact.layout import (
     INACTIVE,
     NORMAL_GIVEN,
 )
-from heavylift.solver.contact.newton import FAILED
+from heavylift.solver.contact.solve.newton import FAILED
 
 
 def points(rng, count, mu, size=None, softness=1e-3):

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.contours.feature_gap import EDGE_EDGE
+from heavylift.contours.triangles.feature_gap import EDGE_EDGE
 from heavylift.numerics.jit import kernel
 from heavylift.preprocess.surfaces import TriangleSurface
-from heavylift.solver.collisions import Collision, CollisionSurface
 from heavylift.solver.contact import kind
-from heavylift.solver.contact.mesh_handover import book_jump, goes_on
-from heavylift.solver.contacts import LinearLaw
+from heavylift.solver.contact.triangles.handover import book_jump, goes_on
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.scene import RigidBody, Scene
+from heavylift.solver.scene.collisions import Collision, CollisionSurface
+from heavylift.solver.scene.contacts import LinearLaw
+from heavylift.solver.scene.scene import RigidBody, Scene
 
 DEPTH, BEYOND = 1e-3, 1e-6
 STIFFNESS = 4e5

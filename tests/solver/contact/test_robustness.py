@@ -7,7 +7,7 @@ import pytest
 from contact_scenes import G, ball, ball_on_floor, run, surface
 from robust_balls import FLOOR, complaints, random_scene
 
-from heavylift.solver.contacts import HertzLaw, RigidLaw
+from heavylift.solver.scene.contacts import HertzLaw, RigidLaw
 
 pytestmark = pytest.mark.slow
 

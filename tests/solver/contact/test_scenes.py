@@ -9,10 +9,10 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import BSpline
 from scipy.special import beta
 
-from heavylift.contours.neutral import neutral_surface
+from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.contact import contour_packing
-from heavylift.solver.contacts import (
+from heavylift.solver.scene.contacts import (
     BilateralLaw,
     Contour,
     HertzLaw,
@@ -21,7 +21,7 @@ from heavylift.solver.contacts import (
     PointShape,
     RigidLaw,
 )
-from heavylift.solver.scene import Driven, Gravity, Profile, RigidBody, Scene
+from heavylift.solver.scene.scene import Driven, Gravity, Profile, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 pytestmark = pytest.mark.slow  # the scene is compiled

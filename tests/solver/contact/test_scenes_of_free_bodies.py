@@ -8,8 +8,8 @@ from contact_scenes import DOWN, G, run, surface
 from flexible_scenes import CENTRE, FREE, PLATE_MASS, hit, plate
 from scipy.spatial.transform import Rotation
 
-from heavylift.solver.contacts import Contact, PointShape, RigidLaw
-from heavylift.solver.scene import FlexibleBody, Gravity, Scene
+from heavylift.solver.scene.contacts import Contact, PointShape, RigidLaw
+from heavylift.solver.scene.scene import FlexibleBody, Gravity, Scene
 
 pytestmark = pytest.mark.slow
 

@@ -7,9 +7,9 @@ import pytest
 from contact_scenes import DOWN, MASS, RADIUS, G, ball, ring, run, tilted, touch
 from scipy.integrate import solve_ivp
 
-from heavylift.contours.neutral import neutral_curve
-from heavylift.solver.contacts import BilateralLaw, Contact, Contour, RigidLaw
-from heavylift.solver.scene import Gravity, Scene
+from heavylift.contours.splines.neutral import neutral_curve
+from heavylift.solver.scene.contacts import BilateralLaw, Contact, Contour, RigidLaw
+from heavylift.solver.scene.scene import Gravity, Scene
 
 pytestmark = pytest.mark.slow
 

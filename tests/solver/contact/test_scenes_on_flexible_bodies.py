@@ -8,7 +8,7 @@ from contact_scenes import run
 from flexible_scenes import hit, plate
 from scipy.integrate import solve_ivp
 
-from heavylift.solver.contacts import BilateralLaw, HertzLaw, RigidLaw
+from heavylift.solver.scene.contacts import BilateralLaw, HertzLaw, RigidLaw
 
 pytestmark = pytest.mark.slow
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from contact_scenes import DOWN, MASS, RADIUS, G, ball, run, touch
 
-from heavylift.contours.neutral import neutral_surface
-from heavylift.solver.connections import Rope, RopePoint
-from heavylift.solver.contacts import Contour, RigidLaw
-from heavylift.solver.scene import Gravity, Scene
+from heavylift.contours.splines.neutral import neutral_surface
+from heavylift.solver.scene.connections import Rope, RopePoint
+from heavylift.solver.scene.contacts import Contour, RigidLaw
+from heavylift.solver.scene.scene import Gravity, Scene
 
 pytestmark = pytest.mark.slow
 

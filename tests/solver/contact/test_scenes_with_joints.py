@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from contact_scenes import DOWN, G, run, surface
 
-from heavylift.solver.connections import JointFrame, axes_about
-from heavylift.solver.contacts import Contact, RigidLaw, SphereShape
 from heavylift.solver.joints.hinge import Hinge
-from heavylift.solver.scene import Gravity, RigidBody, Scene
+from heavylift.solver.scene.connections import JointFrame, axes_about
+from heavylift.solver.scene.contacts import Contact, RigidLaw, SphereShape
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 
 pytestmark = pytest.mark.slow
 

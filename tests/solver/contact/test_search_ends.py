@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-import heavylift.solver.contact.search_start  # noqa: F401  its kernel for contours that deform
-from heavylift.contours.neutral import neutral_curve, neutral_surface
-from heavylift.contours.sampling import evaluate_contour
+import heavylift.solver.contact.search.search_start  # noqa: F401  its kernel for contours that deform
+from heavylift.contours.splines.neutral import neutral_curve, neutral_surface
+from heavylift.contours.splines.sampling import evaluate_contour
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.contact.kind import (
@@ -18,12 +18,12 @@ from heavylift.solver.contact.kind import (
     TOO_DEEP,
     ContactRows,
 )
-from heavylift.solver.contact.search_end import judge_searches, note_search
-from heavylift.solver.contact.search_start import start_at_point
-from heavylift.solver.contacts import BoxShape, Contact, Contour, LinearLaw, SphereShape
+from heavylift.solver.contact.search.search_end import judge_searches, note_search
+from heavylift.solver.contact.search.search_start import start_at_point
 from heavylift.solver.interface import Workspace
 from heavylift.solver.layout import Layout, pack_scene
-from heavylift.solver.scene import RigidBody, Scene
+from heavylift.solver.scene.contacts import BoxShape, Contact, Contour, LinearLaw, SphereShape
+from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.stop_message import stop_message
 
 pytestmark = pytest.mark.slow

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from heavylift.contours.neutral import neutral_surface
-from heavylift.solver.contacts import (
+from heavylift.contours.splines.neutral import neutral_surface
+from heavylift.solver.scene.contacts import (
     BoxShape,
     CapsuleShape,
     CircleShape,
@@ -26,7 +26,7 @@ from heavylift.solver.contacts import (
     RigidLaw,
     SphereShape,
 )
-from heavylift.solver.scene import Gravity, RigidBody, Scene
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 pytestmark = pytest.mark.slow

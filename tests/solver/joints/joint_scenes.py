@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from heavylift.solver.connections import Joint, JointFrame
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.distance import Distance
 from heavylift.solver.joints.fixed import FixedJoint
@@ -18,7 +17,8 @@ from heavylift.solver.joints.screw import Screw
 from heavylift.solver.joints.slider import Slider
 from heavylift.solver.joints.slider_hinge import Cylindrical, SliderHinge
 from heavylift.solver.joints.universal import Universal
-from heavylift.solver.scene import Harmonic, Profile
+from heavylift.solver.scene.connections import Joint, JointFrame
+from heavylift.solver.scene.scene import Harmonic, Profile
 
 TURNS = 4.0 * np.pi  # a drive may go round more than once
 PROFILE = Profile(np.array([0.0, 2.0]), TURNS + np.array([0.3, 1.1]), (Harmonic(0.2, 0.7, 0.4),))

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from heavylift.solver.connections import JointFrame
 from heavylift.solver.joints.hinge import Hinge
-from heavylift.solver.scene import Driven, Gravity, Harmonic, Profile, RigidBody, Scene
+from heavylift.solver.scene.connections import JointFrame
+from heavylift.solver.scene.scene import Driven, Gravity, Harmonic, Profile, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 G, AMPLITUDE, FREQUENCY, PLATFORM, MASS, LENGTH, WIDTH = 9.81, 0.2, 0.7, 10.0, 2.0, 1.0, 0.1

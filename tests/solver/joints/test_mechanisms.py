@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from heavylift.solver.connections import GROUND, Joint, JointFrame, axes_about
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.distance import Distance
 from heavylift.solver.joints.fixed import FixedJoint
@@ -21,7 +20,8 @@ from heavylift.solver.joints.planar import Planar
 from heavylift.solver.joints.slider import Slider
 from heavylift.solver.joints.slider_hinge import Cylindrical, SliderHinge
 from heavylift.solver.joints.universal import Universal
-from heavylift.solver.scene import Gravity, Profile, RigidBody, Scene
+from heavylift.solver.scene.connections import GROUND, Joint, JointFrame, axes_about
+from heavylift.solver.scene.scene import Gravity, Profile, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 if TYPE_CHECKING:

@@ -10,7 +10,6 @@ import pytest
 from joint_scenes import CLOSED, LEAD, LENGTH, RESIDUALS, Pose, make_joint, turn
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, Joint, JointFrame
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.distance import Distance
 from heavylift.solver.joints.hinge import Hinge
@@ -19,7 +18,8 @@ from heavylift.solver.joints.registry import joint_module
 from heavylift.solver.joints.screw import Screw
 from heavylift.solver.joints.slider_hinge import SliderHinge
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.scene import Driven, Fixed, Harmonic, Profile, RigidBody, Scene
+from heavylift.solver.scene.connections import GROUND, Joint, JointFrame
+from heavylift.solver.scene.scene import Driven, Fixed, Harmonic, Profile, RigidBody, Scene
 
 NAMES = sorted(RESIDUALS)
 

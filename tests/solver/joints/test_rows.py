@@ -10,7 +10,6 @@ import pytest
 from joint_scenes import CLOSED, RESIDUALS, SLIDE_AXIS, Pose, angle, make_joint, profile, travel, turn
 from scipy.spatial.transform import Rotation
 
-from heavylift.solver.connections import JointFrame
 from heavylift.solver.integrate.loop import start_scene
 from heavylift.solver.interface import (
     ACCELERATIONS,
@@ -22,7 +21,8 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.joints.registry import joint_module
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.scene import RigidBody, Scene
+from heavylift.solver.scene.connections import JointFrame
+from heavylift.solver.scene.scene import RigidBody, Scene
 
 NAMES = sorted(RESIDUALS)
 TIME = 0.6

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.solver.connections import GROUND, JointFrame, Rope, RopePoint, axes_about
 from heavylift.solver.joints.slider import Slider
-from heavylift.solver.scene import Gravity, RigidBody, Scene
+from heavylift.solver.scene.connections import GROUND, JointFrame, Rope, RopePoint, axes_about
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 G = 9.81

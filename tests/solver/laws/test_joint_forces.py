@@ -7,9 +7,9 @@ import pytest
 from law_scenes import G, run, scene
 from scipy.integrate import solve_ivp
 
-from heavylift.solver.connections import GROUND, JointFrame, JointMotor, JointSpring, axes_about
 from heavylift.solver.joints.hinge import Hinge
-from heavylift.solver.scene import RigidBody, Scene
+from heavylift.solver.scene.connections import GROUND, JointFrame, JointMotor, JointSpring, axes_about
+from heavylift.solver.scene.scene import RigidBody, Scene
 
 MASS, ARM, INERTIA = 2.0, 0.5, 0.4
 REST, STIFFNESS, DAMPING = 0.3, 30.0, 0.2

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.joints.law_forces import mean_force, pull
+from heavylift.solver.laws.forces import mean_force, pull
 
 TABLE = np.array([[-0.5, -30.0], [0.0, -2.0], [0.2, -2.0], [0.3, 40.0], [1.0, 50.0]])
 

@@ -9,9 +9,17 @@ import pytest
 from law_scenes import body, eye, pulley, scene, slider, wire
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.connections import GROUND, JointMotor, JointSpring, Limits, Spring, SpringRope, Winch
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.layout import pack_scene
+from heavylift.solver.scene.connections import (
+    GROUND,
+    JointMotor,
+    JointSpring,
+    Limits,
+    Spring,
+    SpringRope,
+    Winch,
+)
 
 LOAD = body("block", 1.0, (0, 0, -10.0))
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.records import records
-from heavylift.solver.joints.rope_path import START_WRAP, PlaceGradient, RopePlace, path_length
+from heavylift.solver.laws.rope_path import START_WRAP, PlaceGradient, RopePlace, path_length
 
 
 def length_and_gradient(places: np.ndarray, wraps: np.ndarray) -> tuple[float, np.ndarray]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from law_scenes import NONE, G, body, run, scene, slider
 
-from heavylift.solver.connections import JointSpring, Limits
+from heavylift.solver.scene.connections import JointSpring, Limits
 
 MASS = 2.0
 

@@ -10,10 +10,10 @@ import pytest
 from law_scenes import NONE, G, body, run, scene
 from scipy.integrate import solve_ivp
 
-from heavylift.solver.connections import GROUND, Spring
+from heavylift.solver.scene.connections import GROUND, Spring
 
 if TYPE_CHECKING:
-    from heavylift.solver.scene import Scene
+    from heavylift.solver.scene.scene import Scene
 
 MASS, LENGTH, STIFFNESS, DAMPING = 2.0, 1.0, 200.0, 0.5
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from law_scenes import G, body, eye, pulley, run, scene, wire
 
-from heavylift.solver.connections import GROUND, SpringRope, Winch
+from heavylift.solver.scene.connections import GROUND, SpringRope, Winch
 
 if TYPE_CHECKING:
-    from heavylift.solver.scene import Scene
+    from heavylift.solver.scene.scene import Scene
 
 
 def bouncing(stiffness: float) -> Scene:

@@ -1,0 +1,1 @@
+"""Contours as splines: made, evaluated, and searched for the point that is touched."""

@@ -1,0 +1,1 @@
+"""Surfaces of triangles: trees, lists of pairs, swept tests, gaps of features."""

@@ -1,0 +1,357 @@
+"""Smallest distance between two surfaces where they stand, and the points where they are nearest.
+
+Both trees are descended together, nearer boxes first; whatever cannot come nearer than the best pair of triangles so
+far is left out (Quinlan, "Efficient distance computation between non-convex objects", IEEE International Conference on
+Robotics and Automation, 1994; Ericson, *Real-Time Collision Detection*, 2005, section 6.3).
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from heavylift.contours.triangles.feature_gap import fixed_point, moved, moved_point
+from heavylift.contours.triangles.feature_judge import turn
+from heavylift.contours.triangles.surface_layout import pose_of
+from heavylift.contours.triangles.surface_tree import tree_depth
+from heavylift.contours.triangles.triangle_pair import triangle_distance
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
+from heavylift.numerics.records import Record, records
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from heavylift.contours.triangles.surface_layout import BoundingBox, RelativePose, TreeNode, Triangle
+    from heavylift.contours.triangles.surface_pack import CollisionSurfaces
+    from heavylift.numerics.arrays import Floats1
+    from heavylift.numerics.records import Records
+
+__all__ = [
+    "Clearance",
+    "WaitingNodes",
+    "clearance",
+    "clearance_stack_size",
+    "find_clearance",
+    "measure_clearance",
+]
+
+ROUNDING = 1e-15
+"""Part of the coordinates by which nothing nearer is looked for: of plates side by side, all pairs are as near."""
+
+BOUND_SLACK = 1e-9
+"""Part of a given bound that is added to it: surfaces at rest stand exactly at theirs."""
+
+
+class WaitingNodes(Record):
+    """Two nodes that are still to be compared.
+
+    Attributes
+    ----------
+    node_a, node_b
+        Of the trees of A and B.
+    squared_gap
+        Squared distance of their boxes [m^2].
+    """
+
+    node_a: int
+    node_b: int
+    squared_gap: float
+
+
+Vector = tuple[float, float, float]
+
+
+class Clearance(NamedTuple):
+    """Where two surfaces are nearest to each other.
+
+    Attributes
+    ----------
+    distance
+        Between the surfaces, rounding included [m]: zero where they cross, below zero where only roundings overlap,
+        and less than zero by both roundings where rounded surfaces cross.
+    point_a, point_b
+        Nearest points [m], both in the axes of A, shape (3,).
+    """
+
+    distance: float
+    point_a: NDArray[np.float64]
+    point_b: NDArray[np.float64]
+
+
+def clearance_stack_size(surfaces: CollisionSurfaces) -> int:
+    """Places that `clearance` needs as scratch, for any pair of the surfaces of a scene."""
+    depths = [tree_depth(surfaces.nodes, int(row.root)) for row in surfaces.surfaces]
+    # every pair of nodes taken from the stack puts at most two back, one level deeper
+    return max((one + other for one, other in combinations(depths, 2)), default=0) + 2
+
+
+def find_clearance(
+    surfaces: CollisionSurfaces, a: int, b: int, R: ArrayLike, p: ArrayLike, upper: float = math.inf
+) -> Clearance:
+    """Smallest distance between two surfaces.
+
+    Parameters
+    ----------
+    surfaces
+        All surfaces of a scene.
+    a, b
+        Numbers of two different ones.
+    R, p
+        Rotation, shape (3, 3), and position [m], shape (3,), of B in the axes of A: ``x_A = R x_B + p``.
+    upper
+        What the distance hardly exceeds [m], for speed; see `clearance`.
+    """
+    out = np.zeros(6)
+    stack = records(WaitingNodes, clearance_stack_size(surfaces))
+    distance = measure_clearance(surfaces, a, b, pose_of(R, p), upper, stack, out)
+    return Clearance(distance, out[:3].copy(), out[3:].copy())
+
+
+@entry
+def measure_clearance(
+    surfaces: CollisionSurfaces,
+    surface_a: int,
+    surface_b: int,
+    pose: RelativePose,
+    upper: float,
+    stack: Records[WaitingNodes],
+    out: Floats1,
+) -> float:
+    """`clearance` for callers in Python."""
+    return clearance(surfaces, surface_a, surface_b, pose, upper, stack, out)
+
+
+@kernel(internal=True)
+def clearance(
+    # model
+    surfaces: CollisionSurfaces,
+    surface_a: int,
+    surface_b: int,
+    # state
+    pose: RelativePose,
+    upper: float,
+    # scratch
+    stack: Records[WaitingNodes],
+    # out
+    out: NDArray[np.float64],
+) -> float:
+    """Smallest distance between two surfaces [m], as in `Clearance`; NaN for a pose that is not finite.
+
+    Parameters
+    ----------
+    surfaces, surface_a, surface_b
+        All surfaces of a scene, and the numbers of two; boxes and normals must hold for their present points.
+    pose
+        Of B in the axes of A.
+    upper
+        What the distance hardly exceeds [m], infinite if unknown: the last distance and what points have moved since.
+        It saves most of the search; if it is too small the search is done again without it.
+    stack
+        Of `clearance_stack_size`.
+    out
+        Nearest points of A and of B on their rounded surfaces [m], both in the axes of A, shape (6,).
+    """
+    radius_a, radius_b = surfaces.radii[surface_a], surfaces.radii[surface_b]
+    size = surfaces.reaches[surface_a] + surfaces.reaches[surface_b]
+    shift = pose.origin
+    size += abs(shift[0]) + abs(shift[1]) + abs(shift[2])
+    rounding = ROUNDING * size
+    limit = upper + radius_a + radius_b
+    limit += max(BOUND_SLACK * abs(limit), 4.0 * rounding)
+    distance = math.inf
+    for attempt in range(2):
+        if distance == math.inf:
+            distance = _search(
+                surfaces.nodes,
+                surfaces.boxes,
+                surfaces.points,
+                surfaces.triangles,
+                surfaces.triangle_boxes,
+                surfaces.normals,
+                surfaces.surfaces[surface_a].root,
+                surfaces.surfaces[surface_b].root,
+                pose,
+                limit if attempt == 0 else math.inf,
+                rounding,
+                stack,
+                out,
+            )
+    if distance == math.inf:
+        for k in range(6):
+            out[k] = math.nan
+        return math.nan
+    if distance > 0.0:  # from the triangles to the surfaces around them
+        for k in range(3):
+            direction = (out[3 + k] - out[k]) / distance
+            out[k] += radius_a * direction
+            out[3 + k] -= radius_b * direction
+    return distance - radius_a - radius_b
+
+
+@kernel(internal=True)
+def _search(
+    # model
+    nodes: Records[TreeNode],
+    boxes: Records[BoundingBox],
+    points: NDArray[np.float64],
+    triangles: Records[Triangle],
+    triangle_boxes: Records[BoundingBox],
+    normals: NDArray[np.float64],
+    root_a: int,
+    root_b: int,
+    # state
+    pose: RelativePose,
+    limit: float,
+    rounding: float,
+    # scratch
+    stack: Records[WaitingNodes],
+    # out
+    out: NDArray[np.float64],
+) -> float:
+    """Smallest distance of the triangles of two surfaces [m]; infinite if it is not below the limit."""
+    best = limit
+    top = _push(stack, 0, root_a, root_b, 0.0)
+    while top > 0:
+        top -= 1
+        if not stack[top].squared_gap < _square(best - rounding):
+            continue
+        node_a, node_b = stack[top].node_a, stack[top].node_b
+        if not _squared_gap_in_b(boxes, node_a, node_b, pose) < _square(best - rounding):
+            continue  # boxes that are turned against each other are smaller in their own axes
+        left_a, left_b = nodes[node_a].left, nodes[node_b].left
+        if left_a < 0 and left_b < 0:
+            best = _leaves(
+                points,
+                triangles,
+                triangle_boxes,
+                normals,
+                nodes[node_a].first,
+                nodes[node_a].count,
+                nodes[node_b].first,
+                nodes[node_b].count,
+                pose,
+                best,
+                rounding,
+                out,
+            )
+            continue
+        if left_a >= 0 and (left_b < 0 or _size(boxes, node_a) >= _size(boxes, node_b)):
+            near_a, near_b, far_a, far_b = left_a, node_b, left_a + 1, node_b
+        else:
+            near_a, near_b, far_a, far_b = node_a, left_b, node_a, left_b + 1
+        near = _squared_gap(boxes, near_a, near_b, pose)
+        far = _squared_gap(boxes, far_a, far_b, pose)
+        if far < near:
+            near_a, near_b, far_a, far_b = far_a, far_b, near_a, near_b
+            near, far = far, near
+        reach = _square(best - rounding)
+        if far < reach:
+            top = _push(stack, top, far_a, far_b, far)
+        if near < reach:
+            top = _push(stack, top, near_a, near_b, near)
+    return best if best < limit else math.inf
+
+
+@kernel(inline=True, internal=True)
+def _push(stack: Records[WaitingNodes], top: int, node_a: int, node_b: int, squared_gap: float) -> int:
+    """Put two nodes on the stack; returns its new height."""
+    stack[top].node_a = node_a
+    stack[top].node_b = node_b
+    stack[top].squared_gap = squared_gap
+    return top + 1
+
+
+@kernel(inline=True, internal=True)
+def _square(length: float) -> float:
+    """Square of a length that is not below zero; NaN stays NaN, and ends the search."""
+    return 0.0 if length <= 0.0 else length * length
+
+
+@kernel(inline=True, internal=True)
+def _size(boxes: Records[BoundingBox], node: int) -> float:
+    """Sum of the half lengths of a box [m]."""
+    half = boxes[node].half
+    return half[0] + half[1] + half[2]
+
+
+@kernel(inline=True, internal=True)
+def _squared_gap(boxes: Records[BoundingBox], node_a: int, node_b: int, pose: RelativePose) -> float:
+    """Squared distance of a box of A from the box along the axes of A around one of B [m^2]."""
+    half = boxes[node_b].half
+    hx, hy, hz = half[0], half[1], half[2]
+    R = pose.rotation
+    centre = boxes[node_b].centre
+    hx, hy, hz = (
+        abs(R[0]) * hx + abs(R[1]) * hy + abs(R[2]) * hz,
+        abs(R[3]) * hx + abs(R[4]) * hy + abs(R[5]) * hz,
+        abs(R[6]) * hx + abs(R[7]) * hy + abs(R[8]) * hz,
+    )
+    return _squared_gap_to(boxes, node_a, moved((centre[0], centre[1], centre[2]), pose), (hx, hy, hz))
+
+
+@kernel(inline=True, internal=True)
+def _squared_gap_in_b(boxes: Records[BoundingBox], node_a: int, node_b: int, pose: RelativePose) -> float:
+    """Squared distance of a box of B from the box along the axes of B around one of A [m^2]."""
+    half = boxes[node_a].half
+    hx, hy, hz = half[0], half[1], half[2]
+    R, place, shift = pose.rotation, boxes[node_a].centre, pose.origin
+    centre = (place[0] - shift[0], place[1] - shift[1], place[2] - shift[2])
+    around = (
+        abs(R[0]) * hx + abs(R[3]) * hy + abs(R[6]) * hz,
+        abs(R[1]) * hx + abs(R[4]) * hy + abs(R[7]) * hz,
+        abs(R[2]) * hx + abs(R[5]) * hy + abs(R[8]) * hz,
+    )
+    return _squared_gap_to(boxes, node_b, turn(centre, pose, True), around)
+
+
+@kernel(inline=True, internal=True)
+def _squared_gap_to(boxes: Records[BoundingBox], row: int, centre: Vector, half: Vector) -> float:
+    """Squared distance of a box of A from one given in the same axes [m^2]."""
+    box = boxes[row]
+    x = abs(box.centre[0] - centre[0]) - box.half[0] - half[0]
+    y = abs(box.centre[1] - centre[1]) - box.half[1] - half[1]
+    z = abs(box.centre[2] - centre[2]) - box.half[2] - half[2]
+    return _square(x) + _square(y) + _square(z)
+
+
+@kernel(internal=True)
+def _leaves(
+    # model
+    points: NDArray[np.float64],
+    triangles: Records[Triangle],
+    triangle_boxes: Records[BoundingBox],
+    normals: NDArray[np.float64],
+    first_a: int,
+    count_a: int,
+    first_b: int,
+    count_b: int,
+    # state
+    pose: RelativePose,
+    best: float,
+    rounding: float,
+    # out
+    out: NDArray[np.float64],
+) -> float:
+    """Smallest distance [m] of some triangles of A from some of B, or the best so far."""
+    for tb in range(first_b, first_b + count_b):
+        p = moved_point(points, triangles[tb].corners[0], pose)
+        q = moved_point(points, triangles[tb].corners[1], pose)
+        r = moved_point(points, triangles[tb].corners[2], pose)
+        m = turn(fixed_point(normals, tb), pose, False)
+        low_x, high_x = min(p[0], q[0], r[0]), max(p[0], q[0], r[0])
+        low_y, high_y = min(p[1], q[1], r[1]), max(p[1], q[1], r[1])
+        low_z, high_z = min(p[2], q[2], r[2]), max(p[2], q[2], r[2])
+        centre = (0.5 * (low_x + high_x), 0.5 * (low_y + high_y), 0.5 * (low_z + high_z))
+        half = (0.5 * (high_x - low_x), 0.5 * (high_y - low_y), 0.5 * (high_z - low_z))
+        for ta in range(first_a, first_a + count_a):
+            if _squared_gap_to(triangle_boxes, ta, centre, half) < _square(best - rounding):
+                a = fixed_point(points, triangles[ta].corners[0])
+                b = fixed_point(points, triangles[ta].corners[1])
+                c = fixed_point(points, triangles[ta].corners[2])
+                n = fixed_point(normals, ta)
+                best = triangle_distance(a, b, c, n, p, q, r, m, best, rounding, out)
+    return best

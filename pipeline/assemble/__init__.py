@@ -1,0 +1,1 @@
+"""From a case that has been read to what the solver integrates."""

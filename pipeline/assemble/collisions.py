@@ -1,0 +1,127 @@
+"""From the surfaces and collisions of a case to what the solver integrates."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from heavylift.pipeline.case.collisions import thesis_numbers
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from heavylift.pipeline.assemble.sides import Side
+    from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.collisions import Collision
+    from heavylift.pipeline.results.storage import OutputFolder
+    from heavylift.solver.scene import collisions as c
+    from heavylift.solver.scene.contacts import ContactLaw
+
+__all__ = ["assemble_collisions", "assemble_surfaces", "collision_law", "collision_notes"]
+
+
+def assemble_surfaces(
+    case: Case, sides: Mapping[str, Side], folder: OutputFolder
+) -> tuple[c.CollisionSurface, ...]:
+    """Surfaces of a case in the frames of their bodies.
+
+    Parameters
+    ----------
+    case
+        The case.
+    sides
+        Where its bodies are at the start, by name.
+    folder
+        Output folder: what the mesh stage has stored is read, if it is of the same inputs.
+
+    Raises
+    ------
+    InputError
+        See `heavylift.pipeline.assemble.surfaces.make_surface`.
+    """
+    from heavylift.pipeline.assemble.surfaces import stored_surface
+    from heavylift.preprocess.surfaces import placed
+    from heavylift.solver.scene.collisions import CollisionSurface
+
+    found = []
+    colliding = {name for _, pair in case.collided.values() for name in pair}
+    floating = {hull.surface for hull in case.hulls.values()} - colliding
+    for index, section in enumerate(case.surfaces):
+        if section.name in floating:
+            continue  # water alone touches it
+        surface = None
+        if section.body not in case.meshes:
+            surface = stored_surface(case, index, folder).surface
+            surface = placed(surface, position=-sides[section.body].origin)
+        found.append(
+            CollisionSurface(
+                name=section.name, body=section.body, surface=surface, facets=section.facets or 2
+            )
+        )
+    return tuple(found)
+
+
+def assemble_collisions(case: Case) -> tuple[c.Collision, ...]:
+    """Collisions of a case, one a pair of surfaces."""
+    from heavylift.solver.scene import collisions as c
+
+    found = []
+    for name, (index, pair) in case.collided.items():
+        section = case.collisions[index]
+        found.append(
+            c.Collision(
+                name=name,
+                surfaces=pair,
+                law=collision_law(case, section),
+                friction=section.friction,
+                events=section.law != "rigid" or section.events,
+                method=section.method,
+                patch_angle=section.patch_angle,
+                patch_size=section.patch_size or 0.0,
+                most_contacts=section.most_contacts,
+                recorded=section.recorded,
+                clearance=section.clearance,
+            )
+        )
+    return tuple(found)
+
+
+def collision_law(case: Case, section: Collision) -> ContactLaw:
+    """Law of a collision as the solver takes it; that of the thesis becomes a spring and a damper."""
+    from heavylift.solver.scene.contacts import HertzLaw, HuntCrossleyLaw, LinearLaw, RigidLaw
+
+    if section.law == "rigid":
+        return RigidLaw(section.restitution, section.rest_speed)
+    if section.law == "linear":
+        return LinearLaw(section.stiffness, section.damping)
+    if section.law == "hertz":
+        return HertzLaw(section.stiffness)
+    if section.law == "hunt-crossley":
+        return HuntCrossleyLaw(section.stiffness, section.exponent, section.restitution)
+    numbers = thesis_numbers(section, _step(case))
+    return LinearLaw(numbers.stiffness, numbers.damping)
+
+
+def collision_notes(case: Case) -> list[str]:
+    """What the parameters of laws ``"thesis"`` really mean, a sentence a table."""
+    notes: list[str] = []
+    if case.simulate is None:
+        return notes
+    for section in case.collisions:
+        if section.law != "thesis":
+            continue
+        from heavylift.pipeline.results.words import number_words
+
+        step = _step(case)
+        numbers = thesis_numbers(section, step)
+        notes.append(
+            f"{section.name}: epsilon = {section.epsilon:g} m/N is a spring of "
+            f"{number_words(numbers.stiffness, 'N/m')} a patch, whatever the step; gamma = {section.gamma:g} is no "
+            f"restitution coefficient but, at the step of {number_words(step, 's')}, a damper of "
+            f"{number_words(numbers.damping, 'N s/m')} (time constant {number_words(numbers.time_constant, 's')})"
+        )
+    return notes
+
+
+def _step(case: Case) -> float:
+    """Fixed step [s] that a law ``"thesis"`` depends on; without a simulation any."""
+    return 1.0 if case.simulate is None or case.simulate.step is None else case.simulate.step

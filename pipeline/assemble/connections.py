@@ -1,0 +1,271 @@
+"""From the joints, ropes, springs and motors of a case to what the solver integrates.
+
+Points and directions of a case stand in coordinates of geometries or in the world at the start; the solver
+takes them in the frames of the bodies.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import Quantity, WorldDirection
+from heavylift.pipeline.assemble.sides import make_profile
+from heavylift.pipeline.case.bodies import ProfileSection
+from heavylift.pipeline.case.joints import AngleLimitsSection, TravelLimitsSection
+from heavylift.pipeline.case.places import located
+from heavylift.solver.scene import connections as c
+from heavylift.solver.scene import scene as s
+from heavylift.solver.scene.connections import Place
+from heavylift.solver.scene.descriptions import described_fields
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from heavylift.pipeline.assemble.sides import Side
+    from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.forces import JointSpringSection, MotorSection, SpringForceSection
+    from heavylift.pipeline.case.ropes import PathPointSection, SpringRopeSection, WireRopeSection
+
+__all__ = [
+    "assemble_joints",
+    "assemble_loads",
+    "assemble_ropes",
+]
+
+COINCIDENT = 1e-9
+"""Distance [m] below which two points are one."""
+LARGEST_STRAIN = 0.02
+"""Strain of a rope at the start beyond which its length is taken for a mistake."""
+
+
+def assemble_joints(case: Case, sides: Mapping[str, Side]) -> tuple[c.Joint, ...]:
+    """Joints of a case."""
+    found: list[c.Joint] = []
+    for index, joint in enumerate(case.joints):
+        with located(case, f"joints.{index}"):
+            if joint.DESCRIBED.PLACE is Place.EDGE:
+                from heavylift.pipeline.assemble.edges import assemble_edge
+
+                found.append(assemble_edge(case, joint, sides))
+            else:
+                found.append(_joint(joint, sides))
+    return tuple(found)
+
+
+def _joint(joint: Any, sides: Mapping[str, Side]) -> c.Joint:
+    """What the solver takes, from where a joint is and the keys of its description."""
+    described = joint.DESCRIBED
+    a, b = (sides[name] for name in joint.between)
+    if described.PLACE in {Place.POINT, Place.APART}:
+        axes_a, axes_b = np.eye(3), np.eye(3)  # both joint frames are upright in the world at the start
+    else:
+        axes_a, axes_b = _axes(joint, a, b)
+    if getattr(joint, "at", None) is not None:
+        points = a.from_world(joint.at), b.from_world(joint.at)
+    else:
+        points = a.local(joint.points[0]), b.local(joint.points[1])
+    if described.PLACE is Place.APART:
+        ends = a.to_world(points[0]) - b.to_world(points[1])
+        if np.linalg.norm(ends) <= COINCIDENT:
+            raise InputError("the two points coincide", key="points", expected="two places, or a ball joint")
+    own = {
+        field.name: _value(getattr(joint, field.name), field.quantity, axes_a)
+        for field in described_fields(described)
+    }
+    return described(
+        name=joint.name,
+        body_a=joint.between[0],
+        body_b=joint.between[1],
+        frame_a=c.JointFrame(points[0], a.rotation.T @ axes_a),
+        frame_b=c.JointFrame(points[1], b.rotation.T @ axes_b),
+        compliance=joint.compliance,
+        relaxation=joint.relaxation,
+        **own,
+    )
+
+
+def _axes(joint: Any, a: Side, b: Side) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """World axes of both joint frames at the start, columns: where both sides fit, angle and travel are zero.
+
+    The x axes of both frames are as near to the reference direction, or to that of a, as they can be.
+    """
+    if joint.axes is not None:
+        z_a, z_b = a.rotation @ np.array(joint.axes[0]), b.rotation @ np.array(joint.axes[1])
+    else:
+        z_a = np.array(joint.axis)
+        second = getattr(joint, "second_axis", None)
+        z_b = z_a if second is None else np.array(second)
+    reference = None if joint.reference is None else np.array(joint.reference)
+    axes_a = c.axes_about(z_a, reference, source=joint.name)
+    if joint.DESCRIBED.PLACE is Place.CROSS:
+        if np.linalg.norm(np.cross(z_a, z_b)) <= 1e-9 * np.linalg.norm(z_a) * np.linalg.norm(z_b):
+            raise InputError(
+                "the axes of its two sides are parallel", key="axes", expected="axes square to each other"
+            )
+        return axes_a, c.axes_about(z_b, source=joint.name)
+    try:
+        return axes_a, c.axes_about(z_b, axes_a[:, 0], source=joint.name)
+    except InputError:
+        raise InputError(
+            "the axes of its two sides are square to each other", key="axes", expected="axes that agree"
+        ) from None
+
+
+def _value(value: Any, quantity: Quantity | WorldDirection, axes_a: NDArray[np.float64]) -> Any:
+    """What a description keeps of the value of a key."""
+    if isinstance(quantity, WorldDirection):
+        return axes_a.T @ np.array(value)
+    if isinstance(value, ProfileSection):
+        return make_profile(value)
+    if isinstance(value, (AngleLimitsSection, TravelLimitsSection)):
+        return c.Limits(
+            lower=-np.inf if value.lower is None else value.lower,
+            upper=np.inf if value.upper is None else value.upper,
+            stiffness=value.stiffness,
+            damping=value.damping,
+        )
+    return value
+
+
+def assemble_ropes(case: Case, sides: Mapping[str, Side]) -> tuple[c.Rope | c.SpringRope, ...]:
+    """Ropes of a case."""
+    found: list[c.Rope | c.SpringRope] = []
+    for index, rope in enumerate(case.ropes):
+        with located(case, f"ropes.{index}"):
+            found.append(_wire(rope, sides) if rope.type == "wire" else _spring_rope(rope, sides))
+    return tuple(found)
+
+
+def _wire(rope: WireRopeSection, sides: Mapping[str, Side]) -> c.Rope:
+    path = tuple(_rope_point(stop, sides) for stop in rope.path)
+    places = [sides[stop.body].to_world(stop.point) for stop in path]
+    # every place where the rope touches a pulley is within its radius of the centre, so the path is no shorter
+    shortest = float(sum(np.linalg.norm(q - p) for p, q in pairwise(places)))
+    shortest -= 2.0 * sum(stop.radius for stop in path)
+    if rope.length is not None:
+        _check_strain(shortest, rope.length)
+    elif shortest <= 0.0 and not any(stop.radius for stop in path):
+        raise InputError("all its points coincide", key="path", expected="a path with a length, or 'length'")
+    winch = None
+    if rope.winch is not None:
+        winch = c.Winch(np.array(rope.winch.times), np.array(rope.winch.speeds))
+    return c.Rope(
+        name=rope.name,
+        path=path,
+        axial_stiffness=rope.axial_stiffness,
+        length=rope.length,
+        damping=rope.damping,
+        winch=winch,
+    )
+
+
+def _rope_point(stop: PathPointSection, sides: Mapping[str, Side]) -> c.RopePoint:
+    axis = np.array([0.0, 0.0, 1.0] if stop.axis is None else stop.axis)
+    return c.RopePoint(stop.body, sides[stop.body].local(stop.point), stop.radius, axis)
+
+
+def _check_strain(path: float, length: float) -> None:
+    """Refuse a rope that its path stretches beyond reason."""
+    strain = path / length - 1.0
+    if strain > LARGEST_STRAIN:
+        raise InputError(
+            f"{length:.6g} m is shorter than the path of at least {path:.6g} m by {path - length:.6g} m, a strain "
+            f"of {100.0 * strain:.3g} % at the start",
+            key="length",
+            expected=f"a length of at least {path / (1.0 + LARGEST_STRAIN):.6g} m, or none for a rope as drawn",
+        )
+
+
+def _ends(
+    names: Sequence[str], points: Sequence[ArrayLike], sides: Mapping[str, Side]
+) -> tuple[dict[str, Any], float]:
+    """Ends of something between two points, and their distance at the start [m]."""
+    p, q = (sides[name].local(point) for name, point in zip(names, points, strict=True))
+    length = float(np.linalg.norm(sides[names[1]].to_world(q) - sides[names[0]].to_world(p)))
+    return {"body_a": names[0], "point_a": p, "body_b": names[1], "point_b": q}, length
+
+
+def _spring_rope(rope: SpringRopeSection, sides: Mapping[str, Side]) -> c.SpringRope:
+    ends, drawn = _ends([stop.body for stop in rope.path], [stop.point for stop in rope.path], sides)
+    return c.SpringRope(
+        name=rope.name,
+        **ends,
+        length=drawn if rope.length is None else rope.length,
+        stiffness=rope.stiffness,
+        damping=rope.damping,
+    )
+
+
+def assemble_loads(
+    case: Case, sides: Mapping[str, Side]
+) -> list[s.PointForce | c.PairForce | c.Spring | c.JointSpring | c.JointMotor]:
+    """Forces, springs and motors of a case."""
+    return [_LOADS.get(force.type, _pair_force)(force, sides) for force in case.forces]
+
+
+def _pair_force(force: Any, sides: Mapping[str, Side]) -> c.PairForce:
+    ends, _ = _ends(force.between, force.points, sides)
+    own = {field.name: getattr(force, field.name) for field in described_fields(force.DESCRIBED)}
+    made: c.PairForce = force.DESCRIBED(name=force.name, **ends, **own)
+    return made
+
+
+def _point_force(force: Any, sides: Mapping[str, Side]) -> s.PointForce:
+    constant = force.force is not None
+    return s.PointForce(
+        name=force.name,
+        body=force.body,
+        point=sides[force.body].local(force.point),
+        times=np.array([0.0]) if constant else np.array(force.times),
+        forces=np.array([force.force]) if constant else np.array(force.forces),
+        frame=force.frame,
+    )
+
+
+def _spring(force: SpringForceSection, sides: Mapping[str, Side]) -> c.Spring:
+    ends, drawn = _ends(force.between, force.points, sides)
+    return c.Spring(
+        name=force.name,
+        **ends,
+        length=drawn if force.length is None else force.length,
+        stiffness=force.stiffness or 0.0,
+        damping=force.damping,
+        elongations=np.array(force.elongations, dtype=float),
+        forces=np.array(force.forces, dtype=float),
+    )
+
+
+def _joint_spring(force: JointSpringSection, _sides: Mapping[str, Side]) -> c.JointSpring:
+    return c.JointSpring(
+        name=force.name,
+        joint=force.joint,
+        rest=force.rest,
+        stiffness=force.stiffness or 0.0,
+        damping=force.damping,
+        deflections=np.array(force.deflections, dtype=float),
+        loads=np.array(force.loads, dtype=float),
+    )
+
+
+def _motor(force: MotorSection, _sides: Mapping[str, Side]) -> c.JointMotor:
+    constant = force.load is not None
+    return c.JointMotor(
+        name=force.name,
+        joint=force.joint,
+        times=np.array([0.0]) if constant else np.array(force.times),
+        loads=np.array([force.load]) if constant else np.array(force.loads),
+    )
+
+
+_LOADS: dict[str, Any] = {
+    "point": _point_force,
+    "spring": _spring,
+    "joint_spring": _joint_spring,
+    "motor": _motor,
+}

@@ -1,0 +1,269 @@
+"""From the sections of a flexible body to its finite-element model."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.case.geometry import BoxGroup, FaceGroup, PlaneGroup
+from heavylift.pipeline.results.storage import replacing
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from heavylift.pipeline.case.bodies import FlexibleBodySection
+    from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.geometry import FourFilesGeometry, Group
+    from heavylift.preprocess.exchange import FourFileData
+    from heavylift.preprocess.groups import NodeSelector
+    from heavylift.preprocess.mesh import Mesh
+    from heavylift.preprocess.model import FEModel
+
+__all__ = [
+    "assemble_model",
+    "check_on_body",
+    "four_files",
+    "in_body",
+    "model_properties",
+    "write_vtu",
+]
+
+
+def assemble_model(case: Case, name: str, body: FlexibleBodySection) -> FEModel:
+    """Mesh a body and assemble its matrices, or read them."""
+    from heavylift.preprocess.elasticity import assemble
+    from heavylift.preprocess.model import Material
+
+    with in_body(case, name):
+        if body.geometry.type == "four_files":
+            return four_files(case, body.geometry).model
+        assert body.material is not None
+        mesh = _mesh(case, name, body)
+        if body.geometry.type == "blocks" and body.mesh.formulation == "reduced":
+            _refuse_single_layer(mesh)
+        material = Material(**body.material.model_dump())
+        return assemble(mesh, material, formulation=body.mesh.formulation, mass=body.mesh.mass)
+
+
+_CASE_KEYS = (
+    (re.compile(r"node group '([^']*)'"), r"geometry.groups.\1"),
+    (re.compile(r"(divisions(?:\..)?|refine|size)"), r"mesh.\1"),
+    (re.compile(r"(add|cut)"), r"geometry.\1"),
+    (re.compile(r"modes"), "modes.count"),
+    (re.compile(r"((?:modes|mesh)\..*|interface)"), r"\1"),
+)
+"""Keys in messages of the stages, and what they are below the body in a case file."""
+
+
+@contextlib.contextmanager
+def in_body(case: Case, name: str, model_name: str = "") -> Iterator[None]:
+    """Say of errors that name only the body, or a group of it, where in the case file they stand."""
+    try:
+        yield
+    except InputError as error:
+        grouped = error.key.startswith("node group ") and case.bodies[name].geometry.type != "mesh"  # type: ignore[union-attr]
+        if error.source not in {name, model_name, str(case.file), ""} and not grouped:
+            raise
+        if error.source == str(case.file) and error.key.startswith(("bodies.", "repeat.")):
+            raise
+        problem, key = error.problem, ""
+        for pattern, below in _CASE_KEYS:
+            match = pattern.fullmatch(error.key)
+            if match:
+                key = match.expand(below)
+                break
+        else:
+            problem = f"{error.key}: {problem}" if error.key else problem
+        key = f"modes.{key}" if key == "interface" else key
+        raise InputError(
+            problem,
+            source=case.file,
+            key=case.place(f"bodies.{name}.{key}".removesuffix(".")),
+            expected=error.expected,
+        ) from None
+
+
+def _refuse_single_layer(mesh: Mesh) -> None:
+    """A brick with one integration point has no bending stiffness; one through the body is a trap."""
+    for axis, label in enumerate("xyz"):
+        if np.ptp(mesh.nodes[mesh.elements, axis], axis=1).min() >= 0.999 * np.ptp(mesh.nodes[:, axis]):
+            raise InputError(
+                f"one brick with reduced integration through the body along {label} sees no bending",
+                source=mesh.name,
+                key=f"divisions.{label}",
+                expected="2 or more bricks (4 for bending within 7 %), or formulation 'incompatible'",
+            )
+
+
+def check_on_body(
+    point: ArrayLike,
+    nodes: NDArray[np.float64],
+    elements: NDArray[np.int64] | None,
+    *,
+    source: object,
+    key: str,
+) -> int:
+    """Nearest node of a point that must lie on a body.
+
+    Parameters
+    ----------
+    point
+        Coordinates of the geometry [m], shape (3,).
+    nodes
+        Positions [m] in the same axes, shape (n, 3).
+    elements
+        Nodes of the elements, corners first, shape (ne, 8) or (ne, 10); None if the body has none.
+    source, key
+        Where the point stands, for the message.
+
+    Returns
+    -------
+    int
+        Zero-based index of the node.
+
+    Raises
+    ------
+    InputError
+        If the node is farther than 2 % of the largest extent of the body and 1.5 times the longest edge of
+        the elements around it; without elements, 1.5 times the distance of its eighth neighbour.
+    """
+    position = np.asarray(point, dtype=np.float64)
+    distances = np.linalg.norm(nodes - position, axis=1)
+    node = int(np.argmin(distances))
+    allowed = 0.02 * float(np.ptp(nodes, axis=0).max())
+    if distances[node] <= allowed:
+        return node
+    if elements is None:
+        around = np.sort(np.linalg.norm(nodes - nodes[node], axis=1))
+        spacing = float(around[min(8, len(around) - 1)])
+    else:
+        corners = nodes[elements[np.any(elements == node, axis=1)][:, : 4 if elements.shape[1] == 10 else 8]]
+        spacing = _longest_edge(corners)
+    if distances[node] <= max(allowed, 1.5 * spacing):
+        return node
+    raise InputError(
+        f"point {_millimetres(position)} mm is not on the body: the nearest node, at {_millimetres(nodes[node])} "
+        f"mm, is {1e3 * distances[node]:.6g} mm away",
+        source=source,
+        key=key,
+        expected="a point on the body, in the coordinates of the geometry (are the units right?)",
+    )
+
+
+def _longest_edge(corners: NDArray[np.float64]) -> float:
+    """Longest edge of elements with corners of shape (ne, 4|8, 3), VTK order [m]."""
+    if corners.shape[1] == 4:
+        pairs = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]
+    else:
+        ring = [(0, 1), (1, 2), (2, 3), (3, 0)]
+        pairs = ring + [(a + 4, b + 4) for a, b in ring] + [(a, a + 4) for a in range(4)]
+    first, second = np.array(pairs).T
+    return float(np.linalg.norm(corners[:, first] - corners[:, second], axis=2).max(initial=0.0))
+
+
+def _millimetres(point: NDArray[np.float64]) -> str:
+    return "(" + ", ".join(f"{1e3 * x:.6g}" for x in point) + ")"
+
+
+def _mesh(case: Case, name: str, body: FlexibleBodySection) -> Mesh:
+    from heavylift.preprocess.refinement import Refinement
+
+    geometry, options = body.geometry, body.mesh
+    selectors = _selectors(geometry.groups)
+    refine = [Refinement(place.at, place.size, place.growth) for place in options.refine]
+    if geometry.type == "blocks":
+        from heavylift.preprocess.blocks import Box, mesh_blocks
+
+        add, cut = (
+            [Box(block.name, block.lower, block.upper) for block in blocks]
+            for blocks in (geometry.add, geometry.cut)
+        )
+        return mesh_blocks(
+            add,
+            cut,
+            element_type=options.element,
+            size=options.size,
+            divisions={axis: counts for axis, counts in options.divisions.items()} or None,  # noqa: C416
+            groups=selectors,
+            refine=refine,
+            name=name,
+        )
+    if geometry.type == "step":
+        from heavylift.preprocess.geometry import read_step
+
+        file = case.folder / geometry.file
+        return read_step(file, size=options.size, curved=options.curved, groups=selectors, refine=refine)
+    from heavylift.preprocess.geometry import read_mesh
+
+    assert geometry.type == "mesh"
+    return read_mesh(case.folder / geometry.file, length_unit=geometry.length_unit, groups=selectors)
+
+
+def _selectors(groups: Mapping[str, Group]) -> list[NodeSelector]:
+    from heavylift.preprocess.groups import InBox, OnFace, OnPlane
+
+    selectors: list[NodeSelector] = []
+    for name, group in groups.items():
+        if isinstance(group, PlaneGroup):
+            selectors.append(OnPlane(name, group.plane, group.at))
+        elif isinstance(group, BoxGroup):
+            selectors.append(InBox(name, group.lower, group.upper))
+        elif isinstance(group, FaceGroup):
+            selectors.append(OnFace(name, group.face))
+    return selectors
+
+
+def four_files(case: Case, geometry: FourFilesGeometry) -> FourFileData:
+    """Matrices, mesh and shapes that another program has written."""
+    from dataclasses import replace
+
+    from heavylift.preprocess.exchange import read_four_files
+    from heavylift.preprocess.groups import select_nodes
+
+    clamped = geometry.clamped_nodes
+    folder = case.folder / geometry.folder
+    data = read_four_files(
+        folder,
+        length_unit=geometry.length_unit,
+        mass_factor=geometry.mass_unit,
+        stiffness_factor=geometry.stiffness_unit,
+        clamped_nodes=None if clamped is None else [node - 1 for node in clamped],
+    )
+    groups = select_nodes(data.model.nodes, _selectors(geometry.groups), source=str(folder))
+    return replace(data, model=replace(data.model, node_groups={**data.model.node_groups, **groups}))
+
+
+def model_properties(model: FEModel) -> dict[str, Any]:
+    """Numbers of a finite-element model for its manifest and for checks."""
+    density = model.material.density if model.material else None
+    return {
+        "node_count": model.node_count,
+        "element_count": None if model.mesh is None else len(model.mesh.elements),
+        "dof_count": 3 * model.node_count,
+        "mass": model.total_mass,
+        "volume": None if density is None else model.total_mass / density,
+    }
+
+
+def write_vtu(path: Path, model: FEModel) -> None:
+    """Write the mesh of a model, with its groups as 0/1 point data, for viewers; nothing without elements."""
+    if model.mesh is None:
+        return
+    import meshio
+
+    kind = {"tet10": "tetra10", "hex8": "hexahedron"}[model.mesh.element_type]
+    groups = {name: np.isin(np.arange(model.node_count), nodes) for name, nodes in model.node_groups.items()}
+    mesh = meshio.Mesh(
+        model.nodes,
+        [(kind, model.mesh.elements)],
+        point_data={f"group {name}": member.astype(np.int64) for name, member in groups.items()},
+    )
+    with replacing(path) as temporary:
+        mesh.write(temporary, file_format="vtu")

@@ -1,0 +1,345 @@
+"""From the frames and shells of a case to the bodies that the solver integrates."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.assemble.mesh_shapes import Place, frame_mesh, shell_mesh
+from heavylift.pipeline.case.mesh_supports import CORNERS, EDGES
+from heavylift.solver.scene import meshes as m
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.geometry import BoxGroup
+    from heavylift.pipeline.case.mesh_geometry import (
+        FrameSectionTable,
+        RegionSection,
+        ShellSectionTable,
+    )
+    from heavylift.pipeline.case.mesh_loads import FrameLoad, ShellLoad
+    from heavylift.pipeline.case.mesh_supports import ShellSupportSection
+    from heavylift.pipeline.case.meshes import FrameBodySection, ShellBodySection
+    from heavylift.solver.scene.mesh_shapes import FrameMesh, ShellMesh
+
+__all__ = ["assemble_frame", "assemble_shell", "check_on_mesh", "check_pulleys"]
+
+AnyMesh = TypeVar("AnyMesh", m.FrameBody, m.ShellBody)
+
+NEAR = 1e-6
+"""Distance from a node, relative to the size of the mesh, at which a point or box still means it."""
+SQUARE = 1e-9
+"""Deviation from one of the component of a normal along the axis it belongs to."""
+
+
+def assemble_frame(
+    case: Case, name: str, body: FrameBodySection, initial: Mapping[str, NDArray[np.float64]]
+) -> m.FrameBody:
+    """Frame of a case.
+
+    Parameters
+    ----------
+    case, name, body
+        The case, and the name and table of the body.
+    initial
+        Position, orientation, velocity and angular velocity of its frame.
+
+    Raises
+    ------
+    InputError
+        If a node, element or point is not there; what is wrong with the mesh is left to the solver.
+    """
+    place = Place(case, name)
+    mesh = frame_mesh(place, body.geometry)
+    sections, chosen = _sections(place, body, mesh)
+    supports = []
+    for index, support in enumerate(body.supports):
+        ends = [{"start": 0, "end": len(mesh.nodes) - 1}[end] for end in support.at]
+        found = _nodes(place, f"supports.{index}", support, mesh.nodes, ends)
+        supports.append(m.Support(found, support.held))
+    frame = m.FrameBody(
+        name=name,
+        nodes=mesh.nodes,
+        tangents=mesh.tangents,
+        elements=mesh.elements,
+        sections=tuple(_frame_section(section) for section in sections),
+        element_sections=chosen,
+        model=body.model,
+        axial_strains=_prestrain(place, body, sections, chosen, mesh),
+        supports=tuple(supports),
+        loads=tuple(_load(place, index, load, mesh) for index, load in enumerate(body.loads)),
+        **_common(body, initial),
+    )
+    return _checked(place, frame)
+
+
+def assemble_shell(
+    case: Case, name: str, body: ShellBodySection, initial: Mapping[str, NDArray[np.float64]]
+) -> m.ShellBody:
+    """Shell of a case: parameters and errors as of `assemble_frame`."""
+    place = Place(case, name)
+    mesh = shell_mesh(place, body.geometry)
+    sections, chosen = _sections(place, body, mesh)
+    supports = [
+        made
+        for index, support in enumerate(body.supports)
+        for made in _shell_supports(place, index, support, mesh)
+    ]
+    shell = m.ShellBody(
+        name=name,
+        nodes=mesh.nodes,
+        slopes=mesh.slopes,
+        elements=mesh.elements,
+        lengths=mesh.lengths,
+        sections=tuple(
+            m.ShellSection(s.thickness, s.density, s.young_modulus, s.poisson_ratio) for s in sections
+        ),
+        element_sections=chosen,
+        gauss_points=body.gauss_points,
+        supports=tuple(supports),
+        loads=tuple(_load(place, index, load, mesh) for index, load in enumerate(body.loads)),
+        **_common(body, initial),
+    )
+    return _checked(place, shell)
+
+
+def check_on_mesh(body: m.FrameBody | m.ShellBody, point: ArrayLike, source: object, key: str) -> None:
+    """Refuse a point that is not on the unloaded mesh of a body [m, frame of the body]."""
+    from heavylift.solver.bodies.ancf.types import type_of
+
+    type_of(body).locate(body, np.asarray(point, dtype=np.float64), str(source), key)
+
+
+def check_pulleys(case: Case, body: m.FrameBody) -> None:
+    """Refuse pulleys on a frame whose axis is across it: a frame has no torsion that would carry the axis along."""
+    from heavylift.solver.bodies.ancf.bases import ALONG, frame_tangent
+
+    for i, rope in enumerate(case.ropes):
+        for k, stop in enumerate(rope.path):
+            if stop.body != body.name or not stop.radius:
+                continue
+            axis = np.array([0.0, 0.0, 1.0] if stop.axis is None else stop.axis)
+            tangent = frame_tangent(body, np.array(stop.point), rope.name)
+            if np.linalg.norm(np.cross(tangent, axis)) > ALONG * np.linalg.norm(axis):
+                raise InputError(
+                    f"the axis of a pulley on the frame {body.name!r} is not along its tangent "
+                    f"({', '.join(f'{x:.6g}' for x in tangent)})",
+                    source=case.file,
+                    key=case.place(f"ropes.{i}.path.{k}.axis"),
+                    expected="an axis along the tangent, or a pulley on a small rigid body that is fixed to the frame",
+                )
+
+
+def _common(body: Any, initial: Mapping[str, NDArray[np.float64]]) -> dict[str, Any]:
+    return {
+        "viscous_damping": body.damping.viscous,
+        "stiffness_damping": body.damping.stiffness,
+        "elasticity": body.elasticity,
+        "drift_tolerance": body.drift_tolerance,
+        **initial,
+    }
+
+
+def _frame_section(section: FrameSectionTable) -> m.FrameSection:
+    area, second_moment, outer_fibre = section.numbers
+    return m.FrameSection(section.density, section.young_modulus, area, second_moment, outer_fibre)
+
+
+def _prestrain(
+    place: Place,
+    body: FrameBodySection,
+    sections: Sequence[FrameSectionTable],
+    chosen: NDArray[np.int64],
+    mesh: FrameMesh,
+) -> NDArray[np.float64]:
+    """Strain of each element in the given shape, shape (e,); none if empty."""
+    stiffness = np.array([section.young_modulus * section.numbers[0] for section in sections])
+    strains: NDArray[np.float64] = (body.axial_force or 0.0) / stiffness[chosen] + (body.axial_strain or 0.0)
+    for index, region in enumerate(body.regions):
+        if region.axial_strain is not None:
+            strains[_region(place, index, region, mesh)] = region.axial_strain
+    return strains if np.any(strains) else np.zeros(0)
+
+
+def _sections(
+    place: Place, body: FrameBodySection | ShellBodySection, mesh: FrameMesh | ShellMesh
+) -> tuple[list[Any], NDArray[np.int64]]:
+    """Tables of the sections, that of all elements first, and the number of that of each element."""
+    tables: list[FrameSectionTable | ShellSectionTable] = [body.section, *body.sections.values()]
+    numbers = {name: number for number, name in enumerate(body.sections, start=1)}
+    chosen = np.zeros(len(mesh.elements), dtype=np.int64)
+    for index, region in enumerate(body.regions):
+        found = _region(place, index, region, mesh)
+        if region.section is not None:
+            chosen[found] = numbers[region.section]
+    return tables, chosen
+
+
+def _region(
+    place: Place, index: int, region: RegionSection, mesh: FrameMesh | ShellMesh
+) -> NDArray[np.int64]:
+    """Elements of a region."""
+    key = f"regions.{index}"
+    if region.box is None:
+        return _numbers(place, f"{key}.elements", region.elements, len(mesh.elements), "element")
+    found = np.flatnonzero(_inside(region.box, mesh.nodes[mesh.elements].mean(axis=1), 0.0))
+    if not len(found):
+        raise place.error(f"{key}.box", "no element has its centre in it", "a box around elements")
+    return found
+
+
+def _numbers(place: Place, key: str, numbers: Sequence[int], count: int, what: str) -> NDArray[np.int64]:
+    """Numbers that must be those of nodes or elements."""
+    for position, number in enumerate(numbers):
+        if number >= count:
+            raise place.error(
+                f"{key}.{position}", f"there is no {what} {number}", f"a number from 0 to {count - 1}"
+            )
+    return np.array(numbers, dtype=np.int64)
+
+
+def _inside(box: BoxGroup, points: NDArray[np.float64], margin: float) -> NDArray[np.bool_]:
+    lower, upper = np.array(box.lower) - margin, np.array(box.upper) + margin
+    inside: NDArray[np.bool_] = np.all((points >= lower) & (points <= upper), axis=1)
+    return inside
+
+
+def _nodes(
+    place: Place, key: str, support: Any, nodes: NDArray[np.float64], named: Sequence[int]
+) -> NDArray[np.int64]:
+    """Nodes of a support: those of its named place, or by number, point or box."""
+    if named:
+        return np.array(named, dtype=np.int64)
+    near = NEAR * float(np.ptp(nodes, axis=0).max())
+    if support.box is not None:
+        found = np.flatnonzero(_inside(support.box, nodes, near))
+        if not len(found):
+            raise place.error(f"{key}.box", "no node lies in it", "a box around nodes")
+        return found
+    if support.point is not None:
+        distances = np.linalg.norm(nodes - np.array(support.point), axis=1)
+        nearest = int(np.argmin(distances))
+        if distances[nearest] > near:
+            shown = ", ".join(f"{1e3 * x:.6g}" for x in nodes[nearest])
+            raise place.error(
+                f"{key}.point",
+                f"no node is there: the nearest one, {nearest} at ({shown}) mm, is {1e3 * distances[nearest]:.6g} mm "
+                "away",
+                "the place of a node; a joint to the ground holds any point",
+            )
+        return np.array([nearest], dtype=np.int64)
+    return _numbers(place, f"{key}.nodes", support.nodes, len(nodes), "node")
+
+
+def _shell_supports(
+    place: Place, index: int, support: ShellSupportSection, mesh: ShellMesh
+) -> list[m.Support]:
+    """Supports of one table, one an edge: edges along x and along y hold different slopes."""
+    key = f"supports.{index}"
+    if not support.edge:
+        corners = CORNERS if "all" in support.corner else support.corner
+        named = [int(mesh.corners[CORNERS.index(corner)]) for corner in corners]
+        found = _nodes(place, key, support, mesh.nodes, named)
+        held = support.held
+        if not held:
+            axes = _normal_axis(place, key, mesh.slopes) if support.sliding else "xyz"
+            vectors = ("position",) if support.fix == "pinned" else ("position", "slope_x", "slope_y")
+            held = dict.fromkeys(vectors, axes)
+        return [m.Support(found, held)]
+    made = []
+    for edge in EDGES if "all" in support.edge else dict.fromkeys(support.edge):
+        held = support.held or _edge_fixed(place, key, support, edge, mesh.slopes)
+        made.append(m.Support(mesh.edges[edge], held))
+    return made
+
+
+def _edge_fixed(
+    place: Place, key: str, support: ShellSupportSection, edge: str, slopes: NDArray[np.float64]
+) -> dict[str, str]:
+    """Axes that an edge holds, by vector; the table of `heavylift.pipeline.case.mesh_supports`."""
+    along, across = ("slope_y", "slope_x") if edge.startswith("x") else ("slope_x", "slope_y")
+    normal = _normal_axis(place, key, slopes) if support.sliding or support.fix == "clamped" else ""
+    axes = normal if support.sliding else "xyz"
+    held = {"position": axes}
+    if support.fix != "pinned":
+        held[along] = axes
+    if support.fix == "clamped":
+        held[across] = normal
+        if not support.twist_free:
+            held["twist"] = normal
+    return held
+
+
+def _normal_axis(place: Place, key: str, slopes: NDArray[np.float64]) -> str:
+    """Axis of the body across the plane of the mesh."""
+    normal = np.cross(slopes[0, 0], slopes[0, 1])
+    normal /= max(float(np.linalg.norm(normal)), np.finfo(float).tiny)
+    axis = int(np.argmax(np.abs(normal)))
+    if abs(normal[axis]) < 1.0 - SQUARE:
+        raise place.error(
+            f"{key}.fix",
+            f"the normal of the mesh, ({', '.join(f'{x:.6g}' for x in normal)}), is along no axis of the body",
+            "a mesh in the x-y plane that 'initial.orientation' turns, or 'fixed'",
+        )
+    return "xyz"[axis]
+
+
+def _load(
+    place: Place, index: int, load: FrameLoad | ShellLoad, mesh: FrameMesh | ShellMesh
+) -> m.DistributedLoad | m.FollowerLoad:
+    key = f"loads.{index}"
+    times: dict[str, Any] = {}
+    if load.times:
+        times = {"times": np.array(load.times), "factors": np.array(load.factors)}
+    if load.type == "follower_force":
+        if load.node is not None:
+            _numbers(place, f"{key}.node", [load.node], len(mesh.nodes), "node")
+        ends = {"start": 0, "end": len(mesh.nodes) - 1}
+        node = ends[load.at] if load.at is not None else load.node
+        return m.FollowerLoad(
+            normal=load.normal, tangential=load.tangential, axis=np.array(load.axis), node=node, **times
+        )
+    chosen = None
+    if load.elements:
+        chosen = _numbers(place, f"{key}.elements", load.elements, len(mesh.elements), "element")
+    if load.type == "distributed":
+        return m.DistributedLoad(np.array(load.force), elements=chosen, **times)
+    if load.type == "pressure":
+        return m.FollowerLoad(normal=load.pressure, elements=chosen, **times)
+    return m.FollowerLoad(
+        normal=load.normal,
+        tangential=load.tangential,
+        axis=np.array(load.axis),
+        elements=chosen,
+        **times,
+    )
+
+
+_SHAPE_KEYS = ("elements", "nodes", "tangents", "slopes", "lengths")
+"""What the solver says of arrays that come from the geometry."""
+
+
+def _checked(place: Place, body: AnyMesh) -> AnyMesh:
+    """The body, if the solver takes it; what it refuses is told at the table that made it."""
+    from heavylift.solver.bodies.ancf.types import type_of
+
+    try:
+        type_of(body).check(body)
+    except InputError as error:
+        head, _, rest = error.key.partition("[")
+        number = rest.partition("]")[0]
+        key, problem = error.key.replace("[", ".").replace("]", ""), error.problem
+        if head in _SHAPE_KEYS:
+            what = {"elements": "element", "lengths": "element"}.get(head, "node")
+            key, problem = "geometry", f"{what} {number}: {problem}" if number else problem
+        elif head == "sections" and number:
+            tables = list(place.case.meshes[place.name].sections)
+            key = "section" if number == "0" else f"sections.{tables[int(number) - 1]}"
+        raise place.error(key, problem, error.expected) from None
+    return body

@@ -1,0 +1,255 @@
+"""From the table of modes of a flexible body to its reduced body."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.assemble.finite_elements import check_on_body, four_files, in_body
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from heavylift.modal.bases import Loads
+    from heavylift.modal.reduced import ReducedBody
+    from heavylift.pipeline.case.bodies import FlexibleBodySection
+    from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.modes import ContactPatchSection, ModesSection
+    from heavylift.pipeline.results.storage import OutputFolder
+    from heavylift.preprocess.model import FEModel
+
+__all__ = ["reduce_model", "reduced_properties"]
+
+
+def reduce_model(
+    case: Case, body: FlexibleBodySection, model: FEModel, folder: OutputFolder
+) -> tuple[ReducedBody, tuple[float, float, float]]:
+    """Reduced body of a model that is in a folder, and the origin of its frame in coordinates of the geometry [m]."""
+    name = next(name for name, other in case.bodies.items() if other is body)
+    with in_body(case, name, model.name):
+        for index, point in enumerate(body.modes.static_points):
+            key = f"modes.static_points.{index}"
+            elements = None if model.mesh is None else model.mesh.elements
+            check_on_body(point, model.nodes, elements, source=case.file, key=key)
+        return _reduce(case, name, body, model, folder)
+
+
+def _reduce(
+    case: Case, name: str, body: FlexibleBodySection, model: FEModel, folder: OutputFolder
+) -> tuple[ReducedBody, tuple[float, float, float]]:
+    from heavylift.modal import bases
+    from heavylift.modal.eigen import eigenmodes
+    from heavylift.modal.flexibility import Flexibility
+    from heavylift.modal.reduction import reduce_body
+
+    options = body.modes
+    clamped = _nodes_of(model, options.clamp, "clamp")
+    static_loads = _loads(options, model, clamped)
+    if options.attach and not options.patches:
+        static_loads += contour_loads(case, name, model, folder, fixed_nodes=clamped)
+    origin = np.zeros(3)
+    if body.frame.origin == "centre_of_mass":
+        row_sum = np.asarray(model.mass.sum(axis=0)).ravel()
+        origin = row_sum @ model.nodes / row_sum.sum()
+    if options.basis == "stored":
+        assert body.geometry.type == "four_files"
+        shapes = four_files(case, body.geometry).modes
+        chosen = [number - 1 for number in options.select] or list(range(shapes.shape[1]))
+        if max(chosen) >= shapes.shape[1]:
+            raise InputError(
+                f"asks for shape {max(chosen) + 1}",
+                source=case.file,
+                key="modes.select",
+                expected=f"numbers up to {shapes.shape[1]}, the stored shapes",
+            )
+        basis = bases.Basis(shapes[:, chosen], tuple(f"stored {number + 1}" for number in chosen))
+        flexibility = Flexibility(model, clamped) if options.has_static else None
+    elif options.basis == "craig_bampton":
+        interface = _nodes_of(model, options.interface, "interface")
+        basis = bases.craig_bampton(model, interface, options.count, fixed_nodes=clamped)
+        flexibility = Flexibility(model, clamped) if options.has_static else None
+    else:
+        flexibility = Flexibility(model, clamped)
+        parts = []
+        if options.count:
+            modes = eigenmodes(model, options.count, flexibility=flexibility)
+            parts.append(bases.eigenmode_basis(modes, options.select or None))
+        if options.basis == "krylov":
+            parts += [bases.moment_matching(flexibility, loads, options.order) for loads in static_loads]
+        basis = sum(parts[1:], start=parts[0])
+    if flexibility is not None and options.basis != "krylov":
+        for loads in static_loads:
+            basis += bases.static_vectors(flexibility, loads)
+    reduced = reduce_body(
+        model,
+        basis.vectors,
+        basis.labels,
+        fixed_nodes=clamped,
+        origin=origin,
+        mean_axis=body.frame.motion == "free",
+    )
+    return reduced, tuple(float(x) for x in origin)  # type: ignore[return-value]
+
+
+def _nodes_of(model: FEModel, groups: Sequence[str], key: str) -> NDArray[np.int64]:
+    """Nodes of some groups together."""
+    for group in groups:
+        if group not in model.node_groups:
+            known = ", ".join(sorted(model.node_groups)) or "none"
+            raise InputError(
+                f"group {group!r} does not exist", key=f"modes.{key}", expected=f"one of: {known}"
+            )
+    parts = [model.node_groups[group] for group in groups]
+    return np.unique(np.concatenate(parts)).astype(np.int64) if parts else np.empty(0, dtype=np.int64)
+
+
+def _loads(options: ModesSection, model: FEModel, clamped: NDArray[np.int64]) -> list[Loads]:
+    """Static loads of the points, groups and contact patches of a reduction."""
+    from heavylift.modal import bases
+
+    loads = []
+    if options.static_points:
+        nearest = {
+            int(np.argmin(((model.nodes - point) ** 2).sum(axis=1))): None for point in options.static_points
+        }
+        loads.append(bases.point_loads(model, list(nearest), options.static_directions))
+    for group in options.static_groups:
+        nodes = _nodes_of(model, [group], "static_groups")
+        loads.append(bases.patch_loads(model, nodes, options.static_directions, name=group))
+    for index, patch in enumerate(options.patches):
+        members = _nodes_of(model, [patch.on], f"patches.{index}.on")
+        loads.append(patch_load(model, patch, members, fixed_nodes=clamped, key=f"modes.patches.{index}"))
+    return loads
+
+
+def patch_load(
+    model: FEModel,
+    patch: ContactPatchSection,
+    members: NDArray[Any],
+    *,
+    fixed_nodes: Sequence[int] | NDArray[Any] = (),
+    key: str,
+) -> Loads:
+    """Unit loads of a patch.
+
+    Parameters
+    ----------
+    model
+        Finite-element model.
+    patch
+        What to load.
+    members
+        Nodes of the group that the patch is on.
+    fixed_nodes
+        Clamped nodes.
+    key
+        Place of the patch in the case file, for messages.
+
+    Returns
+    -------
+    Loads
+        See `heavylift.modal.bases.Loads`.
+
+    Raises
+    ------
+    InputError
+        If the group is no face of the body, or the patch has no free node on it.
+    """
+    from heavylift.modal import bases, contact_vectors
+
+    normal = patch.directions == contact_vectors.NORMAL
+    faces = (
+        contact_vectors.outer_faces(model, members, name=f"{key}.on") if normal or patch.footprint else None
+    )
+    if patch.footprint:
+        assert faces is not None
+        assert patch.centre is not None
+        assert patch.radius is not None
+        loads = contact_vectors.footprint_loads(
+            model, faces, patch.centre, patch.radius, patch.directions, name=key
+        )
+    else:
+        box = None if patch.lower is None or patch.upper is None else (patch.lower, patch.upper)
+        disc = None if patch.centre is None or patch.radius is None else (patch.centre, patch.radius)
+        nodes = contact_vectors.patch_nodes(model, members, box=box, disc=disc, name=key)
+        normals = None if faces is None else contact_vectors.surface_normals(model, faces)
+        loads = contact_vectors.contact_loads(
+            model, nodes, patch.directions, normals=normals, fixed_nodes=fixed_nodes, name=key
+        )
+    word = f"{patch.on} footprint" if patch.footprint else patch.on
+    return bases.Loads(loads.forces, tuple(label.replace(key, word, 1) for label in loads.labels))
+
+
+def contour_loads(
+    case: Case,
+    body: str,
+    model: FEModel,
+    folder: OutputFolder,
+    *,
+    fixed_nodes: Sequence[int] | NDArray[Any] = (),
+) -> list[Loads]:
+    """Unit loads on the nodes of all contours of a body, one set a contour.
+
+    The control points of a contour follow its nodes, so that any contact force on it is a combination of these loads.
+
+    Parameters
+    ----------
+    case
+        The case.
+    body
+        Name of the body.
+    model
+        Its finite-element model.
+    folder
+        Output folder that holds the model.
+    fixed_nodes
+        Clamped nodes.
+
+    Raises
+    ------
+    InputError
+        If the body has no contour, or a contour no free node.
+    """
+    from heavylift.modal.contact_vectors import NORMAL, contact_loads, grid_normals
+    from heavylift.pipeline.assemble.contacts import contour_nodes
+    from heavylift.pipeline.case.contours import SurfaceContourSection
+
+    directions = case.bodies[body].modes.attach_directions  # type: ignore[union-attr]
+    loads = []
+    for name, contour in case.contours.items():
+        if contour.body != body:
+            continue
+        nodes = contour_nodes(case, name, model.nodes, folder)
+        chosen = directions or (NORMAL if nodes.ndim == 2 else "xyz")
+        normals = None
+        if chosen == NORMAL and isinstance(contour, SurfaceContourSection):
+            normals = np.zeros((model.node_count, 3))
+            normals[nodes] = grid_normals(model.nodes[nodes], contour.closed)
+        loads.append(
+            contact_loads(
+                model, np.unique(nodes), chosen, normals=normals, fixed_nodes=fixed_nodes, name=name
+            )
+        )
+    if not loads:
+        raise InputError(
+            f"no contour is of the body {body!r}",
+            source=model.name,
+            key="modes.attach",
+            expected="a contour of this body, or 'patches' of its surface",
+        )
+    return loads
+
+
+def reduced_properties(reduced: ReducedBody) -> dict[str, Any]:
+    """Numbers of a reduced body for its manifest."""
+    return {
+        "vector_count": reduced.mode_count,
+        "frequencies_hz": [float(f) for f in reduced.frequencies],
+        "largest_residual": float(reduced.residuals.max()),
+        "orthogonality": reduced.orthogonality,
+        "dropped": list(reduced.dropped) or None,
+    }

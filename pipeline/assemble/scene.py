@@ -1,0 +1,302 @@
+"""From a case and its reduced bodies to the scene that the solver integrates."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.assemble.connections import (
+    assemble_joints,
+    assemble_loads,
+    assemble_ropes,
+)
+from heavylift.pipeline.assemble.finite_elements import check_on_body
+from heavylift.pipeline.assemble.sides import make_profile, start_sides
+from heavylift.pipeline.assemble.water import has_sea
+from heavylift.pipeline.case.bodies import FlexibleBodySection
+from heavylift.pipeline.case.places import located
+from heavylift.pipeline.results.model_io import read_header, read_model, read_reduced
+from heavylift.solver.scene import scene as s
+from heavylift.solver.scene.connections import EdgeJoint
+from heavylift.solver.scene.meshes import FrameBody, ShellBody
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from heavylift.modal.reduced import ReducedBody
+    from heavylift.pipeline.assemble.sides import Side
+    from heavylift.pipeline.case.bodies import (
+        Frame,
+        InitialSection,
+        RigidBodySection,
+        RigidInitialSection,
+    )
+    from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.results.storage import OutputFolder
+    from heavylift.solver.scene.collisions import Collision, CollisionSurface
+    from heavylift.solver.scene.connections import Joint
+    from heavylift.solver.scene.contacts import Contact, Contour
+    from heavylift.solver.scene.scene import AnyBody
+    from heavylift.solver.scene.sea import Sea
+
+__all__ = ["assemble_rigid", "assemble_scene", "modal_coordinates"]
+
+
+def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
+    """Scene of a case; the reduced bodies are read from its output folder."""
+    bodies: list[s.FlexibleBody | s.RigidBody | FrameBody | ShellBody] = []
+    origins: dict[str, NDArray[np.float64]] = {}
+    for name, body in case.bodies.items():
+        if body.type == "rigid":
+            rigid, origins[name] = assemble_rigid(name, body)
+            bodies.append(rigid)
+            continue
+        if not isinstance(body, FlexibleBodySection):
+            origins[name] = np.zeros(3)
+            from heavylift.pipeline.assemble.meshes import assemble_frame, assemble_shell
+
+            start = _initial(body.initial, origins[name])
+            bodies.append(
+                assemble_frame(case, name, body, start)
+                if body.type == "frame"
+                else assemble_shell(case, name, body, start)
+            )
+            continue
+        path = folder.reduced(name)
+        reduced = read_reduced(path)
+        origins[name] = np.array(json.loads(read_header(path)["frame_origin"]))
+        ratios = np.array(body.modes.damping_ratio)
+        if len(ratios) not in {1, reduced.mode_count}:
+            raise InputError(
+                f"{len(ratios)} values",
+                source=case.file,
+                key=case.place(f"bodies.{name}.modes.damping_ratio"),
+                expected=f"1 or {reduced.mode_count}, one a vector of the basis",
+            )
+        frequencies = np.sqrt(np.maximum(reduced.eigenvalues, 0.0))
+        bodies.append(
+            s.FlexibleBody(
+                name=name,
+                reduced=reduced,
+                motion=_motion(body.frame),
+                modal_position=modal_coordinates(case, name, reduced, body.initial, "modal_position"),
+                modal_velocity=modal_coordinates(case, name, reduced, body.initial, "modal_velocity"),
+                damping_ratio=ratios + 0.5 * body.modes.stiffness_damping * frequencies,
+                **_initial(body.initial, origins[name]),
+            )
+        )
+    sides = start_sides(bodies, origins)
+    forces: list[Any] = [] if case.gravity is None else [s.Gravity(np.array(case.gravity.acceleration))]
+    forces += assemble_loads(case, sides)
+    sensors = tuple(
+        s.Sensor(sensor.name, sensor.body, sides[sensor.body].local(sensor.point)) for sensor in case.sensors
+    )
+    joints, contacts = assemble_joints(case, sides), _contacts(case, sides)
+    edges = _edges(case, joints, bodies)
+    for made in bodies:
+        if isinstance(made, s.FlexibleBody):
+            points = _points_on(case, joints, contacts, made.name, origins[made.name])
+            points += [
+                (place, part.frame_b.point + origins[made.name])
+                for place, part in edges
+                if part.body_b == made.name
+            ]
+            _check_points(case, points, folder.model(made.name), made.reduced.nodes + origins[made.name])
+        elif isinstance(made, (FrameBody, ShellBody)):
+            from heavylift.pipeline.assemble.meshes import check_on_mesh, check_pulleys
+
+            for key, point in _points_on(case, joints, contacts, made.name, origins[made.name]):
+                check_on_mesh(made, point, case.file, key)
+            if isinstance(made, FrameBody):
+                check_pulleys(case, made)
+    return s.Scene(
+        tuple(bodies),
+        tuple(forces),
+        sensors,
+        joints=joints,
+        ropes=assemble_ropes(case, sides),
+        contours=_contours(case, bodies, sides, folder),
+        contacts=contacts,
+        surfaces=_surfaces(case, sides, folder),
+        collisions=_collisions(case),
+        sea=_sea(case, sides, folder),
+    )
+
+
+# cases import only what they have: most have no contours, surfaces or sea
+
+
+def _contacts(case: Case, sides: Mapping[str, Side]) -> tuple[Contact, ...]:
+    if not case.contacts:
+        return ()
+    from heavylift.pipeline.assemble.contacts import assemble_contacts
+
+    return assemble_contacts(case, sides)
+
+
+def _contours(
+    case: Case, bodies: Sequence[AnyBody], sides: Mapping[str, Side], folder: OutputFolder
+) -> tuple[Contour, ...]:
+    if not case.contours:
+        return ()
+    from heavylift.pipeline.assemble.contacts import assemble_contours
+
+    return assemble_contours(case, bodies, sides, folder)
+
+
+def _surfaces(case: Case, sides: Mapping[str, Side], folder: OutputFolder) -> tuple[CollisionSurface, ...]:
+    if not case.surfaces:
+        return ()
+    from heavylift.pipeline.assemble.collisions import assemble_surfaces
+
+    return assemble_surfaces(case, sides, folder)
+
+
+def _collisions(case: Case) -> tuple[Collision, ...]:
+    if not case.collisions:
+        return ()
+    from heavylift.pipeline.assemble.collisions import assemble_collisions
+
+    return assemble_collisions(case)
+
+
+def _sea(case: Case, sides: Mapping[str, Side], folder: OutputFolder) -> Sea | None:
+    if not has_sea(case):
+        return None
+    from heavylift.pipeline.assemble.sea import assemble_sea
+
+    return assemble_sea(case, sides, folder)
+
+
+def _edges(case: Case, joints: Sequence[Joint], bodies: Sequence[AnyBody]) -> list[tuple[str, Joint]]:
+    """Dotted keys of sides b, and joints of all nodes of edges; refuses edges that cannot be joined."""
+    found: list[tuple[str, Joint]] = []
+    for index, (joint, made) in enumerate(zip(case.joints, joints, strict=True)):
+        if isinstance(made, EdgeJoint):
+            from heavylift.pipeline.assemble.edges import joints_of_edge
+
+            with located(case, f"joints.{index}"):
+                place = case.place(f"joints.{index}.between.1")
+                found += [(place, part) for part in joints_of_edge(joint, made, bodies)]
+    return found
+
+
+def _points_on(
+    case: Case,
+    joints: Sequence[Joint],
+    contacts: Sequence[Contact],
+    name: str,
+    origin: NDArray[np.float64],
+) -> list[tuple[str, ArrayLike]]:
+    """Points of a case that a body carries: dotted keys, and places in coordinates of its geometry [m]."""
+    found: list[tuple[str, str, ArrayLike]] = []
+    for i, sensor in enumerate(case.sensors):
+        found.append((f"sensors.{i}.point", sensor.body, sensor.point))
+    force: Any
+    for i, force in enumerate(case.forces):
+        if force.type == "point":
+            found.append((f"forces.{i}.point", force.body, force.point))
+        elif hasattr(force, "points"):
+            sides = zip(force.between, force.points, strict=True)
+            found += [(f"forces.{i}.points.{k}", side, point) for k, (side, point) in enumerate(sides)]
+    for i, joint in enumerate(joints):
+        if isinstance(joint, EdgeJoint):
+            continue
+        at = getattr(case.joints[i], "at", None) is not None
+        ends = ((joint.body_a, joint.frame_a), (joint.body_b, joint.frame_b))
+        for k, (side, frame) in enumerate(ends):
+            found.append((f"joints.{i}.{'at' if at else f'points.{k}'}", side, frame.point + origin))
+    for i, rope in enumerate(case.ropes):
+        found += [(f"ropes.{i}.path.{k}.point", stop.body, stop.point) for k, stop in enumerate(rope.path)]
+    for i, contact in enumerate(contacts):
+        key = "point" if case.contacts[i].at is None else "at"
+        found.append((f"contacts.{i}.{key}", contact.body, contact.point + origin))
+    return [(case.place(key), point) for key, owner, point in found if owner == name]
+
+
+def _check_points(
+    case: Case, points: Sequence[tuple[str, ArrayLike]], model: Path, nodes: NDArray[np.float64]
+) -> None:
+    """Points that a flexible body carries must lie on it, or the nearest node would be far away."""
+    mesh, looked = None, False
+    for key, point in points:
+        near = np.linalg.norm(nodes - np.array(point), axis=1).min()
+        if not looked and near > 0.02 * np.ptp(nodes, axis=0).max() and model.is_file():
+            mesh, looked = read_model(model).mesh, True  # only where the elements decide
+        elements = None if mesh is None else mesh.elements
+        check_on_body(point, nodes, elements, source=case.file, key=key)
+
+
+def modal_coordinates(
+    case: Case, name: str, reduced: ReducedBody, initial: InitialSection, key: str
+) -> NDArray[np.float64]:
+    """Initial modal coordinates or speeds for mass-normalised shapes, shape (nf,).
+
+    With scaling ``unit_max`` the case gives the motion of the largest component of each shape; that
+    component of the mass-normalised shape, sign included, converts it.
+    """
+    given: Sequence[float] = getattr(initial, key)
+    if len(given) > reduced.mode_count:
+        raise InputError(
+            f"{len(given)} values",
+            source=case.file,
+            key=case.place(f"bodies.{name}.initial.{key}"),
+            expected=f"at most {reduced.mode_count}, one a vector of the basis",
+        )
+    values = np.zeros(reduced.mode_count)
+    values[: len(given)] = given
+    if initial.modal_scaling == "unit_max":
+        flat = reduced.mode_shapes.reshape(reduced.mode_count, -1)
+        largest = np.take_along_axis(flat, np.abs(flat).argmax(axis=1)[:, np.newaxis], axis=1)[:, 0]
+        values /= largest
+    return values
+
+
+def assemble_rigid(name: str, body: RigidBodySection) -> tuple[s.RigidBody, NDArray[np.float64]]:
+    """Rigid body of a case, and the origin of its frame in the coordinates of its geometry [m]."""
+    centre = np.array(body.centre_of_mass)
+    origin = centre if body.frame.origin == "centre_of_mass" else np.zeros(3)
+    rigid = s.RigidBody(
+        name=name,
+        mass=body.mass,
+        inertia=np.array(body.inertia),
+        centre_of_mass=centre - origin,
+        motion=_motion(body.frame),
+        **_initial(body.initial, origin),
+    )
+    return rigid, origin
+
+
+def _initial(initial: RigidInitialSection, origin: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    """Initial state of a frame; by default the body is where its geometry was drawn."""
+    orientation = np.array([1.0, 0.0, 0.0, 0.0])
+    if initial.orientation is not None:
+        from heavylift.numerics.rotation import quaternion_from_rotation_vector
+
+        axis: NDArray[np.float64] = np.array(initial.orientation.axis)
+        orientation = quaternion_from_rotation_vector(initial.orientation.angle * axis / np.linalg.norm(axis))
+    return {
+        "position": origin.copy() if initial.position is None else np.array(initial.position),
+        "orientation": orientation,
+        "velocity": np.array(initial.velocity or (0.0, 0.0, 0.0)),
+        "angular_velocity": np.array(initial.angular_velocity or (0.0, 0.0, 0.0)),
+    }
+
+
+def _motion(frame: Frame) -> s.Motion:
+    if frame.motion == "free":
+        return s.Free()
+    if frame.motion == "fixed":
+        return s.Fixed()
+    return s.Driven(
+        translation=(make_profile(frame.x), make_profile(frame.y), make_profile(frame.z)),
+        angle=make_profile(frame.angle),
+        axis=frame.axis,
+        pivot=frame.pivot,
+    )

@@ -1,0 +1,298 @@
+"""From the sea of a case to what the solver integrates: water, waves, wind and current, hulls, loads."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.pipeline.assemble.lines import assemble_fenders, assemble_lines
+from heavylift.pipeline.assemble.water import has_sea, water_of
+from heavylift.pipeline.case.columns import read_columns
+from heavylift.pipeline.case.places import located
+from heavylift.pipeline.case.waves import ELEVATION_COLUMNS, SPECTRUM_COLUMNS
+from heavylift.pipeline.case.wind import COEFFICIENT_COLUMNS
+from heavylift.solver.scene import sea as seas
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from heavylift.pipeline.assemble.sides import Side
+    from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.waves import JonswapWaves, PiersonMoskowitzWaves, SpectrumWaves, Waves
+    from heavylift.pipeline.case.wind import CoefficientLoadSection, WindSection
+    from heavylift.pipeline.results.storage import OutputFolder
+    from heavylift.solver.scene.wind_loads import (
+        CoefficientLoad,
+        CurrentField,
+        DragElement,
+        FluctuationRecord,
+        WindField,
+    )
+    from heavylift.solver.water.waves.spectra import WaveSpectrum
+    from heavylift.solver.water.waves.wave_trains import WaveTrains
+
+__all__ = ["assemble_sea", "make_waves", "sea_provenance"]
+
+
+def assemble_sea(case: Case, sides: Mapping[str, Side], folder: OutputFolder) -> seas.Sea | None:
+    """Sea of a case, or None if it has none.
+
+    Parameters
+    ----------
+    case
+        The case.
+    sides
+        Where its bodies are at the start, by name.
+    folder
+        Output folder: surfaces and databases that the mesh stage has stored are read, if they are of the same inputs.
+
+    Raises
+    ------
+    InputError
+        If waves, databases or hulls cannot be made; with the key in the case file.
+    """
+    if not has_sea(case):
+        return None
+    section = case.sea
+    duration = 0.0 if case.simulate is None else case.simulate.duration
+    hulls: tuple[seas.Hull, ...] = ()
+    radiation: tuple[seas.Radiation, ...] = ()
+    if case.hulls:
+        from heavylift.pipeline.assemble.databases import assemble_radiation
+        from heavylift.pipeline.assemble.hulls import assemble_hulls
+
+        hulls, radiation = assemble_hulls(case, sides, folder), assemble_radiation(case, folder)
+    return seas.Sea(
+        water=water_of(case),
+        hulls=hulls,
+        radiation=radiation,
+        tanks=_tanks(case, sides),
+        waves=make_waves(case),
+        ramp=0.0 if section is None else section.ramp,
+        excitation="summed" if section is None else section.excitation,
+        duration=duration,
+        fields=_fields(case, duration),
+        loads=_loads(case, sides),
+        lines=assemble_lines(case, sides),
+        fenders=assemble_fenders(case, sides),
+    )
+
+
+def make_waves(case: Case) -> WaveTrains | None:
+    """All components of the waves of a case; None without waves."""
+    if case.sea is None or not case.sea.waves:
+        return None
+    from heavylift.solver.water.waves.wave_trains import superposition
+
+    water, trains = water_of(case), []
+    for index, section in enumerate(case.sea.waves):
+        key = "sea.waves" if len(case.sea.waves) == 1 else f"sea.waves.{index}"
+        with located(case, key):
+            trains.append(_train(case, section, water))
+    return superposition(trains)
+
+
+def _train(case: Case, section: Waves, water: seas.Water) -> WaveTrains:
+    """Components of one table."""
+    from heavylift.solver.water.waves import wave_trains as w
+
+    common: dict[str, Any] = {"direction": section.direction, "depth": water.depth, "gravity": water.gravity}
+    if section.type == "regular":
+        return w.regular_wave(section.height, section.period, phase=section.phase, **common)
+    if section.type == "elevation":
+        times, values = read_columns(case.folder / section.file, ELEVATION_COLUMNS).values
+        return w.measured_waves(
+            times,
+            values,
+            place=section.place,
+            frequency_range=section.frequency_range,
+            name=section.file,
+            **common,
+        )
+    spreading = section.spreading
+    return w.irregular_waves(
+        _spectrum(case, section),
+        seed=section.seed,
+        count=section.count,
+        bins=section.bins,
+        amplitudes=section.amplitudes,
+        spreading=None if spreading is None else spreading.exponent,
+        directions=1 if spreading is None else spreading.directions,
+        frequency_range=section.frequency_range,
+        **common,
+    )
+
+
+def _spectrum(case: Case, section: JonswapWaves | PiersonMoskowitzWaves | SpectrumWaves) -> WaveSpectrum:
+    from heavylift.solver.water.waves.spectra import jonswap, pierson_moskowitz, tabulated_spectrum
+
+    if section.type == "jonswap":
+        return jonswap(section.significant_height, section.peak_period, section.gamma)
+    if section.type == "pierson-moskowitz":
+        return pierson_moskowitz(section.significant_height, section.peak_period)
+    header, (first, density) = read_columns(case.folder / section.file, SPECTRUM_COLUMNS)
+    turn = 2.0 * math.pi if header[0] == "frequency" else 1.0
+    return tabulated_spectrum(turn * np.array(first), np.array(density) / turn, name=section.file)
+
+
+def _fields(case: Case, duration: float) -> tuple[WindField | CurrentField, ...]:
+    """Winds and currents."""
+    if case.sea is None or not (case.sea.wind or case.sea.current):
+        return ()
+    from heavylift.solver.scene.wind_loads import CurrentField, WindField
+    from heavylift.solver.water.wind.spectrum import POWER_EXPONENT
+
+    found: list[WindField | CurrentField] = []
+    for index, wind in enumerate(case.sea.wind):
+        key = "sea.wind" if len(case.sea.wind) == 1 else f"sea.wind.{index}"
+        with located(case, key):
+            record = _fluctuation(wind, duration)
+        found.append(
+            WindField(
+                speed=wind.speed,
+                name=wind.name,
+                averaging_time=wind.averaging_time,
+                direction=_direction(wind.direction),
+                profile=wind.profile,
+                exponent=POWER_EXPONENT if wind.exponent is None else wind.exponent,
+                gust=wind.gust,
+                fluctuation=record,
+                density=wind.density,
+            )
+        )
+    for current in case.sea.current:
+        speed: Any = current.speed
+        if not isinstance(speed, float):
+            # rows of height above the still water, increasing
+            speed = np.column_stack([-np.array(speed.depths), np.array(speed.speeds)])[::-1].copy()
+        found.append(CurrentField(speed=speed, name=current.name, direction=_direction(current.direction)))
+    return tuple(found)
+
+
+def _fluctuation(wind: WindSection, duration: float) -> FluctuationRecord | None:
+    """Turbulence over the whole simulation."""
+    if wind.spectrum is None or not duration:
+        return None
+    from heavylift.solver.scene.wind_loads import fluctuation_record
+    from heavylift.solver.water.wind.spectrum import hourly_mean
+
+    return fluctuation_record(
+        hourly_mean(wind.speed, wind.averaging_time),
+        duration,
+        seed=wind.spectrum.seed,
+        height=wind.spectrum.height,
+        step=wind.spectrum.step,
+        count=wind.spectrum.count,
+    )
+
+
+def _direction(direction: Any) -> float | NDArray[np.float64]:
+    """An angle, or rows of time and angle."""
+    if isinstance(direction, float):
+        return direction
+    return np.column_stack([direction.times, direction.angles])
+
+
+def _loads(case: Case, sides: Mapping[str, Side]) -> tuple[CoefficientLoad | DragElement, ...]:
+    """What wind and current push on."""
+    if not case.fluid_loads:
+        return ()
+    from heavylift.solver.scene.wind_loads import DragElement
+
+    found: list[CoefficientLoad | DragElement] = []
+    for section in case.fluid_loads:
+        axis = np.array(section.axis)
+        if section.type == "coefficients":
+            found.append(_coefficient_load(case, section, sides))
+            continue
+        found += [
+            DragElement(
+                name=section.name,
+                body=section.body,
+                point=sides[section.body].local(element.point),
+                area=element.areas or element.area or 0.0,
+                coefficient=element.coefficient,
+                fluid=section.fluid,
+                vertical=element.vertical,
+                extent=element.extent,
+                axis=axis,
+            )
+            for element in section.elements
+        ]
+    return tuple(found)
+
+
+def _coefficient_load(
+    case: Case, section: CoefficientLoadSection, sides: Mapping[str, Side]
+) -> CoefficientLoad:
+    from heavylift.solver.scene.wind_loads import CoefficientLoad
+
+    angles, *columns = (section.angles, section.cx, section.cy, section.cn)
+    if section.file is not None:
+        header, (angles, *columns) = read_columns(case.folder / section.file, COEFFICIENT_COLUMNS)
+        if header[0] == "angle_deg":
+            angles = tuple(np.radians(angles))
+    return CoefficientLoad(
+        name=section.name,
+        body=section.body,
+        point=sides[section.body].local(section.point),
+        angles=np.array(angles),
+        coefficients=np.column_stack(columns),
+        area_x=section.area_x,
+        area_y=section.area_y,
+        length=section.length,
+        fluid=section.fluid,
+        symmetric=section.symmetric,
+        axis=np.array(section.axis),
+    )
+
+
+def _tanks(case: Case, sides: Mapping[str, Side]) -> tuple[seas.Tank, ...]:
+    """Ballast water."""
+    found = []
+    for tank in case.tanks:
+        density = water_of(case).density if tank.density is None else tank.density
+        times, masses = ((0.0,), (tank.mass,)) if tank.mass is not None else (tank.times, tank.masses)
+        found.append(
+            seas.Tank(
+                name=tank.name,
+                body=tank.hull,
+                point=sides[tank.hull].local(tank.point),
+                times=np.array(times),
+                masses=np.array(masses),
+                free_surface=(density * tank.free_surface[0], density * tank.free_surface[1]),
+            )
+        )
+    return tuple(found)
+
+
+def sea_provenance(sea: seas.Sea | None) -> dict[str, Any]:
+    """What the results say of a sea, as plain values: waves with their seeds, wind, databases, lengths of lines."""
+    if sea is None:
+        return {}
+    found: dict[str, Any] = {}
+    if sea.waves is not None:
+        waves = sea.waves
+        found["waves"] = {
+            "description": waves.description,
+            "seeds": list(waves.seeds),
+            "components": len(waves.omega),
+            "significant_height": waves.significant_height,
+            "peak_period": waves.peak_period,
+            "repeat_period": waves.repeat_period if math.isfinite(waves.repeat_period) else None,
+        }
+    records = {one.name: getattr(one, "fluctuation", None) for one in sea.fields}
+    seeds = {name: record.seed for name, record in records.items() if record is not None}
+    if seeds:
+        found["wind_seeds"] = seeds
+    if sea.radiation:
+        found["databases"] = {" ".join(one.bodies): one.database.source for one in sea.radiation}
+    if sea.lines:
+        found["line_lengths"] = {
+            line.name: [section.length for section in line.sections] for line in sea.lines
+        }
+    return found

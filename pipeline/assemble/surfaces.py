@@ -1,0 +1,242 @@
+"""Surfaces of triangles of a case: read or made, placed on their bodies, cleaned, stored, and read again.
+
+Triangles are stored in the coordinates of the geometry of their body, those of the ground in the world; excluded ones
+too, for pictures.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import zipfile
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.case.places import located
+from heavylift.pipeline.results.provenance import surface_digest
+from heavylift.pipeline.results.storage import replacing
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.contacts import TurnSection
+    from heavylift.pipeline.case.surfaces import SurfaceSection, SurfaceShape
+    from heavylift.pipeline.results.storage import OutputFolder
+    from heavylift.preprocess.surfaces import TriangleSurface
+
+__all__ = [
+    "StoredSurface",
+    "magnitude_warnings",
+    "make_surface",
+    "read_surface_file",
+    "stored_surface",
+    "write_surface_file",
+]
+
+_SCALES = {"m": 1.0, "mm": 1e-3}
+_COUNTS = ("points", "triangles", "edges", "open_edges", "junction_edges", "reversed_triangles", "watertight")
+
+
+class StoredSurface(NamedTuple):
+    """A surface of a case.
+
+    Attributes
+    ----------
+    whole
+        Cleaned triangles, with those that are excluded.
+    kept
+        Whether a triangle takes part, shape (nt,).
+    report
+        Counts and sizes as plain values: of the triangles that take part, and how many are excluded.
+    digest
+        Of all that it was made from.
+    """
+
+    whole: TriangleSurface
+    kept: NDArray[np.bool_]
+    report: dict[str, Any]
+    digest: str
+
+    @property
+    def surface(self) -> TriangleSurface:
+        """The triangles that take part."""
+        from heavylift.preprocess.surfaces import with_triangles
+
+        return self.whole if self.kept.all() else with_triangles(self.whole, self.whole.triangles[self.kept])
+
+
+def make_surface(case: Case, index: int) -> StoredSurface:
+    """Read or make the triangles of a surface of a case.
+
+    Parameters
+    ----------
+    case, index
+        The case and the number of the surface; not that of a frame or shell.
+
+    Raises
+    ------
+    InputError
+        Of a file that cannot be read or has no triangle with an area, of values that are not finite, of boxes that
+        exclude everything; with the key in the case file.
+    """
+    from heavylift.preprocess.surface_report import report_surface
+    from heavylift.preprocess.surfaces import clean, placed
+
+    section = case.surfaces[index]
+    dropped = None
+    with located(case, f"surfaces.{index}"):
+        if section.file is not None:
+            from heavylift.preprocess.surface_files import read_triangles
+
+            with _of_file(section.file):
+                scale = None if section.unit is None else _SCALES[section.unit]
+                raw = read_triangles(case.folder / section.file, scale=scale, size=section.size)
+                made, dropped = clean(raw.points, raw.triangles, radius=section.radius, name=section.name)
+        else:
+            assert section.shape is not None
+            made = _shaped(section, section.shape)
+        whole = placed(made, turned(section.turned), section.at)
+        kept = _kept(section, whole)
+    stored = StoredSurface(whole, kept, {}, surface_digest(case, section))
+    about = report_surface(stored.surface, dropped)
+    report: dict[str, Any] = {key: getattr(about, key) for key in _COUNTS}
+    report |= {"excluded": int(np.count_nonzero(~kept)), "area": about.area, "radius": about.radius}
+    report["bounds"] = about.bounds.tolist()
+    if dropped is not None:
+        report["dropped"] = dropped._asdict()
+    return stored._replace(report=report)
+
+
+def write_surface_file(path: Path, stored: StoredSurface) -> None:
+    """Write a surface as NumPy archive; the same surface gives the same bytes.
+
+    Parameters
+    ----------
+    path
+        Replaced in one step.
+    stored
+        The surface.
+    """
+    about = json.dumps({"report": stored.report, "digest": stored.digest, "name": stored.whole.name})
+    with replacing(path) as temporary, temporary.open("wb") as stream:
+        np.savez_compressed(
+            stream,
+            points=stored.whole.points,
+            triangles=stored.whole.triangles,
+            kept=stored.kept,
+            radius=np.array(stored.whole.radius),
+            about=np.array(about),
+        )
+
+
+def read_surface_file(path: Path) -> StoredSurface:
+    """Read a surface that `write_surface_file` wrote.
+
+    Raises
+    ------
+    InputError
+        If the file is absent or damaged.
+    """
+    from heavylift.preprocess.surfaces import TriangleSurface
+
+    remedy = "make it with `heavylift mesh CASE --force`"
+    try:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as content:
+            about = json.loads(str(content["about"]))
+            whole = TriangleSurface(
+                content["points"], content["triangles"], float(content["radius"]), str(about["name"])
+            )
+            return StoredSurface(whole, content["kept"], about["report"], str(about["digest"]))
+    except FileNotFoundError:
+        raise InputError("does not exist", source=path, expected=f"a surface; {remedy}") from None
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        raise InputError(f"is damaged: {error}", source=path, expected=f"a whole file; {remedy}") from None
+
+
+def stored_surface(case: Case, index: int, folder: OutputFolder) -> StoredSurface:
+    """Surface of a case as its output folder has it; made anew if it is absent, damaged or of other inputs."""
+    section = case.surfaces[index]
+    try:
+        stored = read_surface_file(folder.surface(section.name))
+    except InputError:
+        return make_surface(case, index)
+    return stored if stored.digest == surface_digest(case, section) else make_surface(case, index)
+
+
+def turned(turn: TurnSection | None) -> NDArray[np.float64]:
+    """Rotation, shape (3, 3), of what is turned from the axes of its body."""
+    if turn is None:
+        return np.eye(3)
+    from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
+
+    axis = np.array(turn.axis) / np.linalg.norm(turn.axis)
+    return rotation_matrix(quaternion_from_rotation_vector(turn.angle * axis))
+
+
+def _shaped(section: SurfaceSection, shape: SurfaceShape) -> TriangleSurface:
+    """Triangles of a simple shape about its own origin."""
+    from heavylift.preprocess import primitive_surfaces as p
+    from heavylift.preprocess.surfaces import TriangleSurface
+
+    name, radius = section.name, section.radius
+    if shape.type == "plane":
+        plane = p.plane_surface(shape.size, name=name)
+        return TriangleSurface(plane.points, plane.triangles, radius, name)
+    if shape.type == "box":
+        return p.box_surface(shape.size, radius, name=name)
+    if shape.type == "sphere":
+        return p.sphere_surface(shape.radius, name=name)
+    if shape.type == "capsule":
+        return p.capsule_surface(shape.radius, shape.length, shape.axis, name=name)
+    return p.cylinder_surface(
+        shape.radius, shape.length, shape.axis, sides=shape.sides, rounding=radius, name=name
+    )
+
+
+def _kept(section: SurfaceSection, whole: TriangleSurface) -> NDArray[np.bool_]:
+    """Which triangles take part."""
+    from heavylift.preprocess.exclusion import ExclusionBox, exclude
+
+    boxes = [
+        ExclusionBox(np.array(box.centre), np.array(box.size), turned(box.turned), box.keep == "outside")
+        for box in section.exclude
+    ]
+    try:
+        _, excluded = exclude(whole, boxes)
+    except InputError as error:
+        raise InputError(
+            error.problem,
+            key="exclude",
+            expected='boxes in the coordinates of the geometry that leave a triangle; keep = "outside" excludes what '
+            'lies in a box, keep = "inside" what lies outside of it',
+        ) from None
+    return ~excluded
+
+
+@contextlib.contextmanager
+def _of_file(file: str) -> Iterator[None]:
+    """Say of errors in a file that it is the file of a surface."""
+    try:
+        yield
+    except InputError as error:
+        place = f"{file}: {error.key}: " if error.key else f"{file}: "
+        raise InputError(place + error.problem, key="file", expected=error.expected) from None
+
+
+def magnitude_warnings(case: Case, surfaces: dict[str, StoredSurface]) -> list[str]:
+    """What looks like a file in millimetres among surfaces that may touch, with their boxes; each once."""
+    from heavylift.preprocess.surface_report import check_magnitudes
+
+    found: dict[str, None] = {}
+    for _, (a, b) in case.collided.values():
+        if a in surfaces and b in surfaces:
+            text = check_magnitudes(a, surfaces[a].surface, b, surfaces[b].surface)
+            if text:
+                found[text] = None
+    return list(found)

@@ -1,0 +1,381 @@
+"""A case: one folder with a case.toml that describes an operation, its checks and its sources."""
+
+# Annotations are evaluated by pydantic, so the imports below are needed at run time.
+
+import tomllib
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, model_validator
+
+from heavylift.numerics.outcome import InputError, InputErrors
+from heavylift.pipeline.case.channel_kinds import Declared, declared
+from heavylift.pipeline.case.checks import CheckSection, ConvergeSection, QuantityReference
+from heavylift.pipeline.case.collision_pairs import collision_pairs
+from heavylift.pipeline.case.collisions import Collision
+from heavylift.pipeline.case.contacts import Contact
+from heavylift.pipeline.case.contours import Contour
+from heavylift.pipeline.case.errors import group_errors, input_errors
+from heavylift.pipeline.case.fields import GROUND, CaseContext, Section, UniqueName, reject
+from heavylift.pipeline.case.forces import Force, PointForceSection
+from heavylift.pipeline.case.hulls import DatabaseName, DatabaseSection, HullName, HullSection, TankSection
+from heavylift.pipeline.case.joints import Joint
+from heavylift.pipeline.case.lines import FenderSection, MooringLineSection
+from heavylift.pipeline.case.meshes import Body, FrameBodySection, MeshBodySection, ShellBodySection
+from heavylift.pipeline.case.overrides import apply_overrides
+from heavylift.pipeline.case.quantity_names import QuantityName, parse_quantity_name
+from heavylift.pipeline.case.reference import ReferenceSection, read_reference
+from heavylift.pipeline.case.repeat import Expansion, Parameters, RepeatSection, expand
+from heavylift.pipeline.case.ropes import Rope
+from heavylift.pipeline.case.sea import SeaSection, check_sea
+from heavylift.pipeline.case.sections import GravitySection, ReportSection, SensorSection
+from heavylift.pipeline.case.simulate import SimulateSection, multiple
+from heavylift.pipeline.case.surfaces import SurfaceSection
+from heavylift.pipeline.case.wind import FluidLoad
+
+__all__ = ["CASE_FILE", "Case", "load_case"]
+
+CASE_FILE = "case.toml"
+
+
+_KINDS = {"rigid": "rigid body", "frame": "frame", "shell": "shell"}
+
+
+class Case(Section):
+    """The content of a case file in SI units; made by `load_case`."""
+
+    title: str
+    """One line that says what is simulated."""
+    sources: tuple[str, ...] = ()
+    """Where the numbers come from."""
+    parameters: Parameters = Field(default_factory=dict)
+    """Named numbers, for counts and for ``{...}`` in texts."""
+    repeat: tuple[RepeatSection, ...] = ()
+    """Blocks of tables that are copied with an index."""
+    bodies: Annotated[dict[UniqueName, Body], Field(min_length=1)]
+    """Bodies by name."""
+    gravity: GravitySection | None = None
+    """Uniform gravity; none if absent."""
+    joints: tuple[Joint, ...] = ()
+    """Joints between two bodies, or a body and the ground."""
+    ropes: tuple[Rope, ...] = ()
+    """Ropes."""
+    forces: tuple[Force, ...] = ()
+    """Applied forces, springs, motors."""
+    contours: dict[UniqueName, Contour] = Field(default_factory=dict)
+    """Curves and surfaces of bodies that something may touch, by name."""
+    contacts: tuple[Contact, ...] = ()
+    """What touches contours, and by what law."""
+    surfaces: tuple[SurfaceSection, ...] = ()
+    """Triangles of bodies that may touch those of others: CAD files and simple shapes."""
+    collisions: tuple[Collision, ...] = ()
+    """Which surfaces may touch, and by what law."""
+    sea: SeaSection | None = None
+    """Water, waves, wind and current."""
+    hulls: dict[HullName, HullSection] = Field(default_factory=dict)
+    """What floats, by the names of rigid bodies."""
+    databases: dict[DatabaseName, DatabaseSection] = Field(default_factory=dict)
+    """Added mass, damping and excitation of hulls, by names of their own."""
+    tanks: tuple[TankSection, ...] = ()
+    """Ballast water in hulls."""
+    fluid_loads: tuple[FluidLoad, ...] = ()
+    """What wind and current push on."""
+    lines: tuple[MooringLineSection, ...] = ()
+    """Mooring lines that hang by their weight."""
+    fenders: tuple[FenderSection, ...] = ()
+    """One-sided springs between bodies."""
+    sensors: tuple[SensorSection, ...] = ()
+    """Material points whose motion is recorded."""
+    reference: tuple[ReferenceSection, ...] = ()
+    """Recorded histories to compare with."""
+    simulate: SimulateSection | None = None
+    """Time integration; a case without it ends with its modes."""
+    report: ReportSection = Field(default_factory=ReportSection)
+    """Pictures and plots."""
+    converge: ConvergeSection | None = None
+    """Convergence study."""
+    check: tuple[CheckSection, ...] = ()
+    """Reference values."""
+
+    _file: Path = PrivateAttr(default=Path(CASE_FILE))
+    _document: dict[str, Any] = PrivateAttr(default_factory=dict)
+    _expansion: Expansion = PrivateAttr(default_factory=lambda: Expansion({}))
+    _names: Declared = PrivateAttr(default_factory=Declared)
+    _overrides: tuple[str, ...] = PrivateAttr(default=())
+
+    @model_validator(mode="after")
+    def _checks_can_be_computed(self, info: ValidationInfo) -> "Case":
+        """Modes and coordinates that checks name must exist, and a simulation if they need one."""
+        for index, check in enumerate(self.check):
+            texts = {f"check.{index}.quantity": check.quantity}
+            if isinstance(check.reference, QuantityReference):
+                texts[f"check.{index}.reference.quantity"] = check.reference.quantity
+            for key, text in texts.items():
+                quantity = self._parsed(text, info)
+                problem = self._missing_for(quantity)
+                if problem:
+                    reject(f"{text!r} needs {problem}", "a quantity that the case has", key=key)
+                if quantity.family == "drift" and quantity.item in {"momentum", "angular_momentum"}:
+                    self._conserves_momentum(text, key)
+        return self
+
+    def _conserves_momentum(self, text: str, key: str) -> None:
+        """The drift of a momentum is an error of the integration only if nothing outside acts on the scene."""
+        causes = [
+            f"the {body.frame.motion} frame of {name!r}"
+            for name, body in self.bodies.items()
+            if not isinstance(body, MeshBodySection) and body.frame.motion != "free"
+        ]
+        for name, mesh in self.meshes.items():
+            causes += [f"{key} of {name!r}" for key in ("supports", "loads") if getattr(mesh, key)]
+            causes += [f"viscous damping of {name!r}"] if mesh.damping.viscous else []
+        for force in self.forces:
+            outside = isinstance(force, PointForceSection) or GROUND in getattr(force, "between", ())
+            causes += [f"force {force.name!r}"] if outside else []
+        causes += [f"joint {joint.name!r}" for joint in self.joints if GROUND in joint.between]
+        for contact in self.contacts:
+            outside = self.contours[contact.between[1]].body == GROUND
+            causes += [f"contact {contact.name!r}"] if outside else []
+        on_ground = {surface.name for surface in self.surfaces if surface.body == GROUND}
+        causes += [
+            f"collision {name!r}" for name, (_, pair) in self.collided.items() if on_ground & set(pair)
+        ]
+        causes += [
+            f"rope {rope.name!r}" for rope in self.ropes if GROUND in {stop.body for stop in rope.path}
+        ]
+        causes += [f"hull {name!r}" for name in self.hulls]
+        causes += [f"load {load.name!r}" for load in self.fluid_loads]
+        causes += [f"line {line.name!r}" for line in self.lines if GROUND in line.between]
+        causes += [f"fender {fender.name!r}" for fender in self.fenders if GROUND in fender.between]
+        if self.gravity is not None and any(self.gravity.acceleration):
+            causes.append("gravity")
+        if causes:
+            reject(
+                f"{text!r}: {', '.join(causes)} changes the momentum",
+                "only free frames and no outer force, or 'drift.energy'",
+                key=key,
+            )
+
+    @model_validator(mode="after")
+    def _fits_the_sea(self) -> "Case":
+        """What floats, blows and holds fits together."""
+        check_sea(
+            self.sea,
+            gravity=self.gravity,
+            simulate=self.simulate,
+            surfaces=self.surfaces,
+            hulls=self.hulls,
+            databases=self.databases,
+            tanks=self.tanks,
+            fluid_loads=self.fluid_loads,
+            lines=self.lines,
+        )
+        return self
+
+    @model_validator(mode="after")
+    def _references_fit(self, info: ValidationInfo) -> "Case":
+        """Reference files have the columns of their channels, and times that the simulation records."""
+        context = CaseContext.of(info)
+        for index, reference in enumerate(self.reference):
+            if context is None:
+                break
+            key = f"reference.{index}"
+            if self.simulate is None or not self.simulate.duration:
+                reject("needs a [simulate] section with a duration", "a history to compare with", key=key)
+            try:
+                times = read_reference(context.folder / reference.file, reference.components).times
+            except InputError as error:
+                where = f"{reference.file}: {error.key}: " if error.key else f"{reference.file}: "
+                reject(f"{where}{error.problem}", error.expected, key=f"{key}.file")
+            step, duration = self.simulate.output_interval, self.simulate.duration
+            end, what = duration, "the simulation at"
+            if reference.until is not None:
+                end, what = reference.until, "but 'until' is"
+            if end > duration + 0.5 * step:
+                reject(
+                    f"{end:.9g} s, the simulation ends at {duration:.9g} s",
+                    "a time within the simulation",
+                    key=f"{key}.until",
+                )
+            if abs(times[-1] - end) > 0.5 * step:
+                reject(
+                    f"{reference.file} ends at {times[-1]:.9g} s, {what} {end:.9g} s",
+                    "a history of the same duration, or 'until' for that of a part",
+                    key=f"{key}.file",
+                )
+            odd = next((t for t in times if t != 0.0 and multiple(abs(t), step) is None), None)
+            if odd is not None or times[0] < 0.0:
+                reject(
+                    f"{reference.file} has t = {times[0] if odd is None else odd:.9g} s, which is not recorded",
+                    f"times that are multiples of output_interval = {step:.9g} s",
+                    key=f"{key}.file",
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _integrates_contacts(self) -> "Case":
+        """Contacts and collisions need the integrator whose steps know impulses; some laws its step."""
+        if self.simulate is None:
+            return self
+        what = "contacts" if self.contacts else "collisions"
+        if (self.contacts or self.collisions) and self.simulate.integrator not in {"dele2", "auto"}:
+            reject(
+                f"{self.simulate.integrator!r} with {what}", "'dele2' or 'auto'", key="simulate.integrator"
+            )
+        for index, collision in enumerate(self.collisions):
+            if collision.law == "thesis" and self.simulate.step is None:
+                reject(
+                    "'thesis' without a fixed step, on which 'gamma' depends",
+                    "'step' in [simulate], or law 'linear'",
+                    key=f"collisions.{index}.law",
+                )
+        return self
+
+    def _missing_for(self, quantity: QuantityName) -> str:
+        """What a quantity needs and the case does not have; empty if nothing."""
+        if quantity.stage == "simulate" and self.simulate is None:
+            return "a [simulate] section"
+        if quantity.family in {"mesh", "modes", "ringdown"}:
+            body = self.bodies[quantity.owner]
+            if body.type != "flexible":
+                return f"a flexible body, and {quantity.owner!r} is a {_KINDS[body.type]}"
+            count = body.modes.vector_count
+            if quantity.component and count is not None and int(quantity.component) > count:
+                return f"vector {quantity.component} of {count}"
+        if quantity.family == "hydrostatics" and self.hulls[quantity.owner].surface is None:
+            return f"a hull with a surface, and {quantity.owner!r} has none"
+        return ""
+
+    @staticmethod
+    def _parsed(text: str, info: ValidationInfo) -> QuantityName:
+        context = CaseContext.of(info)
+        return parse_quantity_name(text, None if context is None else context.names)
+
+    def quantity(self, text: str) -> QuantityName:
+        """A quantity string taken apart, with the kind that it has in this case."""
+        return parse_quantity_name(text, self._names)
+
+    def place(self, key: str) -> str:
+        """Dotted key in the case file of a dotted key of this model: that of the block, if it was written out."""
+        return self._expansion.locate(key)[0]
+
+    @property
+    def meshes(self) -> dict[str, FrameBodySection | ShellBodySection]:
+        """Frames and shells by name."""
+        return {
+            name: body
+            for name, body in self.bodies.items()
+            if isinstance(body, (FrameBodySection, ShellBodySection))
+        }
+
+    @cached_property
+    def collided(self) -> dict[str, tuple[int, tuple[str, str]]]:
+        """Collisions by the first part of their channels: number of the table, and names of both surfaces."""
+        surfaces = {surface.name: surface.body for surface in self.surfaces}
+        yielding = {name for name, body in self.bodies.items() if _yields(body)}
+        return {
+            name: (index, pair)
+            for index, entry in enumerate(self.collisions)
+            for name, pair in collision_pairs(
+                entry.name, entry.between, entry.among, surfaces, yielding
+            ).items()
+        }
+
+    @property
+    def file(self) -> Path:
+        """The case file."""
+        return self._file
+
+    @property
+    def folder(self) -> Path:
+        """The case folder."""
+        return self._file.parent
+
+    @property
+    def name(self) -> str:
+        """Name of the case folder."""
+        return self._file.resolve().parent.name
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The case file as it was read, with overrides applied but units not converted."""
+        return self._document
+
+    @property
+    def overrides(self) -> tuple[str, ...]:
+        """The ``key=value`` overrides this case was loaded with."""
+        return self._overrides
+
+    @property
+    def output_folder(self) -> Path:
+        """Where results go unless another folder is chosen."""
+        return self.folder / "out"
+
+
+def _yields(body: Body) -> bool:
+    """Whether a body gives way to a force."""
+    return isinstance(body, MeshBodySection) or body.frame.motion == "free"
+
+
+def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
+    """Read and check a case.
+
+    Parameters
+    ----------
+    path
+        A case folder, or its ``case.toml``.
+    overrides
+        Changes such as ``"simulate.step=0.1 us"``: dotted key, ``=``, a TOML value or plain text; without a value
+        the key is removed.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or is no TOML.
+    InputErrors
+        Everything that is wrong with its content, one line each.
+    """
+    file = Path(path)
+    if file.is_dir():
+        file = file / CASE_FILE
+    document, changed = apply_overrides(read_document(file), overrides, Case)
+    expansion = expand(document, file)
+    names = declared(expansion.document)
+    errors = [*expansion.errors, *group_errors(expansion.document, file)]
+    try:
+        case = Case.model_validate(expansion.document, context=CaseContext(file.parent, names))
+    except ValidationError as error:
+        errors += input_errors(error, expansion.document, Case, file)
+    # what is wrong with a block or a parameter is told alone: the rest would follow from it
+    errors = [*expansion.errors, *(e for e in errors if _in_block(e.key))] or errors
+    if errors:
+        raise InputErrors(expansion.told(errors, changed))
+    case._file = file  # noqa: SLF001
+    case._document = document  # noqa: SLF001
+    case._expansion = expansion  # noqa: SLF001
+    case._names = names  # noqa: SLF001
+    case._overrides = tuple(overrides)  # noqa: SLF001
+    return case
+
+
+def _in_block(key: str) -> bool:
+    """Whether a key is that of the parameters, or of a block itself."""
+    return key.partition(".")[0] in {"parameters", "repeat"}
+
+
+def read_document(file: Path) -> dict[str, Any]:
+    """Read a TOML file; a syntax error is one line with its place."""
+    try:
+        return tomllib.loads(file.read_bytes().decode("utf-8"))
+    except FileNotFoundError:
+        raise InputError(
+            "does not exist", source=file, expected=f"a case folder with a {CASE_FILE}"
+        ) from None
+    except (IsADirectoryError, NotADirectoryError, PermissionError) as error:
+        raise InputError(str(error.strerror), source=file, expected=f"a readable {CASE_FILE}") from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"byte {error.start} is no UTF-8", source=file, expected="text in UTF-8") from None
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(str(error), source=file, expected="TOML") from None

@@ -1,0 +1,210 @@
+"""Tables of a case file that judge results: checks against references, and convergence studies."""
+
+# Annotations are evaluated by pydantic, so the imports below are needed at run time.
+
+from typing import Annotated, Any
+
+from pydantic import (
+    AfterValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationInfo,
+    WithJsonSchema,
+    field_validator,
+    model_validator,
+)
+
+from heavylift.pipeline.case.fields import (
+    CaseContext,
+    CheckId,
+    Quantity,
+    QuantityString,
+    Section,
+    quantity_schema,
+    reject,
+)
+from heavylift.pipeline.case.quantity_names import parse_quantity_name
+
+__all__ = [
+    "CheckSection",
+    "ConvergeSection",
+    "QuantityReference",
+    "RunReference",
+    "SeriesSection",
+    "ToleranceSection",
+]
+
+
+def _not_blank(text: str) -> str:
+    if not text.strip():
+        reject(f"{text!r} says nothing", "where the reference comes from")
+    return text
+
+
+class QuantityReference(Section):
+    """A reference that is itself computed."""
+
+    quantity: QuantityString
+    """Name of the quantity."""
+
+
+class RunReference(Section):
+    """A reference that is the same quantity of another run."""
+
+    run: Any
+    """Value of the parameter in the run that serves as reference."""
+
+
+class ToleranceSection(Section):
+    """Largest error that passes; exactly one of the two."""
+
+    relative: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0)] | None = None
+    """Error divided by the absolute value of the reference, below 1: zero itself would pass with 1."""
+    absolute: (
+        Annotated[float, WithJsonSchema(quantity_schema(exclusiveMinimum=0.0), mode="validation")] | None
+    ) = None
+    """Error in the unit of the quantity: a number in SI, or a string with a unit."""
+
+    @model_validator(mode="after")
+    def _exactly_one(self) -> "ToleranceSection":
+        if (self.relative is None) == (self.absolute is None):
+            reject("not exactly one of 'relative' and 'absolute'", "one of them, positive")
+        return self
+
+
+def _in_unit(info: ValidationInfo, value: Any, minimum: float | None = None) -> Any:
+    """SI number of a value that has the dimension of the quantity of a section; zero if that is not known."""
+    quantity, context = info.data.get("quantity"), CaseContext.of(info)
+    if quantity is None:
+        return 0.0
+    kind = parse_quantity_name(quantity, None if context is None else context.names).kind
+    return Quantity(kind.name, minimum=minimum).parse(value)
+
+
+def _reference_kind(value: Any) -> str:
+    """Tell references that are tables from plain values."""
+    if isinstance(value, QuantityReference) or (isinstance(value, dict) and "run" not in value):
+        return "another quantity"
+    return "another run" if isinstance(value, (RunReference, dict)) else "value"
+
+
+Value = Annotated[float, Tag("value"), WithJsonSchema(quantity_schema(), mode="validation")]
+Reference = Annotated[
+    Value | Annotated[QuantityReference, Tag("another quantity")],
+    Discriminator(_reference_kind),
+]
+StudyReference = Annotated[
+    Value
+    | Annotated[QuantityReference, Tag("another quantity")]
+    | Annotated[RunReference, Tag("another run")],
+    Discriminator(_reference_kind),
+]
+
+
+def _refuse_itself(quantity: str, reference: Any) -> None:
+    """A quantity that is compared with itself agrees whatever its value is."""
+    if isinstance(reference, QuantityReference) and reference.quantity == quantity:
+        reject(
+            f"{quantity!r} is compared with itself", "a value, or another quantity", key="reference.quantity"
+        )
+
+
+class CheckSection(Section):
+    """One number of the results against a reference."""
+
+    id: CheckId
+    """Unique in the case."""
+    quantity: QuantityString
+    """What is computed."""
+    reference: Reference
+    """Number in SI, string with a unit, or ``{ quantity = ... }``."""
+    tolerance: ToleranceSection
+    """Largest error that passes."""
+    source: Annotated[str, AfterValidator(_not_blank), Field(json_schema_extra={"pattern": r"\S"})]
+    """Where the reference comes from."""
+
+    @field_validator("reference", mode="before")
+    @classmethod
+    def _has_the_unit_of_the_quantity(cls, value: Any, info: ValidationInfo) -> Any:
+        return value if isinstance(value, dict) else _in_unit(info, value)
+
+    @field_validator("tolerance", mode="before")
+    @classmethod
+    def _tolerance_has_the_unit(cls, value: Any, info: ValidationInfo) -> Any:
+        if isinstance(value, dict) and "absolute" in value:
+            return value | {"absolute": _in_unit(info, value["absolute"], 0.0)}
+        return value
+
+    @model_validator(mode="after")
+    def _relative_to_something(self) -> "CheckSection":
+        if self.tolerance.relative is not None and self.reference == 0.0:
+            reject("a relative tolerance about a reference of 0", "tolerance = { absolute = ... }")
+        _refuse_itself(self.quantity, self.reference)
+        return self
+
+
+class SeriesSection(Section):
+    """One curve of a study of several: some keys of the case are set, then one parameter takes its values."""
+
+    name: Annotated[str, Field(min_length=1, max_length=60)]
+    """What the curve is called."""
+    set: dict[str, Any] = Field(default_factory=dict)
+    """Keys of the case (dotted paths) and their values; the empty text removes a key."""
+    parameter: str
+    """Dotted path of a key, e.g. ``"simulate.step"``."""
+    values: Annotated[tuple[Any, ...], Field(min_length=1)]
+    """Values of the parameter, coarse to fine."""
+
+
+class ConvergeSection(Section):
+    """A convergence study: the case is run for several values of one parameter, or of one in each of several series."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"oneOf": [{"required": ["parameter", "values"]}, {"required": ["series"]}]}
+    )
+
+    parameter: str | None = None
+    """Dotted path of a key, e.g. ``"simulate.step"``."""
+    values: Annotated[tuple[Any, ...], Field(min_length=2)] | None = None
+    """Values of the parameter, coarse to fine."""
+    quantity: QuantityString
+    """What is computed; of a channel without component, the whole vector."""
+    reference: StudyReference
+    """Exact value, ``{ quantity = ... }`` of the same run, or ``{ run = VALUE }``: the same quantity of a run with
+    this (finer) value of the parameter."""
+    relative: bool = True
+    """Whether the error is divided by the norm of the reference."""
+    runs: Annotated[int, Field(ge=1, le=100, strict=True)] = 1
+    """How often each simulation is run; the median of the CPU times counts."""
+    series: tuple[SeriesSection, ...] = ()
+    """In place of parameter and values: several series, compared by their errors and CPU times."""
+
+    @field_validator("reference", mode="before")
+    @classmethod
+    def _has_the_unit_of_the_quantity(cls, value: Any, info: ValidationInfo) -> Any:
+        return value if isinstance(value, dict) else _in_unit(info, value)
+
+    @model_validator(mode="after")
+    def _can_fail(self) -> "ConvergeSection":
+        _refuse_itself(self.quantity, self.reference)
+        return self
+
+    @model_validator(mode="after")
+    def _varies_something(self) -> "ConvergeSection":
+        if self.series:
+            if self.parameter is not None or self.values is not None:
+                reject("both 'series' and 'parameter' or 'values'", "'series', or 'parameter' and 'values'")
+            if isinstance(self.reference, RunReference):
+                reject("another run with 'series'", "a value, or another quantity", key="reference")
+            names = [series.name for series in self.series]
+            for index, name in enumerate(names):
+                if name in names[:index]:
+                    reject(f"{name!r} is used before", "one series a name", key=f"series.{index}.name")
+        elif self.parameter is None or self.values is None:
+            missing = "parameter" if self.parameter is None else "values"
+            reject("is missing", "'parameter' and 'values', or 'series'", key=missing)
+        elif self.relative and self.reference == 0.0:
+            reject("a relative error about a reference of 0", "relative = false", key="relative")
+        return self

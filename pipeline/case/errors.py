@@ -1,0 +1,235 @@
+"""Validation errors of a case file as lines that name file, key, value and what was expected."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin
+
+from pydantic import BaseModel
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.case.described import Chosen
+from heavylift.pipeline.case.fields import TAG
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+    from pathlib import Path
+
+    from pydantic import ValidationError
+
+__all__ = ["group_errors", "input_errors", "known_keys", "sections_below"]
+
+_MISSING = object()
+
+
+def input_errors(
+    error: ValidationError, document: dict[str, Any], root: type[BaseModel], file: Path
+) -> list[InputError]:
+    """Turn what pydantic found into one `InputError` a problem.
+
+    Parameters
+    ----------
+    error
+        All problems of one document.
+    document
+        The document that was validated.
+    root
+        Its model.
+    file
+        Its file, for the messages.
+    """
+    found = []
+    for item in _causes(error.errors(include_url=False), document):
+        keys, value = _place(document, item)
+        path = ".".join([*(str(key) for key in keys), *filter(None, [item.get("ctx", {}).get("key", "")])])
+        problem, expected = _words(item, value, _candidates(root, document, keys[:-1]))
+        found.append(InputError(problem, source=file, key=path or "case", expected=expected))
+    return found
+
+
+def _causes(items: Sequence[Any], document: dict[str, Any]) -> list[Any]:
+    """The items without those that only follow from another one, so that one mistake is one line."""
+    places = [tuple(item["loc"]) for item in items]
+    kept = []
+    for index, (item, place) in enumerate(zip(items, places, strict=True)):
+        kind, later = item["type"], range(index + 1, len(items))
+        if kind == "too_short" and any(len(p) > len(place) and p[: len(place)] == place for p in places):
+            continue  # an entry that is wrong was not counted
+        if kind == "repeated" and any(
+            items[i]["type"] == kind and items[i]["ctx"]["problem"] == item["ctx"]["problem"] for i in later
+        ):
+            continue  # the last occurrence is told
+        if kind == "missing" and isinstance(_place(document, item)[1], list):
+            if any(items[i]["type"] == kind and places[i][:-1] == place[:-1] for i in later):
+                continue  # the last missing entry says how many are needed
+        elif kind == "missing" and any(
+            other["type"] == "extra_forbidden"
+            and p[:-1] == place[:-1]
+            and get_close_matches(str(p[-1]), [str(place[-1])], 1)
+            for other, p in zip(items, places, strict=True)
+        ):
+            continue  # it is there, misspelt
+        kept.append(item)
+    return kept
+
+
+def _place(document: Any, item: Mapping[str, Any]) -> tuple[list[str | int], Any]:
+    """Keys of a problem without the names of union members that pydantic puts between them, and the value."""
+    loc, node = item["loc"], document
+    keys: list[str | int] = []
+    for depth, part in enumerate(loc):
+        if _has(node, part):
+            node = node[part]
+        elif item["type"] == "missing" and isinstance(node, dict) and depth == len(loc) - 1:
+            node = _MISSING  # a required key that is not there
+        elif part == "[key]":
+            node = keys[-1]  # a wrong key of a table, not its value
+            continue
+        else:
+            continue
+        keys.append(part)
+    return keys, node
+
+
+def _has(node: Any, key: str | int) -> bool:
+    """Whether a table has a key, or a list an index."""
+    if isinstance(node, list):
+        return isinstance(key, int) and key < len(node)
+    return isinstance(node, dict) and key in node
+
+
+def _words(item: Mapping[str, Any], value: Any, candidates: Iterable[type[BaseModel]]) -> tuple[str, str]:
+    """Say what is wrong and what was expected."""
+    kind, context = item["type"], item.get("ctx", {})
+    if kind in {"case", "repeated"}:
+        return context["problem"], context["expected"]
+    if kind == "missing" and isinstance(value, list):
+        return f"{value!r} has {len(value)} entries", f"at least {int(item['loc'][-1]) + 1}"
+    if kind == "missing":
+        return "is missing", "a value"
+    if kind in {"model_type", "model_attributes_type", "dict_type"}:
+        return f"{value!r} is not a table", "a table"
+    if kind in {"tuple_type", "list_type"}:
+        return f"{value!r} is not a list", "a list"
+    if kind == "extra_forbidden":
+        keys = known_keys(candidates)
+        near = get_close_matches(str(item["loc"][-1]), keys, 1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        return f"unknown key{hint}", f"one of: {', '.join(sorted(keys))}" if keys else "no such key"
+    if kind == "union_tag_invalid":
+        if context["tag"].startswith(TAG):  # a choice by `type_tag`
+            if not isinstance(value, dict):
+                return f"{value!r} is not a table", "a table"
+            expected = context["expected_tags"].replace(f"'{TAG}", "'")
+            return f"type = {context['tag'].removeprefix(TAG)!r}", f"one of {expected}"
+        discriminator = context["discriminator"].strip("'")
+        return f"{discriminator} = {context['tag']!r}", f"one of {context['expected_tags']}"
+    if kind == "union_tag_not_found":
+        if not isinstance(value, dict):
+            return f"{value!r} is not a table", "a table"
+        return f"key {context['discriminator']} is missing", "the kind of this table"
+    if kind == "literal_error":
+        return f"{value!r}", context["expected"]
+    if kind == "string_pattern_mismatch":
+        words = "letters, digits, '_' and '-', beginning with a letter"
+        return f"{value!r}", words if "[A-Za-z]" in context["pattern"] else f"text like {context['pattern']}"
+    if kind == "greater_than_equal":
+        return f"{value!r} is too small", f"a number >= {context['ge']}"
+    if kind in {"int_type", "int_parsing", "int_from_float"}:
+        return f"{value!r} is not an integer", "an integer"
+    if kind in {"float_type", "float_parsing"}:
+        return f"{value!r} is not a number", "a number"
+    if kind in {"bool_type", "bool_parsing"}:
+        return f"{value!r} is neither true nor false", "true or false"
+    if kind == "string_type":
+        return f"{value!r} is not a string", "a string"
+    if kind in {"too_short", "too_long"} and isinstance(value, (list, dict)):
+        limit = (
+            f"at least {context['min_length']}" if kind == "too_short" else f"at most {context['max_length']}"
+        )
+        return f"has {len(value)} entries", limit
+    shown = "" if value is _MISSING or isinstance(value, (dict, list)) else f"{value!r}"
+    message = item["msg"].removesuffix(".")
+    if message.startswith("Input should be "):
+        return shown or "has a wrong value", message.removeprefix("Input should be ")
+    if kind == "string_too_short":
+        return shown, f"at least {context['min_length']} characters"
+    if kind == "string_too_long":
+        return shown, f"at most {context['max_length']} characters"
+    return f"{shown}: {message[0].lower()}{message[1:]}" if shown else message, "another value"
+
+
+def known_keys(sections: Iterable[type[BaseModel]]) -> set[str]:
+    """Keys that some sections accept, as they are written in the file."""
+    return {field.alias or name for section in sections for name, field in section.model_fields.items()}
+
+
+def _candidates(root: type[BaseModel], document: Any, keys: Sequence[str | int]) -> set[type[BaseModel]]:
+    """Sections that the table at a key path may be."""
+    sections, node = {root}, document
+    for key in keys:
+        node = node[key] if _has(node, key) else _MISSING
+        sections = sections_below(sections, key) or sections
+        chosen = {section for section in sections if _is_chosen(section, node)}
+        sections = chosen or sections
+    return sections
+
+
+def sections_below(sections: Iterable[type[BaseModel]], key: str | int) -> set[type[BaseModel]]:
+    """Sections found in the field `key` of some sections; empty if none has such a field."""
+    found: set[type[BaseModel]] = set()
+    for section in sections:
+        for name, field in section.model_fields.items():
+            if key in {name, field.alias}:
+                found |= set(_models(field.annotation))
+    return found
+
+
+def _models(annotation: Any) -> Iterable[type[BaseModel]]:
+    """All section types inside a type annotation."""
+    if isinstance(annotation, Chosen):
+        yield from annotation.sections
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for argument in get_args(annotation):
+        yield from _models(argument)
+
+
+def _is_chosen(section: type[BaseModel], node: Any) -> bool:
+    """Whether a table's ``type``, ``motion`` or ``law`` says that it is this section."""
+    for name in ("type", "motion", "law"):
+        field = section.model_fields.get(name)
+        if field is not None and get_origin(field.annotation) is Literal and isinstance(node, dict):
+            return node.get(name, field.default) in get_args(field.annotation)
+    return False
+
+
+def group_errors(document: dict[str, Any], file: Path) -> list[InputError]:
+    """Groups that reductions name but geometries do not have.
+
+    Works on the plain document, so that these errors are found besides all others. Groups of mesh
+    files are known only once the file is read; the modes stage checks those.
+    """
+    found = []
+    bodies = document.get("bodies")
+    for name, body in bodies.items() if isinstance(bodies, dict) else ():
+        geometry, modes = (body.get(key) if isinstance(body, dict) else None for key in ("geometry", "modes"))
+        if not isinstance(geometry, dict) or not isinstance(modes, dict) or geometry.get("type") == "mesh":
+            continue
+        groups = geometry.get("groups", {})
+        groups = list(groups) if isinstance(groups, dict) else []
+        for key in ("clamp", "interface", "static_groups"):
+            wanted = modes.get(key)
+            for index, group in enumerate(wanted if isinstance(wanted, list) else ()):
+                if isinstance(group, str) and group not in groups:
+                    near = get_close_matches(group, groups, 1)
+                    hint = f"; did you mean {near[0]!r}?" if near else ""
+                    found.append(
+                        InputError(
+                            f"group {group!r} does not exist{hint}",
+                            source=file,
+                            key=f"bodies.{name}.modes.{key}.{index}",
+                            expected=f"a group of the geometry: {', '.join(groups) or 'none'}",
+                        )
+                    )
+    return found

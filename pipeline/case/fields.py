@@ -1,0 +1,301 @@
+"""Field types of case files: quantities with units, names, and paths that stay in the case folder."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    StringConstraints,
+    ValidationInfo,
+)
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import Positive, Quantity, quantity_schema
+from heavylift.numerics.units import KINDS, parse_quantity
+from heavylift.pipeline.case.channel_kinds import RESERVED_NAMES, Declared
+from heavylift.pipeline.case.quantity_names import parse_quantity_name
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
+    from heavylift.solver.scene.descriptions import ChannelKind
+
+__all__ = [
+    "GROUND",
+    "TAG",
+    "AccelerationVector",
+    "AngularVelocityVector",
+    "AnyOf",
+    "BodyName",
+    "CaseContext",
+    "CheckId",
+    "Direction",
+    "ForceVector",
+    "InFolder",
+    "LengthVector",
+    "Name",
+    "NumberVector",
+    "Positive",
+    "Quantity",
+    "QuantityString",
+    "ReferenceName",
+    "Section",
+    "SideName",
+    "UniqueName",
+    "VelocityVector",
+    "is_parallel",
+    "quantity_schema",
+    "refuse_unknown",
+    "reject",
+    "type_tag",
+]
+
+GROUND = "ground"
+"""Name of the world as a side of a joint, spring or rope."""
+TAG = "type "
+"""Beginning of the tags that `type_tag` gives."""
+PARALLEL = 1e-9
+"""Sine of the angle below which two directions are parallel."""
+_SHOWN = 20  # names of a list in a message at most
+
+
+class Section(BaseModel):
+    """Base of every table of a case file: unknown keys are errors, values never change.
+
+    A table is made ready for validation only when it is needed, those of a case all at once with it.
+    """
+
+    model_config: ClassVar[ConfigDict] = ConfigDict(
+        extra="forbid", frozen=True, strict=False, allow_inf_nan=False, defer_build=True
+    )
+    CHANNELS: ClassVar[Sequence[ChannelKind]] = ()
+    """What is recorded of that which a table describes."""
+
+
+@dataclass(frozen=True)
+class CaseContext:
+    """What field validators may know of the rest of the case: its folder and the names it declares."""
+
+    folder: Path
+    names: Declared = field(default_factory=Declared)
+
+    @staticmethod
+    def of(info: ValidationInfo) -> CaseContext | None:
+        """Context of a validation, if there is one."""
+        return info.context if isinstance(info.context, CaseContext) else None
+
+
+def reject(problem: str, expected: str, *, key: str = "", kind: str = "case") -> NoReturn:
+    """Raise a validation error that `heavylift.pipeline.case.errors` turns into an `InputError`.
+
+    Parameters
+    ----------
+    problem, expected
+        What is wrong, and what would have been right.
+    key
+        Dotted key below the validated table, if one key of it is to blame.
+    kind
+        ``"case"``, or ``"repeated"`` for a name that occurs again: told of its last occurrence only.
+    """
+    raise PydanticCustomError(kind, "{problem}", {"problem": problem, "expected": expected, "key": key})
+
+
+def type_tag(value: object, default: str) -> str:
+    """Tag of a union member by its ``type``: set apart by a word, because a type may be called like a key."""
+    given = value.get("type", default) if isinstance(value, dict) else getattr(value, "type", default)
+    return f"{TAG}{given}"
+
+
+@dataclass(frozen=True)
+class AnyOf:
+    """Annotation of a number in SI, or a string with a unit of one of two kinds; validates to the SI number."""
+
+    first: Quantity
+    second: Quantity
+
+    def parse(self, value: object) -> float:
+        """SI number of an input value; one that fits neither kind is told against the first."""
+        if isinstance(value, str):
+            with contextlib.suppress(InputError):
+                parse_quantity(value, KINDS[self.second.kind])
+                return self.second.validate(value)
+        return self.first.validate(value)
+
+    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.parse)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return self.first.__get_pydantic_json_schema__(schema, handler)
+
+
+_Length = Annotated[float, Quantity("length")]
+_Number = Annotated[float, Quantity("number")]
+_Velocity = Annotated[float, Quantity("velocity")]
+_AngularVelocity = Annotated[float, Quantity("angular velocity")]
+_Acceleration = Annotated[float, Quantity("acceleration")]
+_Force = Annotated[float, Quantity("force")]
+LengthVector = tuple[_Length, _Length, _Length]
+"""Three quantities of kind length."""
+NumberVector = tuple[_Number, _Number, _Number]
+"""Three quantities of kind number."""
+VelocityVector = tuple[_Velocity, _Velocity, _Velocity]
+"""Three quantities of kind velocity."""
+AngularVelocityVector = tuple[_AngularVelocity, _AngularVelocity, _AngularVelocity]
+"""Three quantities of kind angular velocity."""
+AccelerationVector = tuple[_Acceleration, _Acceleration, _Acceleration]
+"""Three quantities of kind acceleration."""
+ForceVector = tuple[_Force, _Force, _Force]
+"""Three quantities of kind force."""
+
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$", max_length=60)]
+"""Name of a body, group, joint, rope, force or sensor; without dots, because channel names are dotted paths."""
+
+
+def _unreserved(name: str, info: ValidationInfo) -> str:
+    """Names share one space, because they are the first parts of channel names."""
+    context = CaseContext.of(info)
+    if name in RESERVED_NAMES:
+        what = "the world" if name == GROUND else "a channel of the whole scene"
+        reject(f"{name!r} is the name of {what}", "another name")
+    if context and context.names.names[name] > 1:
+        reject(
+            f"{name!r} occurs {context.names.names[name]} times",
+            "one body, joint, rope, force, sensor, surface, collision, contour or contact a name",
+            kind="repeated",
+        )
+    return name
+
+
+def refuse_unknown(what: str, name: str, names: Collection[str], *, key: str = "") -> None:
+    """Reject a name that is not among those known, with the nearest one as a hint; `key` as in `reject`."""
+    if name not in names:
+        known = sorted(names)
+        near = get_close_matches(name, known, 1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        more = f" and {len(known) - _SHOWN} more" if len(known) > _SHOWN else ""
+        reject(
+            f"{what} {name!r} does not exist{hint}",
+            f"one of: {', '.join(known[:_SHOWN]) or 'none'}{more}",
+            key=key,
+        )
+
+
+def _known_body(name: str, info: ValidationInfo) -> str:
+    context = CaseContext.of(info)
+    if context:
+        refuse_unknown("body", name, context.names.bodies)
+    return name
+
+
+def _known_side(name: str, info: ValidationInfo) -> str:
+    context = CaseContext.of(info)
+    if context and name != GROUND:
+        refuse_unknown("body", name, context.names.bodies)
+    return name
+
+
+def _nonzero(axis: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Refuse a direction of no length."""
+    if not any(axis):
+        reject("a direction of length zero", "three numbers that are not all zero")
+    return axis
+
+
+def is_parallel(a: tuple[float, float, float], b: tuple[float, float, float]) -> bool:
+    """Whether two directions, neither zero, are parallel."""
+    across = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    return math.hypot(*across) <= PARALLEL * math.hypot(*a) * math.hypot(*b)
+
+
+def _unique_check(name: str, info: ValidationInfo) -> str:
+    context = CaseContext.of(info)
+    if context and context.names.check_ids[name] > 1:
+        reject(f"{name!r} occurs {context.names.check_ids[name]} times", "one check an id", kind="repeated")
+    return name
+
+
+def _unique_reference(name: str, info: ValidationInfo) -> str:
+    context = CaseContext.of(info)
+    if context and context.names.reference_names[name] > 1:
+        times = context.names.reference_names[name]
+        reject(f"{name!r} occurs {times} times", "one reference a name", kind="repeated")
+    return name
+
+
+def _quantity_string(text: str, info: ValidationInfo) -> str:
+    context = CaseContext.of(info)
+    try:
+        quantity = parse_quantity_name(text, None if context is None else context.names)
+    except InputError as error:
+        reject(error.problem, error.expected)
+    owners = {} if context is None else context.names.names
+    if owners and quantity.owner and quantity.owner not in owners:
+        near = get_close_matches(quantity.owner, owners, 1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        reject(
+            f"{text!r} names {quantity.owner!r}, which does not exist{hint}", f"one of: {', '.join(owners)}"
+        )
+    return text
+
+
+UniqueName = Annotated[Name, AfterValidator(_unreserved)]
+"""Name of a body, joint, rope, force, sensor, surface, collision, contour or contact that no other one has."""
+BodyName = Annotated[str, AfterValidator(_known_body)]
+"""Name of a body that the case has."""
+SideName = Annotated[str, AfterValidator(_known_side)]
+"""Name of a body that the case has, or of the world."""
+ReferenceName = Annotated[Name, AfterValidator(_unique_reference)]
+"""Name of a reference history that no other one has."""
+Direction = Annotated[NumberVector, AfterValidator(_nonzero)]
+"""Three numbers that are not all zero."""
+CheckId = Annotated[
+    str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_.-]*$"), AfterValidator(_unique_check)
+]
+"""Id of a check that no other one has."""
+QuantityString = Annotated[str, AfterValidator(_quantity_string)]
+"""Name of a computed quantity, see `heavylift.pipeline.case.quantity_names`."""
+
+
+class InFolder:
+    """Annotation of a path below the case folder that must exist; validates to the relative path."""
+
+    def __init__(self, *, folder: bool = False) -> None:
+        self.folder = folder
+
+    def parse(self, value: object, info: core_schema.ValidationInfo) -> str:
+        """Check that a path exists and stays in the case folder, also through links."""
+        what = "folder" if self.folder else "file"
+        if not isinstance(value, str) or not value.strip():
+            reject(f"{value!r} is not a path", f"the name of a {what} in the case folder")
+        context = info.context
+        if not isinstance(context, CaseContext):
+            return value
+        root = context.folder.resolve()
+        target = (root / value).resolve()
+        if Path(value).is_absolute() or not target.is_relative_to(root):
+            reject(f"{value!r} leaves the case folder", f"a relative path of a {what} inside the case folder")
+        if not (target.is_dir() if self.folder else target.is_file()):
+            reject(f"{what} {value!r} does not exist", f"a {what} in the case folder")
+        return value
+
+    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(self.parse)
+
+    def __get_pydantic_json_schema__(
+        self, _schema: CoreSchema, _handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        what = "folder" if self.folder else "file"
+        return {"type": "string", "description": f"path of a {what}, relative to the case folder"}

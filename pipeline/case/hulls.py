@@ -1,0 +1,323 @@
+"""Tables of a case file that describe what floats: hulls, their hydrodynamic databases, ballast tanks."""
+
+# Annotations are evaluated by pydantic, so the imports below are needed at run time.
+
+from itertools import pairwise
+from pathlib import PurePath
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
+
+from heavylift.pipeline.case.fields import (
+    CaseContext,
+    InFolder,
+    LengthVector,
+    Name,
+    Positive,
+    Quantity,
+    Section,
+    UniqueName,
+    refuse_unknown,
+    reject,
+)
+from heavylift.pipeline.case.waves import Heading
+from heavylift.solver.scene.sea import Hull
+
+__all__ = [
+    "DATABASE_FORMATS",
+    "ComputeSection",
+    "DatabaseSection",
+    "FrequenciesSection",
+    "HullName",
+    "HullSection",
+    "KnownHull",
+    "LinearRestoringSection",
+    "TankSection",
+]
+
+DATABASE_FORMATS = {
+    ".nc": "netcdf",
+    ".h5": "bemio",
+    ".out": "wamit-out",
+    ".1": "wamit",
+    ".3": "wamit",
+    ".hst": "wamit",
+}
+"""Formats of databases by the ending of a file."""
+
+_READER_KEYS = {
+    "length_scale": ("wamit",),
+    "first_column": ("wamit",),
+    "time_convention": ("netcdf",),
+    "forces": ("wamit-out",),
+    "symmetric": ("wamit", "wamit-out", "bemio"),
+    "reference_points": ("wamit", "bemio", "netcdf"),
+}
+"""Keys of databases in files, and the formats that need them."""
+
+_Number = Annotated[float, Quantity("number")]
+_Six = tuple[_Number, _Number, _Number, _Number, _Number, _Number]
+_Volume = Annotated[float, Quantity("volume")]
+_Moment = Annotated[float, Quantity("second moment of area")]
+
+
+def _floats(name: str, info: ValidationInfo) -> str:
+    """Only free rigid bodies float."""
+    context = CaseContext.of(info)
+    if context is None:
+        return name
+    refuse_unknown("body", name, context.names.bodies)
+    kind = context.names.body_types.get(name, "")
+    if kind != "rigid":
+        reject(f"{name!r} is a {kind} body", "the name of a rigid body")
+    if name not in context.names.yielding:
+        reject(
+            f"the frame of {name!r} is not free", "frame motion 'free'; a fixed joint to the ground holds it"
+        )
+    return name
+
+
+def _known_hull(name: str, info: ValidationInfo) -> str:
+    context = CaseContext.of(info)
+    if context:
+        refuse_unknown("hull", name, context.names.hulls)
+    return name
+
+
+HullName = Annotated[str, AfterValidator(_floats)]
+"""Name of a rigid body that floats."""
+KnownHull = Annotated[str, AfterValidator(_known_hull)]
+"""Name of a hull that the case has."""
+
+
+class LinearRestoringSection(Section):
+    """Buoyancy for small motions about a float plane, in numbers."""
+
+    volume: Annotated[float, Positive("volume")]
+    """Displaced at rest [m^3]."""
+    centre_of_buoyancy: LengthVector
+    """In the coordinates of the geometry [m]."""
+    reference: LengthVector
+    """Point of the float plane, to which the moments refer, in the coordinates of the geometry [m]."""
+    area: Annotated[float, Positive("area")]
+    """Of the float plane [m^2]."""
+    first_moments: tuple[_Volume, _Volume] = (0.0, 0.0)
+    """Integrals of x and y over it [m^3]."""
+    second_moments: tuple[_Moment, _Moment, _Moment]
+    """Integrals of x^2, y^2 and x y over it [m^4]."""
+
+
+def _square(value: Any) -> Any:
+    """Six numbers on the diagonal, or six rows of six numbers."""
+    expected = "six numbers, or six rows of six numbers, in SI"
+    if not isinstance(value, (list, tuple)) or len(value) != 6:
+        reject("has a wrong form", expected)
+    rows = [list(row) if isinstance(row, (list, tuple)) else row for row in value]
+    if all(isinstance(row, list) for row in rows):
+        if any(len(row) != 6 for row in rows):
+            reject("has a row that has not six numbers", expected)
+        return tuple(tuple(Quantity("number").parse(entry) for entry in row) for row in rows)
+    if any(isinstance(row, list) for row in rows):
+        reject("mixes rows and numbers", expected)
+    return tuple(
+        tuple(Quantity("number", minimum=0.0, closed=True).parse(row) if i == k else 0.0 for k in range(6))
+        for i, row in enumerate(rows)
+    )
+
+
+_MATRIX_SCHEMA: dict[str, Any] = {"type": "array", "minItems": 6, "maxItems": 6}
+Square = Annotated[tuple[tuple[float, ...], ...], BeforeValidator(_square), WithJsonSchema(_MATRIX_SCHEMA)]
+
+
+class HullSection(Section):
+    """A rigid body that floats: its buoyancy, and what dampens it beside the waves that it makes."""
+
+    CHANNELS: ClassVar = Hull.CHANNELS
+
+    surface: str | None = None
+    """Name of a closed surface of this body, clipped by the still water."""
+    linear: LinearRestoringSection | None = None
+    """In place of `surface`, linear restoring in numbers."""
+    restoring: Literal["clipped", "linear", "none"] | None = None
+    """``clipped``: of the surface at every instant, the default with one; ``linear``: for small motions, of the numbers
+    in `linear` or of the surface where it floats by itself; ``none``: of a body that is weighed under water."""
+    reference: LengthVector = (0.0, 0.0, 0.0)
+    """Point to which damping and database refer, in the coordinates of the geometry [m]."""
+    damping: Square | None = None
+    """Six numbers, or 6 x 6, of surge to yaw in SI: beside that of radiated waves."""
+    quadratic_damping: _Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    """Force for the square of the velocity, of surge to yaw, in SI."""
+    low_pass: Annotated[float, Quantity("angular velocity", minimum=0.0, maximum=1.0)] = 0.05
+    """Cut-off of the filter of place and heading that the waves see [rad/s]; well below the waves."""
+    open_deck: Annotated[float, Quantity("length")] | None = None
+    """Height in the coordinates of the geometry [m] from which on the surface may be open."""
+
+    @property
+    def kind(self) -> str:
+        """How it is restored: ``clipped``, ``linear`` or ``none``."""
+        return self.restoring or ("clipped" if self.surface is not None else "linear")
+
+    @model_validator(mode="after")
+    def _has_one_restoring(self) -> Self:
+        if self.surface is not None and self.linear is not None:
+            reject("both 'surface' and 'linear'", "one of them: buoyancy must not count twice", key="linear")
+        if self.restoring != "none" and self.surface is None and self.linear is None:
+            reject("neither 'surface' nor 'linear'", "one of them, or restoring 'none'")
+        if self.restoring == "none" and self.linear is not None:
+            reject("'linear' with restoring 'none'", "one of them", key="linear")
+        if self.restoring == "clipped" and self.surface is None:
+            reject("'clipped' without 'surface'", "the name of a surface of this body", key="restoring")
+        if self.open_deck is not None and self.surface is None:
+            reject("'open_deck' without 'surface'", "a surface, or no 'open_deck'", key="open_deck")
+        if min(self.quadratic_damping) < 0.0:
+            reject(f"{list(self.quadratic_damping)}", "six numbers of 0 or more", key="quadratic_damping")
+        return self
+
+
+class FrequenciesSection(Section):
+    """Equal steps of the frequency."""
+
+    first: Annotated[float, Positive("angular velocity")]
+    """[rad/s]."""
+    last: Annotated[float, Positive("angular velocity")]
+    """[rad/s]."""
+    count: Annotated[int, Field(ge=3, le=1000, strict=True)]
+    """How many."""
+
+    @model_validator(mode="after")
+    def _increases(self) -> Self:
+        if self.last <= self.first:
+            reject(f"{self.first:g} to {self.last:g} rad/s", "the lower frequency first")
+        return self
+
+
+class ComputeSection(Section):
+    """A database that the mesh stage computes with Capytaine, from the surfaces of the hulls below the still water."""
+
+    panel_size: Annotated[float, Positive("length")]
+    """Longest side of a panel [m]; at most a sixth of the shortest wave."""
+    frequencies: FrequenciesSection
+    """[rad/s]; the limit of infinite frequency is computed besides."""
+    heading_step: Annotated[float, Quantity("angle", minimum=0.0, maximum=0.1745329252, closed=True)] = (
+        0.1745329251994
+    )
+    """Between headings [rad], at most 10 degrees."""
+    headings: tuple[Heading, ...] = ()
+    """In place of `heading_step`, the only directions [rad] that waves will have, in the axes of the first hull."""
+    symmetric: Annotated[bool, Field(strict=True)] = False
+    """Hulls are symmetric about y = 0 of the first one: headings of half a turn are enough."""
+    lid: Annotated[bool, Field(strict=True)] = True
+    """Cover the water inside the hulls, which removes irregular frequencies."""
+    processes: Annotated[int, Field(ge=0, le=1000, strict=True)] = 0
+    """How many work side by side; 0: one for each core."""
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if self.heading_step == 0.0:
+            reject("a step of 0", "an angle above 0, up to 10 degrees", key="heading_step")
+        if any(b <= a for a, b in pairwise(self.headings)):
+            reject("headings that do not increase", "increasing angles [rad]", key="headings")
+        return self
+
+
+class DatabaseSection(Section):
+    """Added mass, damping and excitation of one hull, or of several that feel each other's waves."""
+
+    file: Annotated[str, InFolder()] | None = None
+    """netCDF of this program or of Capytaine (.nc), BEMIO (.h5), WAMIT (.1, with .3 and .hst beside it; or .out)."""
+    compute: ComputeSection | None = None
+    """In place of `file`: computed in the mesh stage, which needs the extra ``heavylift[hydro]``."""
+    hulls: Annotated[tuple[KnownHull, ...], Field(min_length=1)]
+    """Names of hulls, in the order of the database."""
+    memory: Literal["exponentials", "direct", "none"] = "exponentials"
+    """Of radiated waves. ``exponentials``: recursive and fast; ``direct``: convolution, for fixed steps; ``none``."""
+    memory_length: Annotated[float, Positive("time")] | None = None
+    """How far it goes back [s]; until the kernel has decayed if absent."""
+    fit_error: Annotated[float, Quantity("number", minimum=0.0, maximum=0.5)] = 1e-3
+    """Of the kernel relative to its largest value, that the exponentials may have."""
+    drift: Annotated[bool, Field(strict=True)] = False
+    """Whether mean drift forces of the database act, slowly varying by Newman's approximation."""
+    format: Literal["netcdf", "bemio", "wamit", "wamit-out"] | None = None
+    """Of the file; by its ending if absent."""
+    length_scale: Annotated[float, Positive("length")] | None = None
+    """ULEN of a WAMIT file [m]; 1 m if absent."""
+    first_column: Literal["period", "frequency"] | None = None
+    """Of a WAMIT file; periods if absent."""
+    forces: Literal["diffraction", "haskind"] | None = None
+    """Which of the two sets of exciting forces of a WAMIT listing."""
+    time_convention: Literal["exp(-i omega t)", "exp(+i omega t)"] | None = None
+    """Of a netCDF file that does not state it."""
+    symmetric: Annotated[bool, Field(strict=True)] | None = None
+    """Headings of half a turn stand for their mirror images too, in a file that does not state it."""
+    reference_points: tuple[LengthVector, ...] | None = None
+    """Of the hulls in the axes of the database [m], for a file that does not state them."""
+
+    @property
+    def file_format(self) -> str:
+        """Format of its file."""
+        return self.format or DATABASE_FORMATS.get(PurePath(self.file or "").suffix.lower(), "")
+
+    @model_validator(mode="after")
+    def _has_one_source(self) -> Self:
+        if (self.file is None) == (self.compute is None):
+            problem = "neither 'file' nor 'compute'" if self.file is None else "both 'file' and 'compute'"
+            reject(problem, "one of them")
+        if self.file is not None and not self.file_format:
+            endings = ", ".join(DATABASE_FORMATS)
+            reject(f"{self.file!r} has an unknown ending", f"one of {endings}; or 'format'", key="file")
+        if self.format is not None and self.file is None:
+            reject("'format' with 'compute'", "'file', or no 'format'", key="format")
+        for key, formats in _READER_KEYS.items():
+            if getattr(self, key) is not None and self.file_format not in formats:
+                what = f"format {self.file_format!r}" if self.file is not None else "'compute'"
+                reject(f"{key!r} with {what}", f"format {' or '.join(map(repr, formats))}", key=key)
+        if len(set(self.hulls)) != len(self.hulls):
+            reject(f"{list(self.hulls)}", "every hull once", key="hulls")
+        if self.reference_points is not None and len(self.reference_points) != len(self.hulls):
+            reject(
+                f"{len(self.reference_points)} points for {len(self.hulls)} hulls",
+                "one a hull",
+                key="reference_points",
+            )
+        return self
+
+
+class TankSection(Section):
+    """Ballast water as a point mass that follows a filling schedule."""
+
+    name: UniqueName
+    """Name."""
+    hull: KnownHull
+    """Hull that it is in."""
+    point: LengthVector
+    """Centre of the water, in the coordinates of the geometry [m]."""
+    mass: Annotated[float, Quantity("mass", minimum=0.0, closed=True)] | None = None
+    """[kg]."""
+    times: tuple[Annotated[float, Quantity("time")], ...] = ()
+    """In place of `mass`, a schedule: [s], increasing."""
+    masses: tuple[Annotated[float, Quantity("mass", minimum=0.0, closed=True)], ...] = ()
+    """[kg], one a time, linear between, held at the ends."""
+    free_surface: tuple[
+        Annotated[float, Quantity("second moment of area", minimum=0.0, closed=True)],
+        Annotated[float, Quantity("second moment of area", minimum=0.0, closed=True)],
+    ] = (0.0, 0.0)
+    """Second moments of its surface about its longitudinal and its transverse axis [m^4]: l b^3 / 12 and b l^3 / 12."""
+    density: Annotated[float, Quantity("density", minimum=100.0, maximum=20_000.0)] | None = None
+    """Of its water [kg/m^3]; that of the sea if absent."""
+
+    @model_validator(mode="after")
+    def _has_a_mass(self) -> Self:
+        if (self.mass is None) == (not self.times):
+            problem = "neither 'mass' nor 'times'" if self.mass is None else "both 'mass' and 'times'"
+            reject(problem, "one of them")
+        if len(self.times) != len(self.masses) or any(b <= a for a, b in pairwise(self.times)):
+            reject(
+                f"{len(self.times)} times and {len(self.masses)} masses",
+                "increasing times, one mass each",
+                key="masses",
+            )
+        return self
+
+
+DatabaseName = Name
+"""Databases have no channels: their names are their own."""

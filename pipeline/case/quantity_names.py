@@ -1,0 +1,327 @@
+"""Names of computed quantities, as checks and convergence studies write them.
+
+=============================================  ==========================================================
+``mesh.BODY.node_count``                       also ``element_count``, ``dof_count``, ``mass``, ``volume``
+``modes.BODY.frequency.I``                     natural frequency of vector I of the reduced body
+``modes.BODY.residual.I``                      relative residual of that vector in the full model
+``modes.BODY.orthogonality``                   largest deviation of the modal mass from the identity
+``ringdown.BODY.I``                            frequency of one sinusoid fitted to modal coordinate I
+``drift.energy``                               also ``momentum``, ``angular_momentum``: largest deviation
+                                               from the initial value, relative
+``channel.OWNER.KIND[.COMPONENT].STATISTIC``   ``end``, ``min``, ``max``, ``mean`` or ``rms`` of a recorded
+                                               channel, e.g. ``channel.tip.position.y.max``, or its mean
+                                               ``rate`` over the run, per second; component ``largest`` or
+                                               ``smallest``: of all components; ``norm``: of the vector
+``frequency.OWNER.KIND[.COMPONENT]``           frequency of one sinusoid about a mean fitted to a channel,
+                                               e.g. ``frequency.bead.position.y``
+``deviation.NAME``                             largest distance of a channel from the reference history
+                                               NAME, divided by its scale if it has one;
+                                               ``deviation.NAME.rms``: root mean square over its times
+``lines.NAME.length``                          unstretched length of a mooring line
+``hydrostatics.HULL.FIGURE``                   of a hull with a surface where it floats by itself: ``volume``,
+                                               ``draft``, ``KB``, ``GM_T``, ``GM_L``, ``waterplane_area``, ...
+``errors.PREFIX``                              largest error of the checks whose ids begin with ``PREFIX_``
+=============================================  ==========================================================
+
+Components of the channels of frames and shells begin with the number of a node or element:
+``channel.plate.position.60.z.end``. Channels of joints along edges have the number of a node before their kind:
+``channel.rim.0.reaction_force.z.max``. Channels of the recorded contacts of a collision have ``contact_1``,
+``contact_2``, ... before their kind: ``channel.landing.contact_1.force.max``.
+
+What channels there are depends on the owner: a hinge has an ``angle``, a rope a ``tension``; see
+`heavylift.pipeline.case.channel_kinds`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, NamedTuple
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.units import KINDS, Kind
+from heavylift.pipeline.case.channel_kinds import (
+    COLLISION_CONTACT,
+    RESERVED_NAMES,
+    SCENE_CHANNELS,
+    Declared,
+    all_channels,
+    lies_along_edge,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["QuantityName", "channel_kind", "parse_quantity_name"]
+
+MESH_QUANTITIES = {
+    "node_count": "number",
+    "element_count": "number",
+    "dof_count": "number",
+    "mass": "mass",
+    "volume": "volume",
+}
+DRIFTS = ("energy", "momentum", "angular_momentum")
+HYDROSTATICS = {
+    "displacement": "mass",
+    "volume": "volume",
+    "draft": "length",
+    "draft_aft": "length",
+    "draft_forward": "length",
+    "trim": "angle",
+    "list": "angle",
+    "origin_z": "length",
+    "KB": "length",
+    "LCB": "length",
+    "KG": "length",
+    "LCF": "length",
+    "BM_T": "length",
+    "BM_L": "length",
+    "GM_T": "length",
+    "GM_L": "length",
+    "waterplane_area": "area",
+    "wetted_area": "area",
+}
+"""Figures of a floating hull, and their kinds."""
+STATISTICS = ("end", "min", "max", "mean", "rms", "rate")
+_RATES = {
+    "length": "velocity",
+    "velocity": "acceleration",
+    "angle": "angular velocity",
+    "momentum": "force",
+    "angular momentum": "moment or energy",
+    "number": "rate",
+}
+"""Kinds of channels whose rate over time has a kind of its own."""
+_CONTACT = re.compile(r"contact_([1-9]\d*)")
+
+
+class QuantityName(NamedTuple):
+    """A quantity string, taken apart."""
+
+    text: str
+    family: str
+    """``mesh``, ``modes``, ``ringdown``, ``drift``, ``channel``, ``frequency``, ``deviation``, ``lines``,
+    ``hydrostatics`` or ``errors``."""
+    owner: str
+    """Body, sensor, joint, rope or force; empty for quantities of the whole scene."""
+    item: str
+    """What of the owner, e.g. ``frequency`` or the channel name ``tip.position``; the name of a reference."""
+    component: str
+    """One-based number of a vector; or component of a channel, with dots as in ``60.z``; may be empty."""
+    statistic: str
+    """Of a channel or a deviation."""
+    kind: Kind
+    """Its unit and dimension."""
+
+    @property
+    def stage(self) -> str:
+        """The last stage that must have run."""
+        if self.family in {"hydrostatics", "errors"}:  # what checks need they say themselves
+            return "mesh"
+        return self.family if self.family in {"mesh", "modes"} else "simulate"
+
+
+def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityName:
+    """Take a quantity string apart.
+
+    Parameters
+    ----------
+    text
+        As in the case file.
+    names
+        What the case declares. Without it any owner may have any channel, and the kinds of deviations and of
+        loads along joints are not known: a number, a moment.
+
+    Raises
+    ------
+    InputError
+        If it is not one of the forms in the table above, or its owner has no such channel.
+    """
+    parts = text.split(".")
+    if parts[0] == "channel":
+        return _channel(text, parts, names)
+    if parts[0] == "frequency":
+        return _frequency(text, parts, names)
+    if parts[0] == "deviation":
+        return _deviation(text, parts, names)
+    if parts[0] in {"lines", "hydrostatics"}:
+        return _of_the_sea(text, parts, names)
+    if parts[0] == "errors":
+        return _errors(text, names)
+    readers = {"mesh": _mesh, "modes": _modes, "ringdown": _ringdown, "drift": _drift}
+    if parts[0] not in readers:
+        known = [*readers, "channel", "frequency", "deviation", "lines", "hydrostatics", "errors"]
+        raise InputError(_unknown(text, parts[0], known), expected=f"one of {', '.join(known)} as first word")
+    return readers[parts[0]](text, parts)
+
+
+def _unknown(text: str, word: str, known: object) -> str:
+    near = get_close_matches(word, list(known), 1)  # type: ignore[call-overload]
+    return f"quantity {text!r} is unknown" + (f"; did you mean {near[0]!r}?" if near else "")
+
+
+def _mesh(text: str, parts: list[str]) -> QuantityName:
+    if len(parts) != 3 or parts[2] not in MESH_QUANTITIES:
+        word = parts[2] if len(parts) > 2 else ""
+        raise InputError(
+            _unknown(text, word, MESH_QUANTITIES), expected="mesh.BODY." + "|".join(MESH_QUANTITIES)
+        )
+    return QuantityName(text, "mesh", parts[1], parts[2], "", "", KINDS[MESH_QUANTITIES[parts[2]]])
+
+
+def _modes(text: str, parts: list[str]) -> QuantityName:
+    numbered = len(parts) == 4 and parts[2] in {"frequency", "residual"} and _is_index(parts[3])
+    if not numbered and not (len(parts) == 3 and parts[2] == "orthogonality"):
+        raise InputError(
+            f"quantity {text!r} is unknown",
+            expected="modes.BODY.frequency.I, modes.BODY.residual.I (I from 1) or modes.BODY.orthogonality",
+        )
+    kind = KINDS["frequency" if parts[2] == "frequency" else "number"]
+    return QuantityName(text, "modes", parts[1], parts[2], parts[3] if numbered else "", "", kind)
+
+
+def _ringdown(text: str, parts: list[str]) -> QuantityName:
+    if len(parts) != 3 or not _is_index(parts[2]):
+        raise InputError(f"quantity {text!r} is unknown", expected="ringdown.BODY.I, I from 1")
+    return QuantityName(text, "ringdown", parts[1], "frequency", parts[2], "", KINDS["frequency"])
+
+
+def _drift(text: str, parts: list[str]) -> QuantityName:
+    if len(parts) != 2 or parts[1] not in DRIFTS:
+        raise InputError(_unknown(text, parts[-1], DRIFTS), expected="drift." + "|".join(DRIFTS))
+    return QuantityName(text, "drift", "", parts[1], "", "", KINDS["number"])
+
+
+def _channel(text: str, parts: list[str], names: Declared | None) -> QuantityName:
+    if len(parts) < 4 or "" in parts or parts[-1] not in STATISTICS:
+        raise InputError(
+            f"quantity {text!r} is unknown",
+            expected="channel.OWNER.KIND.STATISTIC or channel.OWNER.KIND.COMPONENT.STATISTIC with STATISTIC one of "
+            + ", ".join(STATISTICS),
+        )
+    owner, name, component = _channel_parts(parts[1:-1])
+    kind = channel_kind(name, text, names)
+    if parts[-1] == "rate":
+        if kind.name not in _RATES:
+            raise InputError(
+                f"quantity {text!r}: {name!r} has no 'rate'", expected=f"a rate of: {', '.join(_RATES)}"
+            )
+        kind = KINDS[_RATES[kind.name]]
+    return QuantityName(text, "channel", owner, name, component, parts[-1], kind)
+
+
+def _frequency(text: str, parts: list[str], names: Declared | None) -> QuantityName:
+    if len(parts) < 3 or "" in parts:
+        raise InputError(
+            f"quantity {text!r} is unknown",
+            expected="frequency.OWNER.KIND or frequency.OWNER.KIND.COMPONENT",
+        )
+    owner, name, component = _channel_parts(parts[1:])
+    channel_kind(name, text, names)
+    return QuantityName(text, "frequency", owner, name, component, "", KINDS["frequency"])
+
+
+def _channel_parts(parts: list[str]) -> tuple[str, str, str]:
+    """Owner, channel and component of ``OWNER.KIND[.COMPONENT]``, split at the dots."""
+    # a node of an edge, or a contact of a collision, stands before the kind
+    own = 3 if len(parts) > 2 and (parts[1].isdecimal() or _CONTACT.fullmatch(parts[1])) else 2
+    return "" if parts[0] in RESERVED_NAMES else parts[0], ".".join(parts[:own]), ".".join(parts[own:])
+
+
+def channel_kind(name: str, text: str, names: Declared | None) -> Kind:
+    """Kind of a channel such as ``"tip.position"``; `text` is what a message says is unknown."""
+    owner, _, last = name.partition(".")
+    scene = owner in RESERVED_NAMES
+    known: Mapping[str, str] = SCENE_CHANNELS if scene else all_channels()
+    if not scene and names is not None:
+        known = dict(names.channels.get(owner, known))
+    key = name if scene else last
+    number, dot, kind = last.partition(".")
+    if not scene and _CONTACT.fullmatch(number):
+        return KINDS[_contact_channel(owner, number, kind, text, names)]
+    edge = names is not None and lies_along_edge(names.joints.get(owner, ""))
+    if dot and number.isdecimal() and (edge or names is None):
+        key = kind
+    elif edge:
+        raise InputError(
+            f"quantity {text!r} names no node",
+            expected=f"a channel of a node of the edge, from 0: {owner}.0.reaction_force, {owner}.0.reaction_moment",
+        )
+    if key not in known:
+        whose = "a channel" if scene else f"a channel of {owner!r}"
+        raise InputError(_unknown(text, key, known), expected=f"{whose}: {', '.join(known) or 'none'}")
+    return KINDS[known[key]]
+
+
+def _contact_channel(owner: str, contact: str, kind: str, text: str, names: Declared | None) -> str:
+    """Name of the kind of a channel of a recorded contact of a collision."""
+    recorded = 0 if names is None else names.collisions.get(owner, 0)
+    known = names is not None and owner in names.names  # an owner that does not exist is told as such
+    if known and int(contact.partition("_")[2]) > recorded:
+        expected = f"contact_1 to contact_{recorded}, or a larger 'recorded'" if recorded else "a collision"
+        raise InputError(f"quantity {text!r}: {owner!r} has no {contact!r}", expected=expected)
+    if kind not in COLLISION_CONTACT:
+        raise InputError(
+            _unknown(text, kind, COLLISION_CONTACT),
+            expected=f"a channel of a recorded contact: {', '.join(COLLISION_CONTACT)}",
+        )
+    return COLLISION_CONTACT[kind]
+
+
+def _deviation(text: str, parts: list[str], names: Declared | None) -> QuantityName:
+    statistic = "rms" if len(parts) > 2 and parts[-1] == "rms" else ""
+    name = ".".join(parts[1:-1] if statistic else parts[1:])
+    kind = KINDS["number"]
+    if names is not None:
+        if name not in names.references:
+            raise InputError(
+                _unknown(text, name, names.references),
+                expected="deviation.NAME or deviation.NAME.rms with a [[reference]]: "
+                + (", ".join(names.references) or "none"),
+            )
+        channel, scaled = names.references[name]
+        if not scaled:
+            with contextlib.suppress(InputError):  # what is wrong with the channel is told of the reference
+                kind = channel_kind(channel, text, names)
+    return QuantityName(text, "deviation", "", name, "", statistic, kind)
+
+
+def _of_the_sea(text: str, parts: list[str], names: Declared | None) -> QuantityName:
+    """Lengths of lines, and figures of floating hulls."""
+    family = parts[0]
+    owners = None if names is None else names.lines if family == "lines" else names.hulls
+    items = {"length": "length"} if family == "lines" else HYDROSTATICS
+    if len(parts) != 3 or parts[2] not in items or (owners is not None and parts[1] not in owners):
+        word = parts[2] if len(parts) > 2 else ""
+        whose = "" if owners is None else f" of: {', '.join(sorted(owners)) or 'none'}"
+        raise InputError(_unknown(text, word, items), expected=f"{family}.NAME.{'|'.join(items)}{whose}")
+    return QuantityName(text, family, parts[1], parts[2], "", "", KINDS[items[parts[2]]])
+
+
+def _errors(text: str, names: Declared | None) -> QuantityName:
+    """The largest error of some checks, which must be of one kind."""
+    prefix, kind = text.partition(".")[2], KINDS["number"]
+    if names is not None:
+        found = [
+            quantity
+            for name, quantity in names.checks.items()
+            if name.startswith(f"{prefix}_") and not quantity.startswith("errors")
+        ]
+        kinds = set()
+        for quantity in found:
+            with contextlib.suppress(InputError):  # what is wrong with a quantity is told of its check
+                kinds.add(parse_quantity_name(quantity, names).kind)
+        if not prefix or not found or len(kinds) > 1:
+            several = f": checks of {', '.join(sorted(k.name for k in kinds))}" if len(kinds) > 1 else ""
+            raise InputError(
+                f"quantity {text!r} is unknown{several}",
+                expected="errors.PREFIX with checks PREFIX_..., all of one kind",
+            )
+        kind = kinds.pop() if kinds else kind
+    return QuantityName(text, "errors", "", prefix, "", "", kind)
+
+
+def _is_index(text: str) -> bool:
+    return text.isdecimal() and int(text) >= 1

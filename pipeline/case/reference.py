@@ -1,0 +1,143 @@
+"""Reference histories: the table of a case file that names one, and the file that holds it."""
+
+# Annotations are evaluated by pydantic, so the imports below are needed at run time.
+
+import csv
+import math
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.case.channel_kinds import channel_components
+from heavylift.pipeline.case.fields import (
+    CaseContext,
+    InFolder,
+    Positive,
+    Quantity,
+    ReferenceName,
+    Section,
+    quantity_schema,
+    reject,
+)
+from heavylift.pipeline.case.quantity_names import channel_kind
+
+__all__ = ["ReferenceHistory", "ReferenceSection", "read_reference"]
+
+
+class ReferenceSection(Section):
+    """A recorded history to compare a channel with: quantities ``deviation.NAME``, ``deviation.NAME.rms``."""
+
+    name: ReferenceName
+    """Its name."""
+    channel: str
+    """The channel it is of, e.g. ``"tip.position"``."""
+    file: Annotated[str, InFolder()]
+    """Its file in the case folder, SI: comma-separated with the header ``time`` and names of components, as in
+    ``time,x,y,z``; components that it does not have are not compared."""
+    scale: (
+        Annotated[float, WithJsonSchema(quantity_schema(exclusiveMinimum=0.0), mode="validation")] | None
+    ) = None
+    """Divides the distance, which then is a pure number; in the unit of the channel."""
+    until: Annotated[float, Positive("time")] | None = None
+    """Time [s] at which the history ends, if the simulation goes on; both end together if absent."""
+    changes: Annotated[bool, Field(strict=True)] = False
+    """Compare what has changed since the first time of the file, not the values themselves."""
+
+    @field_validator("channel")
+    @classmethod
+    def _is_recorded(cls, name: str, info: ValidationInfo) -> str:
+        context = CaseContext.of(info)
+        owner, dot, last = name.partition(".")
+        number = last.rpartition(".")[0]  # of a node of an edge
+        if not dot or (number and not number.isdecimal()):
+            reject(f"{name!r} is no channel", "OWNER.CHANNEL, e.g. 'tip.position'")
+        try:
+            channel_kind(name, name, None if context is None else context.names)
+        except InputError as error:
+            reject(error.problem.replace("quantity", "channel"), error.expected)
+        if context and owner in context.names.meshes:
+            reject(f"{name!r} has columns for every node or element", "the position of a sensor on the body")
+        if context and owner not in {*context.names.names, "energy", "momentum", "monitor"}:
+            reject(
+                f"{name!r} names {owner!r}, which does not exist", f"one of: {', '.join(context.names.names)}"
+            )
+        return name
+
+    @field_validator("scale", mode="before")
+    @classmethod
+    def _has_the_unit_of_the_channel(cls, value: Any, info: ValidationInfo) -> Any:
+        channel = info.data.get("channel")
+        if channel is None or value is None:
+            return None
+        context = CaseContext.of(info)
+        kind = channel_kind(channel, channel, None if context is None else context.names)
+        return Quantity(kind.name, minimum=0.0).parse(value)
+
+    @property
+    def components(self) -> tuple[str, ...] | None:
+        """Components the channel may have; None if only the scene tells."""
+        given = channel_components(self.channel.rpartition(".")[2])
+        return ("value", *given) if given is not None and len(given) == 1 else given
+
+
+class ReferenceHistory(NamedTuple):
+    """Content of a reference file.
+
+    Attributes
+    ----------
+    times
+        [s], increasing.
+    columns
+        Values by component, one a time.
+    """
+
+    times: tuple[float, ...]
+    columns: dict[str, tuple[float, ...]]
+
+
+def read_reference(file: Path, components: tuple[str, ...] | None) -> ReferenceHistory:
+    """Read a reference file; lines that begin with ``#`` are comments.
+
+    Parameters
+    ----------
+    file
+        Comma-separated, with a header.
+    components
+        Names that columns may have besides ``time``; any if None.
+
+    Raises
+    ------
+    InputError
+        If the header has another form, a row is not one finite number a column, or times do not increase.
+    """
+    try:
+        text = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(str(error), source=file, expected="a readable text file") from None
+    lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
+    lines = [(n, line) for n, line in lines if not line.lstrip().startswith("#")]
+    known = "time," + ",".join(components or ("1", "2", "..."))
+    header = [name.strip() for name in lines[0][1].split(",")] if lines else []
+    named = len(header) >= 2 and header[0] == "time" and len(set(header)) == len(header)
+    if not named or (components is not None and not {*header[1:]} <= {*components}):
+        raise InputError(
+            f"header {','.join(header)!r}", source=file, expected=f"{known} (some of these, time first)"
+        )
+    rows: list[list[float]] = []
+    for number, line in lines[1:]:
+        try:
+            row = [float(entry) for entry in next(csv.reader([line]))]
+        except ValueError:
+            row = []
+        if len(row) != len(header) or not all(map(math.isfinite, row)):
+            raise InputError(
+                f"{line!r}", source=file, key=f"line {number}", expected=f"{len(header)} finite numbers"
+            )
+        rows.append(row)
+    if len(rows) < 2 or any(b[0] <= a[0] for a, b in pairwise(rows)):
+        raise InputError("times that do not increase", source=file, expected="two or more increasing times")
+    columns = list(zip(*rows, strict=True))
+    return ReferenceHistory(columns[0], dict(zip(header[1:], columns[1:], strict=True)))

@@ -1,0 +1,206 @@
+"""Tables of a case file that describe surfaces of triangles: CAD files and simple shapes on bodies, for collision."""
+
+# Annotations are evaluated by pydantic, so the imports below are needed at run time.
+
+from pathlib import PurePath
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+
+from heavylift.pipeline.case.channel_kinds import MESH_TYPES
+from heavylift.pipeline.case.contacts import TurnSection
+from heavylift.pipeline.case.fields import (
+    CaseContext,
+    Direction,
+    InFolder,
+    LengthVector,
+    Positive,
+    Quantity,
+    Section,
+    SideName,
+    UniqueName,
+    reject,
+)
+
+__all__ = [
+    "BoxSurfaceSection",
+    "CapsuleSurfaceSection",
+    "CylinderSurfaceSection",
+    "ExclusionSection",
+    "PlaneSurfaceSection",
+    "SphereSurfaceSection",
+    "SurfaceSection",
+    "SurfaceShape",
+]
+
+Length = Annotated[float, Positive("length")]
+
+_WITH_UNIT = frozenset({".step", ".stp", ".iges", ".igs"})
+"""CAD files that carry their unit of length."""
+_CAD = _WITH_UNIT | {".brep"}
+"""Files whose faces are meshed."""
+
+
+class PlaneSurfaceSection(Section):
+    """A rectangle about the origin, in the plane of x and y."""
+
+    type: Literal["plane"]
+    size: tuple[Length, Length]
+    """Along x and y [m]."""
+
+
+class BoxSurfaceSection(Section):
+    """A box about the origin."""
+
+    type: Literal["box"]
+    size: tuple[Length, Length, Length]
+    """From face to face [m]."""
+
+
+class SphereSurfaceSection(Section):
+    """A ball about the origin, exactly round."""
+
+    type: Literal["sphere"]
+    radius: Length
+    """[m]."""
+
+
+class CapsuleSurfaceSection(Section):
+    """A round bar with half balls as ends about the origin, exactly round."""
+
+    type: Literal["capsule"]
+    radius: Length
+    """[m]."""
+    length: Length
+    """Of its straight part: from centre to centre of its ends [m]."""
+    axis: Direction = (0.0, 0.0, 1.0)
+    """Direction, any length."""
+
+
+class CylinderSurfaceSection(Section):
+    """A cylinder about the origin: a prism of many sides."""
+
+    type: Literal["cylinder"]
+    radius: Length
+    """[m]."""
+    length: Length
+    """From face to face [m]."""
+    axis: Direction = (0.0, 0.0, 1.0)
+    """Direction, any length."""
+    sides: Annotated[int, Field(ge=3, le=10_000, strict=True)] = 64
+    """Flat sides round it, inside of the cylinder by up to 5 / sides^2 of its radius; what rolls is better a
+    capsule."""
+
+
+SurfaceShape = Annotated[
+    PlaneSurfaceSection
+    | BoxSurfaceSection
+    | SphereSurfaceSection
+    | CapsuleSurfaceSection
+    | CylinderSurfaceSection,
+    Field(discriminator="type"),
+]
+
+
+class ExclusionSection(Section):
+    """A box that moves with the body: triangles wholly on one side of it take no part in collisions."""
+
+    centre: LengthVector
+    """In the coordinates of the geometry; of the ground in the world [m]."""
+    size: tuple[Length, Length, Length]
+    """From face to face [m]."""
+    turned: TurnSection | None = None
+    """How its axes are turned from those of the body; not at all if absent."""
+    keep: Literal["outside", "inside"] = "outside"
+    """``outside``: triangles that lie wholly in the box take no part; ``inside``: triangles that lie wholly outside of
+    all such boxes take no part. What the sides of a box cut goes on taking part."""
+
+
+class SurfaceSection(Section):
+    """Triangles that move with a body: from a file, a simple shape, or of a frame or shell its own surface."""
+
+    name: UniqueName
+    """Name; collisions are between names of surfaces."""
+    body: SideName
+    """Body that it belongs to, or ``"ground"``."""
+    file: Annotated[str, InFolder()] | None = None
+    """STL, OBJ, PLY, STEP, IGES, BREP or mesh file in the case folder."""
+    unit: Literal["m", "mm"] | None = None
+    """Length unit of the coordinates in the file; m if absent. STEP and IGES carry their own."""
+    size: Length | None = None
+    """Of a CAD file: edge length of the triangles on its faces [m]; a twentieth of its extent if absent."""
+    shape: SurfaceShape | None = None
+    """In place of `file`: a simple shape."""
+    at: LengthVector = (0.0, 0.0, 0.0)
+    """Where the origin of the file or shape is, in the coordinates of the geometry; of the ground in the world [m]."""
+    turned: TurnSection | None = None
+    """How it is turned about its origin from the axes of the body; not at all if absent."""
+    radius: Annotated[float, Quantity("length", minimum=0.0, closed=True)] = 0.0
+    """Rounding [m]: everything at this distance from the triangles of a file or plane is its surface, as half the
+    thickness of a plate; of a box or cylinder the radius of its edges, within its size."""
+    exclude: tuple[ExclusionSection, ...] = ()
+    """Boxes whose triangles take no part."""
+    facets: Annotated[int, Field(ge=1, le=32, strict=True)] | None = None
+    """Of a frame or shell: facets along each side of an element; 2 if absent."""
+
+    @model_validator(mode="after")
+    def _has_one_source(self, info: ValidationInfo) -> Self:
+        context = CaseContext.of(info)
+        owner = "" if context is None else context.names.body_types.get(self.body, "")
+        if owner in MESH_TYPES:
+            self._is_its_own(owner)
+            return self
+        if owner == "flexible":
+            reject(
+                f"a surface of the flexible body {self.body!r}, whose triangles would not deform",
+                "a rigid body, a frame, a shell or the ground; of a flexible body a contour",
+                key="body",
+            )
+        if (self.file is None) == (self.shape is None):
+            problem = "neither 'file' nor 'shape'" if self.file is None else "both 'file' and 'shape'"
+            reject(problem, "one of them")
+        if self.facets is not None:
+            reject(f"'facets' of {self.body!r}", "a frame or shell, or no 'facets'", key="facets")
+        for key in ("unit", "size"):
+            if self.file is None and getattr(self, key) is not None:
+                reject(f"{key!r} with 'shape'", f"'file', or no {key!r}", key=key)
+        suffix = PurePath(self.file or "").suffix.lower()
+        if self.size is not None and suffix not in _CAD:
+            reject(f"'size' with {self.file!r}", "a STEP, IGES or BREP file, or no 'size'", key="size")
+        if self.unit is not None and suffix in _WITH_UNIT:
+            reject(f"'unit' with {self.file!r}, which carries its own", "no 'unit'", key="unit")
+        self._rounds_something()
+        return self
+
+    def _is_its_own(self, owner: str) -> None:
+        """A frame or shell is its own surface."""
+        given = self.model_fields_set - {"name", "body", "facets"}
+        for key in sorted(given):
+            reject(
+                f"{key!r} of the {owner} {self.body!r}",
+                f"no {key!r}: its own surface takes part, in 'facets'",
+                key=key,
+            )
+
+    def _rounds_something(self) -> None:
+        """Spheres and capsules are round themselves; boxes and cylinders have a core within their rounding."""
+        shape = self.shape
+        if shape is None or self.radius == 0.0 or shape.type == "plane":
+            return
+        if isinstance(shape, (SphereSurfaceSection, CapsuleSurfaceSection)):
+            reject(f"'radius' with shape {shape.type!r}", "the radius of the shape alone", key="radius")
+        size = min(shape.size) if shape.type == "box" else min(2.0 * shape.radius, shape.length)
+        if self.radius >= 0.5 * size:
+            reject(
+                f"{self.radius:g} m rounds all of the shape off",
+                f"less than {0.5 * size:g} m, half of its smallest size",
+                key="radius",
+            )
+
+    @field_validator("exclude")
+    @classmethod
+    def _excludes_triangles(cls, value: tuple[ExclusionSection, ...], info: ValidationInfo) -> object:
+        shape = info.data.get("shape")
+        if value and shape is not None and shape.type in {"sphere", "capsule"}:
+            reject(f"'exclude' with shape {shape.type!r}, which has no triangles", "no 'exclude'")
+        return value

@@ -1,0 +1,1 @@
+"""Numbers that results are judged by: quantities, reference values and histories, studies of convergence."""

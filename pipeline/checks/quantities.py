@@ -1,0 +1,335 @@
+"""Computed quantities and checks: numbers that results are judged by."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError, InputErrors
+from heavylift.pipeline.results.histories import Results, load_results
+from heavylift.pipeline.results.model_io import open_hdf5
+from heavylift.pipeline.results.sinusoid import fit_sinusoid
+from heavylift.pipeline.results.storage import OutputFolder, read_json
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.checks import CheckSection
+    from heavylift.pipeline.case.quantity_names import QuantityName
+
+__all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_checks", "relative_drift"]
+
+_ACROSS: dict[str, Callable[..., NDArray[np.float64]]] = {
+    "largest": np.max,
+    "smallest": np.min,
+    "norm": np.linalg.norm,
+}
+"""Components that are made of all components of a record."""
+_SHOWN = 20  # components of a message at most
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """A quantity beside its reference.
+
+    Attributes
+    ----------
+    id, quantity
+        From the case.
+    value, reference
+        In `unit` (SI).
+    error
+        ``|value - reference|``, divided by ``|reference|`` if the tolerance is relative.
+    tolerance
+        Largest error that passes.
+    relative
+        Whether error and tolerance are relative.
+    unit, source
+        Unit of value and reference; where the reference comes from.
+    passed
+        Whether ``error <= tolerance``.
+    """
+
+    id: str
+    quantity: str
+    value: float
+    reference: float
+    error: float
+    tolerance: float
+    relative: bool
+    unit: str
+    source: str
+    passed: bool
+
+    def row(self) -> dict[str, Any]:
+        """The check as plain values, in the order of the ``verify --json`` document."""
+        row = asdict(self)
+        order = ("id", "value", "reference", "error", "tolerance", "unit", "source", "passed")
+        return {key: row[key] for key in order}
+
+
+class Quantities:
+    """Evaluates quantities of one case from the files of its stages.
+
+    Parameters
+    ----------
+    case
+        The case.
+    out
+        Its output folder; the stages that the quantities need must have run.
+    """
+
+    def __init__(self, case: Case, out: Path) -> None:
+        self._case = case
+        self._folder = OutputFolder(out)
+        self._positions: dict[str, Any] = {}
+
+    @cached_property
+    def results(self) -> Results:
+        """Time histories, read when a quantity needs them."""
+        return load_results(self._case, self._folder.root)
+
+    def evaluate(self, text: str) -> NDArray[np.float64]:
+        """Value of a quantity in SI: a number, or an array for a channel without component.
+
+        Raises
+        ------
+        InputError
+            If a mode, channel or component does not exist, or the results are missing.
+        """
+        name = self._case.quantity(text)
+        readers = {
+            "mesh": self._mesh,
+            "modes": self._modes,
+            "ringdown": self._ringdown,
+            "drift": self._drift,
+            "channel": self._channel,
+            "frequency": self._frequency,
+            "deviation": self._deviation,
+            "lines": self._lines,
+            "hydrostatics": self._hydrostatics,
+            "errors": self._errors,
+        }
+        return np.asarray(readers[name.family](name), dtype=np.float64)
+
+    def number(self, text: str) -> float:
+        """Value of a quantity that is one number."""
+        value = self.evaluate(text)
+        if value.ndim:
+            raise InputError(
+                f"quantity {text!r} has {value.size} components",
+                source=self._case.file,
+                expected="one component, e.g. ....x.end",
+            )
+        return float(value)
+
+    def _mesh(self, name: QuantityName) -> float:
+        manifest = read_json(self._folder.manifest("mesh")) or {}
+        properties = manifest.get("items", {}).get(name.owner, {}).get("properties", {})
+        if properties.get(name.item) is None:
+            raise self._missing(name, "a mesh made here, by `heavylift mesh CASE`")
+        return float(properties[name.item])
+
+    def _modes(self, name: QuantityName) -> float:
+        with open_hdf5(self._folder.reduced(name.owner), "make it with `heavylift modes CASE`") as file:
+            if name.item == "orthogonality":
+                return float(file.attrs["orthogonality"])
+            values = file["residuals"][:] if name.item == "residual" else _frequencies(file["eigenvalues"][:])
+        return float(values[self._vector(name, len(values))])
+
+    def _ringdown(self, name: QuantityName) -> float:
+        history = self.results[f"{name.owner}.modal_position"]
+        history = history.reshape(len(history), -1)
+        values = history[:, self._vector(name, history.shape[1])]
+        body = self._case.bodies[name.owner]
+        damped = body.type == "flexible" and (
+            any(body.modes.damping_ratio) or body.modes.stiffness_damping > 0.0
+        )
+        return self._fitted_frequency(name, values, damped=damped)
+
+    def _frequency(self, name: QuantityName) -> float:
+        history = self._history(name)
+        if history.ndim > 1:
+            components = self.results.components(name.item)
+            raise self._missing(name, f"{name.text}.COMPONENT, one of: {', '.join(components[:_SHOWN])}")
+        return self._fitted_frequency(name, history, damped=False)
+
+    def _fitted_frequency(self, name: QuantityName, values: NDArray[np.float64], *, damped: bool) -> float:
+        """Frequency [Hz] of one sinusoid about a mean; a message of the fit is told of the quantity."""
+        try:
+            return fit_sinusoid(self.results.time, values, damped=damped).frequency
+        except InputError as error:
+            raise InputError(
+                f"{name.text}: {error.problem}", source=self._case.file, expected=error.expected
+            ) from None
+
+    def _drift(self, name: QuantityName) -> float:
+        if name.item == "energy":
+            return energy_drift(self.results)
+        channel = "momentum.linear" if name.item == "momentum" else "momentum.angular"
+        history = self.results[channel]
+        if not np.any(history[0]):
+            raise self._missing(name, f"{channel} that is not zero at the start")
+        return relative_drift(history)
+
+    def _channel(self, name: QuantityName) -> NDArray[np.float64]:
+        history = self._history(name)
+        reductions = {
+            "end": lambda a: a[-1],
+            "min": lambda a: a.min(axis=0),
+            "max": lambda a: a.max(axis=0),
+            "mean": lambda a: a.mean(axis=0),
+            "rms": lambda a: np.sqrt(np.mean(a**2, axis=0)),
+            "rate": lambda a: (a[-1] - a[0]) / (self.results.time[-1] - self.results.time[0]),
+        }
+        return np.asarray(reductions[name.statistic](history))
+
+    def _history(self, name: QuantityName) -> NDArray[np.float64]:
+        """Records of a channel, shape (nt,), or (nt, components) if none of several is named."""
+        results = self.results
+        history = results[name.item].reshape(len(results.time), -1)
+        components = results.components(name.item)
+        if name.component in components and name.component:
+            history = history[:, components.index(name.component)]
+        elif name.component in _ACROSS:
+            history = _ACROSS[name.component](history, axis=1)
+        elif name.component:
+            more = f" and {len(components) - _SHOWN} more" if len(components) > _SHOWN else ""
+            raise self._missing(
+                name, f"a component: {', '.join(components[:_SHOWN])}{more}; or {', '.join(_ACROSS)}"
+            )
+        elif len(components) == 1:
+            history = history[:, 0]
+        return np.asarray(history)
+
+    def _deviation(self, name: QuantityName) -> float:
+        from heavylift.pipeline.checks.deviation import deviation_history
+
+        reference = next(entry for entry in self._case.reference if entry.name == name.item)
+        _, distances = deviation_history(self._case, reference, self.results)
+        return float(np.sqrt(np.mean(distances**2)) if name.statistic == "rms" else distances.max())
+
+    def _lines(self, name: QuantityName) -> float:
+        lengths = self.results.metadata.get("sea", {}).get("line_lengths", {})
+        if name.owner not in lengths:
+            raise self._missing(name, "results of a simulation with this line")
+        return float(sum(lengths[name.owner]))
+
+    def _hydrostatics(self, name: QuantityName) -> float:
+        if name.owner not in self._positions:
+            from heavylift.pipeline.assemble.hulls import resting_position
+
+            if self._case.hulls[name.owner].surface is None:
+                raise self._missing(name, "a hull with a surface")
+            self._positions[name.owner] = resting_position(self._case, name.owner, self._folder)
+        position = self._positions[name.owner]
+        values = {
+            "displacement": position.mass,
+            "trim": position.pose.trim,
+            "list": position.pose.list,
+            "origin_z": position.level + position.pose.height,
+        }
+        return float(values[name.item] if name.item in values else getattr(position, name.item))
+
+    def _errors(self, name: QuantityName) -> float:
+        checks = [
+            check
+            for check in self._case.check
+            if check.id.startswith(f"{name.item}_") and not check.quantity.startswith("errors")
+        ]
+        return max(abs(self.number(check.quantity) - self._reference(check)) for check in checks)
+
+    def _reference(self, check: CheckSection) -> float:
+        given = check.reference
+        return given if isinstance(given, float) else self.number(given.quantity)
+
+    def _vector(self, name: QuantityName, count: int) -> int:
+        if int(name.component) > count:
+            raise self._missing(name, f"a number from 1 to {count}")
+        return int(name.component) - 1
+
+    def _missing(self, name: QuantityName, expected: str) -> InputError:
+        return InputError(
+            f"quantity {name.text!r} cannot be computed", source=self._case.file, expected=expected
+        )
+
+
+def _frequencies(eigenvalues: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.sqrt(np.maximum(eigenvalues, 0.0)) / (2.0 * np.pi)
+
+
+def relative_drift(history: NDArray[np.float64]) -> float:
+    """Largest norm of the deviation from the first row, divided by the norm of the first row."""
+    rows = history.reshape(len(history), -1)
+    with np.errstate(invalid="ignore", over="ignore"):
+        deviation = np.linalg.norm(rows - rows[0], axis=1).max()
+        return float(deviation / np.linalg.norm(rows[0]))
+
+
+def energy_drift(results: Results) -> float:
+    """Largest deviation of the energy balance from its initial value, relative.
+
+    The balance (kinetic + elastic + potential - work put in + dissipated) is constant in exact arithmetic.
+    It is divided by the largest kinetic plus elastic energy of the run, because the zero of the potential
+    is arbitrary; for a body without loads that is the initial energy. Zero for a scene that never moves, not a
+    number for one that diverged.
+    """
+    with np.errstate(invalid="ignore", over="ignore"):  # a diverged run has infinite energies
+        balance = results["energy.balance"]
+        scale = float(np.abs(results["energy.kinetic"] + results["energy.elastic"]).max())
+        deviation = float(np.abs(balance - balance[0]).max())
+        return deviation / scale if scale > 0.0 else deviation
+
+
+def evaluate_checks(case: Case, out: Path) -> list[CheckResult]:
+    """Evaluate every check of a case from the files of its stages.
+
+    Raises
+    ------
+    InputErrors
+        Every check that cannot be evaluated.
+    """
+    quantities = Quantities(case, out)
+    found: list[CheckResult] = []
+    errors: list[InputError] = []
+    for check in case.check:
+        try:
+            found.append(_evaluate(check, quantities, case.quantity(check.quantity).kind.unit))
+        except InputErrors as error:
+            errors += error.errors
+        except InputError as error:
+            errors.append(
+                InputError(f"{check.id}: {error.problem}", source=error.source, expected=error.expected)
+            )
+    if errors:
+        raise InputErrors(errors)
+    return found
+
+
+def _evaluate(check: CheckSection, quantities: Quantities, unit: str) -> CheckResult:
+    value = quantities.number(check.quantity)
+    reference = check.reference
+    if not isinstance(reference, float):
+        reference = quantities.number(reference.quantity)
+    relative = check.tolerance.relative is not None
+    tolerance = check.tolerance.relative if relative else check.tolerance.absolute
+    error = abs(value - reference) / (abs(reference) if relative else 1.0)
+    return CheckResult(
+        id=check.id,
+        quantity=check.quantity,
+        value=value,
+        reference=reference,
+        error=error,
+        tolerance=float(tolerance or 0.0),
+        relative=relative,
+        unit=unit,
+        source=check.source,
+        passed=bool(error <= float(tolerance or 0.0)),
+    )

@@ -1,0 +1,303 @@
+"""The command line: staged commands on a case folder.
+
+Only what is needed to read the command line is imported here; each command imports what it runs.
+"""
+
+# cyclopts evaluates the annotations of the commands, so the imports below are needed at run time.
+
+import atexit
+import gc
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cyclopts import App
+
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.pipeline.commands.command_line import (
+    Animate,
+    CaseArgument,
+    CasesArgument,
+    Force,
+    Json,
+    KindNames,
+    Out,
+    Quiet,
+    Set,
+    complain,
+    guarded,
+    print_json,
+    print_lines,
+)
+from heavylift.pipeline.commands.sea import SEA_COMMANDS
+
+if TYPE_CHECKING:
+    from heavylift.pipeline.log import Log
+
+__all__ = ["app", "main"]
+
+YOUNG = 500_000
+"""Objects made between two searches for cycles: a start makes fewer, and all of them stay."""
+
+
+def _version() -> str:
+    from importlib.metadata import version
+
+    return version("heavylift")
+
+
+app = App(
+    name="heavylift",
+    help="Is this lift safe? Case folders in, time histories, pictures and checked numbers out.",
+    version=_version,
+    version_flags=["--version"],
+)
+
+
+def main() -> None:
+    """Entry point of the ``heavylift`` command."""
+    gc.set_threshold(YOUNG, 2, 2)
+    atexit.register(gc.freeze)  # the process ends as it is: what modules hold is not searched once more
+    try:
+        app()
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader has enough, as in `heavylift schema | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(141)
+
+
+@app.command
+def mesh(
+    case: CaseArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    force: Force = False,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Geometry to finite-element models."""
+    return _stages(("mesh",), ("mesh",), case, out, set_, force=force, quiet=quiet, json=json)
+
+
+@app.command
+def modes(
+    case: CaseArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    force: Force = False,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Finite-element models to reduced bodies; meshes first if needed."""
+    return _stages(("mesh", "modes"), ("modes",), case, out, set_, force=force, quiet=quiet, json=json)
+
+
+@app.command
+def simulate(
+    case: CaseArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    force: Force = False,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Reduced bodies to time histories; an interrupted run goes on where it stopped."""
+    stages = ("mesh", "modes", "simulate")
+    return _stages(stages, ("simulate",), case, out, set_, force=force, quiet=quiet, json=json)
+
+
+@app.command
+def report(
+    case: CaseArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    animate: Animate = False,
+    force: Force = False,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Pictures, plots and tables of the stages that have run."""
+    changes = (*set_, "report.animation.enabled=true") if animate else set_
+    return _stages(("report",), ("report",), case, out, changes, force=force, quiet=quiet, json=json)
+
+
+@app.command
+def run(
+    case: CaseArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    force: Force = False,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Whatever of mesh, modes, simulate and report the case still needs."""
+    stages = ("mesh", "modes", "simulate", "report")
+    return _stages(stages, stages, case, out, set_, force=force, quiet=quiet, json=json)
+
+
+@app.command
+def verify(
+    cases: CasesArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    force: Force = False,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Run cases and compare their numbers with the references.
+
+    Exit code: 0 if every check passed, 1 if some failed, 2 for bad input, above 2 if a run stopped before it got
+    to its checks; of several cases the largest.
+    """
+
+    def command(log: "Log") -> int:
+        from heavylift.pipeline.commands.verify import check_table, exit_code, verify_case, verify_document
+
+        if not cases:
+            raise InputError("no case", source="verify", expected="one or more case folders")
+        verdicts = []
+        for path in cases:
+            folder = out / path.resolve().name if out is not None and len(cases) > 1 else out
+            verdicts.append(verify_case(path, out=folder, overrides=set_, force=force, log=log))
+            if not json:
+                print_lines(check_table(verdicts[-1]))
+        if json:
+            print_json(verify_document(verdicts))
+        return exit_code(verdicts)
+
+    return guarded(command, quiet=quiet, json=json)
+
+
+@app.command
+def converge(
+    case: CaseArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    force: Force = False,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Refine the parameters of the case's [converge] section; error against CPU time, observed order."""
+
+    def command(log: "Log") -> int:
+        from heavylift.pipeline.commands.converge import converge_case, study_table
+
+        study, plot = converge_case(case, out=out, overrides=set_, force=force, log=log)
+        if json:
+            print_json(study.document())
+        else:
+            print_lines([*study_table(study), f"plot: {plot}"])
+        return 0
+
+    return guarded(command, quiet=quiet, json=json)
+
+
+for _command in SEA_COMMANDS:
+    app.command(_command)
+
+
+@app.command
+def schema(*, tables: bool = False) -> int:
+    """Print the JSON Schema of case.toml, for editors.
+
+    Parameters
+    ----------
+    tables
+        Tables of all keys in Markdown instead, as in docs/case_keys.md.
+    """
+    if tables:
+        from heavylift.pipeline.case.key_tables import key_tables
+
+        print(key_tables())  # noqa: T201
+        return 0
+    from heavylift.pipeline.case.schema import case_schema
+
+    print_json(case_schema())
+    return 0
+
+
+@app.command(name="compile")
+def compile_ahead(*kinds: KindNames, force: Force = False, quiet: Quiet = False) -> int:
+    """Compile what runs would compile when they need it: everything, or some kinds, as RigidBodies or Ropes."""
+    from heavylift.pipeline.commands.compile_kinds import compile_kinds
+
+    return guarded(lambda log: compile_kinds(kinds, log, force=force), quiet=quiet, json=False)
+
+
+@app.command
+def doctor(*, json: Json = False) -> int:
+    """What is installed, whether pictures can be drawn, and what to install if not."""
+    from heavylift.pipeline.commands.doctor import diagnosis, diagnosis_lines
+
+    found = diagnosis()
+    if json:
+        print_json(found)
+    else:
+        print_lines(diagnosis_lines(found))
+    return 0 if found["ready"] else 1
+
+
+def _stages(
+    stages: tuple[str, ...],
+    own: tuple[str, ...],
+    path: Path,
+    out: Path | None,
+    overrides: tuple[str, ...],
+    *,
+    force: bool,
+    quiet: bool,
+    json: bool,
+) -> int:
+    """Run stages of a case; `own` are those that ``--force`` repeats."""
+
+    def command(log: "Log") -> int:
+        from heavylift.pipeline.stages.stages import load_changed_case, run_case
+
+        case = load_changed_case(path, overrides)
+        if own == ("simulate",) and case.simulate is None:
+            raise InputError(
+                "no [simulate] section",
+                source=case.file,
+                expected="step or tolerance, output_interval, duration",
+            )
+        result = run_case(case, out=out, stages=stages, force=own if force else (), log=log)
+        if result.outcome is not Outcome.COMPLETED:
+            complain(result.message)
+        if json:
+            last = result.stages[-1]
+            if own == ("simulate",) and last.stage == "simulate" and last.details:
+                print_json({"case": case.name, **last.details})
+            else:
+                print_json(_summary(case.name, result))
+        return int(result.outcome)
+
+    return guarded(command, quiet=quiet, json=json)
+
+
+def _summary(name: str, result: Any) -> dict[str, Any]:
+    """Document of the commands that have no form of their own."""
+    return {
+        "case": name,
+        "outcome": result.outcome.name.lower(),
+        "message": result.message,
+        "out": str(result.folder.root),
+        "cpu_s": result.cpu_s,
+        "stages": [
+            {
+                "stage": stage.stage,
+                "outcome": stage.outcome.name.lower(),
+                "skipped": stage.skipped,
+                "cpu_s": stage.cpu_s,
+                "details": stage.details,
+            }
+            for stage in result.stages
+        ],
+    }

@@ -1,0 +1,124 @@
+"""What the commands share: their options, and how they end: one message and an exit code for all a user can cause."""
+
+# cyclopts evaluates the annotations of the commands, so the imports below are needed at run time.
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from heavylift.numerics.outcome import InputError, InputErrors, Outcome
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from heavylift.pipeline.log import Log
+
+__all__ = [
+    "Animate",
+    "CaseArgument",
+    "CasesArgument",
+    "Force",
+    "Json",
+    "KindNames",
+    "Out",
+    "Quiet",
+    "Set",
+    "complain",
+    "guarded",
+    "print_json",
+    "print_lines",
+]
+
+CaseArgument = Annotated[Path, Parameter(help="Case folder, or its case.toml.", show_default=False)]
+CasesArgument = Annotated[tuple[Path, ...], Parameter(help="Case folders.", show_default=False)]
+Out = Annotated[
+    Path | None,
+    Parameter(name="--out", help="Folder for the outputs instead of CASE/out.", show_default=False),
+]
+Set = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--set",
+        help='Change one key of the case, e.g. simulate.step="0.1 us"; simulate.step= removes it; may be repeated.',
+        show_default=False,
+        negative="",
+    ),
+]
+Animate = Annotated[
+    bool,
+    Parameter(
+        name="--animate",
+        help="Make the moving picture of frames and shells, even if the case has no [report.animation].",
+        negative="",
+    ),
+]
+Force = Annotated[bool, Parameter(name="--force", help="Run even if the inputs are unchanged.", negative="")]
+KindNames = Annotated[str, Parameter(help="Kinds and loops; all if none is named.", show_default=False)]
+Quiet = Annotated[bool, Parameter(name="--quiet", help="Print errors only.", negative="")]
+Json = Annotated[
+    bool, Parameter(name="--json", help="Print one JSON document on standard output.", negative="")
+]
+
+
+def guarded(command: "Callable[[Log], int]", *, quiet: bool, json: bool) -> int:
+    """Run a command; whatever a user can cause ends as one message and an exit code."""
+    from heavylift.pipeline.log import Log
+    from heavylift.pipeline.results.storage import StopError
+
+    try:
+        return command(Log(quiet=quiet, stream=sys.stderr if json else None))
+    except InputError as error:
+        message, outcome = str(error), Outcome.BAD_INPUT
+        parts = error.errors if isinstance(error, InputErrors) else [error]
+        details = [
+            {"source": part.source, "key": part.key, "problem": part.problem, "expected": part.expected}
+            for part in parts
+        ]
+    except StopError as error:
+        message, outcome, details = str(error), error.outcome, []
+    except KeyboardInterrupt:
+        message, outcome, details = "interrupted; what was written is kept", Outcome.INTERRUPTED, []
+    except BrokenPipeError:
+        return 0
+    except RuntimeError as error:
+        if type(error).__name__ != "CompileError":  # known only once kernels are imported
+            raise
+        message, outcome, details = f"cannot compile: {error}", Outcome.BAD_INPUT, []
+    except OSError as error:
+        if error.filename is None:
+            raise
+        message, outcome, details = f"{error.filename}: {error.strerror}", Outcome.BAD_INPUT, []
+    complain(message)
+    if json:
+        print_json({"error": message, "outcome": outcome.name.lower(), "details": details})
+    return int(outcome)
+
+
+def complain(message: str) -> None:
+    """Print a line on standard error."""
+    print(message, file=sys.stderr, flush=True)  # noqa: T201
+
+
+def print_lines(lines: list[str]) -> None:
+    """Print a table on standard output."""
+    print("\n".join(lines), flush=True)  # noqa: T201
+
+
+def print_json(document: Any) -> None:
+    """Print a document on standard output."""
+    import json
+
+    print(json.dumps(_finite(document), indent=2, default=str), flush=True)  # noqa: T201
+
+
+def _finite(value: Any) -> Any:
+    """The document with numbers that JSON does not know (nan, infinity) as null."""
+    if isinstance(value, dict):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(entry) for entry in value]
+    if isinstance(value, float) and value - value != 0.0:
+        return None
+    return value

@@ -1,0 +1,299 @@
+"""``heavylift hydrostatics``: how the hulls of a case float, and their righting arms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.rotation import rotation_matrix
+from heavylift.pipeline.commands.scene import choose_hulls, load_sea_case
+from heavylift.solver.scene.scene import FlexibleBody, Free, RigidBody
+from heavylift.solver.scene.sea import LinearRestoring
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from heavylift.pipeline.commands.scene import SeaCase
+    from heavylift.pipeline.log import Log
+    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.solver.scene.scene import Scene
+    from heavylift.solver.scene.sea import Hull, Sea
+
+__all__ = ["Loading", "hull_loading", "hydrostatics_command", "linear_figures"]
+
+
+@dataclass(frozen=True, eq=False)
+class Loading:
+    """What a hull carries at the start, without its tanks.
+
+    Attributes
+    ----------
+    mass, centre
+        [kg]; centre of gravity in the frame of the hull [m], shape (3,).
+    bodies
+        Names of the bodies that are joined to the hull and counted, beside itself.
+    left_out
+        Words for what holds or loads the hull and is not counted.
+    """
+
+    mass: float
+    centre: NDArray[np.float64]
+    bodies: tuple[str, ...]
+    left_out: tuple[str, ...]
+
+
+def hydrostatics_command(
+    path: Path,
+    *,
+    out: Path | None = None,
+    overrides: Sequence[str] = (),
+    hulls: Sequence[str] = (),
+    log: Log,
+) -> tuple[dict[str, Any], list[str]]:
+    """Float the hulls of a case and write ``hydrostatics/``.
+
+    Returns
+    -------
+    tuple
+        Document of all hulls, and the tables for a person.
+
+    Raises
+    ------
+    InputError
+        If the case has no hulls, or none of those that were asked for has a surface or a float plane.
+    """
+    from heavylift.pipeline.assemble.hulls import frame_origin
+    from heavylift.pipeline.stages.hydrostatics import hydrostatics_lines, hydrostatics_report
+    from heavylift.pipeline.stages.lock import locked
+    from heavylift.preprocess.surfaces import placed
+    from heavylift.solver.water.hulls.floating import Tank as Liquid
+
+    found = load_sea_case(path, out=out, overrides=overrides, log=log)
+    sea, water = found.sea, found.sea.water
+    folder = found.folder.stage("hydrostatics")
+    chosen = [hull for hull in choose_hulls(found, hulls) if hull.restoring is not None]
+    if not chosen:
+        raise InputError(
+            "no hull with buoyancy",
+            source=found.case.file,
+            key="hulls",
+            expected="a hull with a surface or a float plane",
+        )
+    entries: list[dict[str, Any]] = []
+    lines: list[str] = []
+    with locked(found.folder.root):
+        for hull in chosen:
+            # a person reads places in the coordinates of the geometry
+            origin = frame_origin(found.case, hull.body)
+            loading = hull_loading(found.scene, sea, hull.body)
+            tanks = [
+                Liquid(
+                    mass=float(np.interp(0.0, tank.times, tank.masses)),
+                    point=tuple((np.asarray(tank.point) + origin).tolist()),
+                    free_surface=tank.free_surface,
+                    name=tank.name,
+                )
+                for tank in sea.tanks
+                if tank.body == hull.body
+            ]
+            entry: dict[str, Any] = {
+                "hull": hull.body,
+                "carries": list(loading.bodies),
+                "left_out": list(loading.left_out),
+                "tanks": [{"name": tank.name, "mass": tank.mass} for tank in tanks],
+            }
+            surface = _surface(found, hull)
+            if surface is None:
+                assert isinstance(hull.restoring, LinearRestoring)
+                buoyancy = hull.restoring.centre_of_buoyancy + origin
+                figures = linear_figures(
+                    hull.restoring, buoyancy, loading.centre + origin, loading.mass, tanks, water.density
+                )
+                entry |= {"restoring": "linear", "figures": figures, "files": []}
+                lines += [f"{hull.body}: float plane (linear restoring), no righting arms", ""]
+                lines += [f"  {name:<42s}{value:>14.6g}  {_UNITS[name]}" for name, value in figures.items()]
+            else:
+                # a free surface without water is none
+                full = [tank for tank in tanks if tank.mass > 0.0]
+                report = hydrostatics_report(
+                    hull.body,
+                    placed(surface, position=origin),
+                    loading.mass,
+                    (loading.centre + origin).tolist(),
+                    folder,
+                    density=water.density,
+                    gravity=water.gravity,
+                    level=water.level,
+                    tanks=full,
+                    open_deck=None if hull.open_deck is None else hull.open_deck + float(origin[2]),
+                    key=f"surface of hull {hull.body}",
+                )
+                entry |= {
+                    "restoring": "surface",
+                    "figures": report.figures,
+                    "files": [str(file) for file in report.files],
+                }
+                lines += hydrostatics_lines(report)
+            lines += ["", *_words(entry), ""]
+            entries.append(entry)
+    return {"case": found.case.name, "hulls": entries}, lines[:-1]
+
+
+def hull_loading(scene: Scene, sea: Sea, name: str) -> Loading:
+    """Masses that stand on a hull at the start: its own, and of all free bodies that joints join to it.
+
+    Notes
+    -----
+    Bodies hang together by joints of any kind; they are taken where they are at the start, as if rigidly fixed. What
+    hangs on ropes or springs, other hulls, lines and fenders pull otherwise, and are named in `left_out`.
+    """
+    bodies = {body.name: body for body in scene.bodies}
+    others = {hull.body for hull in sea.hulls} - {name}
+    group, beyond = {name}, set()
+    grew = True
+    while grew:
+        grew = False
+        for joint in scene.joints:
+            sides = {joint.body_a, joint.body_b}
+            known = {side for side in sides - others if side in bodies and _is_free(bodies[side])}
+            if known & group:
+                beyond |= sides - known
+                grew |= not known <= group
+                group |= known
+    hull = bodies[name]
+    assert isinstance(hull, RigidBody)
+    axes = rotation_matrix(hull.orientation)
+    total, moment, left = 0.0, np.zeros(3), []
+    for other in scene.bodies:
+        if other.name not in group:
+            continue
+        mass, centre = _mass_of(other)
+        if mass is None:
+            left.append(f"{other.name} (frame or shell)")
+            continue
+        place = other.position + rotation_matrix(other.orientation) @ centre
+        total += mass
+        moment += mass * (axes.T @ (place - hull.position))
+    left += [f"joints to {other}" for other in sorted(beyond)]
+    left += [f"line {line.name}" for line in sea.lines if name in (line.body_a, line.body_b)]
+    left += [f"fender {one.name}" for one in sea.fenders if name in (one.body_a, one.body_b)]
+    left += _ropes(scene, group)
+    return Loading(total, moment / total, tuple(sorted(group - {name})), tuple(left))
+
+
+def linear_figures(
+    restoring: LinearRestoring,
+    buoyancy: NDArray[np.float64],
+    gravity_centre: NDArray[np.float64],
+    mass: float,
+    tanks: Sequence[Any],
+    density: float,
+) -> dict[str, float]:
+    """Displacement and metacentric heights of a float plane [kg], [m^3], [m^2], [m].
+
+    Parameters
+    ----------
+    restoring
+        Volume and moments of the float plane.
+    buoyancy, gravity_centre
+        Centres of buoyancy, and of gravity without tanks [m], shape (3,), in the axes of the points of tanks.
+    mass
+        Without tanks [kg].
+    tanks
+        With mass, point and free surface.
+    density
+        Of the water [kg/m^3].
+    """
+    moment = mass * gravity_centre + sum((tank.mass * np.asarray(tank.point) for tank in tanks), np.zeros(3))
+    mass = mass + sum(tank.mass for tank in tanks)
+    centre = moment / mass
+    A, Sx, Sy, Ixx, Iyy, _ = restoring.waterplane
+    volume = restoring.volume
+    wet = [tank for tank in tanks if tank.mass > 0.0]
+    # moments of the water plane about the axes through its centre; x x is what resists trim
+    lost = [sum(tank.free_surface[k] for tank in wet) / (density * volume) for k in (0, 1)]
+    arm = float(centre[2] - buoyancy[2])
+    about_x, about_y = Iyy - Sy * Sy / A, Ixx - Sx * Sx / A
+    return {
+        "mass": mass,
+        "displacement": density * volume,
+        "volume": volume,
+        "waterplane_area": float(A),
+        "BM_T": float(about_x) / volume,
+        "BM_L": float(about_y) / volume,
+        "KG_above_buoyancy": arm,
+        "GM_T": float(about_x) / volume - arm - lost[0],
+        "GM_L": float(about_y) / volume - arm - lost[1],
+    }
+
+
+def _surface(found: SeaCase, hull: Hull) -> TriangleSurface | None:
+    """In the frame of the body: also that of a hull whose linear restoring was made from one; None without one."""
+    if not isinstance(hull.restoring, LinearRestoring):
+        return hull.restoring
+    if found.case.hulls[hull.body].surface is None:
+        return None
+    from heavylift.pipeline.assemble.hulls import hull_surface
+
+    return hull_surface(found.case, hull.body, found.folder)
+
+
+_UNITS = {
+    "mass": "kg",
+    "displacement": "kg",
+    "volume": "m^3",
+    "waterplane_area": "m^2",
+    "BM_T": "m",
+    "BM_L": "m",
+    "KG_above_buoyancy": "m",
+    "GM_T": "m",
+    "GM_L": "m",
+}
+
+
+def _is_free(body: Any) -> bool:
+    return isinstance(getattr(body, "motion", Free()), Free)
+
+
+def _mass_of(body: Any) -> tuple[float | None, NDArray[np.float64]]:
+    """Mass and centre of mass in the frame of a body; None of frames and shells."""
+    if isinstance(body, RigidBody):
+        return body.mass, np.asarray(body.centre_of_mass, dtype=np.float64)
+    if isinstance(body, FlexibleBody):
+        integrals = body.reduced.integrals
+        return float(integrals.mass), np.asarray(integrals.first_moment, dtype=np.float64) / integrals.mass
+    return None, np.zeros(3)
+
+
+def _ropes(scene: Scene, group: set[str]) -> list[str]:
+    """Ropes and springs between these bodies and others."""
+    found = []
+    for one in (*scene.ropes, *scene.forces):
+        path = getattr(one, "path", None)
+        sides = (
+            {stop.body for stop in path}
+            if path is not None
+            else {getattr(one, "body_a", None), getattr(one, "body_b", None)} - {None}
+        )
+        if sides & group and sides - group:
+            found.append(f"{'rope' if path is not None else 'spring'} {one.name}")  # type: ignore[union-attr]
+    return found
+
+
+def _words(entry: dict[str, Any]) -> list[str]:
+    """What was counted and what was not."""
+    lines = []
+    if entry["carries"]:
+        lines.append(f"  carries: {', '.join(entry['carries'])}")
+    if entry["tanks"]:
+        tanks = ", ".join(f"{tank['name']} {tank['mass'] * 1e-3:.6g} t" for tank in entry["tanks"])
+        lines.append(f"  tanks: {tanks}")
+    if entry["left_out"]:
+        lines.append(f"  not counted: {', '.join(entry['left_out'])}")
+    return lines

@@ -1,0 +1,1 @@
+"""Pictures and plots as PNG: bodies, scenes and histories, rendered without a screen."""

@@ -1,0 +1,151 @@
+"""What is written into a picture: axes triad, overall dimensions, colour bar, legend."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.pipeline.pictures.drawings import INK, mark_colours
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from heavylift.pipeline.pictures.camera import Camera, View
+    from heavylift.pipeline.pictures.render import Drawing
+
+__all__ = [
+    "GREY",
+    "add_colour_bar",
+    "add_dimensions",
+    "add_legend",
+    "add_scale_bar",
+    "add_triad",
+    "emptiest_corner",
+]
+
+GREY = "#66707c"
+_AXES = ("#c62828", "#2e7d32", "#1565c0")
+
+
+def add_colour_bar(
+    figure: Any, left: float, drawing: Drawing, label: str, *, above: bool, below: bool = False
+) -> None:
+    """Add a bar at the right; `above` and `below` say that some values lie beyond its ends."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import ListedColormap, Normalize
+
+    mappable = ScalarMappable(Normalize(*drawing.limits), ListedColormap(drawing.colours))
+    axes = figure.add_axes((left, 0.08, 0.022, 0.74))
+    extend = {(False, False): "neither", (True, False): "max", (False, True): "min", (True, True): "both"}
+    artist = figure.colorbar(mappable, cax=axes, extend=extend[above, below], extendfrac=0.04)
+    bands = len(drawing.colours)
+    # few bands: a tick at every border
+    artist.set_ticks(np.linspace(*drawing.limits, bands + 1 if bands <= 16 else 6))
+    artist.ax.yaxis.set_major_formatter(lambda value, _: f"{value:.4g}")
+    artist.ax.tick_params(labelsize=11, colors=INK, length=3)
+    artist.set_label(label, fontsize=11.5, color=INK)
+    artist.outline.set_edgecolor(GREY)
+    artist.outline.set_linewidth(0.6)
+
+
+def emptiest_corner(pixels: NDArray[np.uint8]) -> tuple[int, int]:
+    """Where in an image a triad hides least [pixels from the lower left corner]."""
+    height, width = pixels.shape[:2]
+    box = 150
+    drawn = pixels.min(axis=2) < 250
+    corners = {
+        (80, 62): drawn[height - box :, :box],
+        (width - 80, 62): drawn[height - box :, width - box :],
+        (80, height - 80): drawn[:box, :box],
+        (width - 80, height - 80): drawn[:box, width - box :],
+    }
+    return min(corners, key=lambda corner: float(corners[corner].mean()))
+
+
+def add_triad(axes: Any, view: View, corner: tuple[int, int], length: float = 44.0) -> None:
+    """Axes x, y and z in a corner of the image, see `emptiest_corner`."""
+    x, y = corner
+    order = np.argsort(view.matrix[2])  # those that point at the observer last
+    for axis in order:
+        dx, dy = length * view.matrix[:2, axis]
+        axes.annotate(
+            "",
+            (x + dx, y + dy),
+            (x, y),
+            xycoords="data",
+            arrowprops={"arrowstyle": "-|>", "color": _AXES[axis], "lw": 2.0, "shrinkA": 0, "shrinkB": 0},
+        )
+        reach = 1.0 + 13.0 / max(np.hypot(dx, dy), 13.0)
+        axes.text(
+            x + reach * dx,
+            y + reach * dy,
+            "xyz"[axis],
+            color=_AXES[axis],
+            fontsize=12,
+            ha="center",
+            va="center",
+        )
+
+
+def add_dimensions(
+    axes: Any,
+    camera: Camera,
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    unit: str,
+    size: tuple[int, int],
+) -> None:
+    """Overall length along each axis, beside an edge of the bounding box on its silhouette."""
+    middle = camera.project(0.5 * (low + high))[:2] * size
+    faces = np.where(np.asarray(camera.view.towards) > 0.0, high, low)  # planes that face the observer
+    for axis in range(3):
+        i, j = [other for other in range(3) if other != axis]
+        edges = []
+        for hidden, facing in ((i, j), (j, i)):
+            ends = np.array([low, high])
+            ends[:, :] = np.where(np.arange(3) == axis, ends, faces)
+            ends[:, hidden] = (low + high - faces)[hidden]
+            ends[:, facing] = faces[facing]
+            edges.append(camera.project(ends)[:, :2] * size)
+        start, end = min(edges, key=lambda edge: edge[:, 1].mean() + 0.3 * edge[:, 0].mean())
+        along = (end - start) / max(np.linalg.norm(end - start), 1.0e-9)
+        out = np.array([-along[1], along[0]])
+        out *= np.sign(out @ (0.5 * (start + end) - middle)) or 1.0
+        a, b = start + 16 * out, end + 16 * out
+        for foot, tip in ((start, a), (end, b)):
+            axes.plot(*np.array([foot + 4 * out, tip + 5 * out]).T, color=GREY, lw=0.8)
+        axes.annotate(
+            "",
+            a,
+            b,
+            arrowprops={"arrowstyle": "<|-|>", "color": GREY, "lw": 0.9, "shrinkA": 0, "shrinkB": 0},
+        )
+        x, y = 0.5 * (a + b) + 7 * out
+        axes.text(
+            x,
+            y,
+            f"{(high - low)[axis]:.4g} {unit}",
+            color=INK,
+            fontsize=11.5,
+            ha="left" if out[0] > 0.15 else "right" if out[0] < -0.15 else "center",
+            va="bottom" if out[1] > 0.35 else "top" if out[1] < -0.35 else "center",
+        )
+
+
+def add_legend(figure: Any, labels: list[str]) -> None:
+    """Name the marked groups in the heading, where nothing is drawn."""
+    from matplotlib.lines import Line2D
+
+    handles = [Line2D([], [], color=colour, marker="o", lw=0, ms=7) for colour in mark_colours(len(labels))]
+    look = {"frameon": False, "labelcolor": INK, "handletextpad": 0.2, "columnspacing": 1.2}
+    figure.legend(handles, labels, loc="upper right", fontsize=11, ncols=-(-len(labels) // 3), **look)
+
+
+def add_scale_bar(axes: Any, length: float, width: float, unit: str) -> None:
+    """Add a bar of a length in `unit` that is so many pixels wide to the lower edge of axes in pixels."""
+    left, y = 18.0, 16.0
+    axes.plot([left, left + width], [y, y], color=INK, lw=2.2, solid_capstyle="butt")
+    for x in (left, left + width):
+        axes.plot([x, x], [y - 5, y + 5], color=INK, lw=1.2)
+    axes.text(left + width + 8, y, f"{length:g} {unit}", color=INK, fontsize=11.5, va="center")

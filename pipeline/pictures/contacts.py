@@ -1,0 +1,299 @@
+"""Contours, what touches them, and the forces between them, as lines and surfaces for pictures of a scene."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from heavylift.numerics.rotation import rotation_matrix
+from heavylift.pipeline.pictures.render import Lines, Patch, Points
+from heavylift.solver.scene import contacts as c
+from heavylift.solver.scene.connections import GROUND
+from heavylift.solver.scene.meshes import MeshBody
+from heavylift.solver.scene.scene import FlexibleBody
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from heavylift.contours.splines.neutral import NeutralContour
+    from heavylift.solver.scene.scene import Scene
+
+    Pose = Callable[[str, int], tuple[NDArray[np.float64], NDArray[np.float64]]]
+    Channel = Callable[[str, int], NDArray[np.float64] | None]
+
+__all__ = ["ContactParts", "contour_parts", "force_arrow", "scene_size", "shape_parts"]
+
+_CONTOUR, _TOUCH, _FORCE, _GROUND = "#8e3b9c", "#c9a227", "#c62828", "#dfe4ea"
+_PIECES = 3  # samples of a polynomial piece of a contour
+_LINES = 13  # lines of a contour in each direction at most
+_ROUND = 24  # corners of a circle
+_ARROW = 0.2  # length of the arrow of the largest force, relative to the scene
+_HEAD = 0.25  # of an arrow, relative to its length
+
+
+class Parts(NamedTuple):
+    """What is drawn: lines, surfaces, marked points."""
+
+    lines: tuple[Lines, ...] = ()
+    patches: tuple[Patch, ...] = ()
+    marks: tuple[Points, ...] = ()
+
+    def placed(self, origin: NDArray[np.float64], R: NDArray[np.float64]) -> Parts:
+        """The same in world axes."""
+        return Parts(
+            tuple(
+                Lines(origin + part.points @ R.T, part.ends, part.colour, part.width, part.opacity)
+                for part in self.lines
+            ),
+            tuple(
+                Patch(origin + part.points @ R.T, part.triangles, part.colour, part.opacity)
+                for part in self.patches
+            ),
+            tuple(Points(origin + part.points @ R.T, part.colour, part.size) for part in self.marks),
+        )
+
+
+class ContactParts:
+    """Draws the contours and contacts of a scene at any record.
+
+    Contours that are the shape of a frame or shell are drawn as that.
+
+    Parameters
+    ----------
+    scene
+        What was simulated.
+    pose
+        Origin and rotation of a body that is no mesh, or of the world, by name and record.
+    position
+        Place of a point of a body in the world, by the number of its contact and record.
+    channel
+        Recorded channel at a record, by name and record; None if it is not recorded.
+    peak
+        Largest force of any contact in the run [N], whose arrow is the longest one.
+    size
+        Of the scene [m].
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        pose: Pose,
+        position: Callable[[int, int], NDArray[np.float64]],
+        channel: Channel,
+        *,
+        peak: float = 0.0,
+        size: float = 1.0,
+    ) -> None:
+        self._scene, self._pose, self._position, self._channel = scene, pose, position, channel
+        self._peak, self._size = peak, size
+        self._flexible = {body.name for body in scene.bodies if isinstance(body, FlexibleBody)}
+        self._meshes = {body.name for body in scene.bodies if isinstance(body, MeshBody)}
+
+    def seen(self, record: int) -> Parts:
+        """What is drawn at a record, world axes [m]."""
+        parts = [part for contour in self._scene.contours for part in self._contour(contour, record)]
+        parts += [
+            part
+            for number, contact in enumerate(self._scene.contacts)
+            for part in self._contact(number, contact, record)
+        ]
+        return Parts(
+            tuple(line for part in parts for line in part.lines),
+            tuple(patch for part in parts for patch in part.patches),
+            tuple(mark for part in parts for mark in part.marks),
+        )
+
+    def _contour(self, contour: c.Contour, record: int) -> list[Parts]:
+        if contour.neutral is None:
+            return []
+        modal = self._channel(f"{contour.body}.modal_position", record)
+        deformed = contour.neutral if modal is None else contour.neutral.deformed(np.atleast_1d(modal))
+        # on a body that is drawn itself the lines are enough
+        parts = contour_parts(contour, deformed, filled=contour.body not in self._flexible)
+        return [parts.placed(*self._pose(contour.body, record))]
+
+    def _contact(self, number: int, contact: c.Contact, record: int) -> list[Parts]:
+        place = self._position(number, record)
+        R = np.eye(3) if contact.body in self._meshes else self._pose(contact.body, record)[1]
+        parts = [shape_parts(contact.shape).placed(place, R)]
+        force = self._channel(f"{contact.name}.force", record)
+        touched = self._channel(f"{contact.name}.point", record)
+        if force is not None and touched is not None and self._peak > 0.0 and np.any(force):
+            arrow = force * (_ARROW * self._size / self._peak)
+            parts.append(Parts(lines=(force_arrow(touched, arrow),)))
+        return parts
+
+
+def scene_size(scene: Scene) -> float:
+    """Diagonal of the box around the bodies, contours and surfaces of bodies of a scene at the start [m]."""
+    points: list[NDArray[np.float64]] = []
+    frames = {GROUND: (np.zeros(3), np.eye(3))}
+    for body in scene.bodies:
+        frames[body.name] = body.position, rotation_matrix(body.orientation)
+        nodes = np.zeros((1, 3))
+        if isinstance(body, MeshBody):
+            nodes = body.nodes
+        elif isinstance(body, FlexibleBody):
+            nodes = body.reduced.nodes
+        points.append(body.position + nodes @ frames[body.name][1].T)
+    for contour in scene.contours:
+        if contour.neutral is not None:
+            origin, R = frames[contour.body]
+            points.append(origin + contour.neutral.control @ R.T)
+    for part in scene.surfaces:
+        if part.surface is not None and part.body != GROUND:
+            origin, R = frames[part.body]
+            points.append(origin + part.surface.points @ R.T)
+    return float(np.linalg.norm(np.ptp(np.concatenate(points), axis=0))) or 1.0
+
+
+def contour_parts(contour: c.Contour, neutral: NeutralContour, *, filled: bool) -> Parts:
+    """A contour in the axes of its body, its spline already deformed; `filled` adds the surface to its lines."""
+    from heavylift.contours.splines.sampling import sample_grid
+
+    _, values = sample_grid(neutral, _PIECES)
+    points = values[..., 0, :]
+    closed = [space.closed for space in neutral.spaces]
+    if neutral.is_surface:
+        lines = _net(points, closed)
+        patch = (Patch(points.reshape(-1, 3), _triangles(points.shape[:2], closed), _GROUND),)
+        return Parts((lines,), patch if filled else ())
+    tangents = values[:, 1] / np.linalg.norm(values[:, 1], axis=1, keepdims=True)
+    line = Lines(points, _chain(len(points), closed[0]), _CONTOUR, 2.5)
+    if contour.radius > 0.0:
+        first = np.eye(3)[np.argmin(np.abs(tangents[0]))]
+        across = _carried(tangents, first)
+        turns = 2.0 * np.pi * np.arange(_ROUND) / _ROUND
+        other = np.cross(tangents, across)
+        rings = np.cos(turns)[:, None] * across[:, None] + np.sin(turns)[:, None] * other[:, None]
+        tube = points[:, None] + contour.radius * rings
+        return Parts(
+            (line,), (Patch(tube.reshape(-1, 3), _triangles(tube.shape[:2], [closed[0], True]), _GROUND),)
+        )
+    if contour.width > 0.0:
+        normals = np.cross(contour.director, tangents)
+        across = np.cross(tangents, normals / np.linalg.norm(normals, axis=1, keepdims=True))
+        half = 0.5 * contour.width * across
+        strip = np.stack([points - half, points, points + half], axis=1)
+        return Parts(
+            (line,), (Patch(strip.reshape(-1, 3), _triangles(strip.shape[:2], [closed[0], False]), _GROUND),)
+        )
+    return Parts((line,))
+
+
+def _carried(tangents: NDArray[np.float64], director: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Unit vectors across a curve that turn with its tangent and no more, shape (k, 3)."""
+    found = np.empty_like(tangents)
+    across = np.asarray(director, dtype=np.float64)
+    for k, tangent in enumerate(tangents):
+        across = across - (across @ tangent) * tangent
+        across = across / np.linalg.norm(across)
+        found[k] = across
+    return found
+
+
+def _chain(count: int, closed: bool) -> NDArray[np.int64]:
+    """Segments from point to point."""
+    order = np.arange(count)
+    pairs = np.column_stack([order, np.roll(order, -1)])
+    return pairs if closed else pairs[:-1]
+
+
+def _net(points: NDArray[np.float64], closed: list[bool]) -> Lines:
+    """Lines along both directions of a grid of points, few of them, those at the borders always."""
+    numbers = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
+    ends = []
+    for axis in (0, 1):
+        along = numbers if axis == 0 else numbers.T
+        count = len(along.T) - (1 if closed[1 - axis] else 0)
+        chosen = np.unique(np.linspace(0, count - 1, min(_LINES, count)).round().astype(int))
+        chain = _chain(len(along), closed[axis])
+        ends += [along[chain, column] for column in chosen]
+    return Lines(points.reshape(-1, 3), np.concatenate(ends), _CONTOUR, 1.2, 0.8)
+
+
+def _triangles(shape: tuple[int, ...], closed: list[bool]) -> NDArray[np.int64]:
+    """Two triangles a cell of a grid of points."""
+    rows, columns = shape
+    numbers = np.arange(rows * columns).reshape(rows, columns)
+    numbers = np.concatenate([numbers, numbers[:1]]) if closed[0] else numbers
+    numbers = np.concatenate([numbers, numbers[:, :1]], axis=1) if closed[1] else numbers
+    a, b, d, e = numbers[:-1, :-1], numbers[1:, :-1], numbers[1:, 1:], numbers[:-1, 1:]
+    return np.concatenate([np.stack([a, b, d], -1).reshape(-1, 3), np.stack([a, d, e], -1).reshape(-1, 3)])
+
+
+def shape_parts(shape: c.ContactShape) -> Parts:
+    """What touches, about its point, in the axes of its body; roundings of boxes and rims are left out."""
+    if isinstance(shape, c.PointShape):
+        return Parts(marks=(Points(np.zeros((1, 3)), _TOUCH, 12.0),))
+    if isinstance(shape, c.CircleShape):
+        ring = _turned(_circle(shape.radius), shape.axis)
+        return Parts((Lines(ring, _chain(_ROUND, closed=True), _TOUCH, 3.0),))
+    if isinstance(shape, c.BoxShape):
+        sizes = shape.half_lengths + shape.radius
+        corners = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+        sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        triangles = np.array([t for a, b, d, e in sides for t in ((a, b, d), (a, d, e))])
+        return Parts(patches=(Patch((corners * sizes) @ shape.axes.T, triangles, _TOUCH),))
+    if isinstance(shape, (c.SphereShape, c.EllipsoidShape)):
+        ball, triangles = _revolved(np.linspace(0.0, np.pi, 1 + _ROUND // 2), None)
+        sizes = shape.half_axes if isinstance(shape, c.EllipsoidShape) else np.full(3, shape.radius)
+        axes = shape.axes if isinstance(shape, c.EllipsoidShape) else np.eye(3)
+        return Parts(patches=(Patch((ball * sizes) @ axes.T, triangles, _TOUCH),))
+    if isinstance(shape, c.CapsuleShape):
+        turns = np.linspace(0.0, np.pi, 2 + _ROUND // 2)
+        heights = shape.half_length * np.sign(np.cos(turns))
+        bar, triangles = _revolved(turns, heights, shape.radius)
+    else:
+        radius, half = shape.radius + shape.rounding, shape.half_length + shape.rounding
+        rim = np.array([[0.0, half], [radius, half], [radius, -half], [0.0, -half]])
+        bar, triangles = _about_axis(rim)
+    return Parts(patches=(Patch(_turned(bar, shape.axis), triangles, _TOUCH),))
+
+
+def _revolved(
+    turns: NDArray[np.float64], heights: NDArray[np.float64] | None, radius: float = 1.0
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Ball about the z axis, its points shifted by heights."""
+    z = radius * np.cos(turns)
+    z = z if heights is None else z + heights
+    return _about_axis(np.column_stack([radius * np.sin(turns), z]))
+
+
+def _about_axis(profile: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Surface of revolution about z of points (distance from the axis, height)."""
+    circle = _circle(1.0)
+    points = circle[None] * profile[:, :1, None]
+    points[..., 2] += profile[:, 1:]
+    return points.reshape(-1, 3), _triangles(points.shape[:2], [False, True])
+
+
+def _circle(radius: float) -> NDArray[np.float64]:
+    turns = 2.0 * np.pi * np.arange(_ROUND) / _ROUND
+    return radius * np.column_stack([np.cos(turns), np.sin(turns), np.zeros(_ROUND)])
+
+
+def _turned(points: NDArray[np.float64], axis: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points with their z axis along another one."""
+    z = axis / np.linalg.norm(axis)
+    x = np.cross(np.eye(3)[np.argmin(np.abs(z))], z)
+    x = x / np.linalg.norm(x)
+    turned: NDArray[np.float64] = points @ np.array([x, np.cross(z, x), z])
+    return turned
+
+
+def force_arrow(start: NDArray[np.float64], arrow: NDArray[np.float64]) -> Lines:
+    """An arrow from a point on, with a head of four lines."""
+    length = float(np.linalg.norm(arrow))
+    along = arrow / length
+    x = np.cross(np.eye(3)[np.argmin(np.abs(along))], along)
+    x = x / np.linalg.norm(x)
+    tip, back = start + arrow, start + (1.0 - _HEAD) * arrow
+    sides = [x, np.cross(along, x), -x, -np.cross(along, x)]
+    barbs = [back + 0.35 * _HEAD * length * side for side in sides]
+    points = np.array([start, tip, *barbs])
+    ends = np.array([[0, 1], [1, 2], [1, 3], [1, 4], [1, 5]])
+    return Lines(points, ends, _FORCE, 4.0)

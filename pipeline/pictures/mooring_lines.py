@@ -1,0 +1,180 @@
+"""Pictures of mooring lines: side views with seabed and tension, and polylines for scenes in space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.pipeline.pictures.png import few_colours, figure_png
+from heavylift.pipeline.results.signals import scaled_unit
+from heavylift.solver.water.lines.catenary import SLACK
+from heavylift.solver.water.lines.catenary_line import line_profile, solve_catenary
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from heavylift.solver.scene.moorings import MooringLine
+    from heavylift.solver.water.lines.catenary_line import Catenary, LineProfile
+
+__all__ = ["DrawnLine", "draw_line", "profile_picture"]
+
+_DPI = 110
+_WIDTH = 10.0
+_PANEL, _FRAME, _TALLEST = 2.3, 0.9, 14.0
+"""Heights [inch] of a line, of title and labels, and of all at most."""
+_INK, _GREY, _SAND, _WATER = "#1d2733", "#66707c", "#d9c9a3", "#7fb2d9"
+_COLOUR_MAP = "viridis"
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnLine:
+    """A line where it hangs.
+
+    Attributes
+    ----------
+    line
+        What it is.
+    catenary
+        Its forces.
+    profile
+        In its vertical plane, from the anchor.
+    points
+        The same in the world [m], shape (n, 3): a polyline.
+    joints
+        Points of the profile that are joints of sections, numbers.
+    """
+
+    line: MooringLine
+    catenary: Catenary
+    profile: LineProfile
+    points: NDArray[np.float64]
+    joints: NDArray[np.int64]
+
+
+def draw_line(
+    line: MooringLine, anchor: NDArray[np.float64], fairlead: NDArray[np.float64], *, points: int = 40
+) -> DrawnLine:
+    """Shape of a line between two places.
+
+    Parameters
+    ----------
+    line
+        The line.
+    anchor, fairlead
+        Its ends, world [m], shape (3,).
+    points
+        On each section, at least.
+
+    Notes
+    -----
+    A slack line is longer than it needs to be; what lies on the seabed is drawn straight, and shortened.
+    """
+    anchor, fairlead = np.asarray(anchor, dtype=np.float64), np.asarray(fairlead, dtype=np.float64)
+    seabed = line.seabed is not None
+    r = fairlead - anchor
+    span = float(np.hypot(r[0], r[1]))
+    found = solve_catenary(
+        line.sections, span, float(r[2]), seabed=seabed, friction=line.friction, clumps=line.clumps
+    )
+    profile = line_profile(
+        line.sections,
+        found.horizontal,
+        found.vertical,
+        seabed=seabed,
+        friction=line.friction,
+        clumps=line.clumps,
+        points=points,
+    )
+    if found.branch == SLACK and profile.x[-1] > 0.0:
+        profile = type(profile)(profile.s, profile.x * (span / profile.x[-1]), profile.z, profile.tension)
+    e = np.array([r[0], r[1], 0.0]) / span if span > 0.0 else np.array([1.0, 0.0, 0.0])
+    places = anchor + profile.x[:, None] * e + profile.z[:, None] * np.array([0.0, 0.0, 1.0])
+    ends = np.cumsum([section.length for section in line.sections])[:-1]
+    joints = np.array([int(np.argmin(np.abs(profile.s - at))) for at in ends], dtype=np.int64)
+    return DrawnLine(line, found, profile, places, joints)
+
+
+def profile_picture(
+    lines: Sequence[DrawnLine], *, level: float | None = None, title: str = "Mooring lines"
+) -> bytes:
+    """Side views of lines, one a panel, each with its own colours of tension, as the content of a PNG file.
+
+    Parameters
+    ----------
+    lines
+        From `draw_line`, one or more.
+    level
+        Height of the water [m]; None for none.
+    title
+        Heading.
+    """
+    from matplotlib.collections import LineCollection
+    from matplotlib.colors import Normalize
+    from matplotlib.figure import Figure
+
+    height = min(_FRAME + _PANEL * len(lines), _TALLEST)
+    figure = Figure(figsize=(_WIDTH, height), dpi=_DPI, layout="constrained")
+    panels = figure.subplots(len(lines), 1, squeeze=False)[:, 0]
+    for axes, drawn in zip(panels, lines, strict=True):
+        x, z, tension = drawn.profile.x, drawn.points[:, 2], drawn.profile.tension
+        unit = scaled_unit("N", [tension])
+        scale = Normalize(float(tension.min()) / unit.divisor, float(tension.max()) / unit.divisor)
+        way = np.column_stack([x, z])
+        parts = LineCollection(
+            list(np.stack([way[:-1], way[1:]], axis=1)),
+            cmap=_COLOUR_MAP,
+            norm=scale,
+            lw=2.4,
+            capstyle="round",
+            zorder=3,
+        )
+        parts.set_array(0.5 * (tension[1:] + tension[:-1]) / unit.divisor)
+        axes.add_collection(parts)
+        _surroundings(axes, drawn, level)
+        axes.plot(x[[0, -1]], z[[0, -1]], "o", color=_INK, ms=5, zorder=4)
+        axes.plot(x[drawn.joints], z[drawn.joints], "o", mfc="white", mec=_INK, ms=5, zorder=4)
+        bar = figure.colorbar(parts, ax=axes, pad=0.01, aspect=12)
+        bar.set_label(f"tension [{unit.text}]", color=_INK)
+        bar.ax.tick_params(colors=_GREY, labelsize=9)
+        axes.set_title(_words(drawn, unit), loc="left", fontsize=9, color=_INK)
+        axes.set_ylabel("z [m]", color=_INK)
+        axes.tick_params(colors=_GREY, labelsize=9)
+        for side in ("top", "right"):
+            axes.spines[side].set_visible(False)
+    panels[-1].set_xlabel("distance from the anchor [m]", color=_INK)
+    figure.suptitle(title.replace("$", r"\$"), x=0.01, ha="left", fontsize=11, color=_INK)
+    return few_colours(figure_png(figure))
+
+
+def _words(drawn: DrawnLine, unit: Any) -> str:
+    """Name and numbers of a line."""
+    found = drawn.catenary
+    text = (
+        f"{drawn.line.name}: fairlead {found.tension / unit.divisor:.4g} {unit.text},"
+        f" horizontal {found.horizontal / unit.divisor:.4g} {unit.text},"
+        f" anchor {found.anchor_tension / unit.divisor:.4g} {unit.text}, length {drawn.profile.s[-1]:.2f} m"
+    )
+    if drawn.line.seabed is not None:
+        text += f", {found.on_seabed:.2f} m of it on the seabed"
+    return text.replace("$", r"\$") + (" (slack)" if found.branch == SLACK else "")
+
+
+def _surroundings(axes: Any, drawn: DrawnLine, level: float | None) -> None:
+    """Seabed and water, and the limits of the panel."""
+    x, z = drawn.profile.x, drawn.points[:, 2]
+    margin = 0.03 * max(float(np.ptp(x)), float(np.ptp(z)), 1e-3)
+    left, right = float(x.min()) - margin, float(x.max()) + margin
+    above = max(float(z.max()), level if level is not None else -np.inf)
+    rise = max(above - float(z.min()), 1e-3)
+    bottom, top = float(z.min()) - 0.15 * rise, above + 0.12 * rise
+    if drawn.line.seabed is not None:
+        axes.axhspan(bottom, drawn.line.seabed, color=_SAND, lw=0, zorder=0)
+        axes.axhline(drawn.line.seabed, color=_GREY, lw=0.8, zorder=1)
+    if level is not None:
+        axes.axhline(level, color=_WATER, lw=1.2, zorder=1)
+    axes.set_xlim(left, right)
+    axes.set_ylim(bottom, top)

@@ -1,0 +1,317 @@
+"""Plots of results as PNG: time histories, amplitude spectra, energy balance."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from heavylift.pipeline.pictures.png import few_colours, figure_png
+from heavylift.pipeline.results.signals import amplitude_spectrum, envelope, scaled_unit, spectrum_peaks
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+__all__ = ["Series", "energy_plot", "history_plot", "spectrum_plot"]
+
+_DPI = 110
+_WIDTH = 10.0
+_INK = "#1d2733"
+_GREY = "#66707c"
+_COLOURS = ("#1f5fa8", "#d1661a", "#2e8b57", "#8e3b9c", "#b8322a", "#4d6470", "#a98600", "#1a9aa8")
+
+
+class Series(NamedTuple):
+    """One curve: what it is, and its values over time, shape (nt,).
+
+    `aliased` says that it oscillates faster than half the sampling rate, so that its spectrum shows false
+    frequencies; they are not labelled.
+    """
+
+    label: str
+    values: NDArray[np.float64]
+    aliased: bool = False
+
+
+def history_plot(
+    times: NDArray[np.float64], series: Sequence[Series], *, title: str, unit: str, stacked: bool = False
+) -> bytes:
+    """Curves over time.
+
+    Parameters
+    ----------
+    times
+        [s], shape (nt,).
+    series
+        Curves of one unit.
+    title
+        Heading.
+    unit
+        SI unit of the values; written with a prefix that suits them.
+    stacked
+        One axis system a curve, each with its own scale; otherwise all in one.
+    """
+    groups = [[curve] for curve in series] if stacked else [list(series)]
+    rows = len(groups)
+    figure = _figure(0.9 + (1.25 * rows if rows > 1 else 3.2))
+    panels = figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
+    time_unit = scaled_unit("s", [times])
+    scale = scaled_unit(unit, [curve.values for curve in series])
+    number = 0
+    for axes, group in zip(panels, groups, strict=True):
+        own = scaled_unit(unit, [curve.values for curve in group]) if stacked else scale
+        for curve in group:
+            t, y = envelope(times, curve.values)
+            colour = _COLOURS[number % len(_COLOURS)]
+            axes.plot(t / time_unit.divisor, y / own.divisor, color=colour, lw=1.0, label=_plain(curve.label))
+            number += 1
+        _tidy(axes)
+        axes.set_xlim(times[0] / time_unit.divisor, max(times[-1], times[0] + 1e-12) / time_unit.divisor)
+        if stacked and rows > 1:
+            axes.set_ylabel(f"{_plain(group[0].label)}\n[{_unit(own.text)}]", color=_INK, fontsize=9)
+            axes.yaxis.set_major_locator(_few_ticks())
+        else:
+            axes.set_ylabel(f"[{_unit(own.text)}]", color=_INK)
+    if not stacked and len(series) > 1:
+        _legend(panels[0])
+    panels[-1].set_xlabel(f"time [{time_unit.text}]", color=_INK)
+    figure.align_ylabels(panels)
+    _title(figure, title)
+    return few_colours(figure_png(figure))
+
+
+def spectrum_plot(
+    interval: float,
+    series: Sequence[Series],
+    *,
+    title: str,
+    unit: str,
+    lines: Mapping[str, float] | None = None,
+    peak_count: int = 6,
+) -> bytes:
+    """Amplitude spectra with their peaks marked.
+
+    Parameters
+    ----------
+    interval
+        Time between samples [s].
+    series
+        Curves of one unit, at least 8 samples each.
+    title
+        Heading.
+    unit
+        SI unit of the values.
+    lines
+        Frequencies [Hz] drawn as dashed lines, with short labels written at their upper ends.
+    peak_count
+        So many peaks, the highest of all curves that are not aliased, are marked with their frequency.
+    """
+    figure = _figure(4.4)
+    axes = figure.subplots()
+    spectra = [amplitude_spectrum(curve.values, interval) for curve in series]
+    scale = scaled_unit(unit, [spectrum.amplitudes for spectrum in spectra])
+    top = max(float(spectrum.amplitudes.max()) for spectrum in spectra)
+    upper = _upper_frequency(spectra, lines or {}, top)
+    hertz = scaled_unit("Hz", [np.array([upper])])
+    peaks = []
+    for number, (curve, spectrum) in enumerate(zip(series, spectra, strict=True)):
+        colour = _COLOURS[number % len(_COLOURS)]
+        shown = spectrum.frequencies <= upper
+        x, y = envelope(spectrum.frequencies[shown], spectrum.amplitudes[shown], 4000)
+        name = _plain(curve.label) + (" (aliased)" if curve.aliased else "")
+        axes.plot(x / hertz.divisor, y / scale.divisor, color=colour, lw=1.1, label=name)
+        if curve.aliased:
+            continue
+        peaks += [
+            (amplitude, frequency, colour)
+            for frequency, amplitude in spectrum_peaks(spectrum, count=peak_count)
+            if amplitude > 1.0e-3 * top and frequency <= upper
+        ]
+    axes.set_yscale("log")
+    axes.set_xlim(0.0, upper / hertz.divisor)
+    if top > 0.0:
+        axes.set_ylim(1.0e-5 * top / scale.divisor, 8.0 * top / scale.divisor)
+    _tidy(axes)
+    _frequency_lines(
+        axes, {label: f / hertz.divisor for label, f in (lines or {}).items()}, upper / hertz.divisor
+    )
+    peaks = sorted(peaks, reverse=True)[:peak_count]
+    _peak_labels(axes, [(f / hertz.divisor, a / scale.divisor, colour, f) for a, f, colour in peaks])
+    axes.set_xlabel(f"frequency [{hertz.text}]", color=_INK)
+    axes.set_ylabel(f"amplitude [{_unit(scale.text)}]", color=_INK)
+    if len(series) > 1:
+        _legend(axes)
+    _title(figure, title)
+    return few_colours(figure_png(figure))
+
+
+def energy_plot(
+    times: NDArray[np.float64], energies: Mapping[str, NDArray[np.float64]], *, title: str = "Energy balance"
+) -> bytes:
+    """Energies over time, and below them how far their balance strays from its initial value.
+
+    Parameters
+    ----------
+    times
+        [s], shape (nt,).
+    energies
+        Name to values [J], shape (nt,); ``"balance"`` is constant in exact arithmetic. Energies that stay zero
+        are left out.
+    title
+        Heading.
+    """
+    parts = {name: values for name, values in energies.items() if name != "balance" and np.any(values)}
+    balance = energies.get("balance")
+    figure = _figure(5.2 if balance is not None else 3.8)
+    ratios = [2.2, 1.0] if balance is not None else [1.0]
+    panels = figure.subplots(len(ratios), 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
+    time_unit = scaled_unit("s", [times])
+    scale = scaled_unit("J", list(parts.values()))
+    for number, (name, values) in enumerate(parts.items()):
+        t, y = envelope(times, values)
+        panels[0].plot(
+            t / time_unit.divisor,
+            y / scale.divisor,
+            color=_COLOURS[number % len(_COLOURS)],
+            lw=1.0,
+            label=_plain(name.replace("_", " ")),
+        )
+    panels[0].set_ylabel(f"energy [{_unit(scale.text)}]", color=_INK)
+    if parts:
+        _legend(panels[0])
+    if balance is not None:
+        reference = max((float(np.abs(values).max()) for values in parts.values()), default=0.0) or 1.0
+        t, y = envelope(times, (balance - balance[0]) / reference)
+        error = scaled_unit("", [y])
+        panels[1].plot(t / time_unit.divisor, y / error.divisor, color=_COLOURS[4], lw=1.0)
+        panels[1].set_ylabel(
+            "drift of balance /\n" + f"largest energy [{_unit(error.text.strip() or '–')}]", color=_INK
+        )
+    for axes in panels:
+        _tidy(axes)
+        axes.set_xlim(times[0] / time_unit.divisor, max(times[-1], times[0] + 1e-12) / time_unit.divisor)
+    panels[-1].set_xlabel(f"time [{time_unit.text}]", color=_INK)
+    figure.align_ylabels(panels)
+    _title(figure, title)
+    return few_colours(figure_png(figure))
+
+
+def _upper_frequency(spectra: Sequence[Any], lines: Mapping[str, float], top: float) -> float:
+    """Where the plot ends: beyond what rises above a thousandth of the top, and some lines; Nyquist at most."""
+    nyquist = float(spectra[0].frequencies[-1])
+    high = [s.frequencies[s.amplitudes > 1.0e-3 * top].max(initial=0.0) for s in spectra]
+    active = max(float(f) for f in high) or nyquist
+    beyond = [f for f in lines.values() if f <= 1.3 * active]
+    return min(nyquist, 1.2 * max([active, *beyond]))
+
+
+def _frequency_lines(axes: Any, lines: Mapping[str, float], upper: float) -> None:
+    """Dashed lines with a label at the top; labels too near to the one before are left out."""
+    last = -np.inf
+    for label, place in sorted(lines.items(), key=lambda item: item[1]):
+        if place > upper:
+            break
+        axes.axvline(place, color=_GREY, ls=(0, (4, 3)), lw=0.8, zorder=1)
+        if place - last > 0.022 * upper:
+            axes.annotate(
+                _plain(label),
+                (place, 1.0),
+                xycoords=("data", "axes fraction"),
+                xytext=(0, -3),
+                textcoords="offset points",
+                fontsize=8,
+                color=_GREY,
+                ha="center",
+                va="top",
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
+            )
+            last = place
+
+
+def _peak_labels(axes: Any, peaks: Sequence[tuple[float, float, str, float]]) -> None:
+    """Mark peaks; write the frequency [Hz] above or beside those that leave room for it, highest first."""
+    low, high = axes.get_xlim()
+    bottom, top = np.log10(axes.get_ylim())
+    taken: list[tuple[float, float]] = []
+    for x, y, colour, hertz in peaks:
+        axes.plot([x], [y], marker="o", ms=4, color=colour, zorder=3)
+        u, v = (x - low) / (high - low), (np.log10(y) - bottom) / (top - bottom)
+        # centre of the label in shares of the axes, offset in points, alignment
+        places = (
+            ((u, v + 0.05), (0, 6), "center"),
+            ((u + 0.05, v), (8, -4), "left"),
+            ((u - 0.05, v), (-8, -4), "right"),
+        )
+        for place, offset, alignment in places:
+            inside = 0.04 < place[0] < 0.96
+            if inside and all(abs(place[0] - s) > 0.085 or abs(place[1] - t) > 0.06 for s, t in taken):
+                axes.annotate(
+                    f"{hertz:.5g} Hz",
+                    (x, y),
+                    xytext=offset,
+                    textcoords="offset points",
+                    fontsize=9,
+                    color=colour,
+                    ha=alignment,
+                    va="bottom",
+                    zorder=4,
+                    bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
+                )
+                taken.append(place)
+                break
+
+
+def _figure(height: float) -> Any:
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(_WIDTH, height), dpi=_DPI, facecolor="white", layout="constrained")
+
+
+def _tidy(axes: Any) -> None:
+    axes.grid(visible=True, color="#e3e7eb", lw=0.8)
+    axes.set_axisbelow(True)
+    axes.tick_params(colors=_INK, labelsize=9.5, length=3)
+    axes.ticklabel_format(axis="x", useOffset=False)
+    if axes.get_yscale() == "linear":
+        axes.ticklabel_format(axis="y", useOffset=False)
+    for side, spine in axes.spines.items():
+        spine.set_visible(side in {"left", "bottom"})
+        spine.set_color("#9aa4ae")
+
+
+def _few_ticks() -> Any:
+    from matplotlib.ticker import MaxNLocator
+
+    return MaxNLocator(4, steps=[1, 2, 2.5, 5, 10])
+
+
+def _legend(axes: Any) -> None:
+    """Legend above the axes, at the right: never over a curve."""
+    axes.legend(
+        loc="lower right",
+        bbox_to_anchor=(1.0, 1.0),
+        ncols=8,
+        frameon=False,
+        fontsize=9.5,
+        labelcolor=_INK,
+        handlelength=1.4,
+        columnspacing=1.2,
+        borderaxespad=0.2,
+    )
+
+
+def _title(figure: Any, title: str) -> None:
+    figure.suptitle(_plain(title), x=0.012, ha="left", fontsize=13, weight="bold", color=_INK)
+
+
+def _plain(text: str) -> str:
+    """Text in which matplotlib finds no formula."""
+    return text.replace("$", r"\$")
+
+
+def _unit(text: str) -> str:
+    """Powers of a unit as superscripts."""
+    return re.sub(r"\^(-?[\d.]+)", r"$^{\1}$", text)

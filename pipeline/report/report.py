@@ -1,0 +1,214 @@
+"""The report of a case: verdict, inputs, checks, pictures and plots, as Markdown and as one HTML file."""
+
+from __future__ import annotations
+
+import re
+from importlib.metadata import version
+from typing import TYPE_CHECKING
+
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.pipeline.checks.quantities import CheckResult, evaluate_checks
+from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError
+from heavylift.pipeline.report.bodies import body_sections
+from heavylift.pipeline.report.collisions import collision_sections
+from heavylift.pipeline.report.contacts import contact_sections
+from heavylift.pipeline.report.document import (
+    Album,
+    Document,
+    Section,
+    Table,
+    Text,
+    Verdict,
+    to_html,
+    to_markdown,
+)
+from heavylift.pipeline.report.edges import edge_sections
+from heavylift.pipeline.report.inputs import input_section, rigid_sections
+from heavylift.pipeline.report.meshes import mesh_sections
+from heavylift.pipeline.report.run import (
+    history_section,
+    load_finite_results,
+    provenance_section,
+    run_ending,
+    run_section,
+)
+from heavylift.pipeline.report.scene import scene_sections
+from heavylift.pipeline.report.sea import sea_sections
+from heavylift.pipeline.report.surfaces import surface_sections
+from heavylift.pipeline.results.storage import OutputFolder, replacing
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.log import Log
+
+__all__ = ["write_report"]
+
+
+def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) -> list[Path]:
+    """Write ``report.md``, ``report.html`` and their pictures from whatever stages have run.
+
+    Parameters
+    ----------
+    case
+        The case.
+    folder
+        Folder of the report; made if absent. Pictures of an earlier report that are not made anew are removed.
+    out
+        Output folder of the case, with a folder for each stage that has run.
+    log
+        Told how far an animation is.
+
+    Returns
+    -------
+    list[Path]
+        All files of the report, ``report.html`` first.
+
+    Notes
+    -----
+    A missing stage leaves its sections out and is named in the report. So is a machine that cannot draw; plots
+    are made even there.
+    """
+    stages = OutputFolder(out)
+    album = Album(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    before = _linked_pictures(folder / "report.md")
+    results, problem = load_finite_results(case, out)
+    flexible = {name: body for name, body in case.bodies.items() if body.type == "flexible"}
+    moved = results is not None and bool(results.meshes) and len(results.time) > 0
+    touching = results is not None and bool(case.contacts or case.collisions) and len(results.time) > 0
+    renderer, remedy = _renderer() if flexible or moved or touching else (None, "")
+    sections: list[Section] = [*rigid_sections(case), *mesh_sections(case, results)]
+    try:
+        for name, body in flexible.items():
+            sections += body_sections(case, name, body, stages, results, renderer, album)
+        sections += scene_sections(case, stages, results, renderer, album, log)
+        touches = contact_sections(case, stages, results, renderer, album)
+        touches += collision_sections(case, stages, results, renderer, album)
+    finally:
+        if renderer is not None:
+            renderer.close()
+    checks, open_checks = _checks(case, out)
+    warnings = [Text(text, warning=True) for text in (problem, remedy) if text]
+    outcome, message = run_ending(stages, results) if case.simulate is not None else (None, "")
+    verdict = _stopped(outcome, message, checks) or _verdict(
+        case, checks, open_checks, simulated=results is not None
+    )
+    document = Document(
+        title=case.title,
+        subtitle=f"case {case.name} · heavylift {version('heavylift')}",
+        sections=(
+            Section("", (verdict, *warnings)),
+            *([_check_section(checks, open_checks)] if case.check else []),
+            input_section(case),
+            *run_section(case, stages, results),
+            *surface_sections(case, stages),
+            *sea_sections(case, stages, results),
+            *sections,
+            *edge_sections(case, results),
+            *touches,
+            *history_section(case, stages, results, album),
+            *provenance_section(case, stages),
+        ),
+    )
+    files = []
+    for name, text in (
+        ("report.html", to_html(document, album.pictures)),
+        ("report.md", to_markdown(document)),
+    ):
+        with replacing(folder / name) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+        files.append(folder / name)
+    for name in before - set(album.pictures):
+        (folder / name).unlink(missing_ok=True)
+    return files + [folder / name for name in album.pictures]
+
+
+def _renderer() -> tuple[Renderer | None, str]:
+    """Something that draws, or why there is nothing."""
+    try:
+        return Renderer(), ""
+    except RenderingUnavailableError as error:
+        return None, f"No pictures of bodies: {error}"
+    except ImportError as error:
+        return None, f"No pictures of bodies: pyvista cannot be imported ({error})"
+
+
+def _linked_pictures(report: Path) -> set[str]:
+    """File names of the pictures and animations that an earlier report shows."""
+    try:
+        return set(re.findall(r"\]\(([A-Za-z0-9_-]+\.(?:png|gif|mp4))\)", report.read_text(encoding="utf-8")))
+    except (OSError, UnicodeDecodeError):
+        return set()
+
+
+def _checks(case: Case, out: Path) -> tuple[list[CheckResult], dict[str, str]]:
+    """Checks that can be evaluated, and for the others by id why not."""
+    try:
+        return evaluate_checks(case, out), {}
+    except (InputError, IndexError, ValueError):
+        pass  # one by one, to keep those that can be evaluated
+    done: list[CheckResult] = []
+    missing: dict[str, str] = {}
+    for check in case.check:
+        try:
+            done += evaluate_checks(case.model_copy(update={"check": (check,)}), out)
+        except InputError as error:
+            missing[check.id] = str(error).partition("; expected")[0]
+        except (IndexError, ValueError):  # statistics of a run that stopped before its first record
+            missing[check.id] = "cannot be evaluated from the records that there are"
+    return done, missing
+
+
+def _stopped(outcome: Outcome | None, message: str, checks: list[CheckResult]) -> Verdict | None:
+    """Verdict on a simulation that did not reach its end; None for one that did, or has not run."""
+    if outcome is None or outcome is Outcome.COMPLETED:
+        return None
+    failed = [check.id for check in checks if not check.passed]
+    words = [outcome.text.removeprefix("stopped: "), message, "The results are those up to there"]
+    if failed:
+        words.append(f"Failed besides: {', '.join(failed)}")
+    text = ". ".join(word.strip().rstrip(".") for word in words if word.strip())
+    # an interrupted run can go on; one that stopped by itself has failed
+    return Verdict(f"Stopped: {text}.", passed=None if outcome is Outcome.INTERRUPTED else False)
+
+
+def _verdict(case: Case, checks: list[CheckResult], missing: dict[str, str], *, simulated: bool) -> Verdict:
+    """One line: what passed, what failed, what is not known."""
+    failed = [check.id for check in checks if not check.passed]
+    count = len(case.check)
+    if failed:
+        return Verdict(f"Failed: {len(failed)} of {count} checks ({', '.join(failed)}).", passed=False)
+    if missing:
+        return Verdict(f"Open: {len(missing)} of {count} checks could not be evaluated.", passed=None)
+    if case.simulate is not None and not simulated:
+        return Verdict("Open: the case has not been simulated.", passed=None)
+    if not count:
+        return Verdict("No verdict: the case has no checks.", passed=None)
+    return Verdict(f"Passed: {'the only check' if count == 1 else f'all {count} checks'}.", passed=True)
+
+
+def _check_section(checks: list[CheckResult], missing: dict[str, str]) -> Section:
+    rows: list[tuple[str, ...]] = []
+    marks: list[bool | None] = []
+    for check in checks:
+        kind = "rel." if check.relative else check.unit
+        rows.append(
+            (
+                check.id,
+                f"{check.value:.8g}",
+                f"{check.reference:.8g}",
+                check.unit if check.unit != "1" else "–",
+                f"{check.error:.2e} {kind}",
+                f"{check.tolerance:.2e} {kind}",
+                check.source,
+                "passed" if check.passed else "FAILED",
+            )
+        )
+        marks.append(check.passed)
+    for name, reason in missing.items():
+        rows.append((name, "–", "–", "–", "–", "–", reason, "open"))
+        marks.append(None)
+    header = ("check", "value", "reference", "unit", "error", "tolerance", "source", "result")
+    return Section("Checks", (Table(header, tuple(rows), frozenset({1, 2, 4, 5}), tuple(marks)),))

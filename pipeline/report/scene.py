@@ -1,0 +1,246 @@
+"""Section of a report with pictures of frames and shells, and of all that is attached to them, in motion."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.log import Log
+from heavylift.pipeline.report.document import Figure, Section, Text
+from heavylift.pipeline.results.words import number_words
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.sections import AnimationSection
+    from heavylift.pipeline.pictures.attached import Others
+    from heavylift.pipeline.pictures.render import Renderer
+    from heavylift.pipeline.pictures.run import MeshRun
+    from heavylift.pipeline.pictures.scene import ScenePainter
+    from heavylift.pipeline.report.document import Album
+    from heavylift.pipeline.results.histories import Results
+    from heavylift.pipeline.results.mesh_results import MeshShape
+    from heavylift.pipeline.results.storage import OutputFolder
+    from heavylift.solver.scene.meshes import FrameBody, ShellBody
+
+__all__ = ["mesh_body", "mesh_run", "scene_others", "scene_painter", "scene_sections"]
+
+_VECTORS = {"frame": ("position", "tangent"), "shell": ("position", "slope_x", "slope_y", "twist")}
+_STRESSES = {"frame": "axial_stress", "shell": "von_mises"}
+_SMALL = (800, 560)  # pixels of an animation
+
+
+def scene_sections(
+    case: Case,
+    stages: OutputFolder,
+    results: Results | None,
+    renderer: Renderer | None,
+    album: Album,
+    log: Log | None = None,
+) -> list[Section]:
+    """Pictures of the frames and shells of a run: last record, largest recorded stress, or the times the case asks for.
+
+    Parameters
+    ----------
+    case, stages, results
+        The case, its output folder, and its time histories if there are any.
+    renderer
+        Draws; None on a machine that cannot.
+    album
+        Takes the pictures.
+    log
+        Told how far an animation is.
+    """
+    animation = case.report.animation
+    asked = animation is not None and animation.enabled
+    if results is None or not results.meshes or not len(results.time):
+        note = Text("No animation: there is no history of a frame or shell.", warning=True)
+        return [Section("Frames and shells in motion", (note,))] if asked else []
+    if renderer is None:
+        return []
+    painter = scene_painter(case, stages, results, renderer)
+    items: list[Figure | Text] = []
+    for order, (record, words) in enumerate(_instants(case, results), start=1):
+        content = painter.picture(record, title=case.title, note=words)
+        more = painter.exaggeration.words
+        sentences = [
+            f"Shape at {painter.when(record)}{f', {words}' if words else ''}",
+            painter.details,
+            "Grey: the unloaded shape",
+            more[:1].upper() + more[1:],
+        ]
+        caption = " ".join(f"{sentence}." for sentence in sentences if sentence)
+        items.append(Figure(album.add(f"scene_{order}", content), caption))
+    if animation is not None and asked:
+        items += _animation(case, animation, painter, results, album, log or Log(quiet=True))
+    return [Section("Frames and shells in motion", tuple(items))]
+
+
+def scene_painter(case: Case, stages: OutputFolder, results: Results, renderer: Renderer) -> ScenePainter:
+    """Painter of the frames and shells of a run, and of whatever else the case has."""
+    from heavylift.pipeline.pictures.meshes import MeshSkin
+    from heavylift.pipeline.pictures.scene import ScenePainter
+
+    side = case.report.shell_side
+    runs = {name: mesh_run(shape, results) for name, shape in results.meshes.items()}
+    skins = {name: MeshSkin(run.body, lengths=run.lengths, side=side) for name, run in runs.items()}
+    up = None
+    if case.gravity is not None and any(case.gravity.acceleration):
+        up = -np.array(case.gravity.acceleration)
+    return ScenePainter(
+        renderer,
+        runs,
+        results.time,
+        others=scene_others(case, stages, results, runs, skins),
+        up=up,
+        side=side,
+        skins=skins,
+    )
+
+
+def mesh_run(shape: MeshShape, results: Results) -> MeshRun:
+    """A recorded frame or shell, as pictures need it."""
+    from heavylift.pipeline.pictures.run import MeshRun
+
+    channels = [f"{shape.name}.{vector}" for vector in _VECTORS[shape.type]]
+    count = len(shape.nodes)
+
+    def coordinates(record: int) -> NDArray[np.float64]:
+        return np.stack([results[name][record].reshape(count, 3) for name in channels], axis=1)
+
+    lengths = shape.lengths[:, 0] if shape.type == "frame" else None
+    return MeshRun(mesh_body(shape), coordinates, lengths)
+
+
+def mesh_body(shape: MeshShape) -> FrameBody | ShellBody:
+    """The body whose shape was stored; supports and loads are not part of it."""
+    from heavylift.solver.scene.meshes import FrameBody, FrameSection, ShellBody, ShellSection
+
+    rows = [dict(zip(shape.section_columns, row.tolist(), strict=True)) for row in shape.sections]
+    common: dict[str, Any] = {
+        "name": shape.name,
+        "nodes": shape.nodes,
+        "elements": shape.elements,
+        "element_sections": shape.element_sections,
+        "position": shape.position,
+        "orientation": shape.orientation,
+    }
+    if shape.type == "shell":
+        sections = tuple(ShellSection(**row) for row in rows)
+        return ShellBody(slopes=shape.vectors, lengths=shape.lengths, sections=sections, **common)
+    return FrameBody(
+        tangents=shape.vectors[:, 0],
+        sections=tuple(FrameSection(**row) for row in rows),
+        model="exact" if shape.model == "exact" else "green-lagrange",
+        axial_strains=shape.axial_strains,
+        **common,
+    )
+
+
+def scene_others(
+    case: Case, stages: OutputFolder, results: Results, runs: dict[str, MeshRun], skins: dict[str, Any]
+) -> Others | None:
+    """What stands beside the meshes; nothing if the case has no more, or can no longer be put together."""
+    attached = case.joints or case.ropes or case.forces or case.contacts or case.surfaces
+    if len(case.bodies) == len(runs) and not attached:
+        return None
+    from heavylift.pipeline.assemble.scene import assemble_scene
+    from heavylift.pipeline.pictures.attached import Others
+    from heavylift.pipeline.pictures.contacts import scene_size
+    from heavylift.pipeline.pictures.outer_surface import Surface, surface_from_mesh
+    from heavylift.pipeline.results.model_io import read_model
+    from heavylift.solver.scene.scene import FlexibleBody
+
+    try:
+        scene = assemble_scene(case, stages)
+        surfaces: dict[str, Surface] = {}
+        for body in scene.bodies:
+            if isinstance(body, FlexibleBody):
+                model = read_model(stages.model(body.name))
+                if model.mesh is not None:
+                    surface = surface_from_mesh(model.mesh)
+                    nodes = body.reduced.nodes[surface.node_indices]  # in the axes of its frame
+                    surfaces[body.name] = Surface(
+                        nodes,
+                        surface.node_indices,
+                        surface.triangles,
+                        surface.element_edges,
+                        surface.feature_edges,
+                    )
+    except InputError:
+        return None
+    if any(body.name not in runs for body in scene.bodies if body.name in case.meshes):
+        return None
+
+    def channel(name: str, record: int) -> NDArray[np.float64] | None:
+        return np.atleast_1d(results[name][record]) if name in results else None
+
+    forces = [
+        results[f"{contact.name}.force"] for contact in case.contacts if f"{contact.name}.force" in results
+    ]
+    return Others(
+        scene,
+        skins,
+        lambda name, record: runs[name].coordinates(record),
+        channel,
+        surfaces,
+        peak=max(
+            (float(np.linalg.norm(force.reshape(-1, 3), axis=1).max()) for force in forces), default=0.0
+        ),
+        size=scene_size(scene),
+    )
+
+
+def _instants(case: Case, results: Results) -> list[tuple[int, str]]:
+    """Records that are pictured: the nearest to the times asked for, else of largest recorded stress, and the last."""
+    if case.report.stress_times:
+        nearest = {int(np.argmin(np.abs(results.time - time))) for time in case.report.stress_times}
+        return [(record, "") for record in sorted(nearest)]
+    last = len(results.time) - 1
+    peaks = []
+    for name, shape in results.meshes.items():
+        channel = f"{name}.{_STRESSES[shape.type]}"
+        if channel in results:
+            history = np.abs(results[channel].reshape(len(results.time), -1)).max(axis=1)
+            peaks.append((float(history.max()), int(np.argmax(history))))
+    largest, record = max(peaks, default=(0.0, last))
+    if record == last or largest == 0.0:
+        return [(last, "end of the run" if last else "")]
+    return [(record, "largest recorded stress"), (last, "end of the run")]
+
+
+def _animation(
+    case: Case,
+    wanted: AnimationSection,
+    painter: ScenePainter,
+    results: Results,
+    album: Album,
+    log: Log,
+) -> list[Figure | Text]:
+    """The moving picture, and a word if it could not have the format asked for."""
+    from heavylift.pipeline.pictures.animation import choose_format, evenly, shown_seconds, write_animation
+
+    if len(results.time) < 2:
+        return [Text("No animation: the run has a single record.", warning=True)]
+    records = evenly(results.time, wanted.frames)
+    kind = choose_format(wanted.format)
+    seconds = shown_seconds(results.time, wanted.duration)
+    path = album.path("scene_animation", f".{kind}")
+    images = painter.resized(*_SMALL).images(records, title=case.title)
+    with log.progress("animation", len(records)) as progress:
+        write_animation(path, images, count=len(records), seconds=seconds, progress=progress)
+    log.say(f"report: animation of {len(records)} frames in {path}")
+    span = float(results.time[-1] - results.time[0])
+    caption = (
+        f"{number_words(span, 's')} of simulated time in {number_words(seconds, 's')}, {len(records)} frames. "
+        f"{painter.details}."
+    )
+    items: list[Figure | Text] = [Figure(album.take(path), caption)]
+    if wanted.format not in {"auto", kind}:
+        items.append(
+            Text("MP4 needs the package imageio-ffmpeg, which is not installed: GIF instead.", warning=True)
+        )
+    return items

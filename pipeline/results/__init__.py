@@ -1,0 +1,1 @@
+"""What a run leaves on disk, read again: time histories, models, and statistics of channels."""

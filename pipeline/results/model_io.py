@@ -1,0 +1,213 @@
+"""Finite-element models and reduced bodies as HDF5 files."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.results.storage import replacing
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    import h5py
+    from scipy.sparse import csr_array
+
+    from heavylift.modal.reduced import ReducedBody
+    from heavylift.preprocess.model import FEModel
+
+__all__ = ["open_hdf5", "read_header", "read_model", "read_reduced", "write_model", "write_reduced"]
+
+MODEL_FORMAT = "heavylift finite-element model 1"
+REDUCED_FORMAT = "heavylift reduced body 1"
+
+
+def open_hdf5(path: Path, remedy: str) -> h5py.File:
+    """Open an HDF5 file for reading; an absent or damaged one is an `InputError` with a remedy."""
+    import h5py
+
+    try:
+        return h5py.File(path, "r")
+    except FileNotFoundError:
+        raise InputError("does not exist", source=path, expected=f"a result file; {remedy}") from None
+    except OSError as error:
+        reason = str(error).partition("(")[2].rstrip(")") or str(error)
+        raise InputError(f"is damaged: {reason}", source=path, expected=f"a whole file; {remedy}") from None
+
+
+def write_model(path: Path, model: FEModel, header: Mapping[str, Any]) -> None:
+    """Write a finite-element model in SI units.
+
+    Parameters
+    ----------
+    path
+        Replaced in one step.
+    model
+        Matrices, mesh, material and groups.
+    header
+        Plain values kept as attributes, such as digests and versions.
+    """
+    import h5py
+
+    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
+        _write_header(file, MODEL_FORMAT, header)
+        file.attrs["name"] = model.name
+        _write(file, "nodes", model.nodes, "m", "positions of the nodes, body frame")
+        _write(file, "fixed_nodes", model.fixed_nodes, "1", "zero-based nodes clamped by the data")
+        _write_sparse(file, "stiffness", model.stiffness, "N/m", "K, node-major x y z")
+        _write_sparse(file, "mass", model.mass, "kg", "scalar mass matrix; the full one is kron(M, I3)")
+        _write_groups(file, model.node_groups)
+        if model.material is not None:
+            group = file.create_group("material")
+            for key, unit in (("young_modulus", "Pa"), ("poisson_ratio", "1"), ("density", "kg/m^3")):
+                _write(group, key, getattr(model.material, key), unit, key.replace("_", " "))
+        if model.mesh is not None:
+            mesh = file.create_group("mesh")
+            mesh.attrs["element_type"] = model.mesh.element_type
+            mesh.attrs["name"] = model.mesh.name
+            _write(mesh, "elements", model.mesh.elements, "1", "zero-based nodes, VTK order")
+            if not np.array_equal(model.mesh.nodes, model.nodes):
+                _write(mesh, "nodes", model.mesh.nodes, "m", "positions of the nodes of the mesh")
+            _write_groups(mesh, model.mesh.node_groups)
+
+
+def read_model(path: Path) -> FEModel:
+    """Read a finite-element model that `write_model` wrote.
+
+    Raises
+    ------
+    InputError
+        If the file is absent, damaged or something else.
+    """
+    from heavylift.preprocess.mesh import Mesh
+    from heavylift.preprocess.model import FEModel, Material
+
+    with open_hdf5(path, "make it with `heavylift mesh CASE --force`") as file:
+        _check_format(file, path, MODEL_FORMAT)
+        nodes = file["nodes"][:]
+        mesh = material = None
+        if "mesh" in file:
+            group = file["mesh"]
+            mesh = Mesh(
+                nodes=group["nodes"][:] if "nodes" in group else nodes,
+                elements=group["elements"][:],
+                element_type=str(group.attrs["element_type"]),
+                node_groups=_read_groups(group),
+                name=str(group.attrs["name"]),
+            )
+        if "material" in file:
+            material = Material(**{key: float(value[()]) for key, value in file["material"].items()})
+        return FEModel(
+            nodes=nodes,
+            stiffness=_read_sparse(file["stiffness"]),
+            mass=_read_sparse(file["mass"]),
+            mesh=mesh,
+            material=material,
+            node_groups=_read_groups(file),
+            fixed_nodes=file["fixed_nodes"][:],
+            name=str(file.attrs["name"]),
+        )
+
+
+def write_reduced(path: Path, body: ReducedBody, header: Mapping[str, Any]) -> None:
+    """Write a reduced body in SI units; parameters as `write_model`."""
+    import h5py
+
+    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
+        _write_header(file, REDUCED_FORMAT, header)
+        file.attrs["mean_axis"] = body.mean_axis
+        file.attrs["orthogonality"] = body.orthogonality
+        file.attrs["labels"] = json.dumps(body.labels)
+        file.attrs["dropped"] = json.dumps(body.dropped)
+        _write(file, "nodes", body.nodes, "m", "positions of the nodes, body frame")
+        _write(file, "eigenvalues", body.eigenvalues, "rad^2/s^2", "diagonal of the modal stiffness")
+        _write(file, "mode_shapes", body.mode_shapes, "kg^-0.5", "(vector, node, component), modal mass 1")
+        _write(file, "residuals", body.residuals, "1", "relative residual of each vector in the full model")
+        integrals = file.create_group("integrals")
+        for key, value in body.integrals._asdict().items():
+            _write(integrals, key, value, _INTEGRAL_UNITS[key], key.replace("_", " "))
+
+
+_INTEGRAL_UNITS = {
+    "mass": "kg",
+    "first_moment": "kg m",
+    "modal_translation": "kg^0.5",
+    "inertia_kl": "kg m^2",
+    "position_mode": "kg^0.5 m",
+    "mode_mode": "1",
+}
+
+
+def read_reduced(path: Path) -> ReducedBody:
+    """Read a reduced body that `write_reduced` wrote; errors as `read_model`."""
+    from heavylift.modal.invariants import ShapeIntegrals
+    from heavylift.modal.reduced import ReducedBody
+
+    with open_hdf5(path, "make it with `heavylift modes CASE --force`") as file:
+        _check_format(file, path, REDUCED_FORMAT)
+        integrals = {key: dataset[()] for key, dataset in file["integrals"].items()}
+        integrals["mass"] = float(integrals["mass"])
+        return ReducedBody(
+            nodes=file["nodes"][:],
+            eigenvalues=file["eigenvalues"][:],
+            mode_shapes=file["mode_shapes"][:],
+            integrals=ShapeIntegrals(**integrals),
+            mean_axis=bool(file.attrs["mean_axis"]),
+            labels=tuple(json.loads(file.attrs["labels"])),
+            residuals=file["residuals"][:],
+            orthogonality=float(file.attrs["orthogonality"]),
+            dropped=tuple(json.loads(file.attrs["dropped"])),
+        )
+
+
+def read_header(path: Path) -> dict[str, Any]:
+    """Attributes of a file, with NumPy scalars made plain."""
+    with open_hdf5(path, "make it with `heavylift run CASE --force`") as file:
+        return {key: value.item() if hasattr(value, "item") else value for key, value in file.attrs.items()}
+
+
+def _write_header(file: h5py.File, kind: str, header: Mapping[str, Any]) -> None:
+    file.attrs["format"] = kind
+    for key, value in header.items():
+        file.attrs[key] = value if isinstance(value, (str, int, float)) else json.dumps(value)
+
+
+def _check_format(file: h5py.File, path: Path, kind: str) -> None:
+    found = str(file.attrs.get("format", "unknown"))
+    if found != kind:
+        raise InputError(f"is a file of format {found!r}", source=path, expected=f"a {kind!r}")
+
+
+def _write(group: h5py.Group, key: str, value: Any, unit: str, description: str) -> None:
+    dataset = group.create_dataset(key, data=value)
+    dataset.attrs["unit"] = unit
+    dataset.attrs["description"] = description
+
+
+def _write_sparse(file: h5py.File, key: str, matrix: csr_array, unit: str, description: str) -> None:
+    group = file.create_group(key)
+    group.attrs["shape"] = matrix.shape
+    _write(group, "data", matrix.data, unit, f"{description}; entries of a compressed sparse row matrix")
+    _write(group, "indices", matrix.indices, "1", "columns of the entries")
+    _write(group, "indptr", matrix.indptr, "1", "first entry of each row")
+
+
+def _read_sparse(group: h5py.Group) -> csr_array:
+    from scipy.sparse import csr_array
+
+    parts = (group["data"][:], group["indices"][:], group["indptr"][:])
+    return csr_array(parts, shape=tuple(int(n) for n in group.attrs["shape"]))
+
+
+def _write_groups(file: h5py.Group, node_groups: Mapping[str, Any]) -> None:
+    group = file.create_group("node_groups")
+    for name, nodes in node_groups.items():
+        group.create_dataset(name, data=nodes)
+
+
+def _read_groups(file: h5py.Group) -> dict[str, Any]:
+    return {name: dataset[:] for name, dataset in file["node_groups"].items()}

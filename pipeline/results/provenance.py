@@ -1,0 +1,313 @@
+"""What a result was made from: digests of inputs and sources, versions of what computed it."""
+
+from __future__ import annotations
+
+import hashlib
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from heavylift.pipeline.results.storage import digest_file, digest_json, read_json
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from heavylift.pipeline.case.bodies import FlexibleBodySection
+    from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.hulls import DatabaseSection
+    from heavylift.pipeline.case.meshes import MeshBodySection
+    from heavylift.pipeline.case.surfaces import SurfaceSection
+    from heavylift.pipeline.results.storage import OutputFolder
+
+__all__ = [
+    "database_digest",
+    "mesh_digest",
+    "modes_digest",
+    "report_digest",
+    "simulate_digest",
+    "source_digest",
+    "surface_digest",
+    "versions",
+]
+
+PACKAGE = Path(__file__).resolve().parents[2]
+
+STAGE_SOURCES = {
+    "mesh": (
+        "numerics",
+        "preprocess",
+        "pipeline/assemble/finite_elements.py",
+        "pipeline/results/model_io.py",
+        "pipeline/stages/stages.py",
+    ),
+    "modes": (
+        "modal",
+        "contours",
+        "pipeline/assemble/finite_elements.py",
+        "pipeline/assemble/contacts.py",
+        "pipeline/assemble/modes.py",
+        "pipeline/results/model_io.py",
+        "pipeline/stages/stages.py",
+    ),
+    "simulate": (
+        "contours",
+        "solver",
+        "pipeline/assemble",
+        "pipeline/results/mesh_results.py",
+        "pipeline/stages/advance.py",
+        "pipeline/stages/simulate.py",
+    ),
+    "report": ("pipeline",),
+    "surfaces": ("numerics", "preprocess", "pipeline/assemble/surfaces.py"),
+    "hydrodynamics": (
+        "numerics",
+        "preprocess",
+        "pipeline/assemble/databases.py",
+        "pipeline/assemble/hulls.py",
+        "pipeline/assemble/panels.py",
+        "pipeline/assemble/water.py",
+        "pipeline/stages/hydrodynamics.py",
+    ),
+    "contour nodes": (
+        "contours/splines/face_grid.py",
+        "contours/splines/node_matrix.py",
+        "pipeline/assemble/contacts.py",
+    ),
+}
+"""Sources, below the package, whose change makes the outputs of a stage stale; of modes also those that pick the nodes
+of contours, if they depend on them."""
+
+STAGE_PACKAGES = {
+    "mesh": ("numpy", "scipy", "gmsh", "meshio", "scikit-fem"),
+    "modes": ("numpy", "scipy", "scikit-sparse", "pypardiso"),
+    "simulate": ("numpy", "numba"),
+    "report": ("numpy", "matplotlib", "pyvista"),
+    "surfaces": ("numpy", "scipy", "trimesh", "gmsh", "meshio"),
+    "hydrodynamics": ("numpy", "scipy", "h5py", "capytaine"),
+}
+"""Packages whose versions are recorded with the outputs of a stage."""
+
+
+@cache
+def source_digest(stage: str) -> str:
+    """Hexadecimal digest of the names and contents of the sources that a stage runs."""
+    digest = hashlib.blake2b(digest_size=16)
+    for name in STAGE_SOURCES[stage]:
+        top = PACKAGE / name
+        for path in [top] if top.is_file() else sorted(top.rglob("*.py")):
+            digest.update(str(path.relative_to(PACKAGE)).encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+@cache
+def versions(stage: str) -> dict[str, str]:
+    """Versions of the package and of what a stage uses; absent packages are left out."""
+    found = {}
+    for name in ("heavylift", *STAGE_PACKAGES[stage]):
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            continue
+    return found
+
+
+def _digest(stage: str, inputs: dict[str, Any]) -> str:
+    return digest_json(
+        {"stage": stage, "sources": source_digest(stage), "versions": versions(stage), **inputs}
+    )
+
+
+def mesh_digest(case: Case, body: FlexibleBodySection) -> str:
+    """Digest of all that the finite-element model of a body depends on."""
+    sections = {
+        "geometry": body.geometry.model_dump(mode="json"),
+        "material": body.material and body.material.model_dump(mode="json"),
+        "mesh": body.mesh.model_dump(mode="json"),
+    }
+    return _digest("mesh", {**sections, "files": _files(case, body)})
+
+
+def _files(case: Case, body: FlexibleBodySection | MeshBodySection) -> dict[str, str]:
+    """Digests of the files that a geometry names."""
+    geometry = getattr(body, "geometry", None)
+    name = getattr(geometry, "file", None) or getattr(geometry, "folder", None)
+    if name is None:
+        return {}
+    path = case.folder / name
+    paths = sorted(path.glob("*.dat")) if path.is_dir() else [path]
+    return {item.name: digest_file(item) for item in paths}
+
+
+def modes_digest(case: Case, body: FlexibleBodySection) -> str:
+    """Digest of all that the reduced body depends on."""
+    reduction = body.modes.model_dump(mode="json", exclude={"damping_ratio", "stiffness_damping"})
+    if body.modes.attach and not body.modes.patches:
+        owner = next(name for name, other in case.bodies.items() if other is body)
+        own = {name: contour for name, contour in case.contours.items() if contour.body == owner}
+        reduction["contour sources"] = source_digest("contour nodes")
+        reduction["contours"] = {
+            name: {
+                **contour.model_dump(mode="json"),
+                "matrix": digest_file(case.folder / contour.nodes) if contour.nodes else None,
+            }
+            for name, contour in own.items()
+        }
+    return _digest(
+        "modes",
+        {
+            "model": mesh_digest(case, body),
+            "modes": reduction,
+            "origin": body.frame.origin,
+            "free": body.frame.motion == "free",
+        },
+    )
+
+
+def simulate_digest(case: Case) -> str:
+    """Digest of all that the time histories depend on."""
+    bodies: dict[str, Any] = {}
+    for name, body in case.bodies.items():
+        if body.type == "flexible":
+            bodies[name] = {
+                "modes": modes_digest(case, body),
+                "damping": [*body.modes.damping_ratio, body.modes.stiffness_damping],
+                "frame": body.frame.model_dump(mode="json"),
+                "initial": body.initial.model_dump(mode="json"),
+            }
+        else:
+            bodies[name] = body.model_dump(mode="json")
+    for name, mesh in case.meshes.items():
+        bodies[name]["files"] = _files(case, mesh)
+    scene = case.model_dump(
+        mode="json",
+        include={
+            "gravity",
+            "joints",
+            "ropes",
+            "forces",
+            "sensors",
+            "contours",
+            "contacts",
+            "collisions",
+            "sea",
+            "hulls",
+            "tanks",
+            "fluid_loads",
+            "lines",
+            "fenders",
+            "simulate",
+        },
+    )
+    names = {file for contour in case.contours.values() for file in (contour.nodes, contour.file) if file}
+    files = {name: digest_file(case.folder / name) for name in sorted(names)}
+    if case.surfaces:
+        scene["surfaces"] = {
+            surface.name: [surface.body, surface.facets, surface_digest(case, surface)]
+            for surface in case.surfaces
+        }
+    if case.databases:
+        memory = {"memory", "memory_length", "fit_error", "drift"}
+        scene["databases"] = {
+            name: [section.model_dump(mode="json", include=memory), database_digest(case, section)]
+            for name, section in case.databases.items()
+        }
+    scene["sea files"] = _sea_files(case)
+    return _digest("simulate", {"bodies": bodies, "contour files": files, **scene})
+
+
+def _sea_files(case: Case) -> dict[str, str]:
+    """Digests of the files of waves and of loads of wind and current."""
+    rows: list[Any] = [*(case.sea.waves if case.sea is not None else ()), *case.fluid_loads]
+    names = {name for row in rows if (name := getattr(row, "file", None))}
+    return {name: digest_file(case.folder / name) for name in sorted(names)}
+
+
+def database_digest(case: Case, section: DatabaseSection) -> str:
+    """Digest of all that a hydrodynamic database depends on."""
+    memory = {"memory", "memory_length", "fit_error", "drift"}
+    inputs: dict[str, Any] = section.model_dump(mode="json", exclude={*memory, "compute"})
+    sea = (
+        case.sea.model_dump(mode="json", include={"density", "gravity", "level", "depth"}) if case.sea else {}
+    )
+    inputs["water"] = [sea, case.gravity and case.gravity.model_dump(mode="json")]
+    if section.file is not None:
+        path = case.folder / section.file
+        beside = sorted(path.parent.glob(f"{path.stem}.*")) if section.file_format == "wamit" else [path]
+        inputs["content"] = {item.name: digest_file(item) for item in beside if item.is_file()}
+        return _digest("hydrodynamics", inputs)
+    assert section.compute is not None
+    surfaces = {surface.name: surface for surface in case.surfaces}
+    inputs["compute"] = section.compute.model_dump(mode="json", exclude={"processes"})
+    inputs["hulls in full"] = {
+        name: {
+            "body": case.bodies[name].model_dump(mode="json", exclude={"inertia"}),
+            "hull": case.hulls[name].model_dump(mode="json", include={"reference", "open_deck"}),
+            "surface": surface_digest(case, surfaces[case.hulls[name].surface or ""]),
+            "tanks": [tank.model_dump(mode="json") for tank in case.tanks if tank.hull == name],
+        }
+        for name in section.hulls
+    }
+    return _digest("hydrodynamics", inputs)
+
+
+def surface_digest(case: Case, surface: SurfaceSection) -> str:
+    """Digest of all that the triangles of a surface depend on."""
+    section = surface.model_dump(mode="json", exclude={"body", "facets"})
+    content = digest_file(case.folder / surface.file) if surface.file else None
+    return _digest("surfaces", {"surface": section, "content": content})
+
+
+def report_digest(case: Case, folder: OutputFolder) -> str:
+    """Digest of all that the report shows: the case, and what the other stages have left in the folder.
+
+    What is there counts, not what should be there: a report of a run that was cut off, or of a damaged
+    file, is not the report of the whole run. Manifests stand for what they describe; large files count by
+    size and time of change, because reading them would take longer than anything else that is unchanged.
+    """
+    bodies = {name: body for name, body in case.bodies.items() if body.type == "flexible"}
+    current = [modes_digest(case, body) for body in bodies.values()]
+    current += [surface_digest(case, surface) for surface in case.surfaces]
+    current += [database_digest(case, section) for section in case.databases.values()]
+    if case.simulate is not None:
+        current.append(simulate_digest(case))
+    found: dict[str, Any] = {
+        stage: {
+            "items": (read_json(folder.manifest(stage)) or {}).get("items"),
+            "files": [_identity(path(name)) for name in bodies],
+        }
+        for stage, path in (("mesh", folder.model), ("modes", folder.reduced))
+    }
+    manifest = read_json(folder.manifest("simulate")) or {}
+    segments = sorted(folder.segments.glob("segment_*")) if folder.segments.is_dir() else []
+    found["simulate"] = {
+        "manifest": {
+            key: manifest.get(key) for key in ("outcome", "message", "finished", "digest", "details")
+        },
+        "files": [_identity(path) for path in (folder.results, *segments)],
+    }
+    if case.surfaces:
+        found["surfaces"] = [_identity(folder.surface(surface.name)) for surface in case.surfaces]
+    if case.databases:
+        found["hydrodynamics"] = [_identity(folder.database(name)) for name in case.databases]
+    references = {entry.file: digest_file(case.folder / entry.file) for entry in case.reference}
+    return _digest(
+        "report",
+        {
+            "current": current,
+            "found": found,
+            "document": case.document,
+            "name": case.name,
+            "references": references,
+        },
+    )
+
+
+def _identity(path: Path) -> tuple[str, int, int] | None:
+    """Name, size [bytes] and time of the last change [ns] of a file; None if there is none."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return path.name, status.st_size, status.st_mtime_ns

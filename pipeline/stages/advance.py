@@ -1,0 +1,230 @@
+"""The time loop's outside: advance a simulation piece by piece, and keep what it has done on disk."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import threading
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from heavylift.numerics.outcome import Outcome
+from heavylift.pipeline.results.segments import Segment, last_segment, remove_segments, write_segment
+from heavylift.pipeline.results.storage import StopError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+    from pathlib import Path
+    from types import FrameType
+
+    from numpy.typing import NDArray
+
+__all__ = ["Advancer", "StopRequest", "stop_requests"]
+
+PIECE_SECONDS = 0.2
+"""Wall time of one call of the compiled loop, which nothing can interrupt."""
+FIRST_PIECE = 100
+"""Steps of the first call."""
+SEGMENT_SECONDS = 5.0
+"""Wall time after which what was computed goes to disk."""
+SEGMENT_BYTES = 32 * 2**20
+"""Size of the records in memory after which they go to disk."""
+
+
+class SimulationLike(Protocol):
+    """What is needed of `heavylift.solver.simulation.Simulation`."""
+
+    step: float
+    record_every: int
+    step_index: int
+    outcome: Outcome
+    message: str
+    cpu_seconds: float
+
+    @property
+    def channels(self) -> Sequence[Any]: ...
+    def record(self) -> NDArray[np.float64]: ...
+    def advance(self, steps: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+    def state(self) -> dict[str, NDArray[Any]]: ...
+    def restore(self, state: dict[str, NDArray[Any]]) -> None: ...
+
+
+@dataclass
+class StopRequest:
+    """Whether someone asked the run to stop, and how."""
+
+    signal_name: str = ""
+
+    def __bool__(self) -> bool:
+        return bool(self.signal_name)
+
+
+@contextlib.contextmanager
+def stop_requests() -> Iterator[StopRequest]:
+    """Turn Ctrl-C and SIGTERM into a request that the time loop sees between two pieces."""
+    request = StopRequest()
+    if threading.current_thread() is not threading.main_thread():
+        yield request
+        return
+
+    def note(number: int, _frame: FrameType | None) -> None:
+        request.signal_name = signal.Signals(number).name
+
+    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield request
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@dataclass
+class Advancer:
+    """Advances a simulation to its end and writes its segments.
+
+    Attributes
+    ----------
+    simulation
+        At its start, or at any state that `resume` replaces.
+    folder
+        Folder of the segments.
+    digest
+        Digest of the inputs; segments with another one are not continued.
+    step_count
+        Steps of the whole run.
+    adaptive
+        Whether a step is an interval between records, whose cost nothing tells before the first one.
+    restart_reason
+        Set by `resume`: why it could not go on from what an earlier run left in the folder; empty if it did, or
+        if nothing is there.
+    """
+
+    simulation: SimulationLike
+    folder: Path
+    digest: str
+    step_count: int
+    adaptive: bool = False
+    restart_reason: str = ""
+    _index: int = 0
+    _record_count: int = 0
+    _written_steps: int = 0
+    _times: list[NDArray[np.float64]] = field(default_factory=list)
+    _records: list[NDArray[np.float64]] = field(default_factory=list)
+
+    def resume(self) -> int:
+        """Restore the last consistent state if it belongs to the same inputs; else remove what is there.
+
+        Returns
+        -------
+        int
+            Steps that are already done.
+        """
+        last = last_segment(self.folder)
+        if last is None or last.header["digest"] != self.digest:
+            if last is not None:
+                self.restart_reason = "what an earlier run left belongs to other inputs"
+            elif self.folder.is_dir() and any(self.folder.glob("segment_*")):
+                self.restart_reason = "what an earlier run left is damaged"
+            elif self.folder.is_dir():
+                self.restart_reason = "nothing had been written"
+            remove_segments(self.folder)
+            return 0
+        remove_segments(self.folder, after=last.number)
+        self.simulation.restore(last.state)
+        self._index = last.number + 1
+        self._record_count = last.header["first_record"] + len(last.times)
+        self._written_steps = self.simulation.step_index
+        return self._written_steps
+
+    def run(self, stop: StopRequest, progress: Callable[[float, str], None]) -> tuple[Outcome, str]:
+        """Advance to the end, or until the simulation or someone stops it.
+
+        Returns
+        -------
+        tuple
+            How it ended, and a message if it did not complete.
+
+        Raises
+        ------
+        StopError
+            If the disk is full; the segments written before are intact, and the state in memory is lost.
+        """
+        simulation = self.simulation
+        if self._record_count == 0:
+            self._keep(
+                np.array([simulation.step_index * simulation.step]), simulation.record()[np.newaxis, :]
+            )
+        piece, growth = (1, FIRST_PIECE) if self.adaptive else (FIRST_PIECE, 4)
+        flushed = time.monotonic()
+        while (
+            simulation.step_index < self.step_count and simulation.outcome is Outcome.COMPLETED and not stop
+        ):
+            begin = time.monotonic()
+            self._keep(*simulation.advance(min(piece, self.step_count - simulation.step_index)))
+            now = time.monotonic()
+            piece = _next_piece(piece, now - begin, growth)
+            if now - flushed > SEGMENT_SECONDS or sum(r.nbytes for r in self._records) > SEGMENT_BYTES:
+                self._write()
+                flushed = now
+            done = simulation.step_index
+            progress(done, f"t = {done * simulation.step:.4g} s")
+        self._write()
+        if simulation.outcome is not Outcome.COMPLETED:
+            return simulation.outcome, simulation.message
+        if simulation.step_index < self.step_count:
+            reached = simulation.step_index * simulation.step
+            return (
+                Outcome.INTERRUPTED,
+                f"{stop.signal_name} at t = {reached:.9g} s; the same command goes on from there",
+            )
+        return Outcome.COMPLETED, ""
+
+    def _keep(self, times: NDArray[np.float64], records: NDArray[np.float64]) -> None:
+        if len(times):
+            self._times.append(times)
+            self._records.append(records)
+
+    def _write(self) -> None:
+        """Write what is in memory as the next segment."""
+        simulation = self.simulation
+        if simulation.step_index == self._written_steps and not self._times:
+            return
+        width = sum(len(channel.components) for channel in simulation.channels)
+        times = np.concatenate([np.empty(0), *self._times])
+        records = np.concatenate([np.empty((0, width)), *self._records])
+        header = {
+            "digest": self.digest,
+            "channels": [[c.name, c.unit, list(c.components), c.column] for c in simulation.channels],
+            "first_record": self._record_count,
+            "step": simulation.step,
+            "record_every": simulation.record_every,
+            "step_index": simulation.step_index,
+            "cpu_s": simulation.cpu_seconds,
+        }
+        try:
+            write_segment(self.folder, Segment(self._index, header, times, records, simulation.state()))
+        except StopError as error:
+            if error.outcome is Outcome.DISK_FULL:
+                kept = (
+                    f"the first {self._index} segments are"
+                    if self._index
+                    else "nothing was written yet; the inputs are"
+                )
+                raise StopError(
+                    Outcome.DISK_FULL,
+                    f"{error}: {kept} kept. Free some space and give the same command: it goes on from there",
+                ) from None
+            raise
+        self._index += 1
+        self._record_count += len(times)
+        self._written_steps = simulation.step_index
+        self._times.clear()
+        self._records.clear()
+
+
+def _next_piece(piece: int, seconds: float, growth: float = 4.0) -> int:
+    """Steps of the next piece, so that it takes about `PIECE_SECONDS`; at most `growth` times as many."""
+    return max(1, int(piece * min(growth, PIECE_SECONDS / max(seconds, 1e-6))))

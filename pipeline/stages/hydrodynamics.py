@@ -1,0 +1,199 @@
+"""The part of the mesh stage that reads or computes the hydrodynamic databases of a case."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.pipeline.assemble.databases import (
+    database_manifest,
+    read_database_source,
+    stored_database,
+)
+from heavylift.pipeline.case.places import located
+from heavylift.pipeline.results.provenance import database_digest, source_digest, versions
+from heavylift.pipeline.results.storage import replacing, write_json
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.case.hulls import DatabaseSection
+    from heavylift.pipeline.stages.work import Work
+    from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+
+__all__ = ["make_databases"]
+
+_KEYS = {"omega": "frequencies", "panel size": "panel_size", "headings": "headings"}
+"""Keys of a computation by what its errors call them."""
+
+
+def make_databases(work: Work) -> tuple[bool, float, dict[str, Any]]:
+    """Read or compute every database that is not current, and store it as netCDF.
+
+    Returns
+    -------
+    tuple
+        Whether all were there, CPU time that making them took, now or before [s], and by name what is in the manifest.
+    """
+    case, folder, log = work.case, work.folder, work.log
+    manifest_file = folder.database_manifest
+    if not case.databases and not manifest_file.is_file():
+        return True, 0.0, {}
+    items = {name: item for name, item in database_manifest(folder).items() if name in case.databases}
+    skipped = True
+    for name, section in case.databases.items():
+        file, digest = folder.database(name), database_digest(case, section)
+        item = items.get(name, {})
+        if "mesh" not in work.force and item.get("digest") == digest:
+            if file.is_file() and file.stat().st_size == item["size"]:
+                if item.get("memory_of") == _memory_of(section):
+                    log.say(f"mesh: {name}: unchanged, skipped")
+                    continue
+                about = _properties(stored_database(case, name, folder), section)
+                items[name] = {**item, "memory_of": _memory_of(section), "properties": about}
+                log.say(f"mesh: {name}: unchanged, with another memory: {_words(about)}")
+                _write_manifest(manifest_file, case, items)
+                continue
+            if file.is_file():
+                log.say(f"mesh: {name}: {file} is damaged, made anew")
+        skipped = False
+        begin = time.process_time()
+        with located(case, f"databases.{name}"):
+            database = _made(work, name, section)
+            properties = _properties(database, section)
+        items[name] = {
+            "digest": digest,
+            "file": file.name,
+            "size": file.stat().st_size,
+            "cpu_s": time.process_time() - begin,
+            "memory_of": _memory_of(section),
+            "properties": properties,
+        }
+        log.say(f"mesh: {name}: {_words(properties)}; {items[name]['cpu_s']:.2f} s CPU")
+        _write_manifest(manifest_file, case, items)
+    return skipped, sum(item["cpu_s"] for item in items.values()), items
+
+
+def _memory_of(section: DatabaseSection) -> list[Any]:
+    """What the fit of the memory depends on besides the database."""
+    return [section.memory, section.memory_length, section.fit_error]
+
+
+def _write_manifest(file: Path, case: Case, items: dict[str, Any]) -> None:
+    write_json(
+        file,
+        {
+            "stage": "hydrodynamics",
+            "outcome": Outcome.COMPLETED.name.lower(),
+            "case": case.name,
+            "overrides": case.overrides,
+            "sources_digest": source_digest("hydrodynamics"),
+            "versions": versions("hydrodynamics"),
+            "items": items,
+        },
+    )
+
+
+def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDatabase:
+    """Database from its file, or computed; written to the output folder."""
+    file = work.folder.database(name)
+    if section.compute is None:
+        database = read_database_source(work.case, section)
+        _write(file, database, "")
+        return database
+    from heavylift.pipeline.assemble.panels import bem_inputs
+    from heavylift.preprocess.bem import capytaine_version, compute_database
+    from heavylift.preprocess.bem_inputs import database_digest as inputs_digest
+    from heavylift.preprocess.hydrodynamics_netcdf import read_digest, read_netcdf
+
+    inputs = bem_inputs(work.case, section, work.folder)
+    digest = inputs_digest(inputs)
+    if "mesh" not in work.force and file.is_file() and read_digest(file) == digest:
+        about = database_manifest(work.folder).get(name, {}).get("properties", {})
+        work.log.say(f"mesh: {name}: the same panels, frequencies and headings: not computed again")
+        return replace(read_netcdf(file), source=str(about.get("source", name)))
+    capytaine_version()  # before anything is said: without it nothing can be done
+    count = sum(len(hull.panels) for hull in inputs.hulls)
+    work.log.say(
+        f"mesh: {name}: {count} panels, {len(inputs.omega)} frequencies, {len(inputs.headings)} headings"
+    )
+
+    def warn(text: str) -> None:
+        work.log.say(f"mesh: {name}: WARNING: {text}")
+
+    with work.log.progress(f"mesh {name}", len(inputs.omega) + 1) as progress:
+        try:
+            database = compute_database(
+                inputs, processes=section.compute.processes, progress=progress, warn=warn
+            )
+        except InputError as error:
+            key = _KEYS.get(error.key)
+            if key is None:
+                raise
+            raise InputError(error.problem, key=f"compute.{key}", expected=error.expected) from None
+    _write(file, database, digest)
+    return database
+
+
+def _write(file: Path, database: HydrodynamicDatabase, digest: str) -> None:
+    from heavylift.preprocess.hydrodynamics_netcdf import write_netcdf
+
+    with replacing(file) as temporary:
+        write_netcdf(temporary, database, digest=digest)
+
+
+def _properties(database: HydrodynamicDatabase, section: DatabaseSection) -> dict[str, Any]:
+    """What manifest and report say of a database, as plain values."""
+    found: dict[str, Any] = {
+        "source": database.source,
+        "bodies": list(database.bodies),
+        "hulls": list(section.hulls),
+        "frequencies": len(database.omega),
+        "frequency_range": [float(database.omega[0]), float(database.omega[-1])],
+        "headings": len(database.headings),
+        "heading_range": [float(database.headings[0]), float(database.headings[-1])],
+        "symmetric": bool(database.symmetric),
+        "density": database.density,
+        "gravity": database.gravity,
+        "depth": database.depth if np.isfinite(database.depth) else None,
+        "reference_points": database.reference_points.tolist(),
+        "volumes": None if database.volumes is None else [float(v) for v in database.volumes],
+        "drift": database.drift is not None,
+    }
+    if section.memory == "exponentials":
+        found["memory"] = _fit(database, section)
+    return found
+
+
+def _fit(database: HydrodynamicDatabase, section: DatabaseSection) -> dict[str, Any]:
+    """How well exponentials fit the memory, as the simulation will find it."""
+    from heavylift.preprocess.exponentials import fit_exponentials
+    from heavylift.preprocess.retardation import memory_length, retardation_kernel
+    from heavylift.solver.water.hulls.parts import FIT_STEP, SHORTEST_FIT, SHORTEST_MEMORY
+
+    kernel = retardation_kernel(database.omega, database.damping, source=database.source)
+    length = section.memory_length or max(memory_length(kernel), SHORTEST_MEMORY)
+    times = np.arange(0.0, max(length, SHORTEST_FIT), FIT_STEP)
+    fit = fit_exponentials(kernel(times), FIT_STEP, tolerance=section.fit_error, source=database.source)
+    return {"length": float(times[-1]), "poles": fit.pole_count, "error": float(fit.error)}
+
+
+def _words(properties: dict[str, Any]) -> str:
+    """A database in a line."""
+    low, high = properties["frequency_range"]
+    words = [
+        f"{properties['frequencies']} frequencies from {low:.4g} to {high:.4g} rad/s",
+        f"{properties['headings']} headings",
+        properties["source"],
+    ]
+    memory = properties.get("memory")
+    if memory:
+        words.append(
+            f"memory of {memory['length']:.3g} s by {memory['poles']} poles to {memory['error']:.1e}"
+        )
+    return ", ".join(words)

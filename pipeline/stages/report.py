@@ -1,0 +1,57 @@
+"""The report stage: pictures, plots and tables of what the other stages have written."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from heavylift.numerics.outcome import Outcome
+from heavylift.pipeline.results.provenance import report_digest, source_digest, versions
+from heavylift.pipeline.results.storage import read_json, write_json
+from heavylift.pipeline.stages.work import StageReport
+
+if TYPE_CHECKING:
+    from heavylift.pipeline.stages.work import Work
+
+__all__ = ["report_stage"]
+
+
+def report_stage(work: Work) -> StageReport:
+    """Write the report, unless all it shows is unchanged."""
+    manifest_file = work.folder.manifest("report")
+    folder = work.folder.stage("report")
+    manifest = read_json(manifest_file) or {}
+    digest = report_digest(work.case, work.folder)
+    files = manifest.get("files", {})
+    if "report" not in work.force and manifest.get("digest") == digest and files:
+        if all(
+            (folder / name).is_file() and (folder / name).stat().st_size == size
+            for name, size in files.items()
+        ):
+            work.log.say("report: unchanged, skipped")
+            return StageReport(
+                "report", Outcome.COMPLETED, skipped=True, cpu_s=manifest["cpu_s"], details={"files": files}
+            )
+        work.log.say("report: files are missing or damaged, made anew")
+    from heavylift.pipeline.report.report import write_report
+
+    begin = time.process_time()
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = write_report(work.case, folder, work.folder.root, work.log)
+    files = {str(path.relative_to(folder)): path.stat().st_size for path in paths}
+    cpu_s = time.process_time() - begin
+    write_json(
+        manifest_file,
+        {
+            "stage": "report",
+            "outcome": Outcome.COMPLETED.name.lower(),
+            "case": work.case.name,
+            "digest": digest,
+            "sources_digest": source_digest("report"),
+            "versions": versions("report"),
+            "cpu_s": cpu_s,
+            "files": files,
+        },
+    )
+    work.log.say(f"report: {len(files)} files in {folder}; {cpu_s:.2f} s CPU")
+    return StageReport("report", Outcome.COMPLETED, skipped=False, cpu_s=cpu_s, details={"files": files})

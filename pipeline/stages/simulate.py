@@ -1,0 +1,239 @@
+"""The simulate stage: reduced bodies to time histories, resumable at any moment."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from typing import TYPE_CHECKING, Any
+
+from heavylift.numerics.outcome import Outcome
+from heavylift.pipeline.results.histories import ChannelInfo, load_results, merge_segments
+from heavylift.pipeline.results.mesh_results import mesh_shape, save_meshes
+from heavylift.pipeline.results.provenance import simulate_digest, source_digest, versions
+from heavylift.pipeline.results.segments import remove_segments
+from heavylift.pipeline.results.storage import StopError, read_json, write_json
+from heavylift.pipeline.stages.advance import Advancer, stop_requests
+from heavylift.pipeline.stages.diagnosis import diagnosis, diagnosis_lines, steps_taken
+from heavylift.pipeline.stages.work import StageReport
+
+if TYPE_CHECKING:
+    from heavylift.pipeline.log import Log
+    from heavylift.pipeline.results.mesh_results import MeshShape
+    from heavylift.pipeline.stages.work import Work
+    from heavylift.solver.simulation import Simulation
+
+__all__ = ["simulate_stage"]
+
+
+def simulate_stage(work: Work) -> StageReport:
+    """Integrate over the whole duration, going on from what an earlier run left if it fits."""
+    folder, log = work.folder, work.log
+    digest = simulate_digest(work.case)
+    manifest = read_json(folder.manifest("simulate")) or {}
+    forced = "simulate" in work.force
+    if not forced and manifest.get("digest") == digest and manifest.get("finished"):
+        if folder.results.is_file() and folder.results.stat().st_size == manifest["size"]:
+            outcome = Outcome[manifest["outcome"].upper()]
+            note = "" if outcome is Outcome.COMPLETED else f"; it ended: {manifest['message']}"
+            log.say(f"simulate: unchanged, skipped{note}")
+            return StageReport(
+                "simulate",
+                outcome,
+                skipped=True,
+                cpu_s=manifest["details"]["cpu_s"],
+                message=manifest["message"],
+                details=manifest["details"],
+            )
+        state = "damaged" if folder.results.is_file() else "missing"
+        log.say(f"simulate: {folder.results} is {state}, simulated again")
+    if forced:
+        remove_segments(folder.segments)
+    cut_off = bool(manifest) and not manifest.get("finished")
+    return _simulate(work, digest, cut_off=cut_off)
+
+
+def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
+    """Simulate; `cut_off` tells that an earlier run in this folder had begun and did not end."""
+    from heavylift.pipeline.assemble.collisions import collision_notes
+    from heavylift.pipeline.assemble.scene import assemble_scene
+    from heavylift.pipeline.case.places import in_case
+    from heavylift.solver.scene.meshes import MeshBody
+    from heavylift.solver.simulation import Simulation
+
+    section, folder, log = work.case.simulate, work.folder, work.log
+    assert section is not None
+    scene = assemble_scene(work.case, folder)
+    for note in collision_notes(work.case):
+        log.say(f"simulate: {note}")
+    meshes = [mesh_shape(body) for body in scene.bodies if isinstance(body, MeshBody)]
+    options: dict[str, Any] = {"record_every": section.record_every}
+    if section.solver_tolerance is not None:
+        options["tolerance"] = section.solver_tolerance
+    if section.start != "check":
+        options["start"] = section.start
+    with in_case(work.case):
+        simulation = Simulation(scene, section.solver_step, section.integrator, **options)
+    with contextlib.suppress(FileNotFoundError):
+        folder.results.unlink()  # from here on it would belong to other inputs
+    save_meshes(folder.meshes, meshes)
+    # before compiling, which may take long: a kill from here on leaves word that a run had begun
+    _write_manifest(work, digest, "unfinished", "", finished=False, details={})
+    compile_s = _compile(simulation, log)
+    with in_case(work.case):
+        simulation.warm_up()
+    compile_s += simulation.compile_seconds
+    about = diagnosis(simulation)
+    sea: dict[str, Any] = {}
+    if scene.sea is not None:
+        from heavylift.pipeline.assemble.sea import sea_provenance
+
+        sea = sea_provenance(scene.sea)
+    about |= {"sea": sea} if sea else {}
+    for line in diagnosis_lines(about):
+        log.say(f"simulate: {line}")
+    # of the simulation, not of the case: an integrator that was chosen may take its steps itself
+    count = section.interval_count * simulation.record_every
+    adaptive = section.step is None or simulation.integrator == "accurate"
+    advancer = Advancer(simulation, folder.segments, digest, count, adaptive=adaptive)
+    done = advancer.resume()
+    if done:
+        where = "record" if adaptive else "step"
+        reached = done * simulation.step
+        log.say(f"simulate: resumed from the checkpoint at t = {reached:.9g} s, {where} {done}")
+    elif advancer.restart_reason or cut_off:
+        forced = "--force" if "simulate" in work.force else "nothing had been written"
+        log.say(f"simulate: restarted from t = 0: {advancer.restart_reason or forced}")
+    try:
+        with stop_requests() as stop, log.progress("simulate", count, done) as progress:
+            outcome, message = advancer.run(stop, progress)
+    except StopError as error:
+        with contextlib.suppress(StopError):
+            _write_manifest(work, digest, error.outcome.name.lower(), str(error), finished=False, details={})
+        raise
+    steps = steps_taken(simulation)
+    details: dict[str, Any] = {
+        "outcome": outcome.name.lower(),
+        "steps": steps,
+        "step_us": 1e6 * simulation.cpu_seconds / steps if steps else None,
+        "cpu_s": simulation.start_seconds + simulation.cpu_seconds,
+        "start_s": simulation.start_seconds,
+        "compile_s": compile_s,
+        "energy_drift": None,
+        **about,
+    }
+    finished = outcome is not Outcome.INTERRUPTED
+    if finished:
+        _merge(work, simulation, digest, outcome, message, about, meshes)
+    if simulation.step_index:
+        drift = _energy_drift(work)
+        details["energy_drift"] = drift if math.isfinite(drift) else None
+    _write_manifest(work, digest, details["outcome"], message, finished=finished, details=details)
+    if finished:
+        remove_segments(folder.segments)
+    log.say(f"simulate: {outcome.text}: {_words(details)}")
+    if simulation.warning:
+        log.say(f"simulate: {simulation.warning}")
+    return StageReport(
+        "simulate", outcome, skipped=False, cpu_s=details["cpu_s"], message=message, details=details
+    )
+
+
+def _compile(simulation: Simulation, log: Log) -> float:
+    """Compile what no run before has, and say so; returns the CPU time of all processes [s]."""
+    missing = simulation.missing_units()
+    if not missing:
+        return 0.0
+    from heavylift.solver.compiling import compile_units
+
+    names = ", ".join(
+        sorted({unit.name.partition(".")[0] if unit.owner[2] else "the time loop" for unit in missing})
+    )
+    log.say(f"simulate: compiling {len(missing)} parts that are used for the first time: {names}")
+    spent: list[float] = []
+    with log.progress("compile", len(missing)) as progress:
+
+        def tell(name: str, seconds: float) -> None:
+            spent.append(seconds)
+            progress(len(spent), name)
+
+        compile_units(missing, tell)
+    return sum(spent)
+
+
+def _words(details: dict[str, Any]) -> str:
+    """Numbers of a run for a person; those that mean nothing, as the speed of no step, are left out."""
+    words = [f"{details['steps']} steps"]
+    if details["step_us"] is not None:
+        words.append(f"{details['step_us']:.2f} us a step")
+    words += [f"{details['cpu_s']:.2f} s CPU", f"compile {details['compile_s']:.2f} s"]
+    if details["energy_drift"] is not None:
+        words.append(f"energy drift {details['energy_drift']:.1e}")
+    return ", ".join(words)
+
+
+def _merge(
+    work: Work,
+    simulation: Simulation,
+    digest: str,
+    outcome: Outcome,
+    message: str,
+    about: dict[str, Any],
+    meshes: list[MeshShape],
+) -> None:
+    """Merge the segments into the result file."""
+    channels = [ChannelInfo(c.name, c.unit, tuple(c.components), c.column) for c in simulation.channels]
+    section = work.case.simulate
+    assert section is not None
+    metadata = {
+        "title": work.case.title,
+        "case": work.case.name,
+        "digest": digest,
+        "outcome": outcome.name.lower(),
+        "message": message,
+        "step": simulation.step,
+        "tolerance": section.solver_tolerance or 0.0,
+        "output_interval": section.output_interval,
+        "steps": steps_taken(simulation),
+        **about,
+        "cpu_s": simulation.start_seconds + simulation.cpu_seconds,
+        "start_s": simulation.start_seconds,
+        "sources": list(work.case.sources),
+        "versions": versions("simulate"),
+        "overrides": list(work.case.overrides),
+    }
+    merge_segments(
+        work.folder.segments,
+        work.folder.results,
+        channels,
+        {channel.name: channel.sentence for channel in simulation.channels},
+        metadata,
+        meshes,
+    )
+
+
+def _energy_drift(work: Work) -> float:
+    from heavylift.pipeline.checks.quantities import energy_drift
+
+    return energy_drift(load_results(work.case, work.folder.root))
+
+
+def _write_manifest(
+    work: Work, digest: str, outcome: str, message: str, *, finished: bool, details: dict[str, Any]
+) -> None:
+    results = work.folder.results
+    write_json(
+        work.folder.manifest("simulate"),
+        {
+            "stage": "simulate",
+            "outcome": outcome,
+            "message": message,
+            "finished": finished,
+            "case": work.case.name,
+            "overrides": work.case.overrides,
+            "digest": digest,
+            "sources_digest": source_digest("simulate"),
+            "versions": versions("simulate"),
+            "size": results.stat().st_size if finished else 0,
+            "details": details,
+        },
+    )

@@ -1,0 +1,114 @@
+"""The part of the mesh stage that makes the surfaces of triangles of a case."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import time
+from typing import TYPE_CHECKING, Any
+
+from heavylift.numerics.outcome import Outcome
+from heavylift.pipeline.assemble.surfaces import (
+    StoredSurface,
+    magnitude_warnings,
+    make_surface,
+    read_surface_file,
+    write_surface_file,
+)
+from heavylift.pipeline.results.provenance import source_digest, surface_digest, versions
+from heavylift.pipeline.results.storage import read_json, replacing, write_json
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from heavylift.pipeline.stages.work import Work
+
+__all__ = ["make_surfaces"]
+
+
+def make_surfaces(work: Work) -> tuple[bool, float, dict[str, Any]]:
+    """Make the file of every surface that is not current; those of frames and shells need none.
+
+    Returns
+    -------
+    tuple
+        Whether all were there, CPU time that making them took, now or before [s], and by name what is in the manifest.
+    """
+    case, folder, log = work.case, work.folder, work.log
+    wanted = {s.name: i for i, s in enumerate(case.surfaces) if s.body not in case.meshes}
+    manifest_file = folder.surface_manifest
+    if not wanted and not manifest_file.is_file():
+        return True, 0.0, {}
+    items = dict((read_json(manifest_file) or {}).get("items", {}))
+    items = {name: item for name, item in items.items() if name in wanted}
+    skipped, made = True, dict[str, StoredSurface]()
+    for name, index in wanted.items():
+        file, digest = folder.surface(name), surface_digest(case, case.surfaces[index])
+        item = items.get(name, {})
+        if "mesh" not in work.force and item.get("digest") == digest:
+            if file.is_file() and file.stat().st_size == item["size"]:
+                log.say(f"mesh: {name}: unchanged, skipped")
+                continue
+            if file.is_file():
+                log.say(f"mesh: {name}: {file} is damaged, made anew")
+        skipped = False
+        found = None if "mesh" in work.force else _reused(work, name, digest, file)
+        if found is None:
+            begin = time.process_time()
+            made[name] = make_surface(case, index)
+            write_surface_file(file, made[name])
+            found = {
+                "digest": digest,
+                "file": file.name,
+                "size": file.stat().st_size,
+                "cpu_s": time.process_time() - begin,
+                "properties": made[name].report,
+            }
+            log.say(f"mesh: {name}: {_words(found['properties'])}; {found['cpu_s']:.2f} s CPU")
+        items[name] = found
+        write_json(
+            manifest_file,
+            {
+                "stage": "surfaces",
+                "outcome": Outcome.COMPLETED.name.lower(),
+                "case": case.name,
+                "overrides": case.overrides,
+                "sources_digest": source_digest("surfaces"),
+                "versions": versions("surfaces"),
+                "items": items,
+            },
+        )
+    surfaces = {name: made.get(name) or read_surface_file(folder.surface(name)) for name in wanted}
+    for warning in magnitude_warnings(case, surfaces):
+        log.say(f"mesh: WARNING: {warning}")
+    return skipped, sum(item["cpu_s"] for item in items.values()), items
+
+
+def _words(report: dict[str, Any]) -> str:
+    """Counts of a surface in a line."""
+    if not report["edges"]:
+        return f"round, radius {report['radius']:.6g} m"
+    words = [f"{report['triangles']} triangles", f"{report['points']} points"]
+    words.append("watertight" if report["watertight"] else f"{report['open_edges']} open edges")
+    if report["reversed_triangles"]:
+        words.append(f"{report['reversed_triangles']} wound against their neighbours")
+    if report["excluded"]:
+        words.append(f"{report['excluded']} more are excluded")
+    return ", ".join(words)
+
+
+def _reused(work: Work, name: str, digest: str, file: Path) -> dict[str, Any] | None:
+    """Manifest entry of a file taken from another output folder, or None if no folder has it."""
+    for other in work.reuse:
+        item = (read_json(other.surface_manifest) or {}).get("items", {}).get(name, {})
+        source = other.surface(name)
+        if item.get("digest") != digest or not source.is_file() or source.stat().st_size != item["size"]:
+            continue
+        with replacing(file) as temporary:
+            try:
+                os.link(source, temporary)
+            except OSError:
+                shutil.copyfile(source, temporary)
+        work.log.say(f"mesh: {name}: unchanged, taken from {other.root}")
+        return dict(item)
+    return None

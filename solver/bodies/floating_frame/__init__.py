@@ -1,0 +1,1 @@
+"""Flexible bodies with modes in a floating frame."""

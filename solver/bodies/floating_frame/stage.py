@@ -1,0 +1,239 @@
+"""Building blocks of a step of one floating-frame body, shared by the integrators and the record."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.small import cholesky_factor, cholesky_solve
+from heavylift.numerics.vectors import rotate, rotate_back
+from heavylift.solver.bodies.floating_frame.inertia import deformed_inertia, stacked_products
+from heavylift.solver.bodies.floating_frame.kind import (
+    FloatingFrame,
+    FloatingFrameBodies,
+)
+from heavylift.solver.bodies.floating_frame.markers import write_markers
+from heavylift.solver.bodies.floating_frame.shape import product_columns, shape_of
+from heavylift.solver.bodies.frames.motion import pose_stage
+from heavylift.solver.drive import FREE, drive_pose
+from heavylift.solver.interface import (
+    Workspace,
+    fill_markers,
+)
+from heavylift.solver.kinds import implement
+
+__all__ = [
+    "clear_velocity",
+    "drive_frame",
+    "factor_frame",
+    "fill_floating_frame_markers",
+    "solve_stage",
+    "stage_at_state",
+    "update_products",
+]
+
+
+@kernel(internal=True)
+def update_products(kind: FloatingFrameBodies, body: int) -> None:
+    """Stacked matrices times the carried modal coordinates and rates."""
+    n, first = kind.table[body].mode_count, kind.table[body].first_mode
+    rows = slice(8 * first, 8 * (first + n))
+    stacked_products(
+        product_columns(kind, body),
+        kind.modal_position[first : first + n],
+        kind.modal_velocity[first : first + n],
+        kind.position_products[rows],
+        kind.velocity_products[rows],
+    )
+
+
+@kernel(internal=True)
+def drive_frame(kind: FloatingFrameBodies, body: int, time: float) -> None:
+    """Pose of a driven frame at a time [s]."""
+    frame = kind.frame[body]
+    drive_pose(kind.constants[kind.table[body].drive :], time, frame.drive_pose)
+    for k in range(3):
+        frame.position[k] = frame.drive_pose[k]
+    for k in range(4):
+        frame.orientation[k] = frame.drive_pose[3 + k]
+
+
+@kernel(internal=True)
+def stage_at_state(kind: FloatingFrameBodies, body: int, with_inertia: bool) -> None:
+    """Set the stage to the carried state, for forces and records at the ends of steps.
+
+    Parameters
+    ----------
+    kind, body
+        The body.
+    with_inertia
+        Also update the products and evaluate ``S_t``, ``I_tt``, ``I_tf``.
+    """
+    n, first = kind.table[body].mode_count, kind.table[body].first_mode
+    modes = slice(first, first + n)
+    frame = kind.frame[body]
+    modal_position = kind.modal_position[modes]
+    modal_velocity = kind.modal_velocity[modes]
+    mid_modal_position = kind.mid_modal_position[modes]
+    mid_modal_velocity = kind.mid_modal_velocity[modes]
+    pose_stage(frame)
+    v = rotate_back(frame.mid_rotation, frame.velocity)
+    for k in range(3):
+        frame.mid_velocity[k] = v[k]
+        frame.mid_spin[k] = frame.spin[k]
+    for i in range(n):
+        mid_modal_position[i] = modal_position[i]
+        mid_modal_velocity[i] = modal_velocity[i]
+    if with_inertia:
+        update_products(kind, body)
+        deformed_inertia(
+            shape_of(kind, body),
+            kind.modal_position[modes],
+            kind.position_products[8 * first : 8 * (first + n)],
+            frame,
+            kind.coupling[:, modes],
+        )
+
+
+@implement(fill_markers, FloatingFrameBodies)
+@kernel(internal=True)
+def fill_floating_frame_markers(
+    kind: FloatingFrameBodies, at_midpoint: bool, level: int, work: Workspace
+) -> None:
+    """Markers at the midpoint, which `predict` has set, or at the carried state."""
+    if not at_midpoint:
+        for body in range(kind.table.shape[0]):
+            stage_at_state(kind, body, False)
+    write_markers(kind, level, work)
+
+
+@kernel(reassociate=True)
+def factor_frame(
+    frame: FloatingFrame,
+    inverse_diagonal: NDArray[np.float64],
+    translation: NDArray[np.float64],
+    coupling: NDArray[np.float64],
+) -> None:
+    """Cholesky factor of the frame block after elimination of the modes.
+
+    Parameters
+    ----------
+    frame
+        Has mass, ``S_t`` and ``I_tt``; receives the factor.
+    inverse_diagonal
+        Of the modal block of the body, shape (n,).
+    translation, coupling
+        S and ``I_tf``, shape (3, n).
+
+    Notes
+    -----
+    ``K = M_rr - C D^-1 C^T`` with ``C = [S; I_tf]`` and diagonal D: O(21 n) instead of a dense solve.
+    """
+    k00 = k10 = k11 = k20 = k21 = k22 = k30 = k31 = k32 = k33 = 0.0
+    k40 = k41 = k42 = k43 = k44 = k50 = k51 = k52 = k53 = k54 = k55 = 0.0
+    K = frame.factor
+    for i in range(inverse_diagonal.shape[0]):  # all 21 sums in registers, one pass over the couplings
+        w = -inverse_diagonal[i]
+        c0, c1, c2 = translation[0, i], translation[1, i], translation[2, i]
+        c3, c4, c5 = coupling[0, i], coupling[1, i], coupling[2, i]
+        w0, w1, w2, w3, w4, w5 = w * c0, w * c1, w * c2, w * c3, w * c4, w * c5
+        k00 += w0 * c0
+        k10 += w1 * c0
+        k11 += w1 * c1
+        k20 += w2 * c0
+        k21 += w2 * c1
+        k22 += w2 * c2
+        k30 += w3 * c0
+        k31 += w3 * c1
+        k32 += w3 * c2
+        k33 += w3 * c3
+        k40 += w4 * c0
+        k41 += w4 * c1
+        k42 += w4 * c2
+        k43 += w4 * c3
+        k44 += w4 * c4
+        k50 += w5 * c0
+        k51 += w5 * c1
+        k52 += w5 * c2
+        k53 += w5 * c3
+        k54 += w5 * c4
+        k55 += w5 * c5
+    m = frame.mass
+    s1, s2, s3 = frame.first_moment[0], frame.first_moment[1], frame.first_moment[2]
+    K[0], K[7], K[14] = m + k00, m + k11, m + k22
+    K[6], K[12], K[13] = k10, k20, k21
+    K[18], K[19], K[20] = k30, k31 - s3, k32 + s2
+    K[24], K[25], K[26] = k40 + s3, k41, k42 - s1
+    K[30], K[31], K[32] = k50 - s2, k51 + s1, k52
+    K[21], K[28], K[35] = frame.inertia[0] + k33, frame.inertia[1] + k44, frame.inertia[2] + k55
+    K[27], K[33], K[34] = frame.inertia[3] + k43, frame.inertia[4] + k53, frame.inertia[5] + k54
+    cholesky_factor(K, 6)
+
+
+@kernel(internal=True)
+def clear_velocity(kind: FloatingFrameBodies, body: int, work: Workspace) -> None:
+    """Begin the velocity of the stage of a body with zeros."""
+    dof = kind.table[body].dof
+    for i in range(dof, dof + 6 + kind.table[body].mode_count):
+        work.velocity[i] = 0.0
+
+
+@kernel(reassociate=True, internal=True)
+def solve_stage(kind: FloatingFrameBodies, body: int, weight: float, work: Workspace) -> None:
+    """Add the solution for the right-hand sides to the velocity of the stage, with the factor that is there.
+
+    Parameters
+    ----------
+    kind, body
+        The body; the right-hand sides of its frame, which are used up, those of its modes and the quadratic forces
+        are set. Of a frame that is not free the first are its prescribed body-axis velocities instead.
+    weight
+        Time [s] by which the quadratic forces act.
+    work
+        World velocity, body-axis spin and modal rates grow.
+    """
+    n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
+    frame = kind.frame[body]
+    modes = slice(first, first + n)
+    inverse_diagonal = kind.inverse_diagonal[modes]
+    coupling = kind.coupling[:, modes]
+    modal_right_hand_side = kind.modal_right_hand_side[modes]
+    quadratic_force = kind.quadratic_force[modes]
+    shape = shape_of(kind, body)
+    velocity = work.velocity[dof : dof + 6 + n]
+    motion = kind.table[body].motion
+    y = frame.right_hand_side
+    if motion == FREE:
+        r1 = r2 = r3 = r4 = r5 = r6 = 0.0
+        for i in range(n):
+            t = inverse_diagonal[i] * (modal_right_hand_side[i] + weight * quadratic_force[i])
+            r1 += shape[i] * t
+            r2 += shape[n + i] * t
+            r3 += shape[2 * n + i] * t
+            r4 += coupling[0, i] * t
+            r5 += coupling[1, i] * t
+            r6 += coupling[2, i] * t
+        y[0] -= r1
+        y[1] -= r2
+        y[2] -= r3
+        y[3] -= r4
+        y[4] -= r5
+        y[5] -= r6
+        cholesky_solve(frame.factor, y, 6)
+    for i in range(n):
+        coupled = (
+            shape[i] * y[0]
+            + shape[n + i] * y[1]
+            + shape[2 * n + i] * y[2]
+            + coupling[0, i] * y[3]
+            + coupling[1, i] * y[4]
+            + coupling[2, i] * y[5]
+        )
+        velocity[6 + i] += inverse_diagonal[i] * (
+            modal_right_hand_side[i] + weight * quadratic_force[i] - coupled
+        )
+    v = rotate(kind.frame[body].mid_rotation, y)
+    for k in range(3):
+        velocity[k] += v[k]
+        velocity[3 + k] += y[3 + k]

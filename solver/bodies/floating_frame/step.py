@@ -1,0 +1,246 @@
+"""The second-order step of floating-frame bodies: momentum rows for the frame, velocity rows for the modes.
+
+With ``p`` and ``L`` the linear momentum and the angular momentum about the frame origin, there is no
+quadratic velocity force in the frame rows, and both momenta of a free body are kept to rounding,
+whatever its modes do. Only the modal row has centrifugal and Coriolis forces; they are evaluated at a
+predicted midpoint velocity and once more at the velocity found, with the same factor, without which
+the scheme is second order but unstable. Bars mark the midpoint of the step::
+
+    (F1)  xb, Rb from half a step along an arc,  qb = q + h/2 qd,  Mb = M(Rb, qb)
+    (F2)  Lb = L + (x - xb) x p
+    (F3)  r  = [ p + h/2 F ;  Rb^T (Lb + h/2 T) ;  (Mb U_n)_f + h/2 (h_f - k q + Q_f) ]
+    (F4)  ( Mb + diag(0, h^2/4 k + h/2 d) ) Ub = r
+    (F5)  x, R, q advance with Ub;  qd := 2 qd_b - qd;  p1 = 2 (Mb Ub)_v - p;
+          L1 = 2 Rb (Mb Ub)_w - Lb + (xb - x1) x p1
+    (F6)  frame velocities at the end from p1, L1 and the new q, qd
+
+Modal row: "Deformable bodies ... sliding contacts" (2014), eqs. 2.66-2.79, with the quadratic forces
+corrected; momentum rows: Newton and Euler about the moving frame origin. The scheme is this project's
+discrete Euler-Lagrange equation ("Integrated simulation ... (2018)", eq. 49) at the midpoint.
+
+The frame velocities of Ub belong to the middle of the step, but the modal rates of Ub are the mean of
+both ends. In the modal row ``Ub - U_n`` must be half the change of U over the step, or the scheme is of
+first order, with a small constant: U_n of the frame in (F3) is therefore shifted by the distance of the
+midpoint velocity from the mean of both ends, as the last steps found it, in proportion to the square of the
+step. Half of the news a step: all of it would feed a step-to-step alternation.
+
+What joints add stands in `floating_frame_joints`; their impulses are part of Ub, hence of p1 and L1.
+"""
+
+from __future__ import annotations
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.rotation import write_rotation_matrix
+from heavylift.numerics.vectors import add_scaled, cross, rotate_back, subtract
+from heavylift.solver.bodies.floating_frame.inertia import (
+    antisymmetric_products,
+    deformed_inertia,
+    quadratic_modal_force,
+)
+from heavylift.solver.bodies.floating_frame.kind import (
+    FloatingFrameBodies,
+)
+from heavylift.solver.bodies.floating_frame.markers import gather_marker_forces
+from heavylift.solver.bodies.floating_frame.shape import lag_scale, product_columns, shape_of
+from heavylift.solver.bodies.floating_frame.stage import clear_velocity, factor_frame, solve_stage
+from heavylift.solver.bodies.frames.fixed_frame import factor_fixed, predict_fixed
+from heavylift.solver.bodies.frames.motion import predict_pose
+from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_pose, drive_velocity
+from heavylift.solver.interface import (
+    Workspace,
+    correct,
+    factor,
+    predict,
+)
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+
+@implement(predict, FloatingFrameBodies)
+@kernel(internal=True)
+def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float) -> None:
+    """(F1), (F2): midpoint configuration, its inertia, and the angular momentum about the new origin."""
+    h = step
+    for body in range(kind.table.shape[0]):
+        n, first = kind.table[body].mode_count, kind.table[body].first_mode
+        motion = kind.table[body].motion
+        frame = kind.frame[body]
+        if motion == FIXED:
+            predict_fixed(kind, body, h)
+            continue
+        frame.at_end = False
+        modes = slice(first, first + n)
+        modal_position = kind.modal_position[modes]
+        modal_velocity = kind.modal_velocity[modes]
+        modal_acceleration = kind.modal_acceleration[modes]
+        mid_modal_position = kind.mid_modal_position[modes]
+        mid_modal_velocity = kind.mid_modal_velocity[modes]
+        for i in range(n):
+            mid_modal_position[i] = modal_position[i] + 0.5 * h * modal_velocity[i]
+            mid_modal_velocity[i] = modal_velocity[i] + 0.5 * h * modal_acceleration[i]
+        R = frame.mid_rotation
+        if motion == DRIVEN:
+            pose = frame.mid_pose
+            drive_pose(kind.constants[kind.table[body].drive :], time + 0.5 * h, pose)
+            for k in range(3):
+                frame.mid_position[k] = pose[k]
+            write_rotation_matrix((pose[3], pose[4], pose[5], pose[6]), R)
+            drive_velocity(kind.constants[kind.table[body].drive :], time + h, frame.drive_rates)
+            for k in range(3):  # the mean of both ends makes the momentum balance of the modes second order
+                frame.mean_twist[k] = 0.5 * (frame.velocity[k] + frame.drive_rates[k])
+                frame.mean_twist[3 + k] = 0.5 * (frame.spin[k] + frame.drive_rates[3 + k])
+        else:
+            predict_pose(frame, h, 0.125 * h * h)
+        v = rotate_back(
+            R,
+            add_scaled(frame.velocity, 0.5 * h, frame.acceleration),
+        )
+        for k in range(3):
+            frame.mid_velocity[k] = v[k]
+            frame.mid_spin[k] = frame.spin[k] + 0.5 * h * frame.spin_rate[k]
+            frame.start_velocity[k] = frame.velocity[k]
+            frame.start_velocity[3 + k] = frame.spin[k]
+        rows = slice(8 * first, 8 * (first + n))
+        midpoint_products = kind.midpoint_products[rows]
+        position_products = kind.position_products[rows]
+        velocity_products = kind.velocity_products[rows]
+        for r in range(8 * n):
+            midpoint_products[r] = position_products[r] + 0.5 * h * velocity_products[r]
+        deformed_inertia(
+            shape_of(kind, body),
+            mid_modal_position,
+            midpoint_products,
+            frame,
+            kind.coupling[:, modes],
+        )
+        moved = cross(
+            subtract(frame.position, frame.mid_position),
+            frame.linear_momentum,
+        )
+        for k in range(3):
+            frame.transported_momentum[k] = frame.angular_momentum[k] + moved[k]
+
+
+@implement(factor, FloatingFrameBodies)
+@kernel(internal=True)
+def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
+    """(F3), (F4) with the quadratic forces at the predicted midpoint velocity."""
+    h = step
+    gather_marker_forces(kind, work)
+    lag = lag_scale(step, work)
+    for body in range(kind.table.shape[0]):
+        n, first = kind.table[body].mode_count, kind.table[body].first_mode
+        motion = kind.table[body].motion
+        if motion == FIXED:
+            factor_fixed(kind, body, h, work)
+            continue
+        frame = kind.frame[body]
+        modes = slice(first, first + n)
+        modal_position = kind.modal_position[modes]
+        modal_velocity = kind.modal_velocity[modes]
+        stiffness = kind.stiffness[modes]
+        damping = kind.damping[modes]
+        inverse_diagonal = kind.inverse_diagonal[modes]
+        modal_right_hand_side = kind.modal_right_hand_side[modes]
+        mid_modal_position = kind.mid_modal_position[modes]
+        quadratic_force = kind.quadratic_force[modes]
+        coupling = kind.coupling[:, modes]
+        modal_load = kind.modal_load[modes]
+        shape = shape_of(kind, body)
+        R = frame.mid_rotation
+        g1, g2, g3 = rotate_back(R, work.sums.gravity)
+        for i in range(n):
+            inverse_diagonal[i] = 1.0 / (1.0 + 0.25 * h * h * stiffness[i] + 0.5 * h * damping[i])
+            gravity = shape[i] * g1 + shape[n + i] * g2 + shape[2 * n + i] * g3
+            modal_right_hand_side[i] = modal_velocity[i] + 0.5 * h * (
+                modal_load[i] + gravity - stiffness[i] * modal_position[i]
+            )
+        v1, v2, v3 = rotate_back(
+            R,
+            add_scaled(frame.start_velocity, lag, frame.lag),
+        )
+        w1 = frame.start_velocity[3] + lag * frame.lag[3]
+        w2 = frame.start_velocity[4] + lag * frame.lag[4]
+        w3 = frame.start_velocity[5] + lag * frame.lag[5]
+        for i in range(n):
+            modal_right_hand_side[i] += (
+                shape[i] * v1
+                + shape[n + i] * v2
+                + shape[2 * n + i] * v3
+                + coupling[0, i] * w1
+                + coupling[1, i] * w2
+                + coupling[2, i] * w3
+            )
+        rows = slice(8 * first, 8 * (first + n))
+        mid_velocity_products = kind.mid_velocity_products[rows]
+        midpoint_products = kind.midpoint_products[rows]
+        velocity_products = kind.velocity_products[rows]
+        acceleration_products = kind.acceleration_products[rows]
+        # the matrices times the predicted rates are a combination of carried products
+        rates = mid_velocity_products
+        for r in range(3 * n):
+            rates[r] = velocity_products[r] + 0.5 * h * acceleration_products[r]
+        quadratic_modal_force(
+            shape,
+            mid_modal_position,
+            midpoint_products,
+            rates,
+            frame.mid_spin[0],
+            frame.mid_spin[1],
+            frame.mid_spin[2],
+            quadratic_force,
+        )
+        if motion == FREE:
+            m = frame.mass
+            p = rotate_back(
+                R,
+                add_scaled(frame.linear_momentum, 0.5 * h, add_scaled(frame.force, m, work.sums.gravity)),
+            )
+            l = rotate_back(R, frame.transported_momentum)
+            t = cross(frame.first_moment, (g1, g2, g3))
+            for k in range(3):
+                frame.right_hand_side[k] = p[k]
+                frame.right_hand_side[3 + k] = l[k] + 0.5 * h * (frame.moment[k] + t[k])
+            factor_frame(frame, inverse_diagonal, kind.translation[:, modes], coupling)
+        elif motion == DRIVEN:
+            v1, v2, v3 = rotate_back(R, frame.mean_twist)
+            frame.right_hand_side[0], frame.right_hand_side[1], frame.right_hand_side[2] = v1, v2, v3
+            for k in range(3):
+                frame.right_hand_side[3 + k] = frame.mean_twist[3 + k]
+        clear_velocity(kind, body, work)
+        solve_stage(kind, body, 0.5 * h, work)
+
+
+@implement(correct, FloatingFrameBodies)
+@kernel(internal=True)
+def correct_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
+    """Second pass of (F4): quadratic forces at the velocity that the first pass found.
+
+    Only what their change does to the free velocity is added, so impulses of joints that are in the velocity stay.
+    """
+    for body in range(kind.table.shape[0]):
+        if kind.table[body].motion == FIXED:
+            continue
+        n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
+        rows = slice(8 * first, 8 * (first + n))
+        mid_velocity_products = kind.mid_velocity_products[rows]
+        midpoint_products = kind.midpoint_products[rows]
+        velocity = work.velocity[dof : dof + 6 + n]
+        for i in range(first, first + n):
+            kind.modal_right_hand_side[i] = -0.5 * step * kind.quadratic_force[i]
+        for k in range(6):
+            kind.frame[body].right_hand_side[k] = 0.0
+        antisymmetric_products(product_columns(kind, body), velocity[6:], mid_velocity_products)
+        work.control.changed += 1
+        quadratic_modal_force(
+            shape_of(kind, body),
+            kind.mid_modal_position[first : first + n],
+            midpoint_products,
+            mid_velocity_products,
+            velocity[3],
+            velocity[4],
+            velocity[5],
+            kind.quadratic_force[first : first + n],
+        )
+        solve_stage(kind, body, 0.5 * step, work)

@@ -1,0 +1,157 @@
+"""How frames move: their pose in a step, their velocities, and what a record says of them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
+from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
+from heavylift.numerics.vectors import add, cross, rotate
+from heavylift.solver.bodies.frames.base import Frame, FrameBodies, FrameMotion
+from heavylift.solver.drive import FREE
+from heavylift.solver.interface import Sums, Workspace, check, write_velocity
+from heavylift.solver.kinds import implement
+
+__all__ = [
+    "add_momenta",
+    "add_wrench",
+    "advance_pose",
+    "check_frames",
+    "orientation_of",
+    "pose_stage",
+    "predict_pose",
+    "write_frame_velocities",
+    "write_motion",
+    "write_point",
+]
+
+NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE)
+
+
+@kernel(inline=True, internal=True)
+def orientation_of(frame: FrameMotion) -> tuple[float, float, float, float]:
+    """Carried quaternion."""
+    q = frame.orientation
+    return q[0], q[1], q[2], q[3]
+
+
+@kernel(internal=True)
+def pose_stage(frame: Frame) -> None:
+    """Pose of the stage at the carried state."""
+    write_rotation_matrix(orientation_of(frame), frame.mid_rotation)
+    for k in range(3):
+        frame.mid_position[k] = frame.position[k]
+
+
+@kernel(internal=True)
+def predict_pose(frame: Frame, step: float, curve: float) -> None:
+    """Pose of the stage half a step ahead along an arc, which leaves the tangent by `curve` [s2] accelerations."""
+    h, a = step, curve
+    for k in range(3):
+        frame.mid_position[k] = frame.position[k] + 0.5 * h * frame.velocity[k] + a * frame.acceleration[k]
+    quaternion = rotate_by_exponential(
+        orientation_of(frame),
+        0.5 * h * frame.spin[0] + a * frame.spin_rate[0],
+        0.5 * h * frame.spin[1] + a * frame.spin_rate[1],
+        0.5 * h * frame.spin[2] + a * frame.spin_rate[2],
+    )
+    write_rotation_matrix(quaternion, frame.mid_rotation)
+
+
+@kernel(internal=True)
+def advance_pose(frame: Frame, velocity: NDArray[np.float64], step: float) -> None:
+    """``x += h v``, ``R := R exp(h w)`` with six constant velocities."""
+    h = step
+    quaternion = rotate_by_exponential(
+        orientation_of(frame), h * velocity[3], h * velocity[4], h * velocity[5]
+    )
+    for k in range(3):
+        frame.position[k] += h * velocity[k]
+    for k in range(4):
+        frame.orientation[k] = quaternion[k]
+
+
+@kernel(internal=True)
+def add_wrench(frame: Frame, jacobian: NDArray[np.float64], offset: int, force: NDArray[np.float64]) -> None:
+    """``J^T f`` of a marker, whose window has the velocities of the frame from `offset` on."""
+    f1, f2, f3 = force[0], force[1], force[2]
+    for j in range(6):
+        frame.wrench[j] += (
+            jacobian[0, offset + j] * f1 + jacobian[1, offset + j] * f2 + jacobian[2, offset + j] * f3
+        )
+
+
+@implement(write_velocity, FrameBodies)
+@kernel(internal=True)
+def write_frame_velocities(kind: FrameBodies, work: Workspace) -> None:
+    """World velocities of the origins, spins in body axes."""
+    for body in range(kind.table.shape[0]):
+        dof = kind.table[body].dof
+        for k in range(6):
+            work.velocity[dof + k] = kind.frame[body].twist[k]
+
+
+@implement(check, FrameBodies)
+@kernel(internal=True)
+def check_frames(kind: FrameBodies, step: float, work: Workspace) -> None:
+    """Refuse what is not finite, and turns of free frames of more than `largest_turn` in a step."""
+    for body in range(kind.table.shape[0]):
+        dof = kind.table[body].dof
+        total = 0.0
+        for i in range(dof, dof + 6):
+            total += abs(work.velocity[i])
+        w1, w2, w3 = work.velocity[dof + 3], work.velocity[dof + 4], work.velocity[dof + 5]
+        turn = step * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
+        if not math.isfinite(total):
+            work.status.outcome = NOT_FINITE
+            work.status.body = kind.table[body].number
+        elif kind.table[body].motion == FREE and turn > kind.largest_turn:
+            work.status.outcome = STEP_TOO_LARGE
+            work.status.body = kind.table[body].number
+
+
+@kernel(internal=True)
+def write_motion(frame: FrameMotion, row: NDArray[np.float64], column: int) -> None:
+    """Position, quaternion, velocity and spin into 13 columns of a record."""
+    for k in range(3):
+        row[column + k] = frame.position[k]
+        row[column + 7 + k] = frame.velocity[k]
+        row[column + 10 + k] = frame.spin[k]
+    for k in range(4):
+        row[column + 3 + k] = frame.orientation[k]
+
+
+@kernel(internal=True)
+def write_point(
+    frame: Frame,
+    place: tuple[float, float, float],
+    rate: tuple[float, float, float],
+    row: NDArray[np.float64],
+    column: int,
+) -> None:
+    """World position and velocity of a point, of which place and rate in body axes are known, into six columns."""
+    u, d = place, rate
+    c = cross(frame.spin, u)
+    point = rotate(frame.mid_rotation, u)
+    moved = rotate(frame.mid_rotation, add(c, d))
+    for k in range(3):
+        row[column + k] = frame.position[k] + point[k]
+        row[column + 3 + k] = frame.velocity[k] + moved[k]
+
+
+@kernel(internal=True)
+def add_momenta(
+    frame: Frame, linear: tuple[float, float, float], angular: tuple[float, float, float], sums: Sums
+) -> None:
+    """Momenta of a body, the angular one about the origin of its frame, and works into the totals; world axes."""
+    p = linear
+    x = cross(frame.position, p)
+    for k in range(3):
+        sums.linear_momentum[k] += p[k]
+        sums.angular_momentum[k] += angular[k] + x[k]
+    sums.external_work += frame.external_work
+    sums.drive_work += frame.drive_work

@@ -1,0 +1,1 @@
+"""What happens at one contact: normal force, friction, restitution."""

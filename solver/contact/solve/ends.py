@@ -1,0 +1,355 @@
+"""Contacts at the end of the step: gaps, impacts, and the velocities of what stays closed.
+
+An impact obeys Newton's law between the end velocity of the step, which knows the elastic forces of the step, and the
+velocity after it: applied before the elastic forces, light and stiff local modes would take the whole impulse. Contacts
+that stay closed are projected like joints, but their impulses over the whole step, those of the middle included,
+may not pull: so what pushed a penetration out leaves no velocity behind.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.contact import layout as told
+from heavylift.solver.contact.counts import contact_count
+from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, RIGID, TRIANGLES, ContactRows
+from heavylift.solver.contact.laws.normal_force import normal_force
+from heavylift.solver.contact.laws.restitution import bound_restitution
+from heavylift.solver.contact.search.search_end import judge_searches
+from heavylift.solver.contact.solve.delassus import contact_rates
+from heavylift.solver.contact.solve.events import CLOSE, MOST_EVENTS, SHORTEST, gap_tolerance
+from heavylift.solver.contact.solve.stage import (
+    assemble_response,
+    friction_rows,
+    present_at,
+    slip_stiffness,
+    softness_of,
+    solve_present,
+)
+from heavylift.solver.contact.system_interface import follow
+from heavylift.solver.contact.triangles.interface import place_surfaces
+from heavylift.solver.interface import (
+    Bodies,
+    Joints,
+    Systems,
+    Workspace,
+    add_row_work,
+    apply_inverse,
+    close_step,
+    solve_end,
+)
+from heavylift.solver.kinds import implement
+
+__all__ = ["REST", "pressed_force"]
+
+REST = 1e-6
+"""Rate after an impact relative to that before it, below which the contact is closed."""
+
+OFF = 1e-4
+"""Gap relative to the size of a contact, with which it does not stay closed: it has slid over a border."""
+
+SHORTEST_PART = 1e-3
+"""Of a whole step, down to which it is halved while the impulses at its end are not found."""
+
+STICKING = 1e-9
+"""Share of the bound below which a friction impulse counts as one that holds."""
+
+
+@kernel(internal=True)
+def _is_new(contacts: ContactRows, c: int, step: float, velocity: NDArray[np.float64]) -> bool:
+    """Whether an open contact without compliance closes at the end of this step."""
+    state = contacts.state[c]
+    if state.closed or contacts.table[c].law == COMPLIANT:
+        return False
+    if state.present and contacts.rows[c].half_impulse[0] > 0.0:
+        return True  # stopped by its row in the middle of the step
+    rate = contact_rates(contacts, c, velocity)[0]
+    # what would touch at once belongs to the same impact
+    soon = -SHORTEST * rate * contacts.control.nominal_step
+    return rate < 0.0 and state.end_gap <= gap_tolerance(contacts, c, rate) + soon
+
+
+@implement(solve_end, ContactRows)
+@kernel(internal=True)
+def solve_contact_end(
+    contacts: ContactRows,
+    rows: Systems,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    step: float,
+) -> None:
+    """With the factor of the joints at the end of the step, which have been solved without contacts.
+
+    Where something hits, what has been closed all along is projected first: an impact may lift it, but cannot take back
+    the impulses that have borne it until then.
+    """
+    closed, hits = 0, 0
+    for c in range(contact_count(contacts)):
+        state = contacts.state[c]
+        impulse = contacts.rows[c].impulse
+        for r in range(3):
+            impulse[r] = state.warm_start[r] = 0.0
+        state.new = _is_new(contacts, c, step, work.velocity)
+        if state.new and not state.present:
+            hits += 1
+        elif state.closed:
+            closed += 1
+    apart = closed > 0 and hits > 0
+    if apart:
+        if not _project(contacts, rows, bodies, joints, work, time, step, True, False):
+            return
+        add_row_work(bodies, 1.0, work, contacts)
+        for c in range(contact_count(contacts)):
+            impulse, half_impulse = contacts.rows[c].impulse, contacts.rows[c].half_impulse
+            for r in range(3):
+                half_impulse[r] += 0.5 * impulse[r]
+                impulse[r] = 0.0
+    _project(contacts, rows, bodies, joints, work, time, step, not apart, True)
+
+
+@kernel(internal=True)
+def _project(
+    contacts: ContactRows,
+    rows: Systems,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    step: float,
+    smooth: bool,
+    hits: bool,
+) -> bool:
+    """Impulses at the end of what is closed, and of what hits; false if they are not found.
+
+    Parameters
+    ----------
+    contacts, rows, bodies, joints, work, time, step
+        As of `solve_end`.
+    smooth
+        Whether these impulses belong to those of the step: both together push and stay in their cones.
+    hits
+        Whether what is new takes part.
+    """
+    count = 0
+    for c in range(contact_count(contacts)):
+        state = contacts.state[c]
+        rubs = (
+            smooth
+            and contacts.table[c].law == COMPLIANT
+            and state.present
+            and contacts.values[c].friction > 0.0
+            and contacts.table[c].shape_kind != TRIANGLES  # there friction yields
+        )
+        if state.closed or (hits and state.new) or rubs:
+            contacts.present[count] = c
+            count += 1
+    contacts.counts.present = count
+    if count == 0:
+        return True
+    apply_inverse(bodies, False, contacts)
+    for j in range(count):
+        _tell_end(contacts, j, smooth, work)
+    assemble_response(contacts, rows, count)
+    for j in range(count):  # whether it rests afterwards is told by the rate before
+        c = present_at(contacts, j)
+        contacts.state[c].rate = contact_rates(contacts, c, work.velocity)[0]
+    if not solve_present(contacts, count, work):
+        # not found: two steps may do what one does not
+        if step > SHORTEST_PART * contacts.control.nominal_step:
+            work.status.outcome = work.status.block = 0
+            work.control.split = 0.5 * step
+        return False
+    if hits and not bound_restitution(contacts, count, work):
+        return False
+    follow(rows, joints, False, work, time, step)
+    for j in range(count):
+        _book_impact(contacts, j, smooth, work)
+    return True
+
+
+@kernel(internal=True)
+def _tell_end(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -> None:
+    """Law of a contact for the projection; what is not smooth has no impulses of the step beside it."""
+    c = present_at(contacts, j)
+    state, values, law = contacts.state[c], contacts.values[c], contacts.laws[j]
+    friction_rows(contacts, j, softness_of(contacts, c), 0.0)
+    half_impulse = contacts.rows[c].half_impulse
+    for r in range(3):
+        law.offset[r] = 2.0 * half_impulse[r] if smooth or state.new else 0.0
+    kind = contacts.table[c].law
+    if kind == COMPLIANT:
+        contacts.kinds[j].kind = told.NORMAL_GIVEN
+    elif kind == BILATERAL:
+        contacts.kinds[j].kind = told.BILATERAL
+    elif kind == CURVE:
+        contacts.kinds[j].kind = told.CURVE
+    else:
+        contacts.kinds[j].kind = told.UNILATERAL
+        if state.new:
+            rate = state.rate if state.present else contact_rates(contacts, c, work.velocity)[0]
+            # what is still inside from an impact before comes to rest, or it would hit again in every step
+            outside = state.gap >= -CLOSE * values.length_scale
+            if outside and -rate > values.rest_speed and state.recent_impacts < MOST_EVENTS:
+                law.target[0] = -values.restitution * rate
+        law.wanted = law.target[0]
+
+
+@kernel(internal=True)
+def _book_impact(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -> None:
+    """Energy lost by an impact: its impulse on the mean of the rates before and after; by friction likewise."""
+    c = present_at(contacts, j)
+    state = contacts.state[c]
+    impulse = contacts.rows[c].impulse
+    w, free = contacts.rates[2], contacts.rates[0]
+    loss = 0.0
+    first = 2 if contacts.table[c].law == CURVE else 1
+    # what slides over a ridge of triangles takes a small blow in its new direction
+    if not smooth or state.new or contacts.table[c].shape_kind == TRIANGLES:
+        first = 0
+    for r in range(first, 3):
+        before = free[3 * j + r]
+        loss -= 0.5 * impulse[r] * (before + w[3 * j + r])
+    state.loss += loss
+    if state.new:
+        contacts.control.impact = True
+        state.recent_impacts += 1
+        state.impacts += 1
+
+
+@implement(close_step, ContactRows)
+@kernel(internal=True)
+def close_contact_step(
+    contacts: ContactRows, all_systems: Systems, bodies: Bodies, work: Workspace, step: float
+) -> None:
+    """What stays closed, sums and forces of the step; after the bodies have taken their velocities."""
+    add_row_work(bodies, 1.0, work, contacts)
+    judge_searches(contacts, True, work)
+    for c in range(contact_count(contacts)):
+        _close_one(contacts, c, step, work)
+    place_surfaces(contacts.meshes, contacts)
+
+
+@kernel(internal=True)
+def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> None:
+    state, values = contacts.state[c], contacts.values[c]
+    impulse, half_impulse = contacts.rows[c].impulse, contacts.rows[c].half_impulse
+    reaction = contacts.rows[c].reaction
+    kind = contacts.table[c].law
+    touched = state.present or state.new or state.closed
+    if not touched and state.sleep > 0.0:
+        state.step_impulse = 0.0
+        state.normal_force = state.friction_force = state.slip_speed = 0.0
+        for r in range(3):
+            reaction[r] = state.force[r] = state.warm_start[r] = state.middle_force[r] = 0.0
+        state.gap, state.second_gap = state.end_gap, state.second_end_gap
+        # so near it has been searched, and has rows
+        if state.end_gap <= CLOSE * values.length_scale or contacts.table[c].shape_kind == TRIANGLES:
+            state.rate = contact_rates(contacts, c, work.velocity)[0]
+        return
+    a, b, d = contact_rates(contacts, c, work.velocity)
+    total = 2.0 * half_impulse[0] + impulse[0]
+    if kind == CURVE:
+        total = math.hypot(total, 2.0 * half_impulse[1] + impulse[1])
+    state.impulse += abs(total) if kind == CURVE else total
+    state.step_impulse = total
+    resting = state.present and not state.new
+    ahead = step / (step + work.control.last_step)
+    for r in range(3):
+        middle = (2.0 * half_impulse[r] + impulse[r]) / step if resting else 0.0
+        before = state.middle_force[r]
+        continued = before != 0.0 and middle != 0.0 and kind != COMPLIANT
+        reaction[r] = middle + (ahead * (middle - before) if continued else 0.0)
+        state.middle_force[r] = middle
+        state.warm_start[r] = half_impulse[r]
+    if kind == COMPLIANT:
+        reaction[0] = pressed_force(contacts, c, a)
+        if state.end_gap >= 0.0:
+            state.touch_damping = -1.0
+    elif kind != BILATERAL and kind != CURVE:  # noqa: PLR1714  a set costs time here
+        stays = state.closed and total > 0.0 and state.end_gap <= OFF * values.length_scale
+        # of more contacts than needed some bear nothing, and rest all the same
+        if contacts.table[c].shape_kind == TRIANGLES:
+            stays = stays or (state.closed and state.end_gap <= gap_tolerance(contacts, c, a))
+        stays = stays or (state.new and a <= REST * abs(state.rate))
+        state.closed = stays
+    first = 2 if kind == CURVE else 1
+    bound = values.friction * abs(total)
+    held = 0.0
+    for r in range(first, 3):
+        held = math.hypot(held, 2.0 * half_impulse[r] + impulse[r])
+    if (not state.closed and kind != COMPLIANT) or held >= bound * (1.0 - STICKING):
+        _let_slip(contacts, c, bound / step)
+    speed = abs(d) if kind == CURVE else math.hypot(b, d)
+    state.slip_speed = speed if total != 0.0 else 0.0
+    state.rate = a
+    state.gap, state.second_gap = state.end_gap, state.second_end_gap
+    _keep_in_cone(contacts, c, reaction, kind)
+    _write_force(contacts, c, reaction, kind)
+
+
+@kernel(internal=True)
+def _let_slip(contacts: ContactRows, c: int, most: float) -> None:
+    """What slides keeps no memory of where it stuck, but for what the largest force of friction [N] stretches."""
+    state = contacts.state[c]
+    stretched = slip_stiffness(contacts, c) * math.hypot(state.slip[0], state.slip[1])
+    share = min(1.0, most / stretched) if stretched > 0.0 else 0.0
+    state.slip[0], state.slip[1] = share * state.slip[0], share * state.slip[1]
+
+
+@kernel(internal=True)
+def pressed_force(contacts: ContactRows, c: int, rate: float) -> float:
+    """Normal force [N] of a compliant contact at its gap, which opens at a rate [m/s]."""
+    values = contacts.values[c]
+    return normal_force(
+        contacts.table[c].force_law,
+        values.stiffness,
+        values.exponent,
+        _damping(contacts, c),
+        -contacts.state[c].end_gap,
+        -rate,
+    )
+
+
+@kernel(internal=True)
+def _keep_in_cone(contacts: ContactRows, c: int, reaction: NDArray[np.float64], kind: int) -> None:
+    """Forces that were carried on to the end of the step obey the law too: none pulls, friction has its bound."""
+    first = 2 if kind == CURVE else 1
+    normal = math.hypot(reaction[0], reaction[1]) if kind == CURVE else reaction[0]
+    if kind == RIGID or kind == COMPLIANT:  # noqa: PLR1714, SIM109  a set costs time here
+        normal = reaction[0] = max(reaction[0], 0.0)
+    bound, found = contacts.values[c].friction * abs(normal), 0.0
+    for r in range(first, 3):
+        found = math.hypot(found, reaction[r])
+    if found > bound:
+        for r in range(first, 3):
+            reaction[r] *= bound / found
+
+
+@kernel(inline=True, internal=True)
+def _damping(contacts: ContactRows, c: int) -> float:
+    """Of the force law at this touch."""
+    if contacts.table[c].force_law == told.HUNT_CROSSLEY:
+        return max(contacts.state[c].touch_damping, 0.0)
+    return contacts.values[c].damping
+
+
+@kernel(internal=True)
+def _write_force(contacts: ContactRows, c: int, reaction: NDArray[np.float64], kind: int) -> None:
+    """Force on what touches, in the world."""
+    state = contacts.state[c]
+    f1, f2, f3 = reaction[0], reaction[1], reaction[2]
+    n1, n2, n3 = state.normal[0], state.normal[1], state.normal[2]
+    t1, t2, t3 = state.tangent[0], state.tangent[1], state.tangent[2]
+    # the third direction of a surface is n x t, and so is that of a curve: normals and tangent are its axes
+    s1, s2, s3 = n2 * t3 - n3 * t2, n3 * t1 - n1 * t3, n1 * t2 - n2 * t1
+    state.force[0] = f1 * n1 + f2 * t1 + f3 * s1
+    state.force[1] = f1 * n2 + f2 * t2 + f3 * s2
+    state.force[2] = f1 * n3 + f2 * t3 + f3 * s3
+    state.normal_force = math.hypot(f1, f2) if kind == CURVE else f1
+    state.friction_force = abs(f3) if kind == CURVE else math.hypot(f2, f3)

@@ -1,0 +1,154 @@
+"""Last resort: contact after contact is solved with the others held (projected Gauss-Seidel method).
+
+Slow where contacts are redundant, but from the first sweep on all impulses push and stay in their cones, which a failed
+Newton method does not promise (M. Jean, Comput. Methods Appl. Mech. Eng. 177 (1999)).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.contact.laws.rows import (
+    RECORD,
+    ROWS,
+    clip,
+    linearise,
+    linearised_contact,
+    solved_rows,
+)
+from heavylift.solver.contact.layout import CURVE, INACTIVE, Problem, Work
+from heavylift.solver.contact.solve.iteration import ACCEPTED, measure
+from heavylift.solver.contact.solve.system import END
+
+__all__ = ["sweep_contacts"]
+
+SWEEPS = 3000
+CHECK = 50
+"""Sweeps between measurements of the residual; a part of all of them."""
+
+
+@kernel(internal=True)
+def _rate(problem: Problem, row: int, y: NDArray[np.float64]) -> float:
+    """Rate of one row."""
+    if problem.ends.shape[0] == 0:
+        return y[row]
+    c, k = row // 3, row % 3
+    total = 0.0
+    for end in range(2):
+        first, o = problem.ends[c, 2 * end], END * end + 6 * k
+        for j in range(problem.ends[c, 2 * end + 1]):
+            total += problem.blocks[c, o + j] * y[first + j]
+    return total
+
+
+@kernel(internal=True, reassociate=True)
+def _push(problem: Problem, row: int, impulse: float, y: NDArray[np.float64]) -> None:
+    """Add an impulse on one row to the velocities."""
+    size = problem.counts.size
+    if problem.ends.shape[0] == 0:
+        for i in range(size):
+            y[i] += problem.B[row, i] * impulse
+        return
+    c, k = row // 3, row % 3
+    for end in range(2):
+        first, o = problem.ends[c, 2 * end], END * end + 6 * k
+        for j in range(problem.ends[c, 2 * end + 1]):
+            share = problem.blocks[c, o + j] * impulse
+            if share != 0.0:
+                for i in range(size):
+                    y[i] += problem.B[first + j, i] * share
+
+
+@kernel(internal=True)
+def _response(problem: Problem, row: int, x: NDArray[np.float64]) -> float:
+    """Rate of one row by an impulse on it: an entry on the diagonal of W."""
+    for i in range(problem.counts.size):
+        x[i] = 0.0
+    _push(problem, row, 1.0, x)
+    return _rate(problem, row, x)
+
+
+@kernel(internal=True)
+def _solve_contact(
+    problem: Problem, work: Work, c: int, p: NDArray[np.float64], y: NDArray[np.float64]
+) -> None:
+    """Correct the impulses of one contact: normal rows first, then slip towards the rates that are left."""
+    kinds, parameters, response = problem.kinds, problem.parameters, work.kept
+    record, solved = linearised_contact(work.records, RECORD * c), solved_rows(work.rows, ROWS * c)
+    first = 3 * c
+    normals = 2 if kinds[c].kind == CURVE else 1
+    for i in range(normals):
+        row, before = first + i, p[first + i]
+        work.w[row] = _rate(problem, row, y)
+        linearise(
+            kinds,
+            parameters,
+            solved,
+            c,
+            p,
+            work.w,
+            1.0 / (response[first] + solved.softness[0]),
+            1.0,
+            record,
+        )
+        reaction = record.d00 if i == 0 else record.d11
+        p[row] += record.r[i] / (1.0 + reaction * response[row])
+        _push(problem, row, p[row] - before, y)
+    if kinds[c].kind == INACTIVE or parameters[c].friction <= 0.0:
+        size = 0.0
+    else:
+        size = 1.0 / (
+            max(response[first + 1], response[first + 2]) + max(solved.softness[1], solved.softness[2])
+        )
+        if normals == 1:
+            size *= 0.5  # both tangents at once
+    before1, before2 = p[first + 1], p[first + 2]
+    before = p[first]
+    for i in range(normals, 3):
+        if size > 0.0:
+            g = _rate(problem, first + i, y) + solved.softness[i] * p[first + i] - solved.target[i]
+            p[first + i] -= size * g
+    clip(kinds, parameters, c, p)
+    _push(problem, first, p[first] - before, y)
+    _push(problem, first + 1, p[first + 1] - before1, y)
+    _push(problem, first + 2, p[first + 2] - before2, y)
+
+
+@kernel(internal=True)
+def sweep_contacts(problem: Problem, work: Work, p: NDArray[np.float64]) -> tuple[bool, int, float]:
+    """Sweep over the contacts until the laws hold.
+
+    Parameters
+    ----------
+    problem, work
+        With the diagonal and the rows filled in.
+    p
+        Impulses to begin with, replaced.
+
+    Returns
+    -------
+    found, sweeps, residual
+        As of Newton's method.
+    """
+    count, size = problem.counts.number, problem.counts.size
+    y = work.x
+    for row in range(3 * count):
+        if not abs(p[row]) < np.inf:
+            p[row] = 0.0
+        work.kept[row] = _response(problem, row, y)
+    residual = np.inf
+    for sweep in range(SWEEPS + 1):
+        if sweep % CHECK == 0:  # afresh, without the rounding of many pushes
+            residual = measure(problem, work, p)
+            if residual <= ACCEPTED or sweep == SWEEPS:
+                return residual <= ACCEPTED, sweep, residual
+            for i in range(size):
+                y[i] = problem.start[i]
+            for row in range(3 * count):
+                if p[row] != 0.0:
+                    _push(problem, row, p[row], y)
+        for c in range(count):
+            _solve_contact(problem, work, c, p, y)
+    return False, SWEEPS, residual

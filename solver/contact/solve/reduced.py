@@ -1,0 +1,100 @@
+"""Contacts between rigid bodies are solved on the velocities of those bodies: many contacts, few unknowns.
+
+``y = y0 + B N^T p`` on the velocities y of the bodies that are touched, where ``B = A^-1 - X S^-1 X^T`` is what they
+feel of each other through joints and ropes. The matrix of the contacts themselves is never formed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.contact.kind import ContactRows
+from heavylift.solver.contact.solve.newton import solve_contacts
+from heavylift.solver.contact.system_interface import respond
+from heavylift.solver.interface import Systems
+
+__all__ = ["assemble_reduced", "solve_reduced"]
+
+
+@kernel(internal=True)
+def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> None:
+    """Columns, blocks and matrix for the contacts that take part."""
+    reduced = contacts.reduced
+    for j in range(reduced.problem.counts.size):
+        reduced.columns[reduced.velocities[j]] = -1
+    size = 0
+    lanes = len(contacts.shape[1])
+    for j in range(count):
+        c = contacts.present[j]
+        for side in range(2):
+            i = 2 * c + side
+            dof, width = contacts.attachments[i].dof, contacts.attachments[i].width
+            reduced.ends[j, 2 * side + 1] = width
+            if width == 0:
+                reduced.ends[j, 2 * side] = 0
+                continue
+            if reduced.columns[dof] < 0:
+                for k in range(width):
+                    reduced.columns[dof + k] = size + k
+                    reduced.velocities[size + k] = dof + k
+                size += width
+            reduced.ends[j, 2 * side] = reduced.columns[dof]
+            panel = contacts.attachments[i].panel
+            for r in range(3):
+                for k in range(width):
+                    reduced.blocks[j, 18 * side + 6 * r + k] = contacts.panels[panel + k * lanes + r]
+    reduced.problem.counts.size = size
+    column = contacts.column
+    for j in range(size):
+        dof = reduced.velocities[j]
+        if contacts.inverse_mass[dof] == 0.0:  # its motion is prescribed
+            for i in range(size):
+                reduced.matrix[i, j] = 0.0
+            continue
+        for i in range(column.shape[0]):
+            column[i] = 0.0
+        column[dof] = contacts.inverse_mass[dof]
+        respond(systems, column)
+        for i in range(size):
+            reduced.matrix[i, j] = column[reduced.velocities[i]]
+
+
+@kernel(internal=True)
+def solve_reduced(contacts: ContactRows, count: int, velocity: NDArray[np.float64]) -> None:
+    """Impulses into the second row of `contacts.rates`, rates without and with them into the first and third.
+
+    How it ended is in `contacts.solution`.
+    """
+    reduced, free, w = contacts.reduced, contacts.rates[0], contacts.rates[2]
+    size = reduced.problem.counts.size
+    for i in range(size):
+        reduced.found[i] = 0.0
+    for j in range(count):
+        for side in range(2):
+            at, width = reduced.ends[j, 2 * side], reduced.ends[j, 2 * side + 1]
+            for r in range(3):
+                for k in range(width):
+                    reduced.found[at + k] += reduced.blocks[j, 18 * side + 6 * r + k] * w[3 * j + r]
+    for i in range(size):
+        total = velocity[reduced.velocities[i]]
+        for k in range(size):
+            total -= reduced.matrix[i, k] * reduced.found[k]
+        reduced.start[i] = total
+    reduced.problem.counts.number = count
+    solve_contacts(contacts.solvers, reduced.problem)
+    for j in range(count):
+        for r in range(3):
+            total = 0.0
+            for side in range(2):
+                at, width = reduced.ends[j, 2 * side], reduced.ends[j, 2 * side + 1]
+                for k in range(width):
+                    total += reduced.blocks[j, 18 * side + 6 * r + k] * reduced.found[at + k]
+            w[3 * j + r] = total
+            total = 0.0
+            for side in range(2):
+                at, width = reduced.ends[j, 2 * side], reduced.ends[j, 2 * side + 1]
+                for k in range(width):
+                    total += reduced.blocks[j, 18 * side + 6 * r + k] * reduced.start[at + k]
+            free[3 * j + r] = total

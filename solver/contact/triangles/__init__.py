@@ -1,0 +1,1 @@
+"""Pairs of surfaces of triangles: their contacts come and go."""

@@ -1,0 +1,89 @@
+"""Clearance of surfaces that are out of reach of each other, for the record: only where it is asked for."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.contours.triangles.clearance import WaitingNodes, clearance, clearance_stack_size
+from heavylift.contours.triangles.surface_layout import RelativePose
+from heavylift.contours.triangles.surface_pack import CollisionSurfaces
+from heavylift.numerics.arrays import Arrays, Floats1, Ints1
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Records, records
+from heavylift.solver.contact.kind import ContactRows
+from heavylift.solver.contact.triangles.interface import record_clearance
+from heavylift.solver.contact.triangles.kind import SurfacePairs, placed_pose
+from heavylift.solver.contact.triangles.slots import surface_count
+from heavylift.solver.contact.triangles.touch import relative_pose
+from heavylift.solver.kinds import implement
+
+__all__ = ["Clearances", "make_clearances"]
+
+ABOVE = 1.1
+"""A guess of the next clearance, relative to the last one: what is too small costs a second search."""
+
+
+class Clearances(Arrays):
+    """Which pairs are measured, and scratch.
+
+    Attributes
+    ----------
+    wanted
+        1 for each pair whose clearance is recorded, shape (np,).
+    last
+        Clearance of each pair when it was measured last [m].
+    stack, found, pose
+        Scratch.
+    """
+
+    wanted: Ints1
+    last: Floats1
+    stack: Records[WaitingNodes]
+    found: Floats1
+    pose: RelativePose
+
+
+def make_clearances(surfaces: CollisionSurfaces, wanted: list[bool]) -> list[Clearances]:
+    """The kind, if a pair asks for it."""
+    if not any(wanted):
+        return []
+    return [
+        Clearances(
+            wanted=np.array(wanted, dtype=np.int64),
+            last=np.full(len(wanted), math.inf),
+            stack=records(WaitingNodes, clearance_stack_size(surfaces)),
+            found=np.zeros(6),
+            pose=RelativePose.one(),
+        )
+    ]
+
+
+@implement(record_clearance, Clearances)
+@kernel(internal=True)
+def record_mesh_clearance(
+    clearances: Clearances,
+    meshes: SurfacePairs,
+    contacts: ContactRows,
+    pair: int,
+    row: NDArray[np.float64],
+    at: int,
+) -> None:
+    """At the end of the last step; a pair that has contacts in reach has its gap already."""
+    if clearances.wanted[pair] == 0 or row[at] < meshes.pairs[pair].reach:
+        return
+    first_row = contacts.poses.shape[0] - surface_count(contacts, meshes)
+    a, b = meshes.pairs[pair].poses[0] - first_row, meshes.pairs[pair].poses[1] - first_row
+    first, second = placed_pose(contacts.placed[a], 0), placed_pose(contacts.placed[b], 0)
+    relative_pose(first, second, clearances.pose)
+    row[at] = clearances.last[pair] = clearance(
+        meshes.surfaces,
+        meshes.pairs[pair].surfaces[0],
+        meshes.pairs[pair].surfaces[1],
+        clearances.pose,
+        ABOVE * clearances.last[pair],
+        clearances.stack,
+        clearances.found,
+    )

@@ -1,0 +1,183 @@
+"""The kind of pairs of surfaces of triangles that may touch: beside the contacts, which come and go."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.contours.triangles.feature_gap import FeatureTouch
+from heavylift.contours.triangles.feature_report import ContactList
+from heavylift.contours.triangles.surface_layout import RelativeMotion, RelativePose
+from heavylift.contours.triangles.surface_pack import CollisionSurfaces
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
+from heavylift.numerics.records import Record, Records, record_at
+from heavylift.solver.contact.kind import ContactState, ContactValues
+from heavylift.solver.kinds import Table
+
+if TYPE_CHECKING:
+    from heavylift.solver.contact.triangles.feature_search import FeatureSearches, FoundCount
+
+__all__ = [
+    "Clearing",
+    "ContactHeader",
+    "GoneContacts",
+    "PairSide",
+    "SurfacePair",
+    "SurfacePairs",
+    "contact_header",
+    "gone_contacts",
+    "placed_pose",
+]
+
+BothInts = Annotated[NDArray[np.int64], (2,)]
+
+
+class SurfacePair(Record):
+    """Two surfaces that may touch.
+
+    Attributes
+    ----------
+    surfaces, poses
+        Numbers of both, and rows of their poses.
+    law, force_law
+        Of their contacts.
+    events
+        Whether steps are split at impacts.
+    method
+        Of the search.
+    column
+        First record column.
+    most, recorded
+        Most contacts at once, and how many are recorded.
+    deforms
+        Whether a surface deforms.
+    patch_cosine, patch_size
+        Cosine of the angle between normals of one patch, and its size [m].
+    radii
+        Sum of both roundings [m].
+    reach, patches
+        Reach of the search in the last step [m], and how many patches it made.
+    """
+
+    surfaces: BothInts
+    poses: BothInts
+    law: int
+    force_law: int
+    events: bool
+    method: int
+    column: int
+    most: int
+    recorded: int
+    deforms: bool
+    patch_cosine: float
+    patch_size: float
+    radii: float
+    reach: float
+    patches: int
+
+
+class PairSide(Record):
+    """First velocity, number of velocities and holder of the body of a surface, as in an attachment."""
+
+    dof: int
+    width: int
+    holder: int
+
+
+class GoneContacts(Record):
+    """Sums over contacts of a pair that are gone: normal impulses [N s], energy lost [J], impacts, slip path [m]."""
+
+    impulse: float
+    loss: float
+    impacts: int
+    slip_path: float
+
+
+class ContactHeader(Record):
+    """How many contacts between triangles there are."""
+
+    count: int
+
+
+placed_pose, gone_contacts, contact_header = (
+    record_at(RelativePose),
+    record_at(GoneContacts),
+    record_at(ContactHeader),
+)
+"""What rows of `placed` begin with: poses of the surfaces, then one row for each pair, then a single one."""
+
+
+class Clearing(Table):
+    """Pairs whose distance is recorded, a kind or none."""
+
+
+class SurfacePairs(Arrays):
+    """Surfaces, pairs of them, and what their search needs.
+
+    Attributes
+    ----------
+    surfaces, searches
+        Packed triangles with their trees, and what finds features that meet.
+    pairs
+        The pairs.
+    sides
+        Of each pair two.
+    pair_values
+        Constants of the contacts of each pair, as in `ContactRows.values`.
+    relative
+        Pose of the second surface in the axes of the first at the stage.
+    motions
+        The same at both ends of the step.
+    found, counts
+        What the search of a pair has found, and how many.
+    touch
+        Normal, points on both features and how far they lie beside them, of one contact.
+    points, normals, depths, active, owners, patch_of
+        Of the contacts of a pair, then of what was found beside them: place and normal in the axes of the first
+        surface, gap [m], 1 if it is a contact already, its number in its own list, patch.
+    keeps
+        Of what was found: patch that it becomes a contact of, or -1.
+    chosen, sums, grid
+        Scratch of patches: shapes (n, 4), (n,) and as long as they need.
+    slots, chains
+        Table in which contacts are looked up by their features.
+    kept
+        Contacts found in a step that is taken back.
+    clearances
+        Pairs whose distance is recorded: one kind or none.
+    """
+
+    kernel_modules: ClassVar[tuple[str, ...]] = (
+        "heavylift.solver.contact.triangles.handover",
+        "heavylift.solver.contact.triangles.record",
+        "heavylift.solver.contact.triangles.search",
+        "heavylift.solver.contact.triangles.slots",
+        "heavylift.solver.contact.triangles.touch",
+    )
+
+    surfaces: CollisionSurfaces
+    searches: FeatureSearches
+    pairs: Records[SurfacePair]
+    sides: Records[PairSide]
+    pair_values: Records[ContactValues]
+    relative: Records[RelativePose]
+    motions: Records[RelativeMotion]
+    found: ContactList
+    counts: FoundCount
+    touch: FeatureTouch
+    points: Floats2
+    normals: Floats2
+    depths: Floats1
+    active: Ints1
+    owners: Ints1
+    patch_of: Ints1
+    keeps: Ints1
+    chosen: Ints2
+    sums: Floats1
+    grid: Ints1
+    slots: Ints1
+    chains: Ints1
+    kept: Records[ContactState]
+    clearances: Clearing

@@ -1,0 +1,361 @@
+"""Surfaces and collisions of a scene become the kind of pairs of surfaces, and room for their contacts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from heavylift.contours.triangles.surface_layout import RelativeMotion, RelativePose
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
+from heavylift.numerics.rotation import rotation_matrix
+from heavylift.solver.bodies.rigid.kind import principal_frame
+from heavylift.solver.contact.checks import check_law, check_motion
+from heavylift.solver.contact.kind import (
+    COMPLIANT,
+    OF_FACETS,
+    OF_GROUND,
+    OF_RIGID,
+    RIGID,
+    Colliding,
+    ContactContour,
+    ContactState,
+    ContactValues,
+    ContourPose,
+)
+from heavylift.solver.contact.laws.packing import force_law, put_law
+from heavylift.solver.contact.packed_collisions import PackedCollisions
+from heavylift.solver.contact.triangles.clearance import make_clearances
+from heavylift.solver.contact.triangles.facet_counts import count_moving, count_slots, most_of
+from heavylift.solver.contact.triangles.facet_kind import FacetSurface, FacetSurfaces
+from heavylift.solver.contact.triangles.kind import (
+    Clearing,
+    PairSide,
+    SurfacePair,
+    SurfacePairs,
+)
+from heavylift.solver.rows.structure import Attachment
+from heavylift.solver.scene.connections import GROUND
+from heavylift.solver.scene.contacts import BilateralLaw, RigidLaw
+from heavylift.solver.scene.meshes import MeshBody
+from heavylift.solver.scene.scene import RigidBody, Scene
+
+if TYPE_CHECKING:
+    from heavylift.contours.triangles.surface_pack import CollisionSurfaces
+    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.solver.bodies.ancf.facet_packing import FacetBook
+    from heavylift.solver.scene.collisions import Collision, CollisionSurface
+    from heavylift.solver.scene.scene import AnyBody
+
+__all__ = ["pack_collisions"]
+
+METHODS = {"swept": 0, "position-difference": 1}
+
+EDGES_OF_PATCH = 1.5
+"""Mean edges of the smaller surface in a patch, at least: the diagonal of a square face is 1.41 of its edges."""
+
+FOUND_AT_A_POINT = 4
+"""Features that a search may find for each point of a surface that deforms: all of it may lie on something."""
+
+MOST_AT_ALL = 100_000
+"""Contacts at once, of all collisions: each takes about a kilobyte."""
+
+FOUND_AT_ONCE = 16
+"""Features that a search may find for each contact that there may be: those of one patch make few contacts."""
+
+
+def pack_collisions(
+    scene: Scene,
+    ordered: Sequence[AnyBody],
+    columns: Sequence[int],
+    attachment: Callable[[str], Attachment],
+    dofs: Mapping[str, int],
+    scales: Callable[[str], tuple[float, float]],
+    first_pose: int,
+) -> PackedCollisions:
+    """Make the kind.
+
+    Parameters
+    ----------
+    scene, ordered
+        What the user said, and its bodies in the order of their kinds.
+    columns
+        First record column of each collision.
+    attachment, dofs, scales
+        As of `pack_contacts`.
+    first_pose
+        Contours, whose poses come first.
+
+    Raises
+    ------
+    InputError
+        What the checks of collisions refuse.
+    """
+    from heavylift.contours.triangles.feature_gap import FeatureTouch
+    from heavylift.contours.triangles.feature_report import make_contact_list
+    from heavylift.contours.triangles.pair_list import make_pair_lists
+    from heavylift.contours.triangles.patches import EXTREMES, patch_scratch_size
+    from heavylift.contours.triangles.surface_pack import pack_surfaces
+    from heavylift.solver.contact.triangles.feature_search import FeatureSearch, FeatureSearches, FoundCount
+
+    by_name = {body.name: body for body in ordered}
+    contours = records(ContactContour, len(scene.surfaces))
+    poses, moved = [], []
+    deforming: dict[int, FacetBook] = {}
+    for i, one in enumerate(scene.surfaces):
+        contours[i], pose, surface, book = _pack_surface(one, by_name, dofs)
+        poses.append(pose)
+        moved.append(surface)
+        if book is not None:
+            deforming[i] = book
+    numbers = {one.name: i for i, one in enumerate(scene.surfaces)}
+    count = len(scene.collisions)
+    pairs, sides = records(SurfacePair, count), records(PairSide, 2 * count)
+    values = records(ContactValues, count)
+    for i, (collision, column) in enumerate(zip(scene.collisions, columns, strict=True)):
+        _check(collision, scene, scales)
+        first, second = (numbers[name] for name in collision.surfaces)
+        pair, law = pairs[i], collision.law
+        pair.surfaces[:] = first, second
+        pair.poses[:] = first_pose + first, first_pose + second
+        pair.law = RIGID if isinstance(law, RigidLaw) else COMPLIANT
+        pair.force_law = 0 if isinstance(law, RigidLaw) else force_law(law)
+        pair.events = collision.events
+        pair.method = METHODS[collision.method]
+        pair.column, pair.recorded = column, collision.recorded
+        pair.most = most_of(collision, scene)
+        pair.deforms = first in deforming or second in deforming
+        if pair.deforms and isinstance(law, RigidLaw) and law.restitution == 0.0:
+            pair.events = False  # each impact sends waves, and each wave opens and closes others
+        held = [attachment(scene.surfaces[k].body) for k in (first, second)]
+        for side, given in zip(sides[2 * i : 2 * i + 2], held, strict=True):
+            side.dof, side.width, side.holder = given.dof, given.width, given.holder
+        size = min(_extent(moved[first]), _extent(moved[second]))
+        if not size > 0.0:
+            _refuse(collision, "between", "a surface that is a single point", "a radius, or more points")
+        of_contact = values[i]
+        put_law(law, of_contact)
+        of_contact.friction, of_contact.length_scale, of_contact.extent = collision.friction, size, 0.0
+        inverse = [0.0 if name == GROUND else scales(name)[0] for name in _bodies(collision, scene)]
+        of_contact.inverse_mass = sum(inverse)
+        pair.patch_cosine = math.cos(collision.patch_angle)
+        pair.patch_size = collision.patch_size or _patch_size(min(moved[first], moved[second], key=_extent))
+        pair.radii = moved[first].radius + moved[second].radius
+    packed = pack_surfaces(moved)
+    most = int(pairs["most"].sum())
+    room = FOUND_AT_ONCE * max(2, int(pairs["most"].max()))
+    room = max([room, *(FOUND_AT_A_POINT * len(book.counts) for book in deforming.values())])
+    if most > MOST_AT_ALL:
+        _refuse(
+            scene.collisions[0],
+            "most_contacts",
+            f"{most} of all collisions together",
+            f"{MOST_AT_ALL} at most: fewer of each",
+        )
+    items = room + most
+    placed = records(ContourPose, len(poses))
+    for i, pose in enumerate(poses):
+        placed[i] = pose
+    places = len(scene.contacts) + most
+    search = FeatureSearch(
+        surfaces=packed,
+        lists=make_pair_lists(packed, [(int(pair.surfaces[0]), int(pair.surfaces[1])) for pair in pairs]),
+        found=make_contact_list(room),
+        counts=FoundCount.one(),
+    )
+    meshes = SurfacePairs(
+        surfaces=packed,
+        searches=FeatureSearches((search,)),
+        pairs=pairs,
+        sides=sides,
+        pair_values=values,
+        relative=records(RelativePose, count),
+        motions=records(RelativeMotion, count),
+        found=search.found,
+        counts=search.counts,
+        touch=FeatureTouch.one(),
+        points=np.zeros((items, 3)),
+        normals=np.zeros((items, 3)),
+        depths=np.zeros(items),
+        active=np.zeros(items, dtype=np.int64),
+        owners=np.zeros(items, dtype=np.int64),
+        patch_of=np.zeros(items, dtype=np.int64),
+        keeps=np.zeros(room, dtype=np.int64),
+        chosen=np.zeros((items, EXTREMES), dtype=np.int64),
+        sums=np.zeros(items),
+        grid=np.zeros(patch_scratch_size(items), dtype=np.int64),
+        slots=np.zeros(1 << (2 * most - 1).bit_length(), dtype=np.int64),
+        chains=np.zeros(places, dtype=np.int64),
+        kept=records(ContactState, places),
+        clearances=Clearing(make_clearances(packed, [one.clearance for one in scene.collisions])),
+    )
+    return PackedCollisions(
+        meshes=Colliding((meshes,)),
+        facets=_pack_facets(scene, packed, deforming, dofs, first_pose),
+        contours=contours,
+        poses=placed,
+        placed=np.zeros((len(moved) + count + 1, 12)),
+        most=most,
+        all_rigid=not deforming,
+        widest=max(6, int(sides["width"].max())),
+    )
+
+
+def _pack_facets(
+    scene: Scene,
+    packed: CollisionSurfaces,
+    deforming: Mapping[int, FacetBook],
+    dofs: Mapping[str, int],
+    first_pose: int,
+) -> FacetSurfaces:
+    """The surfaces that deform."""
+    if not deforming:
+        return FacetSurfaces.none()
+    slots, moving = count_slots(scene), count_moving(scene)
+    rows = records(FacetSurface, len(deforming))
+    row_of = np.full(first_pose + len(scene.surfaces), -1, dtype=np.int64)
+    point = 0
+    for k, (i, book) in enumerate(deforming.items()):
+        body, row_of[first_pose + i] = scene.surfaces[i].body, k
+        row = rows[k]
+        row.surface, row.dof, row.pose = i, dofs[body], first_pose + i
+        row.own_point, row.points = point, len(book.counts)
+        row.first_point = packed.surfaces[i].first_point
+        row.last_slot = moving.get(body, 0)
+        row.first_slot = row.last_slot - slots.get(body, 0)
+        point += len(book.counts)
+    counts = np.concatenate([book.counts for book in deforming.values()])
+    return FacetSurfaces(
+        rows=rows,
+        row_of=row_of,
+        points=packed.points,
+        first=np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
+        entries=np.concatenate([book.entries for book in deforming.values()]),
+        factors=np.concatenate([book.factors for book in deforming.values()]),
+        corners=np.zeros(3, dtype=np.int64),
+        shares=np.zeros(3),
+    )
+
+
+def _bodies(collision: Collision, scene: Scene) -> list[str]:
+    by_name = {one.name: one.body for one in scene.surfaces}
+    return [by_name[name] for name in collision.surfaces]
+
+
+def _extent(surface: TriangleSurface) -> float:
+    """Largest extension, rounding included [m]."""
+    return float(np.ptp(surface.points, axis=0).max()) + 2.0 * surface.radius
+
+
+def _patch_size(surface: TriangleSurface) -> float:
+    """A tenth of a surface, but so much that the corners of a coarse face belong together [m]."""
+    corners = surface.points[surface.triangles]
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    return max(0.1 * _extent(surface), EDGES_OF_PATCH * float(edges.mean()))
+
+
+def _pack_surface(
+    one: CollisionSurface, by_name: Mapping[str, AnyBody], dofs: Mapping[str, int]
+) -> tuple[ContactContour, ContourPose, TriangleSurface, FacetBook | None]:
+    """Row and pose of a surface, its triangles in the axes in which its body is measured, and how they deform."""
+    from heavylift.preprocess.surfaces import TriangleSurface
+
+    if one.body != GROUND and one.body not in by_name:
+        raise InputError(
+            f"there is no body {one.body!r}",
+            source=one.name,
+            key="body",
+            expected=f"{GROUND} or one of {', '.join(sorted(by_name))}",
+        )
+    body = by_name.get(one.body)
+    if isinstance(body, MeshBody):
+        return _pack_own_surface(one, body, list(by_name).index(one.body), dofs)
+    if one.surface is None or not (body is None or isinstance(body, RigidBody)):
+        raise InputError(
+            f"no triangles on {one.body!r}" if one.surface is None else f"triangles on {one.body!r}",
+            source=one.name,
+            key="body",
+            expected=(
+                "a rigid body or the ground with triangles, a frame or shell without; flexible "
+                "bodies with modes touch by contours"
+            ),
+        )
+    origin, axes = principal_frame(body) if body is not None else (np.zeros(3), np.eye(3))
+    surface = TriangleSurface(
+        (one.surface.points - origin) @ axes, one.surface.triangles, one.surface.radius, one.name
+    )
+    row = ContactContour.one()
+    row.owner = OF_GROUND if body is None else OF_RIGID
+    row.dof = -1 if body is None else dofs[one.body]
+    row.body = -1 if body is None else list(by_name).index(one.body)
+    pose = ContourPose.one()
+    pose.rotation[:] = np.eye(3).ravel()
+    if body is not None:
+        R = rotation_matrix(body.orientation)
+        pose.rotation[:] = (R @ axes).ravel()
+        pose.origin[:] = body.position + R @ origin
+    pose.reach = float(np.linalg.norm(surface.points, axis=1).max()) + surface.radius
+    return row, pose, surface, None
+
+
+def _pack_own_surface(
+    one: CollisionSurface, body: MeshBody, number: int, dofs: Mapping[str, int]
+) -> tuple[ContactContour, ContourPose, TriangleSurface, FacetBook]:
+    """The same of a frame or shell: axes are those in which it was placed, and stand still."""
+    from heavylift.solver.bodies.ancf.facet_packing import facet_surface
+
+    if one.surface is not None:
+        raise InputError(
+            "triangles of its own",
+            source=one.name,
+            key="surface",
+            expected=f"none: {one.body!r} touches with its own surface, in 'facets'",
+        )
+    if one.facets < 1:
+        raise InputError(f"{one.facets}", source=one.name, key="facets", expected="1 or more")
+    book = facet_surface(body, one.facets, one.name)
+    row = ContactContour.one()
+    row.owner, row.dof, row.body = OF_FACETS, dofs[one.body], number
+    pose = ContourPose.one()
+    pose.rotation[:] = rotation_matrix(np.asarray(body.orientation, dtype=np.float64)).ravel()
+    pose.origin[:] = body.position
+    pose.reach = float(np.linalg.norm(book.surface.points, axis=1).max()) + book.surface.radius
+    return row, pose, book.surface, book
+
+
+def _check(collision: Collision, scene: Scene, scales: Callable[[str], tuple[float, float]]) -> None:
+    """Refuse a collision that cannot be."""
+    by_name = {one.name: one for one in scene.surfaces}
+    for name in collision.surfaces:
+        if name not in by_name:
+            _refuse(
+                collision, "between", f"there is no surface {name!r}", f"one of {', '.join(sorted(by_name))}"
+            )
+    bodies = _bodies(collision, scene)
+    if bodies[0] == bodies[1]:
+        _refuse(collision, "between", f"{bodies[0]!r} touches itself", "surfaces of two bodies")
+    check_motion(collision.name, bodies[0], bodies[1], scales)
+    if isinstance(collision.law, BilateralLaw):
+        _refuse(collision, "law", "bilateral, between surfaces that come and go", "a law that lets go")
+    check_law(collision.name, collision.law, collision.friction)
+    if not isinstance(collision.law, RigidLaw) and not collision.events:
+        _refuse(collision, "events", "false with a law that is compliant", "law 'rigid', or no 'events'")
+    if collision.method not in METHODS:
+        _refuse(collision, "method", f"{collision.method!r}", " or ".join(map(repr, METHODS)))
+    if not 0.0 < collision.patch_angle <= math.pi:
+        _refuse(collision, "patch_angle", f"{collision.patch_angle} rad", "above 0, up to pi")
+    if not 0.0 <= collision.patch_size < math.inf:
+        _refuse(collision, "patch_size", f"{collision.patch_size} m", "0 or more")
+    for key, value, least in (
+        ("most_contacts", collision.most_contacts, 1),
+        ("recorded", collision.recorded, 0),
+    ):
+        if value < least:
+            _refuse(collision, key, f"{value}", f"{least} or more")
+
+
+def _refuse(collision: Collision, key: str, problem: str, expected: str) -> None:
+    raise InputError(problem, source=collision.name, key=key, expected=expected)

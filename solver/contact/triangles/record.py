@@ -1,0 +1,149 @@
+"""Pairs of surfaces in a record: sums over their contacts, and the contacts with the largest forces."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record, Vector, record_at
+from heavylift.solver.contact.counts import contact_count
+from heavylift.solver.contact.kind import COMPLIANT, ContactRows
+from heavylift.solver.contact.laws.normal_force import stored_energy
+from heavylift.solver.contact.triangles.interface import record_clearance, record_pairs
+from heavylift.solver.contact.triangles.kind import SurfacePairs, gone_contacts
+from heavylift.solver.contact.triangles.slots import surface_count
+from heavylift.solver.interface import Workspace
+from heavylift.solver.kinds import implement
+
+
+class CollisionColumns(Record):
+    """Columns of a collision, see `heavylift.solver.scene.collisions.Collision`."""
+
+    gap: float
+    contacts: float
+    patches: float
+    force: Vector
+    normal_force: float
+    largest_force: float
+    impulse: float
+    point: Vector
+    slip: float
+    dissipated: float
+    impacts: float
+
+
+class ContactColumns(Record):
+    """Columns of a recorded contact, behind those of its collision."""
+
+    point: Vector
+    normal: Vector
+    gap: float
+    force: float
+    friction: float
+    impulse: float
+    patch: float
+
+
+CONTACTS_AT, ONE_WIDTH = (columns.layout.itemsize // 8 for columns in (CollisionColumns, ContactColumns))
+"""How many columns these are."""
+
+collision_columns, contact_columns = record_at(CollisionColumns), record_at(ContactColumns)
+
+
+@implement(record_pairs, SurfacePairs)
+@kernel(internal=True)
+def record_mesh_pairs(
+    meshes: SurfacePairs, contacts: ContactRows, work: Workspace, row: NDArray[np.float64]
+) -> None:
+    """Pair by pair."""
+    for pair in range(meshes.pairs.shape[0]):
+        at = meshes.pairs[pair].column
+        _record_sums(meshes, contacts, pair, work, row, at)
+        _record_largest(meshes, contacts, pair, row, at + CONTACTS_AT)
+
+
+@kernel(internal=True)
+def _record_sums(
+    meshes: SurfacePairs, contacts: ContactRows, pair: int, work: Workspace, row: NDArray[np.float64], at: int
+) -> None:
+    """What all contacts of a pair do together; its gap is the reach of the search while nothing is nearer."""
+    gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + pair], 0)
+    for k in range(CONTACTS_AT):
+        row[at + k] = 0.0
+    sums = collision_columns(row, at)
+    sums.gap = meshes.pairs[pair].reach
+    sums.impulse, sums.dissipated, sums.impacts = gone.impulse, gone.loss, gone.impacts
+    highest = -1.0
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        state = contacts.state[c]
+        if state.pair != pair:
+            continue
+        sums.gap = min(sums.gap, state.gap)
+        sums.impulse += state.impulse
+        sums.dissipated += state.loss
+        sums.impacts += state.impacts
+        if contacts.table[c].law == COMPLIANT:
+            values = contacts.values[c]
+            work.sums.elastic += stored_energy(
+                contacts.table[c].force_law, values.stiffness, values.exponent, -state.gap
+            )
+        force = state.normal_force
+        if not (force > 0.0 or state.closed):
+            continue
+        sums.contacts += 1.0
+        highest = max(highest, state.patch)
+        sums.normal_force += force
+        sums.slip = max(sums.slip, state.slip_speed)
+        for k in range(3):
+            sums.force[k] += state.force[k]
+            sums.point[k] += force * state.touched[k]
+    work.sums.dissipated += sums.dissipated
+    record_clearance(meshes.clearances, meshes, contacts, pair, row, at)
+    if sums.normal_force > 0.0:
+        for k in range(3):
+            sums.point[k] /= sums.normal_force
+    for patch in range(int(highest) + 1):
+        total, members = 0.0, 0
+        for c in range(contacts.counts.of_contours, contact_count(contacts)):
+            state = contacts.state[c]
+            touches = state.normal_force > 0.0 or state.closed
+            if state.pair == pair and state.patch == patch and touches:
+                total += state.normal_force
+                members += 1
+        sums.largest_force = max(sums.largest_force, total)
+        sums.patches += 1.0 if members > 0 else 0.0
+
+
+@kernel(internal=True)
+def _record_largest(
+    meshes: SurfacePairs, contacts: ContactRows, pair: int, row: NDArray[np.float64], at: int
+) -> None:
+    """Contacts in the order of their normal forces, those of equal ones in that of their places."""
+    before, last = math.inf, -1
+    for i in range(meshes.pairs[pair].recorded):
+        best, largest = -1, -1.0
+        for c in range(contacts.counts.of_contours, contact_count(contacts)):
+            state = contacts.state[c]
+            force = state.normal_force
+            touches = force > 0.0 or state.closed
+            later = force < before or (force == before and c > last)
+            if state.pair == pair and touches and later and force > largest:
+                best, largest = c, force
+        place = at + i * ONE_WIDTH
+        for k in range(ONE_WIDTH):
+            row[place + k] = 0.0
+        columns = contact_columns(row, place)
+        columns.patch = -1.0
+        if best < 0:
+            continue
+        before, last = largest, best
+        state = contacts.state[best]
+        for k in range(3):
+            columns.point[k] = state.touched[k]
+            columns.normal[k] = state.normal[k]
+        columns.gap, columns.force = state.gap, state.normal_force
+        columns.friction, columns.impulse = state.friction_force, state.step_impulse
+        columns.patch = state.patch

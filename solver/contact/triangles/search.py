@@ -1,0 +1,269 @@
+"""Contacts between triangles at the end of a step: found anew, followed, handed over, chosen.
+
+The search begins at the poses of the last end and goes to those of this one. What it finds is looked up among the
+contacts that are there; what is new becomes one if its patch needs it. A contact that slides over the border of its
+face goes on with the face that was found beyond it.
+"""
+
+from __future__ import annotations
+
+import math
+
+from heavylift.contours.triangles.feature_gap import copy_pose
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
+from heavylift.solver.contact.counts import contact_count
+from heavylift.solver.contact.kind import COMPLIANT, RIGID, ContactRows
+from heavylift.solver.contact.solve.delassus import contact_rates
+from heavylift.solver.contact.triangles.facets import refit_facets
+from heavylift.solver.contact.triangles.feature_search import find_features
+from heavylift.solver.contact.triangles.handover import book_jump, goes_on, turn_memory
+from heavylift.solver.contact.triangles.interface import search_surfaces
+from heavylift.solver.contact.triangles.kind import SurfacePairs, placed_pose
+from heavylift.solver.contact.triangles.patches import BORDER, choose_contacts, share_stiffness, sort_found
+from heavylift.solver.contact.triangles.sides import (
+    ABOUT_NOTHING,
+    deepest_of,
+    gap_at_start,
+    holds,
+    settle_sides,
+)
+from heavylift.solver.contact.triangles.slots import add_contact, put_placed, surface_count
+from heavylift.solver.contact.triangles.table import enter, fill_table, look_up
+from heavylift.solver.contact.triangles.touch import relative_pose, touch_mesh_contact
+from heavylift.solver.interface import Bodies, Workspace
+from heavylift.solver.kinds import implement
+
+__all__: list[str] = []
+
+AHEAD = 4.0
+"""Motions of a step within which the next one needs a contact."""
+
+NEAR_ENOUGH = 1e-7
+"""Of the size of the smaller surface: what is nearer counts as near, however slow it is."""
+
+DEEPER = 4.0
+"""Depths of the contacts that are there, to which the face is looked for that one slides on to."""
+
+FAR_AWAY = 1e3
+"""Sizes and reaches from which a contact goes."""
+
+AT_START = 1e-4
+"""Of the size: what is less deep inside at the start is pushed out."""
+
+TOO_MANY_CONTACTS = int(Outcome.TOO_MANY_CONTACTS)
+
+
+@implement(search_surfaces, SurfacePairs)
+@kernel(internal=True)
+def search_mesh_surfaces(
+    meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, work: Workspace, step: float, first: bool
+) -> None:
+    """All pairs, from the poses that are carried to those of the stage; at the start what is a little inside too."""
+    first_row = contacts.poses.shape[0] - surface_count(contacts, meshes)
+    if first:
+        for i in range(surface_count(contacts, meshes)):
+            put_placed(contacts, i, first_row + i)
+            contacts.poses[first_row + i].step_shift = 0.0
+    refit_facets(contacts, meshes.surfaces)
+    fill_table(meshes, contacts)
+    for pair in range(meshes.pairs.shape[0]):
+        a, b = meshes.pairs[pair].poses[0], meshes.pairs[pair].poses[1]
+        motion = meshes.motions[pair]
+        first_placed, second_placed = contacts.placed[a - first_row], contacts.placed[b - first_row]
+        relative_pose(placed_pose(first_placed, 0), placed_pose(second_placed, 0), motion.start)
+        relative_pose(contacts.poses[a], contacts.poses[b], motion.end)
+        copy_pose(motion.end, meshes.relative[pair])
+        if meshes.pairs[pair].deforms:  # its points are those of the end, so paths say nothing
+            copy_pose(motion.end, motion.start)
+        moved = contacts.poses[a].step_shift + contacts.poses[b].step_shift
+        _search_pair(meshes, contacts, bodies, pair, moved, step, first, work)
+    _finish_contacts(meshes, contacts)
+    for pair in range(meshes.pairs.shape[0]):
+        if meshes.pairs[pair].law == COMPLIANT:
+            share_stiffness(meshes, contacts, pair, meshes.pairs[pair].patches, meshes.pairs[pair].reach)
+    if first:
+        _begin_contacts(meshes, contacts, work, step)
+
+
+@kernel(internal=True)
+def _begin_contacts(meshes: SurfacePairs, contacts: ContactRows, work: Workspace, step: float) -> None:
+    """State of what is near at the start."""
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        state = contacts.state[c]
+        state.gap = state.end_gap
+        state.rate = contact_rates(contacts, c, work.velocity)[0]
+        state.start_beside, state.start_rate = state.beside, state.rate
+        size = meshes.pair_values[state.pair].length_scale
+        state.shift = step * abs(state.rate) + AT_START * size
+
+
+@kernel(internal=True)
+def _search_pair(
+    meshes: SurfacePairs,
+    contacts: ContactRows,
+    bodies: Bodies,
+    pair: int,
+    moved: float,
+    step: float,
+    first: bool,
+    work: Workspace,
+) -> None:
+    """Search, look up, hand over, add."""
+    size = meshes.pair_values[pair].length_scale
+    early = meshes.pairs[pair].law != RIGID or not meshes.pairs[pair].events
+    early = early or meshes.pairs[pair].deforms
+    reach = (AT_START if first else NEAR_ENOUGH) * size + (AHEAD * moved if early else 0.0)
+    meshes.pairs[pair].reach = reach
+    further = 0.0
+    if meshes.pairs[pair].law == RIGID:
+        further = DEEPER * deepest_of(meshes, contacts, pair)
+    method = meshes.pairs[pair].method
+    find_features(meshes.searches, pair, meshes.motions[pair], reach + further, method)
+    count = meshes.counts.count
+    if count < 0:
+        _stop(contacts, pair, work)
+        return
+    lost = _follow_contacts(meshes, contacts, bodies, pair, size, work)
+    sort_found(meshes, count)
+    settle_sides(meshes, contacts, pair, count, first)
+    unsplit = meshes.pairs[pair].law == RIGID and not meshes.pairs[pair].events
+    patches = choose_contacts(meshes, contacts, pair, count, 0.5 * reach if unsplit else -math.inf)
+    for i in range(count):
+        found = meshes.found.contacts[i]
+        kind, feature, other = found.kind, found.first, found.second
+        c = look_up(meshes, contacts, pair, kind, feature, other)
+        if c >= 0:
+            state = contacts.state[c]
+            state.hit = found.hit
+            if state.hit > 0 and state.side != meshes.found.contacts[i].side and not holds(contacts, c):
+                gap, state.side = state.end_gap, meshes.found.contacts[i].side
+                for k in range(3):
+                    state.normal[k] = 0.0  # the side is new
+                touch_mesh_contact(meshes, contacts, bodies, c, work)
+                book_jump(contacts, c, gap)
+            continue
+        if meshes.keeps[i] < 0 or (lost > 0 and _hand_over(meshes, contacts, bodies, pair, i, moved, work)):
+            continue
+        if not _add(meshes, contacts, bodies, pair, i, moved, step, work):
+            _stop(contacts, pair, work)
+            return
+    meshes.pairs[pair].patches = patches
+
+
+@kernel(internal=True)
+def _stop(contacts: ContactRows, pair: int, work: Workspace) -> None:
+    """More contacts than there are places for."""
+    work.status.outcome = TOO_MANY_CONTACTS
+    work.status.block = contacts.counts.first_block + contacts.counts.of_contours + pair
+
+
+@kernel(internal=True)
+def _follow_contacts(
+    meshes: SurfacePairs, contacts: ContactRows, bodies: Bodies, pair: int, size: float, work: Workspace
+) -> int:
+    """Gaps and rows of the contacts of a pair; how many of the closed ones have left their face or edges."""
+    lost = 0
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        state = contacts.state[c]
+        if state.pair == pair:
+            touch_mesh_contact(meshes, contacts, bodies, c, work)
+            state.hit = 0
+            if holds(contacts, c) and state.beside > BORDER * size:
+                lost += 1
+    return lost
+
+
+@kernel(internal=True)
+def _hand_over(
+    meshes: SurfacePairs,
+    contacts: ContactRows,
+    bodies: Bodies,
+    pair: int,
+    i: int,
+    moved: float,
+    work: Workspace,
+) -> bool:
+    """A contact that holds and has left its face or edge goes on with what was found there, its memory kept."""
+    c, side = goes_on(meshes, contacts, pair, i, moved)
+    if c < 0:
+        return False
+    state = contacts.state[c]
+    state.feature, state.other_feature = meshes.found.contacts[i].first, meshes.found.contacts[i].second
+    state.side, state.patch = side, meshes.keeps[i]
+    gap, t1, t2, t3 = state.end_gap, state.tangent[0], state.tangent[1], state.tangent[2]
+    touch_mesh_contact(meshes, contacts, bodies, c, work)
+    turn_memory(contacts, c, t1, t2, t3)
+    book_jump(contacts, c, gap)
+    return True
+
+
+@kernel(internal=True)
+def _has_room(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> bool:
+    """Whether a pair may have one contact more."""
+    count = 0
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        if contacts.state[c].pair == pair:
+            count += 1
+    return bool(count < meshes.pairs[pair].most)
+
+
+@kernel(internal=True)
+def _add(
+    meshes: SurfacePairs,
+    contacts: ContactRows,
+    bodies: Bodies,
+    pair: int,
+    i: int,
+    moved: float,
+    step: float,
+    work: Workspace,
+) -> bool:
+    """A new contact; false if there is no place for it."""
+    found, side = meshes.found.contacts[i], meshes.found.contacts[i].side
+    start = gap_at_start(meshes, pair, i)
+    beside = meshes.touch.beyond
+    if not _has_room(meshes, contacts, pair):
+        return False
+    c = add_contact(meshes, contacts, pair)
+    if c < 0:
+        return False
+    state = contacts.state[c]
+    state.feature_kind, state.feature, state.other_feature = (found.kind, found.first, found.second)
+    state.side, state.start_gap, state.gap = side, start, start
+    state.shift = moved  # or it would take part one step late
+    state.hit, state.patch = found.hit, meshes.keeps[i]
+    touch_mesh_contact(meshes, contacts, bodies, c, work)
+    # the rate at the start of the step, of a gap that is a parabola
+    rate = contact_rates(contacts, c, work.velocity)[0]
+    if meshes.pairs[pair].deforms:
+        state.start_gap = state.gap = state.end_gap - step * rate
+        state.rate = state.start_rate = rate
+    else:
+        state.rate = state.start_rate = 2.0 * (state.end_gap - start) / step - rate
+    state.start_beside = beside
+    enter(meshes, contacts, c)
+    return True
+
+
+@kernel(internal=True)
+def _finish_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
+    """What lies beside its face or edges and has not come through them does not touch."""
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        state = contacts.state[c]
+        size = meshes.pair_values[state.pair].length_scale
+        nothing = ABOUT_NOTHING * size
+        beside = state.beside > BORDER * size
+        # from one side to the other in a step without a hit: round the border
+        gone_round = state.gap > nothing and state.end_gap < -nothing and not holds(contacts, c)
+        gone_round = gone_round and not meshes.pairs[state.pair].deforms
+        if (beside or gone_round) and state.hit == 0:
+            gap = state.end_gap
+            if not holds(contacts, c):  # goes; if it comes back, it is found with the side it comes from
+                state.patch = -1
+                state.end_gap = FAR_AWAY * (size + meshes.pairs[state.pair].reach)
+            elif state.has_left:  # nothing beyond the border took it over for a whole step
+                state.end_gap = max(state.end_gap, size)
+            book_jump(contacts, c, gap)  # what it has stored is lost
+        state.has_left = beside
+        state.sleep = state.end_gap

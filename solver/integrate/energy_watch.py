@@ -1,0 +1,70 @@
+"""Whether a run keeps its balance of energy: gains tell of steps that are too large."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.solver.scene.channels import Channel
+
+__all__ = ["EnergyWatch"]
+
+LARGEST_GAIN = 0.02
+"""Gain of the energy balance, relative to the largest kinetic and elastic energy, that is worth a warning."""
+
+SMALLEST_ENERGY, ROUNDING = 1e-9, 1e-9
+"""Least scale of the energy [J], and relative to the largest potential energy."""
+
+
+class EnergyWatch:
+    """Largest gain and loss of the energy balance since the first record, and largest energy in motion.
+
+    Parameters
+    ----------
+    channels
+        Of the records.
+
+    Attributes
+    ----------
+    gain, loss, scale
+        [J]; the scale is the largest sum of kinetic and elastic energy, with a floor: what rounding does to scenes
+        at rest is not worth a word.
+    """
+
+    def __init__(self, channels: Sequence[Channel]) -> None:
+        self._column = {channel.name: channel.column for channel in channels}
+        self._first: float | None = None
+        self.gain = self.loss = self.scale = 0.0
+
+    def add(self, records: NDArray[np.float64]) -> None:
+        """Look at more records, shape (rows, columns)."""
+
+        def energy(name: str) -> NDArray[np.float64]:
+            values: NDArray[np.float64] = records[:, self._column[f"energy.{name}"]]
+            return values
+
+        balance = energy("balance")
+        if not len(balance) or not np.all(np.isfinite(balance)):
+            return
+        self._first = float(balance[0]) if self._first is None else self._first
+        self.gain = max(self.gain, float(balance.max()) - self._first)
+        self.loss = max(self.loss, self._first - float(balance.min()))
+        floor = SMALLEST_ENERGY + ROUNDING * float(np.abs(energy("potential")).max())
+        self.scale = max(self.scale, float((energy("kinetic") + energy("elastic")).max()), floor)
+
+    @property
+    def relative_loss(self) -> float:
+        """Loss relative to the scale."""
+        return self.loss / self.scale if self.scale > 0.0 else 0.0
+
+    @property
+    def warning(self) -> str:
+        """A sentence if the balance gained too much, else empty."""
+        if not self.gain > LARGEST_GAIN * self.scale:
+            return ""
+        return (
+            f"energy grew by {self.gain:.3g} J beyond the work done, {self.gain / self.scale:.1%} of the"
+            " largest kinetic and elastic energy: take a smaller step, or damping in stops and ropes"
+        )

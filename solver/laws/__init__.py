@@ -1,0 +1,1 @@
+"""Rows with a law: ropes, springs, stops, friction and motors."""

@@ -1,0 +1,375 @@
+"""What a scene has beside its joints: ropes, springs, stops, friction and motors, made into kinds and rows.
+
+The default integrator takes springs as rows and everything with a corner as a row with a law. The accurate one
+takes springs as forces, and none of the others; the first-order one takes linear springs as rows and tables as
+forces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
+from heavylift.solver.interface import FORCES, ROWS
+from heavylift.solver.joints.coordinate import (
+    ANGLE,
+    DISTANCE,
+    joint_coordinate,
+    joint_markers,
+    spring_markers,
+)
+from heavylift.solver.joints.packing import start_frames
+from heavylift.solver.laws.system import LawBlock
+from heavylift.solver.markers import MarkerBook
+from heavylift.solver.scene.channels import Channel, add_channels
+from heavylift.solver.scene.connections import GROUND, Joint, JointMotor, JointSpring, Limits, Rope, Spring
+
+if TYPE_CHECKING:
+    from heavylift.solver.rows.structure import Attachment
+    from heavylift.solver.scene.scene import Scene
+
+__all__ = ["STOP_RATE", "PackedLaws", "add_law_channels", "law_owners", "pack_laws"]
+
+STOP_RATE = 400.0
+"""Frequency [rad/s] on the characteristic mass of the joint that a stop gets if no stiffness is given."""
+
+SLOWEST_RATE = 1e-9
+"""Stiffness over damping [1/s] of a row that is a damper only."""
+
+
+@dataclass
+class PackedLaws:
+    """Kinds for the tables of joints and of forces, the blocks of their rows, whether any is fitted."""
+
+    joints: list[Any] = field(default_factory=list)
+    forces: list[Any] = field(default_factory=list)
+    blocks: list[LawBlock] = field(default_factory=list)
+    fitted: bool = False
+
+    @property
+    def block_names(self) -> tuple[str, ...]:
+        """Whom each block belongs to."""
+        return tuple(block.name for block in self.blocks for _ in range(block.block_count))
+
+
+def law_owners(scene: Scene) -> list[Any]:
+    """Ropes, springs and motors: what has channels of its own, in their order."""
+    return [*scene.ropes, *(f for f in scene.forces if isinstance(f, (Spring, JointSpring, JointMotor)))]
+
+
+def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Channel], column: int) -> int:
+    """Append the channels of one of them; returns the next free column."""
+    if isinstance(owner, (JointSpring, JointMotor)):
+        turns = joint_coordinate(joints[owner.joint], owner) == ANGLE
+        load = owner.CHANNEL_BY_COORDINATE["angle" if turns else "travel"]
+        return add_channels(owner.name, [load], channels, column)
+    parts = len(owner.path) - 1 if isinstance(owner, Rope) else 1
+    segments = {"segment_tension": tuple(str(i + 1) for i in range(parts))}
+    return add_channels(owner.name, owner.CHANNELS, channels, column, segments)
+
+
+@dataclass
+class _Packing:
+    """What all parts need while a scene is packed."""
+
+    scene: Scene
+    columns: dict[str, int]
+    book: MarkerBook
+    attachment: Callable[[str], Attachment]
+    scales: Callable[[str], tuple[float, float]]
+    first_block: int
+    made: PackedLaws = field(default_factory=PackedLaws)
+    block_count: int = 0
+
+    def add(self, block: LawBlock) -> int:
+        """Number of a new block."""
+        number = self.first_block + self.block_count
+        self.made.blocks.append(block)
+        self.block_count += block.block_count
+        return number
+
+    def scale(self, bodies: Sequence[str], *, turns: bool) -> float:
+        """Characteristic inverse mass or inertia."""
+        return sum(self.scales(name)[1 if turns else 0] for name in bodies if name != GROUND)
+
+
+def pack_laws(
+    scene: Scene,
+    columns: dict[str, int],
+    book: MarkerBook,
+    attachment: Callable[[str], Attachment],
+    scales: Callable[[str], tuple[float, float]],
+    *,
+    first_block: int,
+    integrator: str,
+) -> PackedLaws:
+    """Make kinds and rows.
+
+    Parameters
+    ----------
+    scene
+        Checked for names.
+    columns
+        First record column of each of `law_owners`.
+    book, attachment, scales
+        As for joints.
+    first_block
+        Number of blocks that joints take.
+    integrator
+        Name: it decides which springs are rows.
+
+    Raises
+    ------
+    InputError
+        If something has no stiffness, a falling or empty table, coincident ends, or a joint without angle or travel.
+    """
+    packing = _Packing(scene, columns, book, attachment, scales, first_block)
+    made = packing.made
+    linear: list[tuple[Spring | JointSpring, NDArray[np.float64]]] = []
+    tabulated: list[tuple[Spring | JointSpring, NDArray[np.float64]]] = []
+    explicit: list[tuple[Spring | JointSpring, NDArray[np.float64]]] = []
+    for force in scene.forces:
+        if isinstance(force, (Spring, JointSpring)):
+            table = _table(force)
+            _check_spring(force, table, scene)
+            if integrator == "accurate" or (integrator != "dele2" and len(table)):
+                explicit.append((force, table))
+            else:
+                (tabulated if len(table) else linear).append((force, table))
+    if linear:
+        _pack_linear(packing, [force for force, _ in linear])
+    if explicit:
+        from heavylift.solver.forces.spring import pack_springs
+
+        springs = pack_springs([(*_explicit(packing, force), table) for force, table in explicit])
+        made.forces.append(springs)
+        made.joints.append(springs)
+    motors = [force for force in scene.forces if isinstance(force, JointMotor)]
+    if motors:
+        from heavylift.solver.forces.motor import pack_motors
+
+        driving = pack_motors([(motor, _motor(packing, motor)) for motor in motors])
+        made.forces.append(driving)
+        made.joints.append(driving)
+    _pack_scalar_laws(packing, tabulated)
+    if scene.ropes:
+        from heavylift.solver.laws.rope_packing import pack_ropes
+
+        ropes, blocks = pack_ropes(
+            scene.ropes,
+            [columns[rope.name] for rope in scene.ropes],
+            first_block + packing.block_count,
+            book,
+            attachment,
+            scales,
+            scene.bodies,
+        )
+        made.joints.append(ropes)
+        made.blocks += blocks
+        made.fitted = True
+    return made
+
+
+def _table(force: Spring | JointSpring) -> NDArray[np.float64]:
+    """Rows (elongation, force), shape (n, 2); none of a linear spring."""
+    x, y = (
+        (force.elongations, force.forces) if isinstance(force, Spring) else (force.deflections, force.loads)
+    )
+    x, y = np.atleast_1d(np.asarray(x, dtype=np.float64)), np.atleast_1d(np.asarray(y, dtype=np.float64))
+    good = x.ndim == 1 and x.shape == y.shape and len(x) != 1
+    if not (good and np.all(np.isfinite(x)) and np.all(np.isfinite(y)) and np.all(np.diff(x) > 0.0)):
+        raise InputError(
+            f"a table of {x.size} and {y.size} numbers",
+            source=force.name,
+            key="elongations" if isinstance(force, Spring) else "deflections",
+            expected="two rows or more, finite, elongations increasing",
+        )
+    if np.any(np.diff(y) < 0.0):
+        i = int(np.argmax(np.diff(y) < 0.0))
+        raise InputError(
+            f"the force falls from {y[i]:g} to {y[i + 1]:g} between {x[i]:g} and {x[i + 1]:g}",
+            source=force.name,
+            key="forces" if isinstance(force, Spring) else "loads",
+            expected="a force that does not fall with the elongation",
+        )
+    return np.column_stack([x, y])
+
+
+def _check_spring(force: Spring | JointSpring, table: NDArray[np.float64], scene: Scene) -> None:
+    """Stiffness, damping, and the ends of a spring between points."""
+    for key in ("stiffness", "damping"):
+        value = getattr(force, key)
+        if not 0.0 <= value < np.inf:
+            raise InputError(f"{value}", source=force.name, key=key, expected="0 or more")
+    if len(table) and force.stiffness > 0.0:
+        raise InputError(
+            "a stiffness and a table", source=force.name, key="stiffness", expected="one of them"
+        )
+    if not len(table) and force.stiffness == 0.0 and force.damping == 0.0:
+        raise InputError(
+            "no force", source=force.name, key="stiffness", expected="a stiffness, a table or a damping"
+        )
+    if not isinstance(force, Spring):
+        return
+    if not 0.0 <= force.length < np.inf:
+        raise InputError(f"{force.length} m", source=force.name, key="length", expected="0 or more")
+    ends = start_frames(_as_joint(force), scene.bodies)
+    distance = float(np.linalg.norm(ends[1].point - ends[0].point))
+    if not distance > 1e-9 * (1.0 + float(np.abs(ends[0].point).max())):
+        raise InputError(
+            f"its ends are {distance:.3g} m apart at the start",
+            source=force.name,
+            key="points",
+            expected="ends apart from each other: a spring has no direction there",
+        )
+
+
+def _as_joint(spring: Spring) -> Joint:
+    """A spring as a joint that frees everything: its two sides and points."""
+    from heavylift.solver.scene.connections import JointFrame
+
+    return Joint(
+        name=spring.name,
+        body_a=spring.body_a,
+        body_b=spring.body_b,
+        frame_a=JointFrame(np.asarray(spring.point_a, dtype=np.float64)),
+        frame_b=JointFrame(np.asarray(spring.point_b, dtype=np.float64)),
+    )
+
+
+def _sides(packing: _Packing, force: Any) -> tuple[int, Joint]:
+    """Coordinate on which a spring or motor acts, and its joint or what stands for it."""
+    if isinstance(force, Spring):
+        return DISTANCE, _as_joint(force)
+    joint = next(joint for joint in packing.scene.joints if joint.name == force.joint)
+    return joint_coordinate(joint, force), joint
+
+
+def _row(packing: _Packing, force: Any, level: int, compliance: float, relaxation: float) -> tuple[int, ...]:
+    """Coordinate, markers, column and block of a row."""
+    coordinate, joint = _sides(packing, force)
+    if isinstance(force, Spring):
+        markers = spring_markers(packing.book, force, level)
+    else:
+        markers = joint_markers(packing.book, joint, coordinate, level)
+    names = (joint.body_a, joint.body_b)
+    scale = packing.scale(names, turns=coordinate == ANGLE)
+    sides = (packing.attachment(names[0]), packing.attachment(names[1]))
+    block = packing.add(LawBlock(force.name, sides, scale, compliance, relaxation))
+    return coordinate, *markers, packing.columns[force.name], block
+
+
+def _rest(force: Spring | JointSpring) -> float:
+    return float(force.length if isinstance(force, Spring) else force.rest)
+
+
+def _pack_linear(packing: _Packing, springs: Sequence[Spring | JointSpring]) -> None:
+    """Rows of linear springs."""
+    from heavylift.solver.laws.spring_row import SpringRow, SpringRows, SpringRowState
+
+    rows = []
+    for force in springs:
+        level = FORCES if force.damping > 0.0 else ROWS
+        k = max(force.stiffness, SLOWEST_RATE * force.damping)
+        row = _row(packing, force, level, 1.0 / k, force.damping / k)
+        rows.append((*row, _rest(force), force.stiffness, force.damping))
+    table, state = records(SpringRow, rows), records(SpringRowState, len(rows))
+    state["value"] = table["rest"]
+    packing.made.joints.append(SpringRows(table, state))
+
+
+def _explicit(packing: _Packing, force: Spring | JointSpring) -> tuple[tuple[int, ...], tuple[float, ...]]:
+    """Coordinate, markers, column; rest, stiffness, damping."""
+    coordinate, joint = _sides(packing, force)
+    if isinstance(force, Spring):
+        markers = spring_markers(packing.book, force, FORCES)
+    else:
+        markers = joint_markers(packing.book, joint, coordinate, FORCES)
+    return (coordinate, *markers, packing.columns[force.name]), (_rest(force), force.stiffness, force.damping)
+
+
+def _motor(packing: _Packing, motor: JointMotor) -> tuple[int, ...]:
+    """Coordinate, markers, column, first velocity and number of velocities of both bodies."""
+    coordinate, joint = _sides(packing, motor)
+    markers = joint_markers(packing.book, joint, coordinate, FORCES)
+    a, b = packing.attachment(joint.body_a), packing.attachment(joint.body_b)
+    return coordinate, *markers, packing.columns[motor.name], a.dof, a.width, b.dof, b.width
+
+
+def _pack_scalar_laws(packing: _Packing, tabulated: Sequence[tuple[Any, NDArray[np.float64]]]) -> None:
+    """Rows of tabulated springs, stops and friction."""
+    limited = [joint for joint in packing.scene.joints if getattr(joint, "limits", None) is not None]
+    rubbing = [joint for joint in packing.scene.joints if getattr(joint, "friction", 0.0) != 0.0]
+    if not (tabulated or limited or rubbing):
+        return
+    from heavylift.solver.laws.scalar_laws import (
+        FRICTION,
+        SPRING,
+        STOP,
+        ScalarLaw,
+        ScalarLaws,
+        ScalarLawState,
+    )
+
+    rows: list[tuple[float, ...]] = []
+    curves: list[NDArray[np.float64]] = []
+    expected: list[float] = []
+    for force, curve in tabulated:
+        level = FORCES if force.damping > 0.0 else ROWS
+        first = sum(map(len, curves))
+        row = _row(packing, force, level, 1.0, 0.0)
+        rows.append((*row, SPRING, first, len(curve), _rest(force), 0.0, 0.0, force.damping, 0.0, 0.0))
+        curves.append(curve)
+        expected.append(_rest(force))
+    for joint in limited:
+        row = _joint_row(packing, joint)
+        limits = _checked_limits(joint)
+        stiffness = limits.stiffness or STOP_RATE**2 / packing.made.blocks[-1].scale
+        rows.append((*row, STOP, 0, 0, 0.0, limits.lower, limits.upper, limits.damping, stiffness, 0.0))
+        ends = [end for end in (limits.lower, limits.upper) if np.isfinite(end)]
+        expected.append(sum(ends) / len(ends) if ends else 0.0)
+    for joint in rubbing:
+        friction = float(getattr(joint, "friction", 0.0))
+        if not 0.0 < friction < np.inf:
+            raise InputError(f"{friction}", source=joint.name, key="friction", expected="0 or more")
+        rows.append((*_joint_row(packing, joint), FRICTION, 0, 0, 0.0, 0.0, 0.0, 0.0, 0.0, friction))
+        expected.append(0.0)
+    state = records(ScalarLawState, len(rows))
+    state["fresh"], state["value"] = True, expected
+    packing.made.joints.append(
+        ScalarLaws(records(ScalarLaw, rows), np.vstack([np.zeros((0, 2)), *curves]), state)
+    )
+    packing.made.fitted = True
+
+
+def _joint_row(packing: _Packing, joint: Any) -> tuple[int, ...]:
+    """Coordinate, markers, no column and block of a row on the angle or travel of a joint."""
+    coordinate = joint_coordinate(joint, joint)
+    markers = joint_markers(packing.book, joint, coordinate, ROWS)
+    names = (joint.body_a, joint.body_b)
+    sides = (packing.attachment(names[0]), packing.attachment(names[1]))
+    block = LawBlock(joint.name, sides, packing.scale(names, turns=coordinate == ANGLE))
+    return coordinate, *markers, -1, packing.add(block)
+
+
+def _checked_limits(joint: Any) -> Limits:
+    """The stops of a joint."""
+    limits: Limits = joint.limits
+    if not limits.lower < limits.upper:
+        raise InputError(
+            f"lower {limits.lower}, upper {limits.upper}",
+            source=joint.name,
+            key="limits",
+            expected="lower below upper",
+        )
+    for key in ("stiffness", "damping"):
+        value = getattr(limits, key)
+        if not 0.0 <= value < np.inf:
+            raise InputError(f"{value}", source=joint.name, key=f"limits.{key}", expected="0 or more")
+    return limits

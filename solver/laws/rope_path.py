@@ -1,0 +1,197 @@
+"""The path of a rope over eyes and pulleys: its length and how that changes with every place it passes.
+
+"Integrated simulation ... (2018)", eqs. 181-185 and 219: straight parts from tangent to tangent plus arcs,
+here with the exact arcs and derivatives for pulleys that move and turn. With the unit vector ``e`` from the
+centre of a pulley to the tangent point, square to its axis ``n``, and ``D`` from tangent to tangent::
+
+    D . e1 = 0,   D . e2 = 0,       l = sum |D| + sum r (angle from e of arrival to e of departure about n)
+
+so the tangents are exact in the plane of each pulley, wherever the rope comes from: it leaves the groove
+at an angle to the plane if its neighbour is out of it. A rope wound the other way needs the opposite axis.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.arrays import Floats1
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
+from heavylift.numerics.records import Record, Records
+from heavylift.numerics.records import Vector as VectorField
+from heavylift.numerics.vectors import cross
+from heavylift.solver.joints.row_writing import dot, near_angle
+
+__all__ = ["START_WRAP", "PlaceGradient", "RopePlace", "path_length"]
+
+START_WRAP = math.pi * (1.0 - 1e-6)
+"""Wrap near which that of the start is sought [rad]: none of it may be more than a turn."""
+
+NEWTON_STEPS = 12
+
+Vector = tuple[float, float, float]
+
+
+class RopePlace(Record):
+    """Centre [m], unit axis and radius [m] of a place that a rope passes; radius 0 of an eye."""
+
+    centre: VectorField
+    axis: VectorField
+    radius: float
+
+
+class PlaceGradient(Record):
+    """Derivatives of the length by the centre and by the axis of a place."""
+
+    centre: VectorField
+    axis: VectorField
+
+
+@kernel(inline=True, internal=True)
+def _centre(place: RopePlace) -> Vector:
+    return place.centre[0], place.centre[1], place.centre[2]
+
+
+@kernel(inline=True, internal=True)
+def _axis(place: RopePlace) -> Vector:
+    return place.axis[0], place.axis[1], place.axis[2]
+
+
+@kernel(inline=True, internal=True)
+def _sum(a: Vector, s: float, b: Vector) -> Vector:
+    """``a + s b``."""
+    return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
+
+
+@kernel(internal=True)
+def _tangent(place: RopePlace, q: Vector, sense: float) -> Vector:
+    """Unit vector to the tangent point towards a point q; sense 1 where the rope leaves, -1 where it arrives."""
+    n, r = _axis(place), place.radius
+    d = _sum(q, -1.0, _centre(place))
+    d = _sum(d, -dot(d, n), n)
+    distance = math.sqrt(dot(d, d))
+    u = (d[0] / distance, d[1] / distance, d[2] / distance)
+    v = cross(n, u)
+    c = r / distance
+    s = sense * math.sqrt(1.0 - c * c)
+    return c * u[0] - s * v[0], c * u[1] - s * v[1], c * u[2] - s * v[2]
+
+
+@kernel(internal=True)
+def _turned(e: Vector, t: Vector, angle: float) -> Vector:
+    """The unit vector turned towards its tangent."""
+    c, s = math.cos(angle), math.sin(angle)
+    return c * e[0] + s * t[0], c * e[1] + s * t[1], c * e[2] + s * t[2]
+
+
+@kernel(internal=True)
+def _straight(a: RopePlace, b: RopePlace) -> tuple[Vector, Vector]:
+    """Unit vectors to both ends of the straight part from a to b; zero at eyes."""
+    e1 = e2 = (0.0, 0.0, 0.0)
+    r1, r2 = a.radius, b.radius
+    if r1 > 0.0:
+        e1 = _tangent(a, _centre(b), 1.0)
+    if r2 > 0.0:
+        e2 = _tangent(b, _sum(_centre(a), r1, e1), -1.0)
+    if r1 == 0.0 or r2 == 0.0:
+        return e1, e2
+    n1, n2 = _axis(a), _axis(b)
+    for _ in range(NEWTON_STEPS):
+        D = _sum(_sum(_sum(_centre(b), -1.0, _centre(a)), r2, e2), -r1, e1)
+        t1, t2 = (
+            cross(n1, e1),
+            cross(n2, e2),
+        )
+        a11, a12, a21, a22 = dot(D, t1), r2 * dot(t2, e1), -r1 * dot(t1, e2), dot(D, t2)
+        f1, f2 = dot(D, e1), dot(D, e2)
+        determinant = a11 * a22 - a12 * a21
+        turn1, turn2 = (a12 * f2 - a22 * f1) / determinant, (a21 * f1 - a11 * f2) / determinant
+        e1, e2 = _turned(e1, t1, turn1), _turned(e2, t2, turn2)
+        if abs(turn1) + abs(turn2) < 1e-10:  # the error left is the square of it
+            break
+    return e1, e2
+
+
+@kernel(internal=True)
+def _add(gradient: NDArray[np.float64], s: float, v: Vector) -> None:
+    for k in range(3):
+        gradient[k] += s * v[k]
+
+
+@kernel(internal=True)
+def _add_straight(
+    a: RopePlace,
+    b: RopePlace,
+    e1: Vector,
+    e2: Vector,
+    by_a: PlaceGradient,
+    by_b: PlaceGradient,
+) -> float:
+    """Length of the straight part; its derivatives, and those of the arcs at its ends, into both gradients.
+
+    Notes
+    -----
+    The tangents move by angles that follow from ``D . e = 0``. Out of the plane they count: the length of the
+    part then changes by less than that of the arc. Their part is eliminated with the transposed equations.
+    """
+    r1, r2, n1, n2 = a.radius, b.radius, _axis(a), _axis(b)
+    D = _sum(_sum(_sum(_centre(b), -1.0, _centre(a)), r2, e2), -r1, e1)
+    length = math.sqrt(dot(D, D))
+    m = (D[0] / length, D[1] / length, D[2] / length)
+    t1 = cross(n1, e1)
+    t2 = cross(n2, e2)
+    a11 = dot(D, t1) if r1 > 0.0 else 1.0
+    a22 = dot(D, t2) if r2 > 0.0 else 1.0
+    a12, a21 = r2 * dot(t2, e1), -r1 * dot(t1, e2)
+    w1, w2 = r1 * (1.0 - dot(m, t1)), -r2 * (1.0 - dot(m, t2))
+    determinant = a11 * a22 - a12 * a21
+    y1, y2 = (w1 * a22 - a21 * w2) / determinant, (a11 * w2 - a12 * w1) / determinant
+    along = _sum(_sum(m, -y1, e1), -y2, e2)
+    _add(by_a.centre, -1.0, along)
+    _add(by_b.centre, 1.0, along)
+    _add(by_a.axis, r1 * dot(m, n1) + y1 * dot(D, n1) - y2 * r1 * dot(n1, e2), e1)
+    _add(by_b.axis, y2 * dot(D, n2) + y1 * r2 * dot(n2, e1) - r2 * dot(m, n2), e2)
+    return length
+
+
+@entry
+def path_length(places: Records[RopePlace], gradient: Records[PlaceGradient], wraps: Floats1) -> float:
+    """Length of a path [m].
+
+    Parameters
+    ----------
+    places
+        In order; radius 0 at the ends.
+    gradient
+        Receives the derivatives of the length by each place.
+    wraps
+        Wrap of each pulley [rad], shape (n,): the value nearest to the one there is found and written, so
+        that it stays continuous.
+
+    Notes
+    -----
+    Not finite where a neighbour comes nearer to the axis than the radius. A rope that would lift off a pulley
+    has a negative wrap.
+    """
+    count = places.shape[0]
+    for i in range(count):
+        for k in range(3):
+            gradient[i].centre[k] = gradient[i].axis[k] = 0.0
+    total = 0.0
+    arrival = (0.0, 0.0, 0.0)
+    for i in range(count - 1):
+        e1, e2 = _straight(places[i], places[i + 1])
+        total += _add_straight(places[i], places[i + 1], e1, e2, gradient[i], gradient[i + 1])
+        r = places[i].radius
+        if r > 0.0:
+            n = _axis(places[i])
+            s = cross(arrival, e1)
+            wrap = near_angle(math.atan2(dot(n, s), dot(arrival, e1)), wraps[i])
+            total += r * wrap
+            if math.isfinite(wrap):  # what has no path must not spoil the count of turns
+                wraps[i] = wrap
+        arrival = e2
+    return total

@@ -1,0 +1,351 @@
+"""Wire ropes through any number of bodies, and spring ropes: one row each, tension never below zero.
+
+"Integrated simulation ... (2018)", eqs. 181-185 and 219 for the path, eq. 230 for the spring rope. A rope has one
+tension T along its path of length s. With its unstretched length l(t), which a winch changes, it stores
+``U = EA/(2 l) max(0, s - l)^2``. In a step, with ``s1 = s0 + h G v`` and the stiffness k from the mean of 1/l,
+T is the discrete gradient of U (see `law_forces`), so that the energy is exact through slack and taut, and the
+winch does the work ``-T dl + EA/2 mean(max(0, e)^2) d(1/l)``.
+
+The stretch is carried with the row, ``s += h G v``, not taken from the geometry again, which would feed
+vibrations the step does not resolve; it is the geometry as long as the rope is slack, and goes back to a
+shorter one slowly.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.arrays import Arrays, Floats1
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record, Records
+from heavylift.solver.interface import (
+    Workspace,
+    fill_rows,
+    record_joints,
+    relinearise,
+    set_targets,
+    update_rows,
+)
+from heavylift.solver.joints.row_writing import add_direction_row
+from heavylift.solver.kinds import implement
+from heavylift.solver.laws.forces import pull
+from heavylift.solver.laws.rope_path import PlaceGradient, RopePlace, path_length
+from heavylift.solver.laws.rows import RETURN, fit_law, put_law, put_residual, row_rate
+from heavylift.solver.rows.structure import RowArrays
+
+__all__ = ["PlaceMarkers", "RopeEntry", "RopeState", "Ropes", "WinchRow"]
+
+
+class RopeEntry(Record):
+    """A rope.
+
+    Attributes
+    ----------
+    block
+        Number of its first block of rows.
+    attachments
+        How many sides of blocks it has.
+    first, places
+        Its first place, and how many.
+    winch, winch_rows
+        First row of its winch, and how many.
+    column
+        First record column.
+    axial_stiffness
+        EA of a wire rope [N], or 0.
+    stiffness
+        Of a spring rope [N/m], or 0.
+    damping
+        [N s/m].
+    start_length
+        Unstretched length at the start [m].
+    """
+
+    block: int
+    attachments: int
+    first: int
+    places: int
+    winch: int
+    winch_rows: int
+    column: int
+    axial_stiffness: float
+    stiffness: float
+    damping: float
+    start_length: float
+
+
+class PlaceMarkers(Record):
+    """Marker of a place, marker of its axis or -1, attachment or -1 on the ground."""
+
+    marker: int
+    axis: int
+    attachment: int
+
+
+class WinchRow(Record):
+    """Time [s], speed [m/s] and length hauled in since t = 0 [m]."""
+
+    time: float
+    speed: float
+    hauled: float
+
+
+class RopeState(Record):
+    """What a rope carries.
+
+    Attributes
+    ----------
+    fresh
+        Whether no step has been made yet.
+    stretched
+        Path length as carried [m].
+    rest
+        Unstretched length [m].
+    rate
+        Of the path in the last step [m/s].
+    drift
+        Geometry less carried length [m].
+    winch_work, loss
+        Work of the winch, and what the damper took [J].
+    """
+
+    fresh: bool
+    stretched: float
+    rest: float
+    rate: float
+    drift: float
+    winch_work: float
+    loss: float
+
+
+class Ropes(Arrays):
+    """All ropes of a scene.
+
+    Attributes
+    ----------
+    table
+        The ropes.
+    places
+        Markers of the places of all ropes.
+    winches
+        Rows of all winches.
+    path
+        Places as `path_length` takes them.
+    gradient
+        Derivatives of the length by them.
+    state
+        What the ropes carry.
+    wraps
+        Wrap of the rope about each place [rad], shape (m,).
+    """
+
+    carried_fields: ClassVar[tuple[str, ...]] = (
+        "state",
+        "wraps",
+    )
+
+    table: Records[RopeEntry]
+    places: Records[PlaceMarkers]
+    winches: Records[WinchRow]
+    path: Records[RopePlace]
+    gradient: Records[PlaceGradient]
+    state: Records[RopeState]
+    wraps: Floats1
+
+
+@kernel(internal=True)
+def winch_state(kind: Ropes, i: int, time: float) -> tuple[float, float]:
+    """Length hauled in since t = 0 [m] and speed [m/s]; exact for speeds that are linear in between."""
+    first, count = kind.table[i].winch, kind.table[i].winch_rows
+    if count == 0:
+        return 0.0, 0.0
+    low, high = first - 1, first + count
+    while high - low > 1:
+        middle = (low + high) // 2
+        if kind.winches[middle].time <= time:
+            low = middle
+        else:
+            high = middle
+    if low < first or high == first + count:  # held at its ends
+        end = kind.winches[max(low, first)]
+        return end.hauled + end.speed * (time - end.time), end.speed
+    a, b = kind.winches[low], kind.winches[high]
+    t = time - a.time
+    slope = (b.speed - a.speed) / (b.time - a.time)
+    return a.hauled + t * (a.speed + 0.5 * slope * t), a.speed + slope * t
+
+
+@kernel(internal=True)
+def rest_length(kind: Ropes, i: int, time: float) -> float:
+    """Unstretched length in play [m]; not a number once all of it is hauled in."""
+    length = kind.table[i].start_length - winch_state(kind, i, time)[0]
+    return length if length > 0.0 or kind.table[i].stiffness > 0.0 else math.nan
+
+
+@kernel(inline=True, internal=True)
+def _stiffness(kind: Ropes, i: int, inverse_length: float) -> float:
+    k = kind.table[i].stiffness
+    return k if k > 0.0 else kind.table[i].axial_stiffness * inverse_length
+
+
+@kernel(internal=True)
+def _find_path(kind: Ropes, i: int, work: Workspace) -> float:
+    """Length of the path from the markers [m]; its derivatives and wraps are kept."""
+    first = kind.table[i].first
+    last = first + kind.table[i].places
+    for p in range(first, last):
+        marker, axis = kind.places[p].marker, kind.places[p].axis
+        for k in range(3):
+            kind.path[p].centre[k] = work.markers[marker].point[k]
+            if axis >= 0:
+                kind.path[p].axis[k] = work.markers[axis].point[k]
+    return path_length(kind.path[first:last], kind.gradient[first:last], kind.wraps[first:last])
+
+
+@kernel(internal=True)
+def _compare(kind: Ropes, i: int, length: float) -> None:
+    """Take the geometry while the rope is slack and before the first step; measure the drift."""
+    state = kind.state[i]
+    if state.fresh:
+        state.stretched = length
+    elif state.stretched <= state.rest:
+        state.stretched = min(length, state.rest)  # a drift must not make tension
+    state.drift = length - state.stretched
+
+
+@implement(fill_rows, Ropes)
+@kernel(internal=True)
+def fill_rope_rows(kind: Ropes, with_residual: bool, work: Workspace, system: RowArrays) -> None:
+    """``dl/dc . J + dl/dn . J_n`` of every place on the side of its body."""
+    lanes = system.lanes
+    for i in range(kind.table.shape[0]):
+        length = _find_path(kind, i, work)
+        block, count, first = kind.table[i].block, kind.table[i].attachments, kind.table[i].first
+        for side in range(2 * block, 2 * block + count):
+            panel = system.attachments[side].panel
+            for k in range(system.attachments[side].width):
+                system.panels[panel + k * lanes] = 0.0
+        for p in range(first, first + kind.table[i].places):
+            marker, axis, side = kind.places[p].marker, kind.places[p].axis, kind.places[p].attachment
+            if side < 0:
+                continue
+            g = kind.gradient[p]
+            add_direction_row(system, side, 0, work, marker, (g.centre[0], g.centre[1], g.centre[2]))
+            if axis >= 0:
+                add_direction_row(system, side, 0, work, axis, (g.axis[0], g.axis[1], g.axis[2]))
+        if with_residual:
+            _compare(kind, i, length)
+            put_residual(system, block, length - kind.state[i].rest)
+
+
+@kernel(internal=True)
+def _tension(
+    kind: Ropes, i: int, u: float, time: float, h: float
+) -> tuple[float, float, float, float, float, float]:
+    """Elastic tension, tension, its derivative by the rate u; elongations before and after, length after."""
+    l0 = kind.state[i].rest
+    l1 = rest_length(kind, i, time + h)
+    k = _stiffness(kind, i, 0.5 / l0 + 0.5 / l1)
+    e0 = kind.state[i].stretched - l0
+    e1 = e0 - (l1 - l0) + h * u  # in this order: the last term alone changes in the iteration
+    elastic, tension, slope = pull(e0, e1, k, kind.table[i].damping, h)
+    return elastic, tension, h * slope, e0, e1, l1
+
+
+@implement(set_targets, Ropes)
+@kernel(internal=True)
+def set_rope_targets(
+    kind: Ropes, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowArrays
+) -> None:
+    """First guess: the rate of the last step."""
+    if not at_midpoint:
+        return
+    for i in range(kind.table.shape[0]):
+        u = kind.state[i].rate
+        _, tension, slope, _, _, _ = _tension(kind, i, u, time, step)
+        put_law(system, kind.table[i].block, step, u, tension, slope)
+
+
+@kernel(inline=True, internal=True)
+def _rate(kind: Ropes, i: int, work: Workspace, system: RowArrays) -> float:
+    """Rate of the path in the middle of the step [m/s]."""
+    first = 2 * kind.table[i].block
+    return row_rate(system, first, first + kind.table[i].attachments, work.velocity)
+
+
+@implement(relinearise, Ropes)
+@kernel(internal=True)
+def relinearise_ropes(kind: Ropes, time: float, step: float, work: Workspace, system: RowArrays) -> None:
+    """Fit the tensions to the rates found."""
+    for i in range(kind.table.shape[0]):
+        u = _rate(kind, i, work, system)
+        _, tension, slope, _, _, _ = _tension(kind, i, u, time, step)
+        fit_law(system, kind.table[i].block, step, u, tension, slope, work)
+
+
+@implement(update_rows, Ropes)
+@kernel(internal=True)
+def update_ropes(kind: Ropes, time: float, step: float, work: Workspace, system: RowArrays) -> None:
+    """Carry the stretch over the step; works of winch and damper."""
+    for i in range(kind.table.shape[0]):
+        state = kind.state[i]
+        u = _rate(kind, i, work, system)
+        elastic, tension, _, e0, e1, l1 = _tension(kind, i, u, time, step)
+        l0 = state.rest
+        if l1 != l0:
+            squares = max(0.0, e0) ** 2 + max(0.0, e1) ** 2
+            state.winch_work -= tension * (l1 - l0)
+            if kind.table[i].stiffness == 0.0:
+                state.winch_work += 0.25 * kind.table[i].axial_stiffness * squares * (1.0 / l1 - 1.0 / l0)
+        state.loss += (tension - elastic) * (e1 - e0)
+        state.stretched += step * u + RETURN * min(0.0, state.drift)
+        state.rest = l1
+        state.rate = u
+        state.fresh = False
+
+
+@kernel(internal=True)
+def _path_rate(kind: Ropes, i: int, work: Workspace) -> float:
+    """Rate of the path from the rates of the markers [m/s]."""
+    rate = 0.0
+    first = kind.table[i].first
+    for p in range(first, first + kind.table[i].places):
+        marker, axis = kind.places[p].marker, kind.places[p].axis
+        for k in range(3):
+            rate += kind.gradient[p].centre[k] * work.markers[marker].velocity[k]
+            if axis >= 0:
+                rate += kind.gradient[p].axis[k] * work.markers[axis].velocity[k]
+    return rate
+
+
+@implement(record_joints, Ropes)
+@kernel(internal=True)
+def record_ropes(
+    kind: Ropes, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
+) -> None:
+    """Tension, length of the path, unstretched length, drift, tension of each straight part."""
+    for i in range(kind.table.shape[0]):
+        state, column = kind.state[i], kind.table[i].column
+        length = _find_path(kind, i, work)
+        _compare(kind, i, length)
+        e = state.stretched - state.rest
+        k = _stiffness(kind, i, 1.0 / state.rest)
+        tension = 0.0
+        if e > 0.0:
+            tension = k * e
+            work.sums.elastic += 0.5 * k * e * e
+            if kind.table[i].damping > 0.0:
+                stretching = _path_rate(kind, i, work) + winch_state(kind, i, time)[1]
+                tension = max(0.0, tension + kind.table[i].damping * stretching)
+        row[column] = tension
+        row[column + 1] = length
+        row[column + 2] = state.rest
+        row[column + 3] = state.drift
+        for part in range(kind.table[i].places - 1):
+            row[column + 4 + part] = tension
+        work.sums.drive_work += state.winch_work
+        work.sums.dissipated += state.loss

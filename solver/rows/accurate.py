@@ -1,0 +1,175 @@
+"""Joints in the accurate integrator: accelerations that keep the rows, and the projection of a state.
+
+The rows are differentiated twice: ``G a = -gamma``. Redundant rows are regularised by a small softness, and
+one refinement against the rows without it makes its effect invisible also near singular positions::
+
+    ( G M^-1 G^T + delta D ) l = -gamma - G a0,     a = a0 + M^-1 G^T l,     and again with what is left
+
+The softness must stay large against the square of the distance to the constraints, at which redundant rows
+contradict each other and would lock the mechanism, and that distance is what the projection keeps small.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.solver.integrate.integration import Integration
+from heavylift.solver.interface import (
+    Bodies,
+    Joints,
+    Systems,
+    Workspace,
+    apply_inverse,
+    fill_bias,
+    fill_rows,
+    set_targets,
+)
+from heavylift.solver.kinds import implement, optional
+from heavylift.solver.rows.solver import assemble, factor_rows, solve_rows
+from heavylift.solver.rows.structure import (
+    PRESCRIBED,
+    RowArrays,
+    RowSystem,
+)
+
+__all__ = ["constrain", "project", "soften"]
+
+
+@kernel(internal=True)
+def soften(system: RowArrays, softening: float) -> None:
+    """Softness of the rows in use, the same in all stages; padding keeps its own."""
+    lanes = system.lanes
+    for node in range(system.attachments.shape[0] // 2):
+        row = system.rows[node]
+        for r in range(lanes):
+            scale = row.scale[r]
+            if scale > 0.0:
+                row.softness[r] = softening * scale
+            row.last_reaction[r] = 0.0
+
+
+@optional("accurate")
+def constrain(
+    systems: Systems,
+    bodies: Bodies,
+    joints: Joints,
+    integration: Integration,
+    at: int,
+    with_reactions: bool,
+    work: Workspace,
+    time: float,
+) -> None:
+    """Rows: accelerations without joints in `work.velocity` become those with them.
+
+    Drives add their power [W] at the state vector that begins at `at` of the vectors of the integration.
+    """
+
+
+@implement(constrain, RowSystem)
+@kernel(internal=True)
+def constrain_rows(
+    system: RowSystem,
+    bodies: Bodies,
+    joints: Joints,
+    integration: Integration,
+    at: int,
+    with_reactions: bool,
+    work: Workspace,
+    time: float,
+) -> None:
+    """One factorisation; each solution starts without impulses, so later ones do not see the softness.
+
+    With reactions the impulses are the sums of all solutions in the end.
+    """
+    progress = integration.progress
+    wanted = with_reactions or progress.driven or progress.based
+    lanes = len(system.shape[1])
+    nodes = system.attachments.shape[0] // 2
+    fill_rows(joints, False, work, system)
+    fill_bias(joints, time, work, system)
+    apply_inverse(bodies, False, system)
+    assemble(system)
+    factor_rows(system)
+    if wanted:
+        for node in range(nodes):
+            for r in range(lanes):
+                system.rows[node].reaction[r] = 0.0
+    for _ in range(progress.solutions):
+        for node in range(nodes):
+            for r in range(lanes):
+                system.rows[node].impulse[r] = 0.0
+        solve_rows(system, work.velocity)
+        if wanted:
+            for node in range(nodes):
+                row = system.rows[node]
+                for r in range(lanes):
+                    row.reaction[r] += row.impulse[r]
+                    row.impulse[r] = row.reaction[r]
+    if progress.driven:
+        _add_drive_power(system, integration.vectors, at, work)
+
+
+@kernel(internal=True)
+def _add_drive_power(system: RowSystem, values: NDArray[np.float64], at: int, work: Workspace) -> None:
+    """Power [W] that drives put into free bodies: ``l . G u`` over the sides that are not prescribed."""
+    lanes = len(system.shape[1])
+    for i in range(system.attachments.shape[0]):
+        if system.attachments[i].holder == PRESCRIBED:
+            continue
+        dof, panel = system.attachments[i].dof, system.attachments[i].panel
+        reaction = system.rows[system.attachments[i].owner].reaction
+        for k in range(system.attachments[i].width):
+            for r in range(lanes):
+                work.sums.drive_work += (
+                    reaction[r] * system.panels[panel + k * lanes + r] * values[at + dof + k]
+                )
+
+
+@optional("accurate")
+def project(
+    systems: Systems, bodies: Bodies, joints: Joints, of_velocity: bool, work: Workspace, time: float
+) -> None:
+    """Rows: a displacement in `work.velocity` becomes one that closes them to first order, then velocities likewise.
+
+    The factor of the velocities is that of the position before the displacement.
+    """
+
+
+@implement(project, RowSystem)
+@kernel(internal=True)
+def project_rows(
+    system: RowSystem, bodies: Bodies, joints: Joints, of_velocity: bool, work: Workspace, time: float
+) -> None:
+    """``G d = -g``, then ``G u = l'`` with prescribed velocities as they are."""
+    if not of_velocity:
+        _start_projection(system, bodies, joints, work, time)
+    lanes = len(system.shape[1])
+    for node in range(system.attachments.shape[0] // 2):
+        row = system.rows[node]
+        for r in range(lanes):
+            row.target[r] = row.half_impulse[r] if of_velocity else -row.residual[r]
+            row.impulse[r] = 0.0
+    solve_rows(system, work.velocity)
+
+
+@kernel(internal=True)
+def _start_projection(
+    system: RowSystem, bodies: Bodies, joints: Joints, work: Workspace, time: float
+) -> None:
+    """Residuals and factor; the targets of the velocities are kept in the place of half impulses."""
+    lanes = len(system.shape[1])
+    nodes = system.attachments.shape[0] // 2
+    fill_rows(joints, True, work, system)
+    for node in range(nodes):
+        for r in range(lanes):
+            system.rows[node].target[r] = 0.0
+    set_targets(joints, time, 0.0, False, work, system)
+    for node in range(nodes):
+        row = system.rows[node]
+        for r in range(lanes):
+            row.half_impulse[r] = row.target[r]
+    apply_inverse(bodies, False, system)
+    assemble(system)
+    factor_rows(system)

@@ -1,0 +1,327 @@
+"""Joints in a step: the midpoint system, and the exact projection of the velocities at its end.
+
+Regularised rows at the midpoint, solved for half impulses, as in "Integrated simulation ... (2018)", eq. 49,
+with the Jacobian of the middle of the step; then a projection of the velocities onto the rows of the end,
+without which closed loops fail and an inconsistent start rings for ever.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
+from heavylift.solver.contact.system_interface import follow, respond
+from heavylift.solver.interface import (
+    FORCES,
+    Bodies,
+    Joints,
+    Systems,
+    Workspace,
+    add_row_work,
+    apply_inverse,
+    close_step,
+    complete,
+    end_rows,
+    end_velocity,
+    fill_markers,
+    fill_rows,
+    record_joints,
+    record_rows,
+    refactor_rows,
+    relinearise,
+    set_targets,
+    set_velocity,
+    solve_again,
+    solve_end,
+    solve_midpoint,
+    update_rows,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows.impulses import add_impulses, add_reactions
+from heavylift.solver.rows.solver import (
+    assemble,
+    factor_rows,
+    respond_rows,
+    smallest_pivot,
+    solve_rows,
+)
+from heavylift.solver.rows.structure import (
+    REGULARISATION,
+    RowSystem,
+)
+
+__all__ = ["end_step"]
+
+LAW_ITERATIONS = 200
+NOT_CONVERGED, NOT_CLOSED = int(Outcome.NOT_CONVERGED), int(Outcome.NOT_CLOSED)
+
+
+@implement(solve_midpoint, RowSystem)
+@kernel(internal=True)
+def solve_midpoint_laws(
+    system: RowSystem,
+    all_systems: Systems,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    step: float,
+    nominal: float,
+) -> None:
+    """Newton iteration: solve, fit the laws to the velocities found, solve for the rest.
+
+    Notes
+    -----
+    Laws are monotone and the system is positive definite, so linearising them again at each result finds the
+    solution in a few rounds; most steps need one, because only a law that changes its branch moves.
+    """
+    _start_midpoint(system, bodies, joints, work, time, step, nominal)
+    assemble(system)
+    factor_rows(system)
+    fit_laws(system, joints, work, time, step)
+
+
+@kernel(internal=True)
+def fit_laws(system: RowSystem, joints: Joints, work: Workspace, time: float, step: float) -> None:
+    """Rounds of the Newton iteration, the first with the factor that is there; without laws it is the only one.
+
+    Then `work.control.changed` stays as it is: bodies that iterate count in it.
+    """
+    if not system.laws:
+        solve_rows(system, work.velocity)
+        return
+    for _ in range(LAW_ITERATIONS):
+        solve_rows(system, work.velocity)
+        work.control.changed = 0
+        relinearise(joints, time, step, work, system)
+        if work.control.changed == 0:
+            return
+        assemble(system)
+        factor_rows(system)
+    work.status.outcome = NOT_CONVERGED
+
+
+@implement(solve_again, RowSystem)
+@kernel(internal=True)
+def solve_laws_again(
+    system: RowSystem, all_systems: Systems, joints: Joints, work: Workspace, time: float, step: float
+) -> None:
+    """One solve more, it is incremental; and laws once more."""
+    fit_laws(system, joints, work, time, step)
+
+
+@implement(refactor_rows, RowSystem)
+@kernel(internal=True)
+def refactor_row_system(system: RowSystem, bodies: Bodies, joints: Joints, work: Workspace) -> None:
+    """The impulses stay as they are, and act along the new rows.
+
+    Notes
+    -----
+    Hubs have no velocities of their own to which impulses could be added: with hubs the rows stay, and what
+    `solve_again` adds belongs to the new matrices.
+    """
+    if system.hubs.shape[0] == 0:
+        add_impulses(system, work.velocity, -1.0)
+        fill_markers(bodies, True, FORCES, work)
+        fill_rows(joints, False, work, system)
+        apply_inverse(bodies, True, system)
+        add_impulses(system, work.velocity, 1.0)
+    else:
+        apply_inverse(bodies, True, system)
+    assemble(system)
+    factor_rows(system)
+
+
+@kernel(internal=True)
+def _start_midpoint(
+    system: RowSystem,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    step: float,
+    nominal: float,
+) -> None:
+    """Rows of the midpoint with targets and softness. Positions are corrected over the nominal step."""
+    lanes = len(system.shape[1])
+    fill_rows(joints, False, work, system)
+    rate = 1.0 / nominal
+    for node in range(system.attachments.shape[0] // 2):
+        row = system.rows[node]
+        if row.rigid[0] == 0.0 or row.relaxation[0] > 0.0:
+            _aim_compliant(system, node, step, nominal)
+            continue
+        for r in range(lanes):
+            row.impulse[r] = 0.0
+            row.target[r] = -rate * row.residual[r]
+            row.softness[r] = row.hold[r]
+    set_targets(joints, time, step, True, work, system)
+    apply_inverse(bodies, True, system)
+
+
+@kernel(internal=True)
+def _aim_compliant(system: RowSystem, node: int, step: float, nominal: float) -> None:
+    """Targets and softness of a block with physical compliance or relaxation; laws replace them."""
+    row, lanes = system.rows[node], len(system.shape[1])
+    for r in range(lanes):
+        row.impulse[r] = 0.0
+        scale = row.scale[r]
+        if scale > 0.0:
+            compliance = row.compliance[r]
+            relaxation = row.relaxation[r]
+            delay = (nominal if compliance == 0.0 else 0.5 * nominal) + relaxation
+            row.target[r] = -row.residual[r] / delay
+            row.softness[r] = REGULARISATION * scale + 2.0 * compliance / (step * (0.5 * step + relaxation))
+
+
+@kernel(internal=True)
+def end_step(
+    systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
+) -> None:
+    """End of the step: velocities projected onto the rigid rows there, impacts, reactions of the step.
+
+    With `work.control.split` set an impact lies within the step, or contacts were not found at its end: then all
+    of it has to be taken back.
+    """
+    end_rows(systems, bodies, joints, work, time, step)
+    if work.control.split > 0.0:
+        return
+    solve_end(systems, systems, bodies, joints, work, time, step)
+    if work.control.split > 0.0:
+        return
+    close_step(systems, systems, bodies, work, step)
+
+
+@implement(end_rows, RowSystem)
+@kernel(internal=True)
+def end_row_system(
+    system: RowSystem, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
+) -> None:
+    """Impulses of the midpoint are halves of those of the step."""
+    lanes = len(system.shape[1])
+    update_rows(joints, time, step, work, system)
+    add_row_work(bodies, 2.0, work, system)
+    end_velocity(bodies, step, work)
+    fill_markers(bodies, False, FORCES, work)  # damped springs are rows on markers with rates
+    for node in range(system.attachments.shape[0] // 2):
+        row = system.rows[node]
+        for r in range(lanes):
+            row.half_impulse[r] = row.impulse[r]
+
+
+@implement(solve_end, RowSystem)
+@kernel(internal=True)
+def solve_end_rows(
+    system: RowSystem,
+    all_systems: Systems,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    step: float,
+) -> None:
+    """One factorisation more, of the rigid rows with the mass alone."""
+    lanes = len(system.shape[1])
+    fill_rows(joints, True, work, system)
+    for node in range(system.attachments.shape[0] // 2):
+        row = system.rows[node]
+        for r in range(lanes):
+            row.impulse[r] = 0.0
+            row.target[r] = 0.0
+            row.softness[r] = row.hold[r]
+    set_targets(joints, time + step, step, False, work, system)
+    apply_inverse(bodies, False, system)
+    assemble(system)
+    factor_rows(system)
+    solve_rows(system, work.velocity)
+
+
+@implement(close_step, RowSystem)
+@kernel(internal=True)
+def close_row_step(
+    system: RowSystem, all_systems: Systems, bodies: Bodies, work: Workspace, step: float
+) -> None:
+    """Forces of the step from all its impulses."""
+    lanes = len(system.shape[1])
+    add_row_work(bodies, 1.0, work, system)
+    complete(bodies, all_systems, False, step, work)
+    set_velocity(bodies, step, work)
+    _check_closed(system, work)
+    ahead = step / (step + work.control.last_step)
+    rate = 1.0 / step
+    for node in range(system.attachments.shape[0] // 2):
+        row = system.rows[node]
+        for r in range(lanes):
+            # of second order in the middle of the step only, and only with the part of the projection
+            middle = rate * (2.0 * row.half_impulse[r] + row.impulse[r])
+            before = row.last_reaction[r]
+            row.reaction[r] = middle + ahead * (middle - before)
+            row.last_reaction[r] = middle
+
+
+@implement(respond, RowSystem)
+@kernel(internal=True)
+def respond_row_system(system: RowSystem, velocity: NDArray[np.float64]) -> None:
+    """By the factor that is there."""
+    respond_rows(system, velocity)
+
+
+@implement(follow, RowSystem)
+@kernel(internal=True)
+def follow_contacts(
+    system: RowSystem, joints: Joints, at_midpoint: bool, work: Workspace, time: float, step: float
+) -> None:
+    """One solve more, it is incremental; at the midpoint laws are fitted again if contacts have moved them."""
+    solve_rows(system, work.velocity)
+    if not (at_midpoint and system.laws):
+        return
+    work.control.changed = 0
+    relinearise(joints, time, step, work, system)
+    if work.control.changed > 0:
+        assemble(system)
+        factor_rows(system)
+        fit_laws(system, joints, work, time, step)
+        work.control.changed = 1
+
+
+@kernel(internal=True)
+def _check_closed(system: RowSystem, work: Workspace) -> None:
+    """Refuse a step that leaves a joint apart, or anything that is not a number."""
+    lanes = len(system.shape[1])
+    for node in range(system.attachments.shape[0] // 2):
+        row = system.rows[node]
+        total = 0.0
+        for r in range(lanes):
+            total += abs(row.rigid[r] * row.residual[r])
+        if not total <= 1.0:
+            work.status.outcome = NOT_CLOSED
+            work.status.block = node
+
+
+@implement(record_rows, RowSystem)
+@kernel(internal=True)
+def record_row_system(
+    system: RowSystem,
+    bodies: Bodies,
+    joints: Joints,
+    work: Workspace,
+    time: float,
+    row: NDArray[np.float64],
+) -> None:
+    """Largest violation of a rigid row, and smallest pivot of the last projection."""
+    lanes = len(system.shape[1])
+    fill_rows(joints, True, work, system)
+    set_targets(joints, time, 1.0, False, work, system)  # drives are violated by their value at this time
+    add_reactions(system, work.row_force)
+    record_joints(joints, time, work, system, row)
+    violation = 0.0
+    for node in range(system.attachments.shape[0] // 2):
+        rigid, residual = system.rows[node].rigid, system.rows[node].residual
+        for r in range(lanes):
+            if rigid[r] > 0.0:
+                violation = max(violation, abs(residual[r]))
+    if system.monitor >= 0:
+        row[system.monitor] = violation
+        row[system.monitor + 1] = smallest_pivot(system)

@@ -1,0 +1,131 @@
+"""What a user says of collision: surfaces of triangles on bodies, and which pairs of them may touch; SI units.
+
+A *surface* is any set of triangles, open or closed, wound either way. A *collision* lets two surfaces touch anywhere:
+its contacts come and go with the motion, by the same laws as those of contours.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+from heavylift.solver.scene.contacts import ContactLaw, RigidLaw
+from heavylift.solver.scene.descriptions import XYZ, ChannelKind
+
+if TYPE_CHECKING:
+    from heavylift.preprocess.surfaces import TriangleSurface
+
+__all__ = ["Collision", "CollisionSurface"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CollisionSurface:
+    """Triangles that move with a body.
+
+    Attributes
+    ----------
+    name, body
+        Its own name and that of its body, `GROUND` for one that stands still in the world.
+    surface
+        Triangles in the frame of the body, excluded ones left out; of a frame or shell None: its own surface. That of
+        a shell is its middle surface, rounded by half of its (largest) thickness; that of a frame its axis, round,
+        with the area of its (largest) cross-section, which rounds its ends too.
+    facets
+        Of a frame or shell: facets along each side of an element.
+
+    Notes
+    -----
+    Surfaces that deform are found by nearness: contacts begin while features are still apart, at four motions of a
+    step. What moves on by more than half of its thickness from one step to the next, beyond that, can be missed.
+    """
+
+    name: str
+    body: str
+    surface: TriangleSurface | None
+    facets: int = 2
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Collision:
+    """Two surfaces that may touch.
+
+    Attributes
+    ----------
+    name
+        Prefix of its channels.
+    surfaces
+        Names of both surfaces.
+    law
+        Force or impulse across each contact; a stiffness is that of a patch, which its contacts share.
+    friction
+        Coulomb's coefficient; 0 without.
+    events
+        Split the step at impacts of a rigid law. Otherwise contacts that could close within a step are rows of that
+        step: nothing passes through, and impacts happen at ends of steps. So it is with a frame or shell without
+        restitution.
+    method
+        ``"swept"``: certified tests of the paths of vertices and edges. ``"position-difference"``: the method of
+        "Integrated simulation ... (2018)", section 2.6, which misses collisions; for comparison.
+    patch_angle, patch_size
+        Contacts belong to one patch if their normals differ by less than this angle [rad], and lie within this distance
+        [m]; 0: a tenth of the smaller surface, at least 1.5 times its mean edge.
+    most_contacts
+        At once; if there are more, the simulation stops. With a frame or shell 64 at most.
+    recorded
+        Contacts that are recorded with point, normal and force; those with the largest forces.
+    clearance
+        Record the distance of the surfaces where they are far from each other too; otherwise the gap that is recorded
+        there is only the reach of the search, a few ways of a step.
+    """
+
+    CHANNELS: ClassVar = (
+        ChannelKind(
+            "gap",
+            "length",
+            "smallest distance of the surfaces, negative inside; no more than what the search looks for",
+        ),
+        ChannelKind("contacts", "number", "number of contacts"),
+        ChannelKind("patches", "number", "number of patches of contacts"),
+        ChannelKind("force", "force", "force on the second surface, world axes", XYZ),
+        ChannelKind("normal_force", "force", "sum of the forces of all contacts along their normals"),
+        ChannelKind("largest_force", "force", "largest sum of the normal forces of a patch of contacts"),
+        ChannelKind(
+            "impulse",
+            "momentum",
+            "sum of the impulses along the normals since the start, impacts included",
+            unit="N s",
+        ),
+        ChannelKind("point", "length", "centre of the forces, in the world", XYZ),
+        ChannelKind("slip", "velocity", "largest speed at which a contact slides"),
+        ChannelKind(
+            "dissipated",
+            "moment or energy",
+            "energy lost to impacts, damping and friction since the start, part of energy.dissipated",
+            unit="J",
+        ),
+        ChannelKind("impacts", "number", "number of impacts since the start"),
+    )
+    """What it records, in the order of its columns."""
+    CONTACT_CHANNELS: ClassVar = (
+        ChannelKind("point", "length", "point of the contact, in the world", XYZ),
+        ChannelKind("normal", "number", "unit normal from the first surface to the second, world axes", XYZ),
+        ChannelKind("gap", "length", "distance of the surfaces at the contact; negative inside"),
+        ChannelKind("force", "force", "force of the contact along its normal"),
+        ChannelKind("friction", "force", "force of the contact across its normal, its amount"),
+        ChannelKind("impulse", "momentum", "impulse of the last step along the normal", unit="N s"),
+        ChannelKind("patch", "number", "number of the patch of the contact; -1 where none is recorded"),
+    )
+    """What it records of each of its `recorded` contacts, behind its own channels: ``NAME.contact_1.point``, ..."""
+
+    name: str
+    surfaces: tuple[str, str]
+    law: ContactLaw = field(default_factory=RigidLaw)
+    friction: float = 0.0
+    events: bool = True
+    method: Literal["swept", "position-difference"] = "swept"
+    patch_angle: float = math.radians(18.0)
+    patch_size: float = 0.0
+    most_contacts: int = 512
+    recorded: int = 8
+    clearance: bool = False

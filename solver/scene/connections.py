@@ -1,0 +1,452 @@
+"""What a user says of the things between bodies: joints, ropes, springs, drives and motors, in SI units.
+
+Every joint has a *joint frame* on either side: a point and three axes, in the frame of the body (in
+world axes on the ground). The joint is closed when the two frames fit, each type in its own way.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.scene.bodies import GROUND
+from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+__all__ = [
+    "ANGLE_CHANNELS",
+    "GROUND",
+    "JOINTS",
+    "LOAD_CHANNELS",
+    "PAIR_FORCES",
+    "REACTION_FORCE",
+    "REACTION_MOMENT",
+    "TRAVEL_CHANNELS",
+    "EdgeJoint",
+    "Joint",
+    "JointFrame",
+    "JointMotor",
+    "JointSpring",
+    "Limits",
+    "PairForce",
+    "Place",
+    "Rope",
+    "RopePoint",
+    "Spring",
+    "SpringRope",
+    "Winch",
+    "axes_about",
+    "frame_in_body",
+]
+
+
+class Place(Enum):
+    """What a case file says of where a joint is."""
+
+    POINT = "point"
+    """A point for both sides, or one each."""
+    AXIS = "axis"
+    """And an axis for both sides, or one each: z of the joint frames."""
+    CROSS = "cross"
+    """And a second axis for the other side."""
+    APART = "apart"
+    """Two points."""
+    EDGE = "edge"
+    """Edges of shells."""
+
+
+REACTION_FORCE = ChannelKind("reaction_force", "force", "force on side b, world axes", XYZ)
+REACTION_MOMENT = ChannelKind(
+    "reaction_moment", "moment or energy", "moment on side b at its point, world axes", XYZ
+)
+ANGLE_CHANNELS = (
+    ChannelKind("angle", "angle", "angle of side b to side a about the axis of the joint"),
+    ChannelKind("angular_rate", "angular velocity", "rate of that angle"),
+)
+TRAVEL_CHANNELS = (
+    ChannelKind("travel", "length", "travel of side b to side a along the axis of the joint"),
+    ChannelKind("travel_rate", "velocity", "rate of that travel"),
+)
+LOAD_CHANNELS: Mapping[str, ChannelKind] = {
+    "angle": ChannelKind("load", "moment or energy", "torque about the axis of the joint on its side b"),
+    "travel": ChannelKind("load", "force", "force along the axis of the joint on its side b", by_owner=True),
+}
+"""Of what acts along a joint, by its coordinate."""
+ROPE_CHANNELS = (
+    ChannelKind("tension", "force", "tension of the rope"),
+    ChannelKind("length", "length", "length of the rope along its path"),
+    ChannelKind("rest_length", "length", "unstretched length of the rope"),
+    ChannelKind(
+        "drift",
+        "length",
+        "length of the rope along its path less the stretched length that its tension belongs to",
+    ),
+    ChannelKind(
+        "segment_tension", "force", "tension of each segment of the rope, from its first end on", None
+    ),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class JointFrame:
+    """Point [m], shape (3,), and axes x, y, z as columns, shape (3, 3), in the frame of a body."""
+
+    point: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    axes: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))
+
+
+def axes_about(
+    axis: NDArray[np.float64], reference: NDArray[np.float64] | None = None, *, source: str = "joint"
+) -> NDArray[np.float64]:
+    """Right-handed unit axes with z along `axis` and x as near to `reference` as possible, columns, shape (3, 3).
+
+    Parameters
+    ----------
+    axis
+        Any length, shape (3,).
+    reference
+        Shape (3,); chosen if None.
+    source
+        Name for the message.
+
+    Raises
+    ------
+    InputError
+        If the axis has length zero or is not finite, or the reference is parallel to it.
+    """
+    z = np.asarray(axis, dtype=np.float64)
+    length = float(np.linalg.norm(z))
+    if not (0.0 < length < np.inf):
+        raise InputError(
+            f"axis {z.tolist()}", source=source, key="axis", expected="a direction that is not zero"
+        )
+    z = z / length
+    given = np.eye(3)[np.argmin(np.abs(z))] if reference is None else np.asarray(reference, dtype=np.float64)
+    x = given - (given @ z) * z
+    if not np.linalg.norm(x) > 1e-9 * np.linalg.norm(given):
+        raise InputError(
+            f"reference {given.tolist()} is parallel to the axis",
+            source=source,
+            key="reference",
+            expected="a direction across the axis",
+        )
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])
+
+
+def frame_in_body(
+    point: NDArray[np.float64],
+    axes: NDArray[np.float64],
+    position: NDArray[np.float64],
+    orientation: NDArray[np.float64],
+) -> JointFrame:
+    """Joint frame of a body from a point [m] and axes in the world and the pose of the body."""
+    from heavylift.numerics.rotation import (
+        rotation_matrix,  # compiled code, which who reads a case does not need
+    )
+
+    R = rotation_matrix(orientation)
+    return JointFrame(R.T @ (np.asarray(point, dtype=np.float64) - position), R.T @ axes)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Stops of an angle [rad] or travel [m]: a spring [N m/rad] or [N/m] and damper beyond each end."""
+
+    lower: float = -np.inf
+    upper: float = np.inf
+    stiffness: float = 0.0
+    damping: float = 0.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Joint:
+    """What all joints have. Each sort is a subclass in a file of `heavylift.solver.joints`, see `JOINTS`.
+
+    Attributes
+    ----------
+    name
+        Prefix of its channels.
+    body_a, body_b
+        Names; one of them may be `GROUND`.
+    frame_a, frame_b
+        Joint frames on the two bodies.
+    compliance
+        Physical compliance of its rows (the ``epsilon`` of the thesis) [m/N] or [rad/(N m)]; 0 is rigid.
+    relaxation
+        Time in which a violation decays (its ``tau``) [s]; a compliant joint is damped by it.
+    """
+
+    WORD: ClassVar[str]
+    """Its type in a case file."""
+    PLACE: ClassVar[Place] = Place.POINT
+    """What a case file says of where it is."""
+    ROTATIONAL: ClassVar[tuple[bool, ...]] = ()
+    """Whether each of its rows is an angle, not a length."""
+    CHANNELS: ClassVar[tuple[ChannelKind, ...]] = (REACTION_FORCE, REACTION_MOMENT)
+    """What it records, in the order of its columns."""
+    COORDINATE: ClassVar[Literal["", "angle", "travel"]] = ""
+    """The one scalar on which springs, motors, stops and friction act, if it has one."""
+
+    name: str
+    body_a: str
+    body_b: str
+    frame_a: JointFrame = field(default_factory=JointFrame)
+    frame_b: JointFrame = field(default_factory=JointFrame)
+    compliance: float = 0.0
+    relaxation: float = 0.0
+
+    @property
+    def kind_module(self) -> str:
+        """Module with the function `pack` that makes the kind of such joints."""
+        return type(self).__module__
+
+    @property
+    def rotational(self) -> tuple[bool, ...]:
+        """Whether each of its rows is an angle."""
+        return self.ROTATIONAL
+
+    @property
+    def travel_axis(self) -> NDArray[np.float64]:
+        """Direction of its travel in the joint frame of a, any length, shape (3,)."""
+        return np.array([0.0, 0.0, 1.0])
+
+
+def _no_nodes() -> NDArray[np.int64]:
+    return np.zeros(0, dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EdgeJoint(Joint):
+    """An edge of a shell on the ground, a body or the edge of another shell.
+
+    All along the edge, not in its nodes alone: nodes and tangents of the edge are kept. It stays straight on a
+    rigid or floating body, and bends with the edge of another shell. Joint frames are not used; what counts is
+    how the bodies stand at the start. Reactions are those of each node: ``name.0``, ``name.1``, ...
+
+    Attributes
+    ----------
+    nodes_a
+        Numbers of nodes of the shell `body_a` along the edge, in order, shape (n,).
+    nodes_b
+        Those of `body_b` at the same places, if that is a shell.
+    """
+
+    PLACE: ClassVar = Place.EDGE
+
+    nodes_a: NDArray[np.int64]
+    nodes_b: NDArray[np.int64] = field(default_factory=_no_nodes)
+
+
+JOINTS: Family[Joint] = Family("joint", "heavylift.solver.joints")
+"""All sorts of joints, by their types in a case file."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PairForce:
+    """What all forces between two points have. Each sort is a subclass in a file of `heavylift.solver.forces`.
+
+    Its module has a function ``pack(forces, columns, book)`` that makes the kind from its members, the first record
+    column of each and the book of markers; its kind implements `add_forces` and `record_forces`.
+
+    Attributes
+    ----------
+    name
+        Prefix of its channels.
+    body_a, point_a, body_b, point_b
+        Ends: body (or `GROUND`) and point in its frame [m], shape (3,).
+    """
+
+    WORD: ClassVar[str]
+    """Its type in a case file."""
+    CHANNELS: ClassVar[tuple[ChannelKind, ...]]
+    """What it records, in the order of its columns."""
+
+    name: str
+    body_a: str
+    point_a: NDArray[np.float64]
+    body_b: str
+    point_b: NDArray[np.float64]
+
+
+PAIR_FORCES: Family[PairForce] = Family(
+    "force", "heavylift.solver.forces", ("point", "spring", "joint_spring", "motor")
+)
+"""All sorts of forces between two points, by their types in a case file."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Spring:
+    """Spring and damper between two points, along their line.
+
+    Attributes
+    ----------
+    name, body_a, point_a, body_b, point_b
+        Ends: body (or `GROUND`) and point in its frame [m], shape (3,).
+    stiffness, damping
+        [N/m], [N s/m].
+    length
+        Unloaded length [m].
+    elongations, forces
+        A table in place of the stiffness: tension [N] over elongation [m], increasing, linear in between and
+        beyond the ends.
+    """
+
+    CHANNELS: ClassVar = (
+        ChannelKind("force", "force", "tension of the spring with its damper; negative if it pushes"),
+        ChannelKind("length", "length", "distance of the ends of the spring"),
+    )
+    """What it records, in the order of its columns."""
+
+    name: str
+    body_a: str
+    point_a: NDArray[np.float64]
+    body_b: str
+    point_b: NDArray[np.float64]
+    length: float
+    stiffness: float = 0.0
+    damping: float = 0.0
+    elongations: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JointSpring:
+    """Spring and damper on the angle of a hinge [rad] or the travel of a slider [m].
+
+    Attributes
+    ----------
+    name, joint
+        Its own name and that of the joint.
+    rest
+        Value without load.
+    stiffness, damping
+        [N m/rad], [N m s/rad] or [N/m], [N s/m].
+    deflections, loads
+        A table in place of the stiffness: restoring torque [N m] or force [N] over value less rest.
+    """
+
+    CHANNEL_BY_COORDINATE: ClassVar = LOAD_CHANNELS
+    """What it records, by the coordinate of its joint."""
+
+    name: str
+    joint: str
+    rest: float = 0.0
+    stiffness: float = 0.0
+    damping: float = 0.0
+    deflections: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    loads: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JointMotor:
+    """Torque [N m] or force [N] of a on b along a hinge or slider, a table over time [s], linear in between."""
+
+    CHANNEL_BY_COORDINATE: ClassVar = LOAD_CHANNELS
+    """What it records, by the coordinate of its joint."""
+
+    name: str
+    joint: str
+    times: NDArray[np.float64]
+    loads: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RopePoint:
+    """A place the rope passes: an end, an eye, or a pulley.
+
+    Attributes
+    ----------
+    body, point
+        Body (or `GROUND`) and point in its frame [m], shape (3,): of a pulley its centre.
+    radius
+        Of the pulley [m]; 0 for an end or an eye.
+    axis
+        Of the pulley in the frame of the body, any length, shape (3,). The rope runs about the pulley in the
+        sense of a turn about this axis.
+    """
+
+    body: str
+    point: NDArray[np.float64]
+    radius: float = 0.0
+    axis: NDArray[np.float64] = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+
+
+@dataclass(frozen=True, eq=False)
+class Winch:
+    """Speed of a winch over time, linear in between and held at the ends: hauls in if positive.
+
+    Attributes
+    ----------
+    times, speeds
+        [s], increasing; [m/s].
+    """
+
+    times: NDArray[np.float64]
+    speeds: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rope:
+    """A wire rope through any number of points, with one tension all along: it pulls and never pushes.
+
+    Attributes
+    ----------
+    name
+        Prefix of its channels.
+    path
+        Two and more points, from end to end.
+    axial_stiffness
+        ``EA`` [N].
+    length
+        Unstretched length between the ends at the start [m]; the length of the path if None.
+    damping
+        Tension per rate of elongation [N s/m], while it is taut.
+    winch
+        How its length changes.
+    """
+
+    CHANNELS: ClassVar = ROPE_CHANNELS
+    """What it records, in the order of its columns; the last one a segment."""
+
+    name: str
+    path: tuple[RopePoint, ...]
+    axial_stiffness: float
+    length: float | None = None
+    damping: float = 0.0
+    winch: Winch | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SpringRope:
+    """The spring rope of the thesis, eq. 230: pulls with ``stiffness (distance - length)``, two ends.
+
+    Attributes
+    ----------
+    name, body_a, point_a, body_b, point_b
+        Ends, as in `Spring`.
+    length
+        Unloaded length [m].
+    stiffness, damping
+        [N/m], [N s/m].
+    """
+
+    CHANNELS: ClassVar = ROPE_CHANNELS
+    """What it records, in the order of its columns; it has one segment."""
+
+    name: str
+    body_a: str
+    point_a: NDArray[np.float64]
+    body_b: str
+    point_b: NDArray[np.float64]
+    length: float
+    stiffness: float
+    damping: float = 0.0

@@ -1,0 +1,317 @@
+"""What a user says of slender and thin bodies that deform at will: frames and shells of ANCF elements.
+
+Coordinates of a node are its position and slopes of the reference shape, all in one frame that stands still:
+that of the body as it was placed. Strains are those of Green-Lagrange, so displacements and rotations
+are unlimited: "Integrated simulation ... (2018)", sections 2.2 and 2.3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
+
+from heavylift.solver.scene.bodies import Free
+from heavylift.solver.scene.descriptions import ChannelKind
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = [
+    "FRAME_VECTORS",
+    "SHELL_VECTORS",
+    "DistributedLoad",
+    "FollowerLoad",
+    "FrameBody",
+    "FrameSection",
+    "MeshBody",
+    "ShellBody",
+    "ShellSection",
+    "Support",
+]
+
+FRAME_VECTORS = ("position", "tangent")
+"""Vectors of a node of a frame: ``r`` [m] and ``r'`` [1]."""
+
+SHELL_VECTORS = ("position", "slope_x", "slope_y", "twist")
+"""Vectors of a node of a shell: ``r`` [m], ``r_x``, ``r_y`` [1] and ``r_xy`` [1/m]."""
+
+NODE_POSITION = ChannelKind("position", "length", "position of every node in the world", None)
+NODE_VELOCITY = ChannelKind("velocity", "velocity", "velocity of every node in world axes", None)
+STRAIN_DRIFT = ChannelKind(
+    "strain_drift", "number", "largest distance of carried strains from those of the shape"
+)
+
+
+def _zeros(count: int) -> NDArray[np.float64]:
+    return np.zeros(count)
+
+
+def _upright() -> NDArray[np.float64]:
+    return np.array([1.0, 0.0, 0.0, 0.0])
+
+
+@dataclass(frozen=True)
+class FrameSection:
+    """Cross-section and material of a frame: bending is the same about all axes, there is no torsion.
+
+    Attributes
+    ----------
+    density, youngs_modulus
+        [kg/m3], [Pa].
+    area, second_moment
+        [m2], [m4].
+    outer_fibre
+        Distance of the outermost fibre from the axis [m], for stresses.
+    """
+
+    density: float
+    youngs_modulus: float
+    area: float
+    second_moment: float
+    outer_fibre: float = 0.0
+
+
+@dataclass(frozen=True)
+class ShellSection:
+    """Thickness and material of a shell: [m], [kg/m3], [Pa], 1."""
+
+    thickness: float
+    density: float
+    youngs_modulus: float
+    poissons_ratio: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Support:
+    """Coordinates of nodes that do not move.
+
+    Attributes
+    ----------
+    nodes
+        Their numbers, shape (n,).
+    fixed
+        Which axes of the body, ``"x"``, ``"xz"``, ..., by vector: `FRAME_VECTORS` or `SHELL_VECTORS`.
+    """
+
+    nodes: NDArray[np.int64]
+    fixed: Mapping[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class DistributedLoad:
+    """A load that keeps its direction.
+
+    Attributes
+    ----------
+    load
+        World axes, shape (3,): [N/m] on a frame, [N/m2] of the undeformed area of a shell.
+    elements
+        Numbers of the elements; all if None.
+    times, factors
+        Table over time [s] by which the load is multiplied, linear in between and constant beyond.
+    """
+
+    load: NDArray[np.float64]
+    elements: NDArray[np.int64] | None = None
+    times: NDArray[np.float64] = field(default_factory=lambda: np.zeros(1))
+    factors: NDArray[np.float64] = field(default_factory=lambda: np.ones(1))
+
+
+@dataclass(frozen=True, eq=False)
+class FollowerLoad:
+    """A load that turns with the body.
+
+    Attributes
+    ----------
+    normal
+        Shell: pressure along the present normal ``r_x x r_y`` [Pa]. Frame: along ``axis x tangent`` [N/m].
+    tangential
+        Frame: along the tangent [N/m].
+    axis
+        Frame: world direction, any length, shape (3,).
+    node
+        Frame: the load acts on this node alone [N] in place of all elements.
+    elements, times, factors
+        As in `DistributedLoad`.
+    """
+
+    normal: float = 0.0
+    tangential: float = 0.0
+    axis: NDArray[np.float64] = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    node: int | None = None
+    elements: NDArray[np.int64] | None = None
+    times: NDArray[np.float64] = field(default_factory=lambda: np.zeros(1))
+    factors: NDArray[np.float64] = field(default_factory=lambda: np.ones(1))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeshBody:
+    """What frames and shells have in common.
+
+    Attributes
+    ----------
+    name
+        Prefix of its channels.
+    nodes
+        Positions in the frame of the body, unloaded [m], shape (n, 3).
+    supports, loads
+        What holds it, what acts on it beside gravity and point forces.
+    position, orientation
+        Of the frame of the body: origin in the world [m], unit quaternion (scalar first).
+    velocity, angular_velocity
+        Of its motion at the start as a rigid body: of the frame origin in world axes [m/s], body axes [rad/s].
+    viscous_damping
+        Force per mass and velocity [1/s].
+    stiffness_damping
+        Stress per stress rate [s]: damping is this times the stiffness.
+    elasticity
+        How stress enters the step: ``"carried"`` carries strains and solves once (linearly implicit, conserves
+        an energy); ``"energy-momentum"`` iterates (J. C. Simo and N. Tarnow, Z. angew. Math. Phys. 43, 1992);
+        ``"auto"`` is the first until carried strains drift too far, then the second; ``"explicit"`` takes
+        forces at the midpoint, within its stability limit.
+    drift_tolerance
+        Distance of carried strains from those of the shape at which ``"auto"`` changes over [1].
+    """
+
+    CHANNELS: ClassVar[tuple[ChannelKind, ...]]
+    """What it records, in the order of its columns: vectors of all nodes, then results of all elements."""
+
+    name: str
+    nodes: NDArray[np.float64]
+    supports: tuple[Support, ...] = ()
+    loads: tuple[DistributedLoad | FollowerLoad, ...] = ()
+    position: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
+    orientation: NDArray[np.float64] = field(default_factory=_upright)
+    velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
+    angular_velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
+    viscous_damping: float = 0.0
+    stiffness_damping: float = 0.0
+    elasticity: Literal["auto", "carried", "energy-momentum", "explicit"] = "auto"
+    drift_tolerance: float = 1e-3
+
+    @property
+    def motion(self) -> Free:
+        """Always free: supports, not motions, hold it."""
+        return Free()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FrameBody(MeshBody):
+    """Cubic elements along lines.
+
+    Without torsion a curved frame carries loads in its own plane only.
+
+    Attributes
+    ----------
+    tangents
+        Unit tangents at the nodes, shape (n, 3).
+    elements
+        First and second node of each, shape (e, 2).
+    sections, element_sections
+        Sections, and the number of that of each element, shape (e,); the first for all if empty.
+    model
+        ``"green-lagrange"``: axial strain of Green-Lagrange and bending by ``r''``; straight elements.
+        ``"exact"``: ``|r'| - 1`` and the material curvature; elements may be curved.
+    axial_strains
+        Strain of each element in the given shape, which pre-stresses it, shape (e,); none if empty.
+    """
+
+    CHANNELS: ClassVar = (
+        NODE_POSITION,
+        ChannelKind(
+            "tangent", "number", "derivative of the position of every node by the length, world axes", None
+        ),
+        NODE_VELOCITY,
+        ChannelKind("axial_force", "force", "tension in the middle of every element", None),
+        ChannelKind(
+            "bending_moment", "moment or energy", "bending moment at both ends of every element", None
+        ),
+        ChannelKind(
+            "axial_stress",
+            "pressure",
+            "largest stress of the outermost fibres at the ends of every element",
+            None,
+        ),
+        STRAIN_DRIFT,
+    )
+
+    tangents: NDArray[np.float64]
+    elements: NDArray[np.int64]
+    sections: tuple[FrameSection, ...]
+    element_sections: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    model: Literal["green-lagrange", "exact"] = "green-lagrange"
+    axial_strains: NDArray[np.float64] = field(default_factory=lambda: _zeros(0))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ShellBody(MeshBody):
+    """Bicubic elements on quadrilaterals of a flat surface.
+
+    Attributes
+    ----------
+    slopes
+        ``r_x``, ``r_y`` and ``r_xy`` at the nodes, shape (n, 3, 3): derivatives of the position by lengths along
+        the two directions of the mesh. They need not be unit vectors or square to each other.
+    elements
+        Nodes of each: origin, along x, opposite, along y; shape (e, 4).
+    lengths
+        Of each element along x and y [m], which the slopes refer to, shape (e, 2). Elements that share an
+        edge along x have the same length along x, and so for y.
+    sections, element_sections
+        Sections, and the number of that of each element, shape (e,); the first for all if empty.
+    gauss_points
+        For membrane strains, along each direction, 3 to 7.
+    """
+
+    CHANNELS: ClassVar = (
+        NODE_POSITION,
+        ChannelKind(
+            "slope_x",
+            "number",
+            "derivative of the position of every node by the length along x of the mesh, world axes",
+            None,
+        ),
+        ChannelKind(
+            "slope_y",
+            "number",
+            "derivative of the position of every node by the length along y of the mesh, world axes",
+            None,
+        ),
+        ChannelKind(
+            "twist",
+            "slope per length",
+            "derivative of the position of every node by both lengths, world axes",
+            None,
+        ),
+        NODE_VELOCITY,
+        ChannelKind(
+            "membrane_force",
+            "force per length",
+            "force in the plane by the length, in the middle of every element",
+            None,
+        ),
+        ChannelKind(
+            "bending_moment",
+            "moment per length",
+            "bending moment by the length, in the middle of every element",
+            None,
+            by_owner=True,
+        ),
+        ChannelKind(
+            "von_mises",
+            "pressure",
+            "von Mises stress in the middle of every element; at supports and edges it may be higher",
+            None,
+        ),
+        STRAIN_DRIFT,
+    )
+
+    slopes: NDArray[np.float64]
+    elements: NDArray[np.int64]
+    lengths: NDArray[np.float64]
+    sections: tuple[ShellSection, ...]
+    element_sections: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    gauss_points: int = 5

@@ -1,0 +1,328 @@
+"""What a user says of wind and current: how the air and the water move, and what they push on. SI units, radians.
+
+A *field* is a fluid that moves, on one side of the still water; *loads* are pieces of bodies in one of the fields.
+Directions are of propagation ("going to"), from world x, anticlockwise seen from above. Loads with the same name
+share their channels, which hold their sum.
+
+Notes
+-----
+"Integrated simulation ... ships and offshore structures" (2018), section 2.9.3 and 2.9.4, eqs. (225) to (228). These
+take the wind speed instead of the relative one and give no moments about the horizontal axes; here forces depend on
+the relative velocity and act at the centre of pressure, so that roll and pitch moments follow.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.scene.descriptions import XYZ, ChannelKind
+from heavylift.solver.water.wind.spectrum import (
+    HIGHEST_FREQUENCY,
+    HOUR,
+    LOWEST_FREQUENCY,
+    POWER_EXPONENT,
+    REFERENCE_HEIGHT,
+    wind_components,
+    wind_record,
+)
+
+__all__ = [
+    "AIR_DENSITY",
+    "CoefficientLoad",
+    "CurrentField",
+    "DragElement",
+    "FluctuationRecord",
+    "FluidField",
+    "FluidLoad",
+    "WindField",
+    "fluctuation_record",
+    "fluctuation_records",
+]
+
+AIR_DENSITY = 1.225
+"""[kg/m3]."""
+
+GOES = ChannelKind("direction", "angle", "where the wind or current goes, from world x, anticlockwise")
+LOAD_FORCE = ChannelKind("force", "force", "sum of the forces of the pieces of this name, world axes", XYZ)
+
+Array = NDArray[np.float64]
+
+
+def _ahead() -> Array:
+    return np.array([1.0, 0.0, 0.0])
+
+
+@dataclass(frozen=True, eq=False)
+class FluctuationRecord:
+    """Fluctuation of a wind speed about its mean, the same at all places.
+
+    Attributes
+    ----------
+    step
+        Between values [s]; the first is at time zero, and the ends hold beyond.
+    values
+        [m/s], shape (n,).
+    seed
+        Of the random numbers, None for a measured record.
+    """
+
+    step: float
+    values: Array
+    seed: int | None = None
+
+    @property
+    def duration(self) -> float:
+        """Time of the last value [s]."""
+        return self.step * (len(self.values) - 1)
+
+
+def fluctuation_record(
+    speed: float,
+    duration: float,
+    *,
+    seed: int,
+    height: float = REFERENCE_HEIGHT,
+    step: float = 0.1,
+    count: int = 200,
+    lowest: float = LOWEST_FREQUENCY,
+    highest: float = HIGHEST_FREQUENCY,
+) -> FluctuationRecord:
+    """Record of the NPD spectrum of ISO 19901-1 at one height [m]; otherwise as `fluctuation_records`.
+
+    Notes
+    -----
+    One record for all loads makes forces on a large structure too high rather than too low: by the coherence of the
+    standard, 10 m/s at points 20 m apart, sideways or in height, fluctuate with a correlation of 0.3 to 0.4.
+    """
+    points = np.array([[0.0, 0.0, height]])
+    return fluctuation_records(
+        speed, duration, points, seed=seed, step=step, count=count, lowest=lowest, highest=highest
+    )[0]
+
+
+def fluctuation_records(
+    speed: float,
+    duration: float,
+    points: Array,
+    *,
+    seed: int,
+    step: float = 0.1,
+    count: int = 200,
+    lowest: float = LOWEST_FREQUENCY,
+    highest: float = HIGHEST_FREQUENCY,
+) -> tuple[FluctuationRecord, ...]:
+    """Records of the NPD spectrum at several points with the coherence of ISO 19901-1, for a wind field at each.
+
+    Parameters
+    ----------
+    speed
+        One-hour mean at 10 m [m/s].
+    duration
+        Of the simulation [s].
+    points
+        Along the wind, across it, height above the water [m]; shape (points, 3).
+    seed, count, lowest, highest
+        As in `heavylift.solver.water.wind.spectrum.wind_components`.
+    step
+        Between values [s]. Cubic interpolation of 0.1 s is exact to 1.5e-4 of the standard deviation.
+
+    Raises
+    ------
+    InputError
+        If the step is too long for the highest frequency, or an argument makes no sense.
+    """
+    if not 0.0 < duration < np.inf:
+        raise InputError(
+            f"duration {duration:g} s", source="wind", key="duration", expected="a positive time"
+        )
+    components = wind_components(speed, points, seed=seed, count=count, lowest=lowest, highest=highest)
+    longest = 0.2 / highest
+    if not 0.0 < step <= longest:
+        raise InputError(
+            f"step {step:g} s",
+            source="wind",
+            key="step",
+            expected=f"at most {longest:g} s: 5 values a period",
+        )
+    times = step * np.arange(int(np.ceil(duration / step)) + 3)
+    return tuple(
+        FluctuationRecord(step, wind_record(components, times, point), seed)
+        for point in range(len(components.amplitudes))
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WindField:
+    """Wind above the still water.
+
+    Attributes
+    ----------
+    name
+        By which loads refer to it, and prefix of its channels.
+    speed
+        Mean at 10 m above the water [m/s].
+    averaging_time
+        Over which the given speed is a mean [s]; converted to the one-hour mean by ISO 19901-1.
+    direction
+        Where the wind goes [rad]; or rows of time [s] and angle [rad], shape (n, 2), linear between.
+    profile
+        ``"log"`` is that of ISO 19901-1, ``"power"`` eq. (226), ``"uniform"`` the same at all heights.
+    exponent
+        Of the power law.
+    gust
+        Averaging time [s] of a constant gust wind that blows in place of the one-hour mean; None for the mean.
+    fluctuation
+        Turbulence that is added to the mean at all heights.
+    density
+        Of the air [kg/m3].
+    """
+
+    CHANNELS: ClassVar = (
+        ChannelKind("speed", "velocity", "speed of the wind at 10 m above the still water"),
+        GOES,
+    )
+    """What it records, in the order of its columns."""
+
+    speed: float
+    name: str = "wind"
+    averaging_time: float = HOUR
+    direction: float | Array = 0.0
+    profile: Literal["log", "power", "uniform"] = "log"
+    exponent: float = POWER_EXPONENT
+    gust: float | None = None
+    fluctuation: FluctuationRecord | None = None
+    density: float = AIR_DENSITY
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CurrentField:
+    """Current below the still water.
+
+    Attributes
+    ----------
+    name
+        By which loads refer to it, and prefix of its channels.
+    speed
+        The same at all depths [m/s]; or rows of height above the still water, so negative [m], and speed [m/s],
+        shape (n, 2), linear between and held beyond.
+    direction
+        Where the water goes [rad]; or rows of time [s] and angle [rad], shape (n, 2), linear between.
+    """
+
+    CHANNELS: ClassVar = (
+        ChannelKind("speed", "velocity", "speed of the current at the still water"),
+        GOES,
+    )
+    """What it records, in the order of its columns."""
+
+    speed: float | Array
+    name: str = "current"
+    direction: float | Array = 0.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CoefficientLoad:
+    """Horizontal force and yaw moment on a whole body by tables of coefficients over the angle of attack.
+
+    ``F_x = q C_x A_x``, ``F_y = q C_y A_y``, ``M_z = q C_n A_y L`` with ``q = rho |V|^2 / 2``, V the horizontal
+    velocity of the fluid at the point, relative to the point; eqs. (225) and (228).
+
+    Attributes
+    ----------
+    name
+        Prefix of its channels.
+    body
+        Name.
+    point
+        Centre of pressure in the body frame [m], shape (3,): where the force acts, and to which M_z refers.
+    angles
+        Directions in which the fluid goes past the body [rad], from its x axis, anticlockwise seen from above:
+        0 comes from astern, pi/2 from starboard, pi is a head wind. Increasing, shape (n,).
+    coefficients
+        C_x, C_y, C_n along x and y of the heading, about z; shape (n, 3). Periodic cubic splines between.
+    area_x, area_y
+        Frontal and side area [m2].
+    length
+        L [m].
+    fluid
+        Name of the wind or current.
+    symmetric
+        The table covers 0 to pi; the other side is its mirror image: C_x even, C_y and C_n odd.
+    axis
+        Direction of the body that is its heading, in the body frame, shape (3,).
+    """
+
+    CHANNELS: ClassVar = (
+        LOAD_FORCE,
+        ChannelKind(
+            "yaw_moment",
+            "moment or energy",
+            "sum of the yaw moments of the pieces of this name about their centres of pressure",
+            ("z",),
+        ),
+    )
+    """What is recorded of all loads of its name, in the order of columns."""
+
+    name: str
+    body: str
+    point: Array
+    angles: Array
+    coefficients: Array
+    area_x: float
+    area_y: float
+    length: float
+    fluid: str = "wind"
+    symmetric: bool = False
+    axis: Array = field(default_factory=_ahead)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DragElement:
+    """Drag on a piece of a body along the relative flow at its own height: ``rho C A |V| V / 2``.
+
+    Attributes
+    ----------
+    name
+        Prefix of its channels.
+    body
+        Name.
+    point
+        Centre of the piece in the body frame [m], shape (3,): its height is that of the fluid velocity.
+    area
+        Seen from all sides the same [m2]; or areas (A_x, A_y, A_z) of a box seen along the heading, across it and
+        from above, whose projection along the relative flow counts.
+    coefficient
+        Shape coefficient C.
+    fluid
+        Name of the wind or current.
+    vertical
+        Whether the vertical part of the relative velocity counts as well.
+    extent
+        Height of the piece [m]: of one that the water level cuts, only the part on its own side counts, with the
+        speed at the middle of that part. With 0 it counts whole or not at all.
+    axis
+        Direction of the body that is its heading, in the body frame, shape (3,).
+    """
+
+    CHANNELS: ClassVar = (LOAD_FORCE,)
+    """What is recorded of all loads of its name."""
+
+    name: str
+    body: str
+    point: Array
+    area: float | tuple[float, float, float]
+    coefficient: float = 1.0
+    fluid: str = "wind"
+    vertical: bool = False
+    extent: float = 0.0
+    axis: Array = field(default_factory=_ahead)
+
+
+FluidField = WindField | CurrentField
+
+FluidLoad = CoefficientLoad | DragElement

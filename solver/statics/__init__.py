@@ -1,0 +1,1 @@
+"""Where a scene comes to rest: equilibrium before time starts."""

@@ -1,0 +1,310 @@
+"""Static equilibrium: where a scene comes to rest.
+
+Newton's method on the positions with the stiffness of all forces, reactions included, tangent to the joints
+and damped by a multiple of the mass (K. Levenberg, Q. Appl. Math. 2, 1944)::
+
+    [ K + mu M   -G^T ] [ dx ]   [ F ]
+    [ G           0   ] [ dl ] = [ -g ],        F = Q + G^T l
+
+F is what the joints do not carry. Steps go downhill (``F . dx > 0``) and stop short of the next hill, without
+asking for a potential, so the result is a stable position, if one is in reach. At a position of balance that is
+not stable, e.g. a pendulum upside down, the softest direction gives a push, and the search goes on.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.start.consistent_start import close_positions, close_velocities, project_start
+from heavylift.solver.start.rows import StartRows
+from heavylift.solver.statics.forces import StaticForces
+from heavylift.solver.statics.problem import Equilibrium
+
+__all__ = ["find_equilibrium"]
+
+BALANCED = 1e-8
+"""Residual force relative to the loads that counts as equilibrium; steps go on below it while they help."""
+
+POLISHED = 1e-12
+ITERATIONS = 400
+LONGEST_MOVE, LONGEST_TURN = 0.3, 0.4
+"""Of a body in a step, relative to the size of the scene and in radians."""
+
+RUNAWAY = 20.0
+"""Distance from the start, in sizes of the scene, beyond which nothing seems to hold a body."""
+
+LOOSE = 1e-9
+"""How well joints are closed after each step, relative to the size of the scene; Newton's method closes the rest."""
+
+PUSHES = 8
+PUSH = 0.03
+"""Of an unstable position, in units of the longest step."""
+
+DENSE = 600
+"""Velocities up to which stability is read from all eigenvalues."""
+
+
+def find_equilibrium(rows: StartRows) -> Equilibrium:
+    """Bring a scene to rest in a stable equilibrium, with the reactions that belong to it.
+
+    Parameters
+    ----------
+    rows
+        The scene. Its joints are closed first; driven bodies and drives stay as they are at the start.
+
+    Raises
+    ------
+    InputError
+        If the joints cannot be closed, or no equilibrium is found; says what is left over.
+    """
+    if any(type(kind).__name__ in {"FrameMeshes", "ShellMeshes"} for kind in rows.layout.bodies):
+        from heavylift.solver.statics.mesh_statics import find_mesh_equilibrium
+
+        return find_mesh_equilibrium(rows)
+    project_start(rows)
+    rows.put_velocity(np.zeros(len(rows.inertia)))
+    begin = rows.survey()[0]
+    search = _Search(rows)
+    search.run()
+    rows.start()
+    load, G, soft = search.forces.evaluate()
+    reaction, _ = search.forces.balance(load, G)
+    close_velocities(rows)
+    rows.put_reactions(reaction + soft)
+    moved = float(np.linalg.norm(rows.survey()[0][:, 1:4] - begin[:, 1:4], axis=1).max())
+    kind = {True: "stable ", False: "unstable ", None: ""}[search.stable]
+    return Equilibrium(
+        search.residual,
+        search.iterations,
+        moved,
+        search.stable,
+        f"{kind}equilibrium after {search.iterations} iterations, bodies moved by up to {moved:.3g} m,"
+        f" {search.residual:.1e} of the loads is left",
+    )
+
+
+class _Search:
+    """State of the iteration."""
+
+    def __init__(self, rows: StartRows) -> None:
+        self.rows, self.forces = rows, StaticForces(rows)
+        self.iterations, self.residual = 0, np.inf
+        self.stable: bool | None = None
+        self.damping = self.natural = 0.0
+        self._begin = rows.survey()[0][:, 1:4]
+        free = rows.free
+        kind = free - rows.owner_starts[np.searchsorted(rows.owner_starts, free, side="right") - 1]
+        self._moves, self._turns = kind < 3, (kind >= 3) & (kind < 6)
+
+    def run(self) -> None:
+        """Go on until nothing is left."""
+        forces = self.forces
+        force, reaction = self._force()
+        if forces.weight == 0.0:
+            self.residual = 0.0
+            return
+        pushes = 0
+        while True:
+            before = self.residual
+            self.residual = forces.norm(force) / forces.weight
+            done = self.residual <= POLISHED or (self.residual <= BALANCED and self.residual > 0.3 * before)
+            if self.iterations >= ITERATIONS or self._is_gone() or not np.isfinite(self.residual):
+                raise self._failure(force)
+            K = forces.stiffness(reaction)
+            self.iterations += 1
+            G = self._tangent()
+            scaled = self._scaled(K)
+            if self.natural == 0.0:
+                self._start_damping(force, scaled)
+            if done:
+                lowest, direction = self._softest(scaled, G)
+                self.stable = None if lowest is None else lowest > -1e-6 * self.natural
+                if self.stable is not False:
+                    return
+                if pushes == PUSHES:
+                    raise self._failure(force)
+                pushes += 1
+                self.residual = np.inf
+                self.damping = max(self.damping, 0.1 * self.natural)
+                self._displace(PUSH * pushes * self._limited(direction, shorten=False)[0])
+                force, reaction = self._force()
+                continue
+            force, reaction = self._step(scaled, G, force)
+
+    def _is_gone(self) -> bool:
+        """Whether a body is too far away from its start."""
+        moved = self.rows.survey()[0][:, 1:4] - self._begin
+        return not float(np.abs(moved).max()) <= RUNAWAY * self.forces.size
+
+    def _force(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Force that is left at the present position, and the rigid reactions."""
+        load, G, _ = self.forces.evaluate()
+        reaction, force = self.forces.balance(load, G)
+        return force, reaction
+
+    def _tangent(self) -> Any:
+        """Rigid rows of unit length over velocities scaled by the root of the mass."""
+        rows = self.rows
+        G = rows.jacobian()[rows.rigid][:, rows.free] * (1.0 / self.forces.root)[None, :]
+        norm = np.sqrt(np.asarray((G * G).sum(axis=1)).ravel())
+        return (G * (1.0 / np.where(norm > 0.0, norm, 1.0))[:, None]).tocsc()
+
+    def _scaled(self, K: Any) -> Any:
+        """``M^-1/2 K M^-1/2``."""
+        inverse = 1.0 / self.forces.root
+        return (K * inverse[:, None] * inverse[None, :]).tocsc()
+
+    def _start_damping(self, force: NDArray[np.float64], K: Any) -> None:
+        """Such that the first step would be of the longest length if there was no stiffness."""
+        f = force[self.rows.free] / self.forces.root
+        length = self._length(f / self.forces.root)
+        diagonal = np.abs(K.diagonal())
+        floor = 1e-6 * float(np.median(diagonal[diagonal > 0.0])) if diagonal.any() else 1.0
+        self.natural = self.damping = max(length, floor)
+
+    def _length(self, increment: NDArray[np.float64]) -> float:
+        """Largest displacement of a body in units of the longest that is allowed."""
+        moved = np.abs(increment[self._moves]).max(initial=0.0) / (LONGEST_MOVE * self.forces.size)
+        turned = np.abs(increment[self._turns]).max(initial=0.0) / LONGEST_TURN
+        return float(max(moved, turned))
+
+    def _limited(
+        self, scaled: NDArray[np.float64], *, shorten: bool = True
+    ) -> tuple[NDArray[np.float64], float]:
+        """A direction as displacements (free velocities), brought to the longest step if it is longer."""
+        increment = scaled / self.forces.root
+        length = self._length(increment)
+        return (increment / length if length > 1.0 or not shorten else increment), length
+
+    def _displace(self, increment: NDArray[np.float64]) -> bool:
+        """Move along the free velocities and close the joints."""
+        full = np.zeros(len(self.rows.inertia))
+        full[self.rows.free] = increment
+        self.rows.move(full)
+        return close_positions(self.rows, LOOSE, quick=True) if self.rows.rigid.any() else True
+
+    def _step(
+        self, K: Any, G: Any, force: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """One step downhill; returns the force and reactions there."""
+        rows = self.rows
+        f = force[rows.free] / self.forces.root
+        before = rows.snapshot()
+        small = 1e-9 * self.natural
+        while True:
+            xi = _solver(K, G, self.damping)(f)
+            slope = float(f @ xi)
+            if np.isfinite(slope) and slope > 0.0:
+                increment, length = self._limited(xi)
+                if length <= 1.0 or self.damping > small:
+                    break
+            self.damping = max(8.0 * self.damping, 1e-3 * self.natural)
+            if self.damping > 1e12 * self.natural:
+                raise self._failure(force)
+        part = 1.0
+        for _ in range(12):
+            closed = self._displace(part * increment)
+            there, reaction = self._force()
+            ahead = float(there[rows.free] / self.forces.root @ xi) / slope
+            near = self.residual < 1e-5 and self.forces.norm(there) < self.forces.norm(force)
+            if closed and (ahead > -0.5 or near):
+                break
+            part *= min(0.5, max(0.1, 1.0 / (1.0 - ahead))) if closed and np.isfinite(ahead) else 0.25
+            rows.restore(before)
+        if part < 1.0:
+            self.damping *= 2.0
+        elif length <= 1.0:
+            self.damping = max(self.damping * (0.1 if ahead < 0.5 else 0.25), small)
+        return there, reaction
+
+    def _softest(self, K: Any, G: Any) -> tuple[float | None, NDArray[np.float64]]:
+        """Smallest eigenvalue of the stiffness along what the joints allow [1/s2], and its direction."""
+        count = K.shape[0]
+        shift = 1e-6 * self.natural
+        if count > DENSE and _is_positive(K, G, shift):
+            return 0.0, np.zeros(count)
+        if count <= DENSE:
+            basis = np.eye(count)
+            if G.shape[0]:
+                _, sigma, vt = np.linalg.svd(G.toarray())
+                basis = vt[np.count_nonzero(sigma > 1e-7) :].T
+            if not basis.shape[1]:
+                return 0.0, np.zeros(count)
+            reduced = basis.T @ (K @ basis)
+            values, vectors = np.linalg.eigh(0.5 * (reduced + reduced.T))
+            return float(values[0]), basis @ vectors[:, 0]
+        from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
+
+        start = np.random.default_rng(1).normal(size=count)
+        inverse = LinearOperator((count, count), matvec=_solver(K, G, shift), dtype=np.float64)
+        try:  # of the inverse: a negative eigenvalue stands at the lower end, however small it is
+            _, vectors = eigsh(inverse, k=1, which="SA", tol=1e-1, v0=start, maxiter=50)
+            return -np.inf, vectors[:, 0]
+        except ArpackNoConvergence:
+            return -np.inf, inverse @ start
+
+    def _failure(self, force: NDArray[np.float64]) -> InputError:
+        """Where a force is left over, and in which direction."""
+        rows = self.rows
+        places = rows.survey()[0]
+        firsts = places[:, 0].astype(np.int64)
+        pull = force[firsts[:, None] + np.arange(3)]
+        largest = rows.inertia[firsts[:, None] + np.arange(3, 6)].max(axis=1)
+        gyration = np.sqrt(largest / np.maximum(rows.inertia[firsts], 1e-300))
+        turn = force[firsts[:, None] + np.arange(3, 6)] / np.maximum(gyration, 1e-300)[:, None]
+        worst = int(np.argmax(np.linalg.norm(pull, axis=1) + np.linalg.norm(turn, axis=1)))
+        name = rows.layout.body_names[worst]
+        if np.linalg.norm(pull[worst]) >= np.linalg.norm(turn[worst]):
+            size = float(np.linalg.norm(pull[worst]))
+            direction = pull[worst] / size if size else pull[worst]
+            left = f"{size:.4g} N on {name!r} along ({', '.join(f'{x:.3g}' for x in direction)})"
+        else:
+            moment = force[firsts[worst] + 3 : firsts[worst] + 6]
+            left = f"a moment of {float(np.linalg.norm(moment)):.4g} N m on {name!r}"
+        return InputError(
+            f"no static equilibrium found after {self.iterations} iterations: nothing holds {left}",
+            source="simulation",
+            key="start",
+            expected="joints, springs or ropes that carry all loads, or a start nearer to the equilibrium",
+        )
+
+
+def _is_positive(K: Any, G: Any, shift: float) -> bool:
+    """Whether the shifted stiffness is positive along what the joints allow.
+
+    Notes
+    -----
+    That of ``K + shift + p G^T G`` for large p, read from the pivots of a factor without exchange.
+    """
+    from scipy.sparse import eye_array
+    from scipy.sparse.linalg import splu
+
+    size = float(np.abs(K.diagonal()).max())
+    A = 0.5 * (K + K.T) + shift * eye_array(K.shape[0]) + 1e3 * size * (G.T @ G)
+    factor = splu(
+        A.tocsc(), diag_pivot_thresh=0.0, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}
+    )
+    return bool(np.all(factor.U.diagonal() > 0.0))
+
+
+def _solver(K: Any, G: Any, damping: float) -> Any:
+    """A function that solves the damped system for a force; the joints stay closed to first order."""
+    from scipy.sparse import block_array, eye_array
+    from scipy.sparse.linalg import splu
+
+    count, rows = K.shape[0], G.shape[0]
+    A = (K + damping * eye_array(count, format="csc")).tocsc()
+    if rows:
+        size = float(np.abs(A.diagonal()).max())
+        soft = 1e-11 * size * eye_array(rows, format="csc")
+        A = block_array([[A, -size * G.T], [size * G, soft]], format="csc")
+    solve = splu(A).solve
+
+    def along(force: NDArray[np.float64]) -> NDArray[np.float64]:
+        return solve(np.concatenate([np.ravel(force), np.zeros(rows)]))[:count]
+
+    return along

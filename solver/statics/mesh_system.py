@@ -1,0 +1,406 @@
+"""A scene with meshes as a static problem: coordinates of all meshes and velocities of all other bodies.
+
+What meshes feel of joints, ropes and forces reaches them through their bases ``y = J q``, so with ``T`` made of J
+and of unit rows for other bodies::
+
+    G_x = G_y T,    F_x = T^T F_y,    K_x = T^T K_y T + K of the meshes
+
+K_y, of all forces and reactions on bases and other bodies, comes from differences; that of the meshes does not.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.records import numbers_in
+from heavylift.solver.bodies.ancf.at_rest import (
+    difference_follower,
+    fill_stress_forces,
+    fill_weight_and_loads,
+)
+from heavylift.solver.bodies.ancf.frame_data import frame_follower
+from heavylift.solver.bodies.ancf.kind import FOLLOWER_ELEMENT, FOLLOWER_NODE, FrameMeshes, ShellMeshes
+from heavylift.solver.bodies.ancf.sparse_matrices import MeshMatrices, mesh_matrices
+from heavylift.solver.interface import FORCES
+from heavylift.solver.start.rows import StartRows
+from heavylift.solver.statics.forces import STEP
+from heavylift.solver.statics.mesh_kernels import evaluate_loads
+from heavylift.solver.statics.rows_at_rest import fill_at_rest
+
+__all__ = ["MeshSystem"]
+
+LARGE_MOVE, LARGE_TURN = 0.3, 0.4
+"""What counts as a large displacement: of the size of the scene, and in radians or as a change of a slope."""
+
+DIFFERENCE = 1e-6
+"""Displacement of the difference quotients, relative to the size of the scene, or in radians and slopes."""
+
+LOADS = frozenset({"UniformGravity", "PointForces"})
+"""Kinds of forces that are loads, which grow with the load factor; others are part of the scene."""
+
+
+class MeshSystem:
+    """A static problem, see `heavylift.solver.statics.problem`.
+
+    Parameters
+    ----------
+    rows
+        The scene; velocities are taken as zero.
+
+    Attributes
+    ----------
+    meshes, others
+        Kinds of meshes, of other bodies.
+    first
+        First unknown of each kind of meshes; those of other bodies come last.
+    dofs
+        Velocities of the workspace of the unknowns of other bodies.
+    T
+        Velocities of the workspace by unknowns, sparse by rows.
+    """
+
+    def __init__(self, rows: StartRows) -> None:
+        from scipy.sparse import block_diag, coo_array, diags_array
+
+        self.rows, self.layout = rows, rows.layout
+        layout = rows.layout
+        self.meshes = [kind for kind in layout.bodies if isinstance(kind, (FrameMeshes, ShellMeshes))]
+        self.others = tuple(
+            kind for kind in layout.bodies if not isinstance(kind, (FrameMeshes, ShellMeshes))
+        )
+        self.matrices: list[MeshMatrices] = [mesh_matrices(kind) for kind in self.meshes]
+        counts = [len(matrices.places) for matrices in self.matrices]
+        self.first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+        self.base_dofs = [(m.dofs[:, None] + np.arange(3)).ravel() for m in self.matrices]
+        on_mesh = np.zeros(len(rows.inertia), dtype=bool)
+        for dofs in self.base_dofs:
+            on_mesh[dofs] = True
+        self.dofs = np.flatnonzero((rows.inertia > 0.0) & ~on_mesh)
+        self._prescribed = (rows.inertia == 0.0) & ~on_mesh
+        self.count = int(self.first[-1]) + len(self.dofs)
+
+        parts = [(self.dofs, self.first[-1] + np.arange(len(self.dofs)), np.ones(len(self.dofs)))]
+        for matrices, dofs, first in zip(self.matrices, self.base_dofs, self.first[:-1], strict=True):
+            J = matrices.bases.tocoo()
+            parts.append((dofs[J.coords[0]], first + J.coords[1], J.data))
+        row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
+        self.T = coo_array((value, (row, column)), shape=(len(rows.inertia), self.count)).tocsr()
+        masses = [matrices.mass for matrices in self.matrices]
+        if len(self.dofs):
+            masses.append(diags_array(rows.inertia[self.dofs]))
+        self.mass = block_diag(masses, format="csc")
+
+        self.length = self._extent()
+        self.positions, self.scale = self._scales()
+        self._loads = tuple(kind for kind in layout.forces if type(kind).__name__ in LOADS)
+        self._inner = tuple(kind for kind in layout.forces if type(kind).__name__ not in LOADS)
+        self._changes = [matrices.base_changes() for matrices in self.matrices]
+
+    def _extent(self) -> float:
+        """Size of the scene [m]."""
+        places, inertia = self.rows.survey()[:2]
+        sizes = [float(size) for kind in self.meshes for size in kind.body["size"]]
+        sizes += [
+            2.0 * float(np.sqrt(inertia[first + 3 : first + 6].max() / inertia[first]))
+            for first in self.rows.owner_starts[np.isin(self.rows.owner_starts, self.dofs)]
+        ]
+        largest = max(sizes, default=0.0)
+        return max(largest, float(np.linalg.norm(np.ptp(places[:, 1:4], axis=0)))) or 1.0
+
+    def _scales(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Unknowns that are displacements, and what is large of each."""
+        owner_first = self.rows.owner_starts
+        kind = self.dofs - owner_first[np.searchsorted(owner_first, self.dofs, side="right") - 1]
+        vector = np.concatenate(
+            [*(matrices.vector for matrices in self.matrices), np.where(kind < 3, 0, kind // 3)]
+        )
+        sizes = np.concatenate(
+            [
+                *(mesh.body["size"][m.body] for mesh, m in zip(self.meshes, self.matrices, strict=True)),
+                np.full(len(self.dofs), self.length),
+            ]
+        )
+        scale = np.full(self.count, np.inf)
+        scale[vector == 0] = LARGE_MOVE * sizes[vector == 0]
+        mesh = np.arange(self.count) < self.first[-1]
+        scale[(vector == 1) | (mesh & (vector == 2))] = LARGE_TURN
+        return np.flatnonzero(vector == 0), scale
+
+    # ---- position ----
+
+    def snapshot(self) -> Any:
+        """Coordinates of the meshes; arrays of other bodies and of joints."""
+        arrays = [array for kind in (*self.others, *self.layout.joints) for array in numbers_in(kind)]
+        arrays += [kind.position for kind in self.meshes]
+        return [(array, array.copy()) for array in arrays]
+
+    def restore(self, snapshot: Any) -> None:
+        """Go back."""
+        for array, content in snapshot:
+            array[...] = content
+
+    def move(self, increment: NDArray[np.float64]) -> None:
+        """Displace everything."""
+        for kind, matrices, part in zip(self.meshes, self.matrices, self._split(increment), strict=True):
+            kind.position[matrices.places] += part
+        if len(self.dofs):
+            full = np.zeros(len(self.rows.inertia))
+            full[self.dofs] = increment[self.first[-1] :]
+            for kind in self.others:
+                kind.move(full)
+
+    def stop(self) -> None:
+        """Take all velocities away."""
+        for kind in self.meshes:
+            kind.velocity[:] = 0.0
+        self.rows.put_velocity(np.zeros(len(self.rows.inertia)))
+
+    def _split(self, values: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+        """Parts of a vector by kind of meshes."""
+        return [values[a:b] for a, b in zip(self.first[:-1], self.first[1:], strict=True)]
+
+    # ---- forces ----
+
+    def internal_force(self) -> NDArray[np.float64]:
+        """Stresses of the meshes; springs, ropes, compliant joints and modes, in balance with nothing."""
+        force = np.zeros(self.count)
+        for kind, matrices, part in zip(self.meshes, self.matrices, self._split(force), strict=True):
+            fill_stress_forces(kind, False)
+            part[:] = kind.right_hand_side[matrices.places] + matrices.bending_force(kind.position)
+        if self._has_inner():
+            pull, _ = self._inner_pull()
+            force -= self.T.T @ pull
+        return force
+
+    def external_force(self) -> NDArray[np.float64]:
+        """Weight, loads of the meshes, point forces."""
+        layout = self.layout
+        evaluate_loads(layout.bodies, self._loads, layout.work, self.rows.time)
+        force = np.zeros(self.count)
+        for kind, matrices, part in zip(self.meshes, self.matrices, self._split(force), strict=True):
+            fill_weight_and_loads(kind, layout.work, self.rows.time)
+            part[:] = (kind.right_hand_side + kind.external_force)[matrices.places]
+        if len(self.dofs):
+            pull = np.zeros(len(self.rows.inertia))
+            for kind in self.others:
+                kind.collect_load(layout.work, pull)
+            force[self.first[-1] :] = (pull - self._elasticity())[self.dofs]
+        return force
+
+    def _has_inner(self) -> bool:
+        """Whether there are joints, springs or bodies with modes."""
+        return bool(self._inner or self.layout.systems or len(self.dofs))
+
+    def _add_base_loads(self, load: NDArray[np.float64]) -> None:
+        """``J^T f`` of the markers on meshes that forces act on."""
+        work = self.layout.work
+        for kind in self.meshes:
+            for marker in kind.markers[kind.markers["level"] == FORCES]:
+                number, line = marker.number, kind.table[marker.body]
+                width = 3 * line.base_count
+                force = work.markers[number].force
+                load[line.dof : line.dof + width] += work.jacobian[number, :, :width].T @ force
+
+    def _elasticity(self) -> NDArray[np.float64]:
+        """Elasticity of bodies with modes, shape (dof_count,); forces of the markers are lost."""
+        work, pull = self.layout.work, np.zeros(len(self.rows.inertia))
+        work.markers["force"] = 0.0
+        work.sums.gravity[:] = 0.0
+        for kind in self.others:
+            kind.collect_load(work, pull)
+        return pull
+
+    def _inner_pull(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Forces of all but loads, rigid joints and meshes (dof_count); reactions of the compliant rows (rows)."""
+        rows, layout = self.rows, self.layout
+        layout.work.velocity[:] = 0.0
+        if layout.systems:
+            fill_at_rest(
+                layout.bodies, self._inner, layout.joints, layout.systems[:1], layout.work, rows.time, STEP
+            )
+        else:
+            evaluate_loads(layout.bodies, self._inner, layout.work, rows.time)
+        pull = np.zeros(len(rows.inertia))
+        for kind in self.others:
+            kind.collect_load(layout.work, pull)
+        self._add_base_loads(pull)
+        reaction = np.zeros(len(rows.block))
+        if layout.systems:
+            soft = ~rows.rigid
+            reaction[soft] = 2.0 * rows.column("target")[soft] / (STEP * rows.column("softness")[soft])
+            pull += rows.jacobian().T @ reaction
+        pull[self._prescribed] = 0.0
+        return pull, reaction
+
+    def reactions(self, multipliers: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of all rows at the present position, shape (rows,)."""
+        if not self.layout.systems:
+            return np.zeros(0)
+        reaction = self._inner_pull()[1]
+        reaction[self.rows.rigid] = multipliers
+        return reaction
+
+    def joints(self) -> tuple[Any, NDArray[np.float64]]:
+        """Rigid rows over the unknowns, and their gaps."""
+        from scipy.sparse import csr_array
+
+        if not self.layout.systems:
+            return csr_array((0, self.count)), np.zeros(0)
+        self.rows.fill()
+        rigid = self.rows.rigid
+        return (self.rows.jacobian()[rigid] @ self.T).tocsr(), self.rows.residual[rigid]
+
+    def all_rows(self) -> Any:
+        """Rows of all joints, compliant ones too, over the unknowns."""
+        from scipy.sparse import csr_array
+
+        if not self.layout.systems:
+            return csr_array((0, self.count))
+        self.rows.fill()
+        return (self.rows.jacobian() @ self.T).tocsr()
+
+    # ---- stiffness ----
+
+    def tangent(self, factor: float, multipliers: NDArray[np.float64]) -> Any:
+        """Stiffness of everything, sparse by columns."""
+        from scipy.sparse import block_diag, csc_array
+
+        parts: list[Any] = []
+        for kind, matrices in zip(self.meshes, self.matrices, strict=True):
+            fill_stress_forces(kind, True)
+            parts.append(matrices.stiffness(kind.blocks))
+            follower = self._follower(kind, matrices)
+            if follower is not None:
+                parts[-1] = parts[-1] - factor * follower
+        if len(self.dofs):
+            parts.append(csc_array((len(self.dofs), len(self.dofs))))
+        K = parts[0] if len(parts) == 1 else block_diag(parts, format="csc")
+        if self._has_inner() or self._turning_loads():
+            K = (K + self.T.T @ self.between(factor, multipliers) @ self.T).tocsc()
+        return K
+
+    def _turning_loads(self) -> bool:
+        """Whether point forces turn with bodies."""
+        return any(
+            type(kind).__name__ == "PointForces" and np.any(kind.table["axes"] >= 0) for kind in self._loads
+        )
+
+    def _follower(self, kind: Any, matrices: MeshMatrices) -> Any:
+        """Derivative of follower loads; None if there are none."""
+        from scipy.sparse import csc_array
+
+        count = len(matrices.places)
+        entries: list[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]] = []
+        body_of = matrices.load_bodies(kind)
+        for load, line in enumerate(kind.loads):
+            if line.type not in (FOLLOWER_ELEMENT, FOLLOWER_NODE):
+                continue
+            table = kind.constants[line.table :][: 2 * line.table_length].reshape(2, -1)
+            amount = float(np.interp(self.rows.time, table[0], table[1]))
+            if line.type == FOLLOWER_ELEMENT:
+                nodes = kind.elements[line.place].nodes[: matrices.nodes]
+                places = (nodes[:, None] + np.arange(matrices.rows)).ravel()
+                out = np.zeros((len(places), len(places)))
+                difference_follower(kind, int(body_of[load]), load, amount, DIFFERENCE, places, out)
+            else:
+                places = line.place + np.arange(matrices.rows)
+                given = frame_follower(kind.constants, line.data)
+                out = amount * _node_follower(
+                    kind.position[places], given.normal * given.axis, given.tangential
+                )
+            number = matrices.number(places)
+            entries.append((np.repeat(number, len(number)), np.tile(number, len(number)), out.ravel()))
+        if not entries:
+            return None
+        row, column, value = (np.concatenate(part) for part in zip(*entries, strict=True))
+        kept = (row >= 0) & (column >= 0) & (value != 0.0)
+        return csc_array((value[kept], (row[kept], column[kept])), shape=(count, count))
+
+    @property
+    def has_springs(self) -> bool:
+        """Whether springs, ropes or compliant joints act."""
+        return bool(self._inner) or (bool(self.layout.systems) and not bool(np.all(self.rows.rigid)))
+
+    def between(self, factor: float, multipliers: NDArray[np.float64] | None = None) -> Any:
+        """Minus the derivative of forces on bases and other bodies by velocities of the workspace; reactions kept."""
+        from scipy.sparse import csc_array
+
+        count = len(self.rows.inertia)
+        if multipliers is None:
+            multipliers = np.zeros(int(np.count_nonzero(self.rows.rigid)) if self.layout.systems else 0)
+        before = self.snapshot()
+        entries: list[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]] = []
+        for column, direction, step in self._directions():
+            forces = []
+            for sign in (1.0, -1.0):
+                self.move(sign * step * direction)
+                forces.append(self._pull(factor, multipliers))
+                self.restore(before)
+            slope = (forces[1] - forces[0]) / (2.0 * step)
+            places = np.flatnonzero(slope)
+            entries.append((places, np.full(len(places), column), slope[places]))
+        if not entries:
+            return csc_array((count, count))
+        heights, columns, values = (np.concatenate(part) for part in zip(*entries, strict=True))
+        return csc_array((values, (heights, columns)), shape=(count, count))
+
+    def _directions(self) -> list[tuple[int, NDArray[np.float64], float]]:
+        """Velocity of the workspace, displacement of the unknowns that belongs to it alone, step of the difference."""
+        found = []
+        for first, changes, dofs, kind in zip(
+            self.first[:-1], self._changes, self.base_dofs, self.meshes, strict=True
+        ):
+            step = DIFFERENCE * float(kind.body["size"].max())
+            for column, dof in enumerate(dofs):
+                if changes[:, column].any():
+                    direction = np.zeros(self.count)
+                    direction[first : first + len(changes)] = changes[:, column]
+                    found.append((int(dof), direction, step))
+        for place, dof in enumerate(self.dofs):
+            direction = np.zeros(self.count)
+            direction[self.first[-1] + place] = 1.0
+            step = DIFFERENCE * (self.length if np.isin(self.first[-1] + place, self.positions) else 1.0)
+            found.append((int(dof), direction, step))
+        return found
+
+    def _pull(self, factor: float, multipliers: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Forces on bases and other bodies (dof_count)."""
+        rows, layout = self.rows, self.layout
+        pull = self._inner_pull()[0]
+        if layout.systems:
+            reaction = np.zeros(len(rows.block))
+            reaction[rows.rigid] = multipliers
+            pull = pull + rows.jacobian().T @ reaction
+        evaluate_loads(layout.bodies, self._loads, layout.work, rows.time)
+        load = np.zeros(len(rows.inertia))
+        for kind in self.others:
+            kind.collect_load(layout.work, load)
+        self._add_base_loads(load)
+        load = load - self._elasticity()
+        pull = pull + factor * load
+        pull[self._prescribed] = 0.0
+        return pull
+
+    # ---- words ----
+
+    def body_unknowns(self) -> dict[int, tuple[Any, MeshMatrices, int]]:
+        """Kind, matrices and first unknown by number of each mesh."""
+        return {
+            int(line.number): (kind, matrices, int(first))
+            for kind, matrices, first in zip(self.meshes, self.matrices, self.first[:-1], strict=True)
+            for line in kind.table
+        }
+
+
+def _node_follower(q: NDArray[np.float64], a: NDArray[np.float64], along: float) -> NDArray[np.float64]:
+    """Derivative of ``a x u + along u`` with the unit tangent ``u = t/|t|`` of a node, by its coordinates ``r, t``."""
+    size = float(np.linalg.norm(q[3:6]))
+    u = q[3:6] / size
+    turn = np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
+    change = (turn + along * np.eye(3)) @ (np.eye(3) - np.outer(u, u)) / size
+    found = np.zeros((len(q), len(q)))
+    found[:3, 3:6] = change
+    return found

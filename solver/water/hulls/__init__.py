@@ -1,0 +1,1 @@
+"""Bodies that float: buoyancy, radiated and incoming waves, hydrostatics, motions in the frequency domain."""

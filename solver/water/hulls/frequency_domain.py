@@ -1,0 +1,418 @@
+"""Motions of moored hulls in the frequency domain: response operators, response spectra, natural periods.
+
+    [-omega^2 (M + A(omega)) - i omega (B(omega) + B_extra) + C] xi = X(omega, beta)
+
+for groups of N hulls, 6 N coordinates about their reference points, time factor exp(-i omega t). Joints between hulls
+are linear constraints ``G xi = 0`` with Lagrange multipliers. Source: Faltinsen, *Sea Loads on Ships and Offshore
+Structures* (1990), chapter 3.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+from heavylift.solver.water.waves.spectra import WaveSpectrum, dispersion
+from heavylift.solver.water.waves.wave_transfer import excitation_at
+
+__all__ = [
+    "LinearHulls",
+    "MotionOperators",
+    "NaturalMode",
+    "ResponseStatistics",
+    "linear_hulls",
+    "motion_operators",
+    "natural_modes",
+    "response_statistics",
+    "rigid_body_mass",
+    "static_stiffness",
+]
+
+
+@dataclass(frozen=True, eq=False)
+class LinearHulls:
+    """A group of hulls with linear coefficients.
+
+    Attributes
+    ----------
+    database
+        Added mass, damping and excitation.
+    mass
+        Of the bodies about their reference points, shape (6N, 6N).
+    stiffness
+        Hydrostatic with the terms of weight, plus moorings: shape (6N, 6N).
+    damping
+        Beside the wave damping, shape (6N, 6N).
+    constraint_jacobian
+        Rows G of ``G xi = 0``, shape (c, 6N); c may be zero.
+    """
+
+    database: HydrodynamicDatabase
+    mass: NDArray[np.float64]
+    stiffness: NDArray[np.float64]
+    damping: NDArray[np.float64]
+    constraint_jacobian: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class MotionOperators:
+    """Response amplitude operators.
+
+    Attributes
+    ----------
+    omega
+        [rad/s], shape (nw,).
+    headings
+        Directions of propagation relative to the hulls [rad], shape (nh,).
+    motion
+        Complex motion per metre of wave amplitude [m/m, rad/m], shape (nw, nh, 6N); phases are relative to a crest at
+        the reference point of the first hull.
+    constraint_force
+        Lagrange multipliers per metre of wave amplitude, shape (nw, nh, c): ``G^T lambda`` acts on the hulls.
+    bodies
+        N names.
+    """
+
+    omega: NDArray[np.float64]
+    headings: NDArray[np.float64]
+    motion: NDArray[np.complex128]
+    constraint_force: NDArray[np.complex128]
+    bodies: tuple[str, ...]
+
+    @property
+    def amplitude(self) -> NDArray[np.float64]:
+        """Magnitude [m/m, rad/m], shape (nw, nh, 6N)."""
+        return np.abs(self.motion)
+
+    @property
+    def phase(self) -> NDArray[np.float64]:
+        """Lag behind the crest [rad], -pi to pi: the motion is ``amplitude cos(omega t - phase)``.
+
+        With the time factor exp(-i omega t) this is the angle of the complex number.
+        """
+        return np.angle(self.motion)
+
+
+@dataclass(frozen=True, eq=False)
+class NaturalMode:
+    """An undamped free oscillation.
+
+    Attributes
+    ----------
+    period
+        [s].
+    shape
+        Amplitudes of the coordinates, the largest scaled to one after weighing by mass; shape (6N,).
+    coordinate
+        Index of that coordinate.
+    """
+
+    period: float
+    shape: NDArray[np.float64]
+    coordinate: int
+
+
+@dataclass(frozen=True, eq=False)
+class ResponseStatistics:
+    """Response to an irregular sea, one value a coordinate, shape (6N,).
+
+    Attributes
+    ----------
+    omega
+        Grid of the spectra [rad/s], shape (k,).
+    density
+        Response spectra S |RAO|^2 [m^2 s/rad, rad^2 s/rad], shape (k, 6N).
+    standard_deviation
+        [m, rad].
+    significant
+        Mean of the highest third of the amplitudes, twice the standard deviation [m, rad].
+    mean_period
+        2 pi sqrt(m0 / m2) [s], between upcrossings of zero.
+    """
+
+    omega: NDArray[np.float64]
+    density: NDArray[np.float64]
+    standard_deviation: NDArray[np.float64]
+    significant: NDArray[np.float64]
+    mean_period: NDArray[np.float64]
+
+
+def rigid_body_mass(mass: float, centre: ArrayLike, inertia: ArrayLike) -> NDArray[np.float64]:
+    """Mass matrix of a rigid body about a reference point.
+
+    Parameters
+    ----------
+    mass
+        [kg].
+    centre
+        Centre of gravity from the reference point [m], shape (3,).
+    inertia
+        About the centre of gravity [kg m^2], shape (3, 3).
+
+    Returns
+    -------
+    NDArray
+        Shape (6, 6).
+    """
+    x, y, z = np.asarray(centre, dtype=np.float64)
+    S = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    matrix = np.zeros((6, 6))
+    matrix[:3, :3] = mass * np.eye(3)
+    matrix[:3, 3:] = -mass * S
+    matrix[3:, :3] = mass * S
+    matrix[3:, 3:] = np.asarray(inertia, dtype=np.float64) - mass * S @ S
+    return matrix
+
+
+def static_stiffness(
+    hydrostatic: NDArray[np.float64], mass: float, centre: ArrayLike, gravity: float
+) -> NDArray[np.float64]:
+    """Hydrostatic stiffness of one hull with the terms of its weight.
+
+    Parameters
+    ----------
+    hydrostatic
+        Without weight, about the reference point, shape (6, 6).
+    mass, centre
+        [kg]; centre of gravity from the reference point [m], shape (3,).
+    gravity
+        [m/s^2].
+    """
+    C = np.array(hydrostatic, dtype=np.float64)
+    x, y, z = np.asarray(centre, dtype=np.float64)
+    # the weight acts at a point that turns with the hull: moments -m g z in roll and pitch, m g (x, y) in yaw
+    C[3, 3] -= mass * gravity * z
+    C[4, 4] -= mass * gravity * z
+    C[3, 5] += mass * gravity * x
+    C[4, 5] += mass * gravity * y
+    return C
+
+
+def linear_hulls(
+    database: HydrodynamicDatabase,
+    mass: ArrayLike,
+    stiffness: ArrayLike,
+    *,
+    damping: ArrayLike | None = None,
+    constraint_jacobian: ArrayLike | None = None,
+) -> LinearHulls:
+    """Check and gather the matrices of a group; see `LinearHulls`.
+
+    Raises
+    ------
+    InputError
+        If a shape does not fit, a value is not finite, the mass is not positive definite or constraints repeat.
+    """
+    n = 6 * database.body_count
+    G = np.zeros((0, n)) if constraint_jacobian is None else np.asarray(constraint_jacobian, dtype=np.float64)
+    arrays = {
+        "mass": np.asarray(mass, dtype=np.float64),
+        "stiffness": np.asarray(stiffness, dtype=np.float64),
+        "damping": np.zeros((n, n)) if damping is None else np.asarray(damping, dtype=np.float64),
+    }
+    for key, value in arrays.items():
+        if value.shape != (n, n) or not np.all(np.isfinite(value)):
+            raise InputError(f"shape {value.shape} or a value that is not finite", source=database.source, key=key,
+                             expected=f"({n}, {n}), finite")  # fmt: skip
+    if np.min(np.linalg.eigvalsh(0.5 * (arrays["mass"] + arrays["mass"].T))) <= 0.0:
+        raise InputError("the mass matrix is not positive definite", source=database.source, key="mass",
+                         expected="masses and moments of inertia > 0")  # fmt: skip
+    if G.ndim != 2 or G.shape[1] != n or (len(G) and np.linalg.matrix_rank(G) < len(G)):
+        raise InputError(f"constraint rows of shape {G.shape}, rank {np.linalg.matrix_rank(G) if G.size else 0}",
+                         source=database.source, key="constraint_jacobian",
+                         expected=f"independent rows of {n} columns")  # fmt: skip
+    return LinearHulls(database, arrays["mass"], arrays["stiffness"], arrays["damping"], G)
+
+
+def motion_operators(
+    hulls: LinearHulls, *, headings: ArrayLike, omega: ArrayLike | None = None
+) -> MotionOperators:
+    """Solve for the motion in waves of one metre amplitude.
+
+    Parameters
+    ----------
+    hulls
+        Group.
+    headings
+        Directions of propagation relative to the hulls [rad], shape (nh,).
+    omega
+        Frequencies [rad/s] within the database, by default its own; coefficients between them by cubic splines.
+
+    Raises
+    ------
+    InputError
+        If a frequency or heading is outside the database, or a response is infinite.
+
+    Notes
+    -----
+    With joints the system is ``[Z, -G^T; G, 0] [xi; lambda] = [X; 0]``; rows and columns are scaled before the
+    solution, because newtons and newton metres differ by orders of magnitude.
+    """
+    database = hulls.database
+    w = database.omega if omega is None else np.atleast_1d(np.asarray(omega, dtype=np.float64))
+    beta = np.atleast_1d(np.asarray(headings, dtype=np.float64))
+    n, c = 6 * database.body_count, len(hulls.constraint_jacobian)
+    A, B = _over_frequency(database, database.added_mass, w), _over_frequency(database, database.damping, w)
+    Z = (
+        -(w**2)[:, None, None] * (hulls.mass + A)
+        - 1j * w[:, None, None] * (B + hulls.damping)
+        + hulls.stiffness
+    )
+    X = np.stack([_group_excitation(database, w, float(one)) for one in beta], axis=2)  # (nw, n, nh)
+    scale = 1.0 / np.sqrt(np.diag(hulls.mass))
+    G = hulls.constraint_jacobian * scale
+    rows = np.linalg.norm(G, axis=1)
+    system = np.zeros((len(w), n + c, n + c), dtype=np.complex128)
+    system[:, :n, :n] = scale[:, None] * Z * scale
+    system[:, :n, n:] = -(G / rows[:, None]).T
+    system[:, n:, :n] = G / rows[:, None]
+    right = np.zeros((len(w), n + c, len(beta)), dtype=np.complex128)
+    right[:, :n] = scale[:, None] * X
+    try:
+        solution = np.linalg.solve(system, right)
+    except np.linalg.LinAlgError as error:
+        raise InputError("a response is infinite: no damping at a natural frequency", source=database.source,
+                         key="damping", expected="damping, or other frequencies") from error  # fmt: skip
+    motion = np.swapaxes(scale[:, None] * solution[:, :n], 1, 2)
+    force = np.swapaxes(solution[:, n:] / rows[:, None], 1, 2)
+    return MotionOperators(w, beta, motion, force, database.bodies)
+
+
+def natural_modes(hulls: LinearHulls, *, iterations: int = 50) -> list[NaturalMode]:
+    """Undamped natural periods, longest first; the added mass of each mode is that of its own frequency.
+
+    Parameters
+    ----------
+    hulls
+        Group.
+    iterations
+        At most, for each mode.
+
+    Returns
+    -------
+    list
+        Modes with stiffness; those without (surge, sway, yaw of hulls that are not moored) are left out.
+
+    Notes
+    -----
+    ``C x = omega^2 (M + A(omega)) x`` in the null space of the joints; the mode is followed by its order while its
+    frequency is put into A until it changes by less than 1e-10. Beyond the frequencies of the database the added mass
+    of the nearest is held.
+    """
+    from scipy.linalg import eigh, null_space
+
+    database = hulls.database
+    n = 6 * database.body_count
+    scale = 1.0 / np.sqrt(np.diag(hulls.mass))
+    free = np.eye(n) if not len(hulls.constraint_jacobian) else null_space(hulls.constraint_jacobian * scale)
+    low, high = database.omega[0], database.omega[-1]
+
+    def reduced(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+        symmetric = 0.5 * (matrix + matrix.T)
+        return np.asarray(free.T @ (scale[:, None] * symmetric * scale) @ free)
+
+    C = reduced(hulls.stiffness)
+
+    def solve(w: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        A = _over_frequency(database, database.added_mass, np.array([min(max(w, low), high)]))[0]
+        values, vectors = eigh(C, reduced(hulls.mass + A))
+        return values, vectors
+
+    modes = []
+    start = solve(math.sqrt(low * high))[0]
+    threshold = 1e-9 * float(np.max(np.abs(start)))
+    for k in np.flatnonzero(start > threshold):
+        w = math.sqrt(start[k])
+        for iteration in range(iterations):
+            values, vectors = solve(w)
+            after = math.sqrt(max(values[k], 0.0))
+            if abs(after - w) < 1e-10 * after:
+                break
+            w = after if iteration < 10 else 0.5 * (w + after)  # damped where plain iteration swings
+        weighed = free @ vectors[:, k]
+        largest = int(np.argmax(np.abs(weighed)))
+        shape = scale * weighed
+        if w > 0.0:
+            modes.append(NaturalMode(2.0 * math.pi / w, np.asarray(shape / shape[largest]), largest))
+    return sorted(modes, key=lambda mode: -mode.period)
+
+
+def response_statistics(
+    operators: MotionOperators, spectrum: WaveSpectrum, heading: float, *, points: int = 2000
+) -> ResponseStatistics:
+    """Statistics of the motions in a long-crested sea.
+
+    Parameters
+    ----------
+    operators
+        Response operators, with frequencies close enough for the resonances: `motion_operators` takes any, because
+        the coefficients of the database are smooth between its own.
+    spectrum
+        Of the elevation.
+    heading
+        One of the headings of the operators [rad].
+    points
+        Of the frequency grid.
+
+    Raises
+    ------
+    InputError
+        If the heading was not computed, or more than 1 % of the energy lies outside the frequencies.
+    """
+    from scipy.interpolate import CubicSpline
+
+    gap = np.abs(np.angle(np.exp(1j * (operators.headings - heading))))
+    if np.min(gap) > 1e-6:
+        known = ", ".join(f"{one:.1f}" for one in np.rad2deg(operators.headings))
+        raise InputError(
+            f"heading of {math.degrees(heading):.1f} deg", key="heading", expected=f"one of {known} deg"
+        )
+    low, high = float(operators.omega[0]), float(operators.omega[-1])
+    inside = float(spectrum.energy(low, high)[0]) / spectrum.moment(0)
+    if inside < 0.99:
+        raise InputError(f"{1.0 - inside:.1%} of the energy of the sea lies outside {low:.3g} to {high:.3g} rad/s",
+                         key="omega", expected="operators over all of the sea, at most 1 % outside")  # fmt: skip
+    w = np.linspace(low, high, points)
+    motion = CubicSpline(operators.omega, operators.motion[:, int(np.argmin(gap))], axis=0)(w)
+    density = spectrum.density(w)[:, None] * np.abs(motion) ** 2
+    m0, m2 = np.trapezoid(density, w, axis=0), np.trapezoid(w[:, None] ** 2 * density, w, axis=0)
+    deviation = np.sqrt(m0)
+    period = 2.0 * math.pi * np.sqrt(m0 / np.where(m2 > 0.0, m2, math.inf))
+    return ResponseStatistics(w, density, deviation, 2.0 * deviation, period)
+
+
+def _group_excitation(
+    database: HydrodynamicDatabase, w: NDArray[np.float64], beta: float
+) -> NDArray[np.complex128]:
+    """Excitation relative to a crest at the first reference point, shape (nw, 6N)."""
+    X = excitation_at(database, w, beta)
+    k = dispersion(w, database.depth, database.gravity)
+    between = database.reference_points[:, :2] - database.reference_points[0, :2]
+    along = between @ np.array([math.cos(beta), math.sin(beta)])
+    return np.asarray(X * np.repeat(np.exp(1j * np.multiply.outer(k, along)), 6, axis=1))
+
+
+def _over_frequency(
+    database: HydrodynamicDatabase, values: NDArray[np.float64], w: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Symmetric parts of coefficients between the frequencies of the database, by cubic splines."""
+    from scipy.interpolate import CubicSpline
+
+    low, high = database.omega[0], database.omega[-1]
+    if np.any(w < low * (1.0 - 1e-9)) or np.any(w > high * (1.0 + 1e-9)):
+        raise InputError(
+            f"frequencies from {w.min():.3g} to {w.max():.3g} rad/s",
+            source=database.source,
+            key="omega",
+            expected=f"{low:.3g} to {high:.3g} rad/s ({2 * np.pi / high:.3g} to {2 * np.pi / low:.3g} s)",
+        )
+    if len(database.omega) == 1:
+        return np.repeat(0.5 * (values + np.swapaxes(values, 1, 2)), len(w), axis=0)
+    found = np.asarray(CubicSpline(database.omega, values, axis=0)(np.clip(w, low, high)))
+    # theory says that both are symmetric; panels leave 15 to 20 % between surge and pitch of a box
+    return 0.5 * (found + np.swapaxes(found, 1, 2))

@@ -1,0 +1,248 @@
+"""Matrix and right-hand side of the step of hulls: masses, stiffness of buoyancy and lines, momenta and forces."""
+
+from __future__ import annotations
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.vectors import rotate_back
+from heavylift.solver.interface import (
+    Workspace,
+)
+from heavylift.solver.water.hulls.kind import (
+    Hulls,
+)
+from heavylift.solver.water.hulls.restoring import restore
+
+__all__ = ["assemble", "assemble_mass", "moved_on"]
+
+
+@kernel(internal=True)
+def assemble_mass(kind: Hulls, group: int, base: int, at_end: bool, step: float) -> None:
+    """Mass with that of the water, ``M + T^T (A_inf + h/2 (B + D)) T``, into a matrix of a group.
+
+    At the end of a step the mass alone, with the rotation that stands there (in `stage`, see `put_end`).
+    """
+    first, count = kind.groups[group].first, kind.groups[group].count
+    n = 6 * count
+    matrix = kind.matrices
+    half = 0.0 if at_end else 0.5 * step
+    for i in range(n * n):
+        matrix[base + i] = 0.0
+    for p in range(count):
+        for q in range(p + 1):
+            left, right = first + p, first + q
+            T_left = kind.stage[left].end_transform if at_end else kind.stage[left].transform
+            T_right = kind.stage[right].end_transform if at_end else kind.stage[right].transform
+            for i in range(6):
+                for j in range(6):
+                    # rows of H T, then T^T of them
+                    total = 0.0
+                    for k in range(6):
+                        row = 6 * left + i
+                        column = 6 * right + k
+                        value = kind.added_mass[row, column] + half * (
+                            kind.implicit[row, column] + kind.damping[row, column]
+                        )
+                        if p == q and i == k:
+                            value += (
+                                half * kind.hulls[left].quadratic_damping[i] * abs(kind.vectors.speed[row])
+                            )
+                        total += value * T_right[k, j]
+                    for k in range(6):
+                        matrix[base + (6 * p + k) * n + 6 * q + j] += T_left[i, k] * total
+    for p in range(count):
+        hull = first + p
+        frame = kind.frame[hull]
+        for k in range(3):
+            matrix[base + (6 * p + k) * (n + 1)] += frame.mass
+            matrix[base + (6 * p + 3 + k) * (n + 1)] += frame.principal_inertia[k]
+        for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
+            _add_tank_mass(kind, hull, tank, base + 6 * p * (n + 1), n, at_end)
+
+
+@kernel(internal=True)
+def _add_tank_mass(kind: Hulls, hull: int, tank: int, base: int, n: int, at_end: bool) -> None:
+    """``m [1, -R r~]^T [1, -R r~]``, lower triangle."""
+    m = kind.tanks[tank].mass
+    r1 = kind.tanks[tank].point[0]
+    r2 = kind.tanks[tank].point[1]
+    r3 = kind.tanks[tank].point[2]
+    R = kind.stage[hull].rotation if at_end else kind.frame[hull].mid_rotation
+    matrix = kind.matrices
+    for k in range(3):
+        matrix[base + k * (n + 1)] += m
+        a, b, c = R[3 * k], R[3 * k + 1], R[3 * k + 2]
+        matrix[base + 3 * n + k] += m * (c * r2 - b * r3)
+        matrix[base + 4 * n + k] += m * (a * r3 - c * r1)
+        matrix[base + 5 * n + k] += m * (b * r1 - a * r2)
+    matrix[base + 3 * n + 3] += m * (r2 * r2 + r3 * r3)
+    matrix[base + 4 * n + 4] += m * (r3 * r3 + r1 * r1)
+    matrix[base + 5 * n + 5] += m * (r1 * r1 + r2 * r2)
+    matrix[base + 4 * n + 3] -= m * r1 * r2
+    matrix[base + 5 * n + 3] -= m * r1 * r3
+    matrix[base + 5 * n + 4] -= m * r2 * r3
+
+
+@kernel(internal=True)
+def _add_stiffness(kind: Hulls, hull: int, base: int, n: int, step: float) -> None:
+    """``h^2/4 K`` of the buoyancy, and ``h/2 K`` times the predicted displacement to the right-hand side."""
+    stage = kind.stage[hull]
+    R = kind.frame[hull].mid_rotation
+    zz, zx, zy = stage.stiffness[0], stage.stiffness[1], stage.stiffness[2]
+    xx, yy, xy = stage.stiffness[3], stage.stiffness[4], stage.stiffness[5]
+    quarter = 0.25 * step * step
+    d = stage.predicted[2]
+    ahead = zz * d
+    out = 6 * hull
+    for i in range(3):
+        spin = stage.predicted[3 + i]
+        lift = zx * R[i] + zy * R[3 + i]
+        ahead += lift * spin
+        kind.vectors.load[out + 3 + i] += 0.5 * step * lift * d
+        kind.matrices[base + (3 + i) * n + 2] += quarter * lift
+        for j in range(3):
+            tilt = xx * R[i] * R[j] + yy * R[3 + i] * R[3 + j] + xy * (R[i] * R[3 + j] + R[3 + i] * R[j])
+            kind.vectors.load[out + 3 + i] += 0.5 * step * tilt * stage.predicted[3 + j]
+            if j <= i:
+                kind.matrices[base + (3 + i) * n + 3 + j] += quarter * tilt
+    kind.matrices[base + 2 * n + 2] += quarter * zz
+    kind.vectors.load[out + 2] += 0.5 * step * ahead
+
+
+@kernel(internal=True)
+def line_force(
+    kind: Hulls,
+    work: Workspace,
+    end: int,
+    step: float,
+    d1: float,
+    d2: float,
+    d3: float,
+    d4: float,
+    d5: float,
+    d6: float,
+) -> tuple[float, float, float, int, int]:
+    """``(K + 2/h D) J d`` of one end of a line, its marker and the window of its hull.
+
+    Notes
+    -----
+    A displacement d of the middle of the step belongs to a velocity 2/h d, as both begin with those of the start.
+    """
+    at = kind.line_ends[end]
+    hull, marker, line = at.hull, at.marker, at.line
+    offset = kind.hulls[hull].offset
+    J, K, D = work.jacobian[marker], kind.tangents[line], kind.rate_tangents[line]
+    x = d1 + J[0, offset + 3] * d4 + J[0, offset + 4] * d5 + J[0, offset + 5] * d6
+    y = d2 + J[1, offset + 3] * d4 + J[1, offset + 4] * d5 + J[1, offset + 5] * d6
+    z = d3 + J[2, offset + 3] * d4 + J[2, offset + 4] * d5 + J[2, offset + 5] * d6
+    rate = 2.0 / step
+    return (
+        (K[0] + rate * D[0]) * x + (K[1] + rate * D[1]) * y + (K[2] + rate * D[2]) * z,
+        (K[3] + rate * D[3]) * x + (K[4] + rate * D[4]) * y + (K[5] + rate * D[5]) * z,
+        (K[6] + rate * D[6]) * x + (K[7] + rate * D[7]) * y + (K[8] + rate * D[8]) * z,
+        marker,
+        offset,
+    )
+
+
+@kernel(internal=True)
+def _add_line(kind: Hulls, work: Workspace, end: int, base: int, n: int, step: float, again: bool) -> None:
+    """``h^2/4 J^T K J`` of one end, and ``h/2 J^T K J`` times the predicted displacement.
+
+    With velocities that were found before, also what the other end of the line, on another hull, has moved since.
+    """
+    hull = kind.line_ends[end].hull
+    quarter = 0.25 * step * step
+    for column in range(7):
+        if column < 6:
+            f = line_force(
+                kind, work, end, step, 1.0 * (column == 0), 1.0 * (column == 1), 1.0 * (column == 2),
+                1.0 * (column == 3), 1.0 * (column == 4), 1.0 * (column == 5),
+            )  # fmt: skip
+        else:
+            d = kind.stage[hull].foreseen
+            f = line_force(kind, work, end, step, d[0], d[1], d[2], d[3], d[4], d[5])
+        J, offset = work.jacobian[f[3]], f[4]
+        for i in range(6):
+            value = J[0, offset + i] * f[0] + J[1, offset + i] * f[1] + J[2, offset + i] * f[2]
+            if column == 6:
+                kind.vectors.load[6 * hull + i] += 0.5 * step * value
+            elif column <= i:
+                kind.matrices[base + i * n + column] += quarter * value
+    other = kind.line_ends[end].other
+    if again and other >= 0:
+        x, y, z = moved_on(kind, work, other, step)
+        marker = kind.line_ends[end].marker
+        J, offset = work.jacobian[marker], kind.hulls[hull].offset
+        for i in range(6):
+            kind.vectors.load[6 * hull + i] += (
+                0.5 * step * (J[0, offset + i] * x + J[1, offset + i] * y + J[2, offset + i] * z)
+            )
+
+
+@kernel(internal=True)
+def moved_on(kind: Hulls, work: Workspace, end: int, step: float) -> tuple[float, float, float]:
+    """``(K + 2/h D)`` times how far the middle of one end, as found, lies from where the line was evaluated [N]."""
+    hull = kind.line_ends[end].hull
+    dof, d, half = kind.table[hull].dof, kind.stage[hull].foreseen, 0.5 * step
+    U = work.velocity[dof : dof + 6]
+    f = line_force(
+        kind, work, end, step,
+        half * U[0] - d[0], half * U[1] - d[1], half * U[2] - d[2],
+        half * U[3] - d[3], half * U[4] - d[4], half * U[5] - d[5],
+    )  # fmt: skip
+    return f[0], f[1], f[2]
+
+
+@kernel(internal=True)
+def _load_hull(kind: Hulls, hull: int, step: float, work: Workspace) -> None:
+    """Momentum of body, ballast and water at the start, half impulses of forces of markers, waves and weight."""
+    frame, vectors = kind.frame[hull], kind.vectors
+    h, R, out = step, kind.frame[hull].mid_rotation, 6 * hull
+    L = rotate_back(R, frame.angular_momentum)
+    for k in range(3):
+        vectors.load[out + k] = frame.mass * (frame.velocity[k] + 0.5 * h * work.sums.gravity[k])
+        vectors.load[out + 3 + k] = L[k]
+    for k in range(6):
+        vectors.load[out + k] += 0.5 * h * frame.wrench[k]
+    for i in range(6):
+        force = 0.5 * h * (vectors.wave[out + i] + vectors.known[out + i])
+        for j in range(kind.added_mass.shape[1]):
+            force += kind.added_mass[out + i, j] * vectors.lead[j]
+        for k in range(6):
+            vectors.load[out + k] += kind.stage[hull].transform[i, k] * force
+    for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
+        m = kind.tanks[tank].mass
+        f1 = m * (kind.tanks[tank].start_velocity[0] + 0.5 * h * work.sums.gravity[0])
+        f2 = m * (kind.tanks[tank].start_velocity[1] + 0.5 * h * work.sums.gravity[1])
+        f3 = m * (kind.tanks[tank].start_velocity[2] + 0.5 * h * work.sums.gravity[2])
+        b1, b2, b3 = rotate_back(R, (f1, f2, f3))
+        r1, r2, r3 = (
+            kind.tanks[tank].point[0],
+            kind.tanks[tank].point[1],
+            kind.tanks[tank].point[2],
+        )
+        vectors.load[out] += f1
+        vectors.load[out + 1] += f2
+        vectors.load[out + 2] += f3
+        vectors.load[out + 3] += r2 * b3 - r3 * b2
+        vectors.load[out + 4] += r3 * b1 - r1 * b3
+        vectors.load[out + 5] += r1 * b2 - r2 * b1
+
+
+@kernel(internal=True)
+def assemble(kind: Hulls, group: int, base: int, step: float, work: Workspace, again: bool) -> None:
+    """Matrix and right-hand side of a group at the pose of the stage."""
+    first, count = kind.groups[group].first, kind.groups[group].count
+    n = 6 * count
+    for p in range(count):
+        _load_hull(kind, first + p, step, work)
+    assemble_mass(kind, group, base, False, step)
+    for p in range(count):
+        restore(kind, first + p)
+        for i in range(6):
+            kind.vectors.load[6 * (first + p) + i] += 0.5 * step * kind.stage[first + p].lift[i]
+        _add_stiffness(kind, first + p, base + 6 * p * (n + 1), n, step)
+    for end in range(kind.line_ends.shape[0]):
+        p = kind.line_ends[end].hull - first
+        if 0 <= p < count:
+            _add_line(kind, work, end, base + 6 * p * (n + 1), n, step, again)

@@ -1,0 +1,255 @@
+"""Fenders: one-sided springs along a direction that is fixed to a body."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.arrays import Arrays, Floats2
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Record, Records, records
+from heavylift.solver.interface import (
+    FORCES,
+    Workspace,
+    add_forces,
+    record_forces,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.laws.forces import mean_force, spring_force
+from heavylift.solver.markers import MarkerBook
+from heavylift.solver.scene.moorings import Fender
+
+__all__ = ["Fenders", "fender_markers", "pack_fenders"]
+
+
+class FenderData(Record):
+    """A fender.
+
+    Attributes
+    ----------
+    tip, normal, point
+        Markers of the tip, the normal and the point that presses.
+    column
+        First record column.
+    first, count
+        First row and rows of the curve.
+    stiffness
+        [N/m].
+    damping
+        [N s/m].
+    """
+
+    tip: int
+    normal: int
+    point: int
+    column: int
+    first: int
+    count: int
+    stiffness: float
+    damping: float
+
+
+class FenderState(Record):
+    """Energy at the start [J], and whether that is known."""
+
+    start_energy: float
+    started: bool
+
+
+class Fenders(Arrays):
+    """All fenders of a scene.
+
+    Attributes
+    ----------
+    table
+        Fenders.
+    curves
+        Rows (compression, force) of all tables, shape (m, 2).
+    state
+        Carried, of each.
+    tangents, rate_tangents
+        Stiffness [N/m] and damping [N s/m] of the force on b against the displacement and velocity of its point
+        relative to the tip, world axes, row by row, symmetric and positive semidefinite; shape (n, 9).
+    """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+
+    table: Records[FenderData]
+    curves: Floats2
+    state: Records[FenderState]
+    tangents: Floats2
+    rate_tangents: Floats2
+
+
+def fender_markers(book: MarkerBook, fenders: Sequence[Fender]) -> list[tuple[int, int, int]]:
+    """Markers of tip, normal and pressing point of each fender.
+
+    Raises
+    ------
+    InputError
+        If a normal has length zero or is not finite.
+    """
+    markers = []
+    for fender in fenders:
+        direction = np.asarray(fender.direction, dtype=np.float64)
+        length = float(np.linalg.norm(direction))
+        if not 0.0 < length < np.inf:
+            raise InputError(
+                f"direction {direction.tolist()}",
+                source=fender.name,
+                key="direction",
+                expected="the outward normal of its face",
+            )
+        markers.append(
+            (
+                book.point(fender.body_a, fender.point_a, FORCES),
+                book.direction(fender.body_a, direction / length, FORCES, at=fender.point_a),
+                book.point(fender.body_b, fender.point_b, FORCES),
+            )
+        )
+    return markers
+
+
+def pack_fenders(
+    fenders: Sequence[Fender], markers: Sequence[tuple[int, int, int]], columns: Sequence[int]
+) -> Fenders:
+    """Make the kind from what the user said, markers of `fender_markers`, and the first record column of each.
+
+    Raises
+    ------
+    InputError
+        If a fender has neither stiffness nor table or both, a negative number, or a table that does not rise from
+        zero.
+    """
+    table, curves = [], []
+    first = 0
+    for fender, places, column in zip(fenders, markers, columns, strict=True):
+        curve = _check_law(fender)
+        table.append((*places, column, first, len(curve), fender.stiffness, fender.damping))
+        curves.append(curve)
+        first += len(curve)
+    count = len(table)
+    return Fenders(
+        records(FenderData, table),
+        np.vstack([np.zeros((0, 2)), *curves]),
+        records(FenderState, count),
+        np.zeros((count, 9)),
+        np.zeros((count, 9)),
+    )
+
+
+def _check_law(fender: Fender) -> NDArray[np.float64]:
+    """Rows of the table of a fender, shape (m, 2); none if it has a stiffness."""
+    e = np.asarray(fender.compressions, dtype=np.float64)
+    f = np.asarray(fender.forces, dtype=np.float64)
+    if e.shape != f.shape or e.ndim != 1:
+        raise InputError(
+            f"{e.size} compressions and {f.size} forces",
+            source=fender.name,
+            key="compressions",
+            expected="one force [N] a compression [m]",
+        )
+    for key, value in (("stiffness", fender.stiffness), ("damping", fender.damping)):
+        if not 0.0 <= value < np.inf:
+            raise InputError(
+                f"{key} is {value:g}", source=fender.name, key=key, expected="a finite value, 0 or more"
+            )
+    if (fender.stiffness > 0.0) == (len(e) > 0):
+        raise InputError(
+            "a stiffness and a table" if len(e) else "neither stiffness nor table",
+            source=fender.name,
+            key="stiffness",
+            expected="one of the two",
+        )
+    if len(e) == 0:
+        return np.zeros((0, 2))
+    rises = (
+        len(e) > 1 and e[0] == 0.0 and f[0] == 0.0 and np.all(np.diff(e) > 0.0) and np.all(np.diff(f) >= 0.0)
+    )
+    if not (rises and np.all(np.isfinite(e)) and np.all(np.isfinite(f))):
+        raise InputError(
+            f"compressions {e.tolist()}, forces {f.tolist()}",
+            source=fender.name,
+            key="compressions",
+            expected="two or more rows from (0, 0), compressions increasing, forces not falling",
+        )
+    return np.column_stack([e, f])
+
+
+@kernel(internal=True)
+def _compression(kind: Fenders, i: int, work: Workspace) -> tuple[float, float]:
+    """How far the point of b is behind the tip [m], and how fast it goes there [m/s]."""
+    fender = kind.table[i]
+    a, n, b = fender.tip, fender.normal, fender.point
+    depth = rate = 0.0
+    for k in range(3):
+        r = work.markers[b].point[k] - work.markers[a].point[k]
+        v = work.markers[b].velocity[k] - work.markers[a].velocity[k]
+        depth -= r * work.markers[n].point[k]
+        rate -= v * work.markers[n].point[k] + r * work.markers[n].velocity[k]
+    return depth, rate
+
+
+@kernel(internal=True)
+def _push(kind: Fenders, i: int, depth: float, rate: float) -> tuple[float, float, float]:
+    """Force of a fender [N], its stiffness [N/m] and damping [N s/m] at present."""
+    if not depth > 0.0:
+        return 0.0, 0.0, 0.0
+    fender = kind.table[i]
+    first, count, stiffness, damping = fender.first, fender.count, fender.stiffness, fender.damping
+    force = spring_force(kind.curves, first, count, stiffness, depth)
+    if count > 0:  # half the mean over nothing is the slope
+        stiffness = 2.0 * mean_force(kind.curves, first, count, stiffness, depth, depth)[1]
+    if force + damping * rate <= 0.0:
+        return 0.0, 0.0, 0.0
+    return force + damping * rate, stiffness, damping
+
+
+@implement(add_forces, Fenders)
+@kernel(internal=True)
+def add_fenders(kind: Fenders, time: float, work: Workspace) -> None:
+    """Force on both sides, and stiffness.
+
+    Notes
+    -----
+    The power of a force f is ``f d/dt ((b - a) . n)``: f n on the point of b, -f n on the tip, and f (b - a) on the
+    direction n, which moves the force on a from the tip to where b presses.
+    """
+    for i in range(kind.table.shape[0]):
+        a, n, b = kind.table[i].tip, kind.table[i].normal, kind.table[i].point
+        depth, rate = _compression(kind, i, work)
+        force, stiffness, damping = _push(kind, i, depth, rate)
+        n1, n2, n3 = work.markers[n].point[0], work.markers[n].point[1], work.markers[n].point[2]
+        normal = (n1, n2, n3)
+        for j in range(3):
+            for k in range(3):
+                kind.tangents[i, 3 * j + k] = stiffness * normal[j] * normal[k]
+                kind.rate_tangents[i, 3 * j + k] = damping * normal[j] * normal[k]
+        if force > 0.0:
+            for k in range(3):
+                r = work.markers[b].point[k] - work.markers[a].point[k]
+                work.markers[b].force[k] += force * normal[k]
+                work.markers[a].force[k] -= force * normal[k]
+                work.markers[n].force[k] += force * r
+
+
+@implement(record_forces, Fenders)
+@kernel(internal=True)
+def record_fenders(kind: Fenders, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
+    """Force and compression; the stored energy moves from the work of outer forces to its own."""
+    for i in range(kind.table.shape[0]):
+        fender, state = kind.table[i], kind.state[i]
+        column, first, count = fender.column, fender.first, fender.count
+        depth, rate = _compression(kind, i, work)
+        row[column] = _push(kind, i, depth, rate)[0]
+        depth = max(depth, 0.0)
+        row[column + 1] = depth
+        energy = depth * mean_force(kind.curves, first, count, fender.stiffness, 0.0, depth)[0]
+        if not state.started:
+            state.start_energy, state.started = energy, True
+        work.sums.elastic += energy
+        work.sums.external_work += energy - state.start_energy

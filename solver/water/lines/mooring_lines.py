@@ -1,0 +1,328 @@
+"""Mooring lines as forces on two bodies: catenaries in the vertical plane of their ends, with stiffness and energy.
+
+"Integrated simulation ... (2018)", section 2.9.5.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.arrays import Arrays, Floats2
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.numerics.records import Records, Vector, records
+from heavylift.solver.interface import (
+    FORCES,
+    Workspace,
+    add_forces,
+    begin_record,
+    record_forces,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
+from heavylift.solver.scene.connections import GROUND
+from heavylift.solver.scene.moorings import MooringLine, check_sections
+from heavylift.solver.water.lines.catenary import FAILED, LineData, LineEnds, LineState, read_ends, solve_line
+from heavylift.solver.water.lines.catenary_line import pack_sections
+from heavylift.solver.water.lines.catenary_walk import SectionData
+
+__all__ = [
+    "LINE_OVERSTRETCHED",
+    "MooringData",
+    "MooringLines",
+    "MooringScratch",
+    "MooringState",
+    "line_markers",
+    "pack_mooring_lines",
+]
+
+LINE_OVERSTRETCHED = int(Outcome.LINE_OVERSTRETCHED)
+"""Outcome of a step in which a line is stretched beyond its limit, or has no equilibrium."""
+
+START_STRAIN = 0.05
+"""By which a line may be stretched at the start: more is most often a wrong length."""
+
+ANCHOR_TOLERANCE = 0.01
+"""Of the length: how far from the seabed an anchor may be given."""
+LEAST_SPAN = 1e-7
+"""Of the length: horizontal distance of the ends below which a line hangs straight down."""
+
+
+class MooringData(LineData):
+    """Markers of anchor and fairlead, first record column, distance of the ends that is too much for it [m]."""
+
+    anchor: int
+    fairlead: int
+    column: int
+    limit: float
+
+
+class MooringState(LineState):
+    """Last solution of a mooring line, and what else it carries.
+
+    Attributes
+    ----------
+    start_energy
+        Energy at the start [J].
+    started
+        Whether that is known.
+    extra
+        Force [N] that acts on the fairlead beside that of the catenary, world axes: zero, unless a model of dynamic
+        lines writes it.
+    """
+
+    start_energy: float
+    started: bool
+    extra: Vector
+
+
+class MooringScratch(LineEnds):
+    """Lower end of a mooring line for a record, and the solution that the steps go on from."""
+
+    solution: LineState
+
+
+class MooringLines(Arrays):
+    """All mooring lines of a scene.
+
+    Attributes
+    ----------
+    lines, sections
+        As in `heavylift.solver.water.lines.catenary.solve_line`.
+    state
+        Carried, of each line.
+    tangents
+        Stiffness of the force on the fairlead against its displacement relative to the anchor [N/m], world axes,
+        row by row, symmetric and positive semidefinite, at the last evaluation; shape (n, 9).
+    scratch
+        Of each line, for a record.
+    """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+
+    lines: Records[MooringData]
+    sections: Records[SectionData]
+    state: Records[MooringState]
+    tangents: Floats2
+    scratch: Records[MooringScratch]
+
+
+def line_markers(book: MarkerBook, lines: Sequence[MooringLine]) -> list[tuple[int, int]]:
+    """Markers of anchor and fairlead of each line."""
+    return [
+        (book.point(line.body_a, line.point_a, FORCES), book.point(line.body_b, line.point_b, FORCES))
+        for line in lines
+    ]
+
+
+def pack_mooring_lines(
+    lines: Sequence[MooringLine],
+    markers: Sequence[tuple[int, int]],
+    columns: Sequence[int],
+    places: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]],
+) -> MooringLines:
+    """Make the kind.
+
+    Parameters
+    ----------
+    lines
+        What the user said.
+    markers
+        Of anchor and fairlead, from `line_markers`.
+    columns
+        First record column of each line.
+    places
+        Anchor and fairlead of each line at the start, world [m], shape (3,) each.
+
+    Raises
+    ------
+    InputError
+        If a line is not a line, its anchor is not fixed to the seabed that it has, its fairlead is below that, or it
+        is shorter than its span at the start.
+    """
+    packed = records(MooringData, len(lines))
+    sections: list[Any] = []
+    for row, line, (a, b), column, (anchor, fairlead) in zip(
+        packed, lines, markers, columns, places, strict=True
+    ):
+        check_sections(line.sections, line.clumps, friction=line.friction, source=line.name)
+        _check_seabed(line, anchor, fairlead)
+        rows, of_line = pack_sections(
+            line.sections, line.clumps, on_seabed=line.seabed is not None, friction=line.friction
+        )
+        for name in LineData.fields_of:
+            row[name] = of_line[0][name]
+        row.first = len(sections)
+        row.anchor, row.fairlead, row.column = a, b, column
+        row.limit = _check_span(line, float(row.length), float(row.stretch), anchor, fairlead)
+        sections.extend(rows)
+    count = len(packed)
+    return MooringLines(
+        packed,
+        records(SectionData, sections),
+        records(MooringState, count),
+        np.zeros((count, 9)),
+        records(MooringScratch, count),
+    )
+
+
+def _check_seabed(line: MooringLine, anchor: NDArray[np.float64], fairlead: NDArray[np.float64]) -> None:
+    """Refuse a seabed that the line does not begin on."""
+    if line.seabed is None:
+        return
+    length = sum(section.length for section in line.sections)
+    if line.body_a != GROUND or abs(anchor[2] - line.seabed) > ANCHOR_TOLERANCE * length:
+        raise InputError(
+            f"the anchor is on {line.body_a!r} at height {anchor[2]:g} m, the seabed at {line.seabed:g} m",
+            source=line.name,
+            key="seabed",
+            expected="an anchor on the ground at the height of the seabed, or no seabed for this line",
+        )
+    if fairlead[2] < anchor[2]:
+        raise InputError(
+            f"the fairlead starts at height {fairlead[2]:g} m, below the anchor at {anchor[2]:g} m",
+            source=line.name,
+            key="point_b",
+            expected="a fairlead above the seabed",
+        )
+
+
+def _check_span(
+    line: MooringLine,
+    length: float,
+    stretch: float,
+    anchor: NDArray[np.float64],
+    fairlead: NDArray[np.float64],
+) -> float:
+    """Distance of the ends that is too much for the line; refuse a line that begins beyond it."""
+    if not line.strain_limit > 0.0:
+        raise InputError(
+            f"strain_limit is {line.strain_limit:g}",
+            source=line.name,
+            key="strain_limit",
+            expected="a positive strain, e.g. 0.1",
+        )
+    span = float(np.linalg.norm(np.asarray(fairlead) - np.asarray(anchor)))
+    limit = length * (1.0 + line.strain_limit) if stretch > 0.0 else length
+    if not span < min(limit, length * (1.0 + START_STRAIN)):
+        raise InputError(
+            f"the line of {length:g} m is shorter than its span of {span:g} m",
+            source=line.name,
+            key="sections",
+            expected=f"a length of {span:g} m or more, from the anchor to the fairlead; a stretch of"
+            f" {min(START_STRAIN, line.strain_limit):.3g} at the start is taken",
+        )
+    return limit
+
+
+@kernel(internal=True)
+def _hang(kind: MooringLines, i: int, work: Workspace) -> tuple[float, float, float]:
+    """Solve a line for its ends; direction of its plane, and its span [m], not less than a hanging one has."""
+    line, state = kind.lines[i], kind.state[i]
+    a, b = line.anchor, line.fairlead
+    x = work.markers[b].point[0] - work.markers[a].point[0]
+    y = work.markers[b].point[1] - work.markers[a].point[1]
+    z = work.markers[b].point[2] - work.markers[a].point[2]
+    span = math.sqrt(x * x + y * y)
+    solve_line(kind.sections, line, span, z, state)
+    bad = not (span * span + z * z < line.limit * line.limit) or state.branch == FAILED
+    if bad and work.status.outcome == 0:
+        work.status.outcome, work.status.body = LINE_OVERSTRETCHED, i
+    span = max(span, LEAST_SPAN * line.length)
+    return x / span, y / span, span
+
+
+@implement(add_forces, MooringLines)
+@kernel(internal=True)
+def add_mooring_lines(kind: MooringLines, time: float, work: Workspace) -> None:
+    """Forces on both ends, and the stiffness of each line.
+
+    Notes
+    -----
+    With the horizontal direction e from anchor to fairlead, t across it and z up, the stiffness is
+
+        kxx e e^T + (kxz + kzx)/2 (e z^T + z e^T) + kzz z z^T + (H/x) t t^T.
+
+    Only friction of the seabed makes the 2x2 part unsymmetric, and could make the symmetric part indefinite; then
+    the coupling is reduced until that is singular.
+    """
+    for i in range(kind.lines.shape[0]):
+        line, state = kind.lines[i], kind.state[i]
+        a, b = line.anchor, line.fairlead
+        ex, ey, span = _hang(kind, i, work)
+        H, V = state.horizontal, state.vertical
+        work.markers[b].force[0] -= H * ex
+        work.markers[b].force[1] -= H * ey
+        work.markers[b].force[2] -= V
+        for k in range(3):
+            work.markers[b].force[k] += state.extra[k]
+        if line.tail == line.count:  # the lower end of a line on the seabed is an anchor in the ground
+            work.markers[a].force[0] += H * ex
+            work.markers[a].force[1] += H * ey
+            work.markers[a].force[2] += V - line.weight
+        kxx, kzz = state.stiffness[0, 0], state.stiffness[1, 1]
+        kxz = 0.5 * (state.stiffness[0, 1] + state.stiffness[1, 0])
+        bound = math.sqrt(max(kxx * kzz, 0.0))
+        kxz = min(max(kxz, -bound), bound)
+        across = H / span
+        if ex * ex + ey * ey < 0.5:  # straight down: no direction of its own
+            ex, ey, kxx, kxz = 1.0, 0.0, across, 0.0
+        kind.tangents[i, 0] = kxx * ex * ex + across * ey * ey
+        kind.tangents[i, 1] = kind.tangents[i, 3] = (kxx - across) * ex * ey
+        kind.tangents[i, 2] = kind.tangents[i, 6] = kxz * ex
+        kind.tangents[i, 4] = kxx * ey * ey + across * ex * ex
+        kind.tangents[i, 5] = kind.tangents[i, 7] = kxz * ey
+        kind.tangents[i, 8] = kzz
+
+
+@kernel(internal=True)
+def _copy_solution(given: LineState, out: LineState) -> None:
+    out.horizontal, out.vertical = given.horizontal, given.vertical
+    out.span, out.rise = given.span, given.rise
+    for i in range(2):
+        for j in range(2):
+            out.stiffness[i, j] = given.stiffness[i, j]
+    out.branch = given.branch
+
+
+@implement(begin_record, MooringLines)
+@kernel(internal=True)
+def begin_line_records(kind: MooringLines) -> None:
+    """Steps go on from what they found themselves: a record does not change the run, not in its last bits."""
+    for i in range(kind.lines.shape[0]):
+        _copy_solution(kind.state[i], kind.scratch[i].solution)
+
+
+@implement(record_forces, MooringLines)
+@kernel(internal=True)
+def record_mooring_lines(kind: MooringLines, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
+    """Tensions, length on the seabed; the energy of the lines moves from the work of outer forces to its own.
+
+    Forces were added at the same state just before. What the held force does, and what friction of the seabed takes,
+    stays in that work.
+    """
+    for i in range(kind.lines.shape[0]):
+        line, state, ends = kind.lines[i], kind.state[i], kind.scratch[i]
+        a, b, column = line.anchor, line.fairlead, line.column
+        H, V = state.horizontal, state.vertical
+        read_ends(kind.sections, line, state, ends)
+        low_h, low_v = ends.anchor_horizontal, ends.anchor_vertical
+        x = work.markers[b].point[0] - work.markers[a].point[0]
+        y = work.markers[b].point[1] - work.markers[a].point[1]
+        share = H / max(math.sqrt(x * x + y * y), LEAST_SPAN * line.length)
+        x, y, z = share * x - state.extra[0], share * y - state.extra[1], V - state.extra[2]
+        row[column] = math.sqrt(x * x + y * y + z * z)
+        row[column + 1] = math.sqrt(low_h * low_h + low_v * low_v)
+        row[column + 2] = H
+        row[column + 3] = ends.lying
+        energy = ends.energy + line.weight * work.markers[a].point[2]
+        if not state.started:
+            state.start_energy, state.started = energy, True
+        work.sums.elastic += energy - state.start_energy
+        work.sums.external_work += energy - state.start_energy
+        _copy_solution(ends.solution, state)

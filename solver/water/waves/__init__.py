@@ -1,0 +1,1 @@
+"""The sea: spectra, waves over time, and the forces they excite."""

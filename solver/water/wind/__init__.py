@@ -1,0 +1,1 @@
+"""Wind and current: spectra, coefficients, forces."""

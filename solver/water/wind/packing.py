@@ -1,0 +1,331 @@
+"""Makes the kind of wind and current loads from what a user says, and checks it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
+from heavylift.solver.interface import FORCES
+from heavylift.solver.markers import MarkerBook
+from heavylift.solver.scene.descriptions import ChannelKind
+from heavylift.solver.scene.wind_loads import (
+    CoefficientLoad,
+    CurrentField,
+    DragElement,
+    FluctuationRecord,
+    FluidField,
+    FluidLoad,
+    WindField,
+)
+from heavylift.solver.water.wind.coefficients import SMALL_ANGLE, coefficient_curves
+from heavylift.solver.water.wind.forces import (
+    BOX,
+    COEFFICIENTS,
+    LOG,
+    POWER,
+    SAME_ALL_ROUND,
+    TABLE,
+    CurvePiece,
+    FieldData,
+    FluidLoads,
+    LoadData,
+    PresentFlow,
+    TablePoint,
+)
+from heavylift.solver.water.wind.spectrum import (
+    HOUR,
+    LARGEST_CURRENT,
+    REFERENCE_HEIGHT,
+    check_speed,
+    gust_coefficient,
+    hourly_mean,
+    profile_slope,
+)
+
+__all__ = ["fluid_channels", "fluid_markers", "pack_fluid_loads"]
+
+FULL_TURN = 2.0 * math.pi
+INTENSITY_EXPONENT = -0.22
+"""Of the turbulence intensity over the height, ISO 19901-1."""
+
+Array = NDArray[np.float64]
+
+
+def fluid_markers(book: MarkerBook, loads: Sequence[FluidLoad]) -> list[tuple[int, int]]:
+    """New markers of each load: its point, and its heading or -1 where that does not matter."""
+    made = []
+    for load in loads:
+        point = np.asarray(load.point, dtype=np.float64)
+        number = book.point(load.body, point, FORCES)
+        if isinstance(load, DragElement) and np.ndim(load.area) == 0:
+            made.append((number, -1))
+            continue
+        axis = np.asarray(load.axis, dtype=np.float64)
+        length = float(np.linalg.norm(axis)) if axis.shape == (3,) else 0.0
+        if not 0.0 < length < np.inf:
+            raise InputError(
+                f"axis {axis.tolist()}",
+                source=load.name,
+                key="axis",
+                expected="three numbers, a direction that is not zero",
+            )
+        made.append((number, book.direction(load.body, axis / length, FORCES, at=point)))
+    return made
+
+
+def fluid_channels(fields: Sequence[FluidField], loads: Sequence[FluidLoad]) -> list[tuple[str, ChannelKind]]:
+    """Owners and channels in the order of their columns: of each field, then of each name of loads."""
+    channels = [(one.name, kind) for one in fields for kind in one.CHANNELS]
+    for name in dict.fromkeys(load.name for load in loads):
+        kinds = dict.fromkeys(kind for load in loads if load.name == name for kind in load.CHANNELS)
+        channels += [(name, kind) for kind in kinds]
+    return channels
+
+
+def pack_fluid_loads(
+    fields: Sequence[FluidField],
+    loads: Sequence[FluidLoad],
+    markers: Sequence[tuple[int, int]],
+    columns: Sequence[int],
+    *,
+    level: float = 0.0,
+    ramp: float = 0.0,
+    water_density: float = 1025.0,
+) -> FluidLoads:
+    """Make the kind.
+
+    Parameters
+    ----------
+    fields
+        Winds and currents, names of their own.
+    loads
+        What they push on.
+    markers
+        Of each load, from `fluid_markers`.
+    columns
+        First record column of each channel of `fluid_channels`.
+    level
+        Height of the still water [m].
+    ramp
+        Time [s] in which speeds grow from zero, as ``(1 - cos(pi t / ramp)) / 2``.
+    water_density
+        [kg/m3].
+
+    Raises
+    ------
+    InputError
+        If a number makes no sense, a table does not fit, or a load names a field that does not exist.
+    """
+    names = [one.name for one in fields]
+    if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise InputError(f"two fields named {twice!r}", source="wind and current", key="name", expected="one")
+    column_of = {
+        (owner, kind.name): column
+        for (owner, kind), column in zip(fluid_channels(fields, loads), columns, strict=True)
+    }
+    profiles, turns, fluctuations, curves = _Rows(2), _Rows(2), _Rows(1), _Rows(13)
+    _check_water(level, ramp, water_density)
+    field_rows, load_rows = records(FieldData, len(fields)), records(LoadData, len(loads))
+    for data, one in zip(field_rows, fields, strict=True):
+        data.turn_first, data.turn_count = turns.add(_direction(one))
+        profile, record = _wind(one, data) if isinstance(one, WindField) else _current(one, data)
+        data.profile_first, data.profile_count = profiles.add(profile)
+        data.record_first, data.record_count = fluctuations.add(record)
+        data.speed_column = column_of[one.name, "speed"]
+        data.level, data.ramp = level, ramp
+        if isinstance(one, CurrentField):
+            data.density = water_density
+    for row, load, (point, heading) in zip(load_rows, loads, markers, strict=True):
+        _check_load(load, names)
+        row.field, row.marker, row.heading = names.index(load.fluid), point, heading
+        row.force_column = column_of[load.name, "force"]
+        if isinstance(load, CoefficientLoad):
+            row.sort = COEFFICIENTS
+            row.curve_first, row.curve_count = curves.add(coefficient_curves(load))
+            row.moment_column = column_of[load.name, "yaw_moment"]
+        else:
+            row.sort, row.moment_column = SAME_ALL_ROUND if heading < 0 else BOX, -1
+            areas = np.zeros(3)
+            areas[: np.size(load.area)] = load.area
+            row.area[:] = load.coefficient * areas
+            row.extent, row.vertical = load.extent, load.vertical
+    return FluidLoads(
+        field_rows,
+        records(TablePoint, profiles.table()),
+        records(TablePoint, turns.table()),
+        fluctuations.table().ravel(),
+        records(PresentFlow, len(fields)),
+        load_rows,
+        records(CurvePiece, ((row[0], row[1:5], row[5:9], row[9:]) for row in curves.table())),
+    )
+
+
+class _Rows:
+    """Tables one below the other."""
+
+    def __init__(self, width: int) -> None:
+        self._blocks = [np.zeros((0, width))]
+
+    def add(self, block: Array) -> tuple[int, int]:
+        """First row and number of rows of a new one."""
+        first = sum(map(len, self._blocks))
+        self._blocks.append(block)
+        return first, len(block)
+
+    def table(self) -> Array:
+        """All of them."""
+        return np.ascontiguousarray(np.vstack(self._blocks))
+
+
+def _wind(wind: WindField, data: FieldData) -> tuple[Array, Array]:
+    """Fill the numbers of a field; rows of the profile and of the fluctuation."""
+    check_speed(wind.speed, source=wind.name, key="speed")
+    _positive(wind.averaging_time, wind.name, "averaging_time", "s", HOUR)
+    speed = hourly_mean(wind.speed, wind.averaging_time) if wind.averaging_time < HOUR else wind.speed
+    sorts = {"log": LOG, "power": POWER, "uniform": TABLE}
+    if wind.profile not in sorts:
+        raise InputError(
+            f"profile {wind.profile!r}", source=wind.name, key="profile", expected="log, power or uniform"
+        )
+    if not 0.0 <= wind.exponent <= 1.0:
+        raise InputError(f"exponent {wind.exponent:g}", source=wind.name, key="exponent", expected="0 to 1")
+    sort = sorts[wind.profile]
+    shape = profile_slope(speed) if sort == LOG else wind.exponent
+    gust = 0.0
+    if wind.gust is not None:
+        _positive(wind.gust, wind.name, "gust", "s", HOUR)
+        if wind.fluctuation is not None:
+            raise InputError(
+                "a gust and a fluctuation",
+                source=wind.name,
+                key="gust",
+                expected="one of them: gusts are part of it",
+            )
+        gust = gust_coefficient(wind.gust, speed)
+    record, step = np.zeros((0, 1)), 1.0
+    if wind.fluctuation is not None:
+        record, step = _record(wind.fluctuation, wind.name), wind.fluctuation.step
+    _positive(wind.density, wind.name, "density", "kg/m3")
+    exponent = 0.0 if sort == TABLE else INTENSITY_EXPONENT
+    data.profile, data.density, data.side, data.speed, data.shape = sort, wind.density, 1.0, speed, shape
+    data.gust, data.gust_exponent = gust, exponent
+    data.record_step, data.recorded_height = step, REFERENCE_HEIGHT
+    profile = np.array([[0.0, speed]]) if sort == TABLE else np.zeros((0, 2))
+    return profile, record
+
+
+def _current(current: CurrentField, data: FieldData) -> tuple[Array, Array]:
+    """As `_wind`."""
+    rows = np.asarray(current.speed, dtype=np.float64)
+    if rows.ndim == 0:
+        rows = np.array([[0.0, float(rows)]])
+    _check_rows(
+        rows, current.name, "speed", "rows of height above the still water and speed, from below to above"
+    )
+    if np.any(rows[:, 0] > 0.0):
+        raise InputError(
+            f"height {rows[:, 0].max():g} m above the still water",
+            source=current.name,
+            key="speed",
+            expected="heights of the current not above 0: depths are negative",
+        )
+    for speed in rows[:, 1]:
+        check_speed(speed, source=current.name, key="speed", largest=LARGEST_CURRENT)
+    data.profile, data.side, data.record_step = TABLE, -1.0, 1.0
+    return rows, np.zeros((0, 1))
+
+
+def _check_water(level: float, ramp: float, density: float) -> None:
+    _positive(density, "water", "density", "kg/m3")
+    if not math.isfinite(level):
+        raise InputError(f"level {level:g} m", source="water", key="level", expected="a height")
+    if not 0.0 <= ramp < math.inf:
+        raise InputError(f"ramp {ramp:g} s", source="sea", key="ramp", expected="a time, or 0 for none")
+
+
+def _positive(value: float, source: str, key: str, unit: str, largest: float = math.inf) -> None:
+    if not (0.0 < value <= largest and math.isfinite(value)):
+        limit = "" if math.isinf(largest) else f" up to {largest:g} {unit}"
+        raise InputError(f"{value:g} {unit}", source=source, key=key, expected=f"a positive number{limit}")
+
+
+def _check_rows(rows: Array, source: str, key: str, expected: str) -> None:
+    """Pairs of finite numbers, the first of them increasing."""
+    fits = rows.ndim == 2 and rows.shape[1:] == (2,) and len(rows) > 0 and bool(np.all(np.isfinite(rows)))
+    if not (fits and np.all(np.diff(rows[:, 0]) > 0.0)):
+        raise InputError(f"table of shape {rows.shape}", source=source, key=key, expected=expected)
+
+
+def _direction(one: FluidField) -> Array:
+    """Rows of time and angle."""
+    rows = np.asarray(one.direction, dtype=np.float64)
+    if rows.ndim:
+        _check_rows(rows, one.name, "direction", "rows of time and angle in rad, times increasing")
+        return rows
+    angle = float(rows)
+    if not abs(angle) <= FULL_TURN + SMALL_ANGLE:
+        hint = f" ({angle:g} deg are {math.radians(angle):.4g} rad)" if math.isfinite(angle) else ""
+        raise InputError(
+            f"direction {angle:g} rad", source=one.name, key="direction", expected=f"-2 pi to 2 pi{hint}"
+        )
+    return np.array([[0.0, angle]])
+
+
+def _record(record: FluctuationRecord, source: str) -> Array:
+    values = np.asarray(record.values, dtype=np.float64)
+    if values.ndim != 1 or len(values) < 2 or not np.all(np.isfinite(values)):
+        raise InputError(
+            f"record of shape {values.shape}",
+            source=source,
+            key="fluctuation",
+            expected="two or more finite speeds",
+        )
+    _positive(record.step, source, "fluctuation", "s")
+    return values[:, None]
+
+
+def _check_load(load: FluidLoad, fields: Sequence[str]) -> None:
+    if load.fluid not in fields:
+        raise InputError(
+            f"there is no field {load.fluid!r}",
+            source=load.name,
+            key="fluid",
+            expected=f"one of {', '.join(fields)}" if fields else "a wind or a current in the scene",
+        )
+    _finite(load.point, 3, load.name, "point")
+    if isinstance(load, CoefficientLoad):
+        for key in ("area_x", "area_y", "length"):
+            _positive(getattr(load, key), load.name, key, "m" if key == "length" else "m2")
+        return
+    if np.size(load.area) not in {1, 3} or not np.all(
+        (np.asarray(load.area) >= 0.0) & np.isfinite(load.area)
+    ):
+        raise InputError(
+            f"area {load.area}",
+            source=load.name,
+            key="area",
+            expected="one area, or three along x, y and z, in m2",
+        )
+    if not 0.0 <= load.coefficient < math.inf:
+        raise InputError(
+            f"coefficient {load.coefficient:g}",
+            source=load.name,
+            key="coefficient",
+            expected="a number from 0",
+        )
+    if not 0.0 <= load.extent < math.inf:
+        raise InputError(
+            f"extent {load.extent:g} m", source=load.name, key="extent", expected="a height, or 0"
+        )
+
+
+def _finite(values: ArrayLike, count: int, source: str, key: str) -> None:
+    given = np.asarray(values, dtype=np.float64)
+    if given.shape != (count,) or not np.all(np.isfinite(given)):
+        raise InputError(f"{given.tolist()}", source=source, key=key, expected=f"{count} finite numbers")

@@ -1,0 +1,150 @@
+"""Fenders: one-sided, along a turning normal, in balance, conservative without damping."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.interface import (
+    Workspace,
+    add_forces,
+    record_forces,
+)
+from heavylift.solver.joints.packing import MarkerBook
+from heavylift.solver.scene.moorings import Fender
+from heavylift.solver.water.lines.fenders import Fenders, fender_markers, pack_fenders
+
+TABLE = np.array([0.0, 0.2, 0.5]), np.array([0.0, 1e5, 1e6])
+
+
+def evaluate(kinds: tuple[Any, ...], work: Workspace, row: np.ndarray) -> None:
+    """Forces, then a record of them."""
+    add_forces(kinds, 0.0, work)
+    record_forces(kinds, 0.0, work, row)
+
+
+def fender(**more: Any) -> Fender:
+    given: dict[str, Any] = {"direction": np.array([0.0, 2.0, 0.0])}
+    return Fender(
+        name="fender",
+        body_a="quay",
+        point_a=np.zeros(3),
+        body_b="barge",
+        point_b=np.zeros(3),
+        **(given | more),
+    )
+
+
+class Bench:
+    """A kind whose markers (tip, normal, point that presses) are put where a test wants them."""
+
+    def __init__(self, one: Fender) -> None:
+        markers = fender_markers(MarkerBook(), [one])
+        self.kind: Fenders = pack_fenders([one], markers, [0])
+        self.work = Workspace.empty(0, 3)
+        self.row = np.zeros(2)
+
+    def at(self, *vectors: np.ndarray, rates: np.ndarray | None = None) -> np.ndarray:
+        """Forces [N] on the three markers, shape (3, 3)."""
+        self.work.markers.view(float)[:] = 0.0
+        self.work.sums.words[:] = 0.0
+        self.work.markers["point"] = vectors
+        if rates is not None:
+            self.work.markers["velocity"] = rates
+        evaluate((self.kind,), self.work, self.row)
+        return self.work.markers["force"].copy()
+
+
+Y = np.array([0.0, 1.0, 0.0])
+TIP = np.array([3.0, 1.0, 2.0])
+
+
+def test_pushes_only_what_presses() -> None:
+    bench = Bench(fender(stiffness=2e5))
+    assert np.all(bench.at(TIP, Y, TIP + np.array([5.0, 0.1, 1.0])) == 0.0)
+    assert np.all(bench.kind.tangents == 0.0)
+    forces = bench.at(TIP, Y, TIP + np.array([5.0, -0.1, 1.0]))
+    assert forces[2] == pytest.approx([0.0, 2e4, 0.0])
+    assert forces[0] == pytest.approx(-forces[2])
+    assert bench.row == pytest.approx([2e4, 0.1])
+    assert bench.kind.tangents.reshape(3, 3) == pytest.approx(2e5 * np.outer(Y, Y))
+
+
+def test_forces_have_no_resultant_and_no_moment() -> None:
+    """Also where b presses beside the tip: the direction carries the moment, which is n x (force on it)."""
+    n = np.array([0.6, 0.0, 0.8])
+    point = TIP + np.array([1.0, -2.0, -1.5])
+    f = Bench(fender(stiffness=1e5, direction=n)).at(TIP, n, point)
+    assert f[0] + f[2] == pytest.approx(np.zeros(3))
+    moment = np.cross(TIP, f[0]) + np.cross(point, f[2]) + np.cross(n, f[1])
+    assert moment == pytest.approx(np.zeros(3), abs=1e-9 * np.abs(f).max())
+    assert f[2] == pytest.approx(1e5 * ((TIP - point) @ n) * n)
+
+
+def test_table() -> None:
+    bench = Bench(fender(compressions=TABLE[0], forces=TABLE[1]))
+    for depth, force, slope in ((0.1, 5e4, 5e5), (0.35, 5.5e5, 3e6), (0.6, 1.3e6, 3e6)):
+        assert bench.at(TIP, Y, TIP - depth * Y)[2, 1] == pytest.approx(force, rel=1e-12)
+        assert bench.kind.tangents[0, 4] == pytest.approx(slope, rel=1e-9)
+
+
+@pytest.mark.parametrize("law", [{"stiffness": 2e5}, {"compressions": TABLE[0], "forces": TABLE[1]}])
+def test_energy_is_the_work_of_the_force(law: dict[str, Any]) -> None:
+    """Along a way on which normal, tip and point all move, with its part without touch."""
+    bench = Bench(fender(**law))
+
+    def places(t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        angle = 0.3 * t
+        n = np.array([math.sin(angle), math.cos(angle), 0.0])
+        return TIP + t * np.array([0.1, 0.2, 0.0]), n, TIP + np.array([0.5, 0.2 - 0.5 * t, 0.1 * t])
+
+    times = np.linspace(0.0, 1.0, 8_001)
+    bench.at(*places(0.0))
+    assert bench.work.sums.elastic == 0.0
+    work = 0.0
+    before = np.array(places(0.0))
+    for start, end in pairwise(times):
+        after = np.array(places(end))
+        work -= float(np.sum(bench.at(*places(0.5 * (start + end))) * (after - before)))
+        before = after
+    bench.at(*places(1.0))
+    assert work > 100.0
+    assert bench.work.sums.elastic == pytest.approx(work, rel=3e-5)
+    assert bench.work.sums.external_work == pytest.approx(bench.work.sums.elastic, rel=1e-12)
+
+
+def test_damping_never_pulls() -> None:
+    """The damper adds c times the speed of compression, that of a turning normal too."""
+    bench = Bench(fender(stiffness=2e5, damping=1e5))
+    inwards = np.array([np.zeros(3), np.zeros(3), -0.05 * Y])
+    assert bench.at(TIP, Y, TIP - 0.1 * Y, rates=inwards)[2, 1] == pytest.approx(2e4 + 5e3)
+    assert bench.kind.rate_tangents[0, 4] == pytest.approx(1e5)
+    assert bench.at(TIP, Y, TIP - 0.1 * Y, rates=-inwards)[2, 1] == pytest.approx(2e4 - 5e3)
+    assert np.all(bench.at(TIP, Y, TIP - 0.1 * Y, rates=-8 * inwards) == 0.0)
+    assert np.all(bench.at(TIP, Y, TIP + 0.1 * Y, rates=8 * inwards) == 0.0)
+    turn = np.array([np.zeros(3), [0.1, 0.0, 0.0], np.zeros(3)])  # n leans over, towards a point at x = -0.5
+    assert bench.at(TIP, Y, TIP + np.array([-0.5, -0.1, 0.0]), rates=turn)[2, 1] == pytest.approx(
+        2e4 + 1e5 * 0.05
+    )
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"direction": np.zeros(3), "stiffness": 1.0}, "fender: direction: direction .*outward normal"),
+        ({}, "neither stiffness nor table"),
+        ({"stiffness": 1.0, "compressions": TABLE[0], "forces": TABLE[1]}, "a stiffness and a table"),
+        ({"stiffness": -1.0}, "stiffness is -1"),
+        ({"stiffness": 1.0, "damping": -2.0}, "damping is -2"),
+        ({"compressions": TABLE[0], "forces": TABLE[1][:2]}, "3 compressions and 2 forces"),
+        ({"compressions": TABLE[0], "forces": TABLE[1][::-1]}, "from .0, 0., compressions increasing"),
+    ],
+)
+def test_bad_fenders_are_refused(more: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        Bench(fender(**more))

@@ -1,0 +1,189 @@
+"""Response operators against closed forms: one coordinate, joints, weight, natural periods, responses in a sea."""
+
+import math
+
+import numpy as np
+import pytest
+
+from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+from heavylift.solver.water.hulls.frequency_domain import (
+    linear_hulls,
+    motion_operators,
+    natural_modes,
+    response_statistics,
+    rigid_body_mass,
+    static_stiffness,
+)
+from heavylift.solver.water.waves.spectra import jonswap
+
+W = np.linspace(0.2, 3.0, 57)
+HEADINGS = np.deg2rad(np.arange(0.0, 360.0, 10.0))
+MASS = np.array([2e6, 2e6, 2e6, 3e8, 9e8, 9e8])
+STIFFNESS = np.array([1e5, 1e5, 4e6, 2e8, 6e8, 1e7])
+
+
+def make(references=((0.0, 0.0, 0.0),), *, slope=0.0):
+    """Diagonal coefficients, the added mass in heave with a slope; forces (1 + 0.1 j) 1e6 exp(0.2 i j)."""
+    points = np.array(references, dtype=float)
+    n = 6 * len(points)
+    A = np.tile(np.diag(np.tile(0.5 * MASS, len(points))), (len(W), 1, 1))
+    A[:, 2, 2] *= 1.0 + slope * W
+    B = np.tile(np.diag(np.tile(0.1 * MASS, len(points))), (len(W), 1, 1))
+    j = np.arange(n)
+    own = (1.0 + 0.1 * j) * 1e6 * np.exp(0.2j * j)
+    k = W**2 / 9.81
+    along = np.cos(HEADINGS)[:, None] * points[:, 0] + np.sin(HEADINGS)[:, None] * points[:, 1]
+    moved = np.repeat(np.exp(1j * k[:, None, None] * along), 6, axis=2)
+    return HydrodynamicDatabase(
+        bodies=tuple("ab"[: len(points)]),
+        omega=W,
+        headings=HEADINGS,
+        added_mass=A,
+        damping=B,
+        added_mass_infinite=A[-1],
+        excitation=own * moved,
+        reference_points=points,
+        density=1025.0,
+        gravity=9.81,
+        depth=np.inf,
+        source="closed form",
+    ), own
+
+
+def test_uncoupled_motion_is_that_of_six_oscillators():
+    database, own = make()
+    extra = 2e5
+    hulls = linear_hulls(database, np.diag(MASS), np.diag(STIFFNESS), damping=extra * np.eye(6))
+    found = motion_operators(hulls, headings=[0.0, 0.77])
+    w = W[:, None]
+    exact = own / (STIFFNESS - w**2 * 1.5 * MASS - 1j * w * (0.1 * MASS + extra))
+    for h in range(2):
+        assert found.motion[:, h] == pytest.approx(exact, rel=1e-9)
+    assert found.amplitude[:, 0] == pytest.approx(np.abs(exact), rel=1e-9)
+
+
+def test_phase_is_the_lag_of_the_time_history():
+    database, _ = make()
+    found = motion_operators(linear_hulls(database, np.diag(MASS), np.diag(STIFFNESS)), headings=[0.0])
+    # heave integrated over many periods, until the start is forgotten
+    w = W[10]
+    M, C, B = 1.5 * MASS[2], STIFFNESS[2], 0.1 * MASS[2]
+    X = database.excitation[10, 0, 2]
+    from scipy.integrate import solve_ivp
+
+    def rates(t, y):
+        return [y[1], ((X * np.exp(-1j * w * t)).real - B * y[1] - C * y[0]) / M]
+
+    period = 2.0 * math.pi / w
+    t = np.linspace(60.0 * period, 61.0 * period, 400)
+    z = solve_ivp(rates, (0.0, 61.0 * period), [0.0, 0.0], t_eval=t, rtol=1e-9, atol=1e-9).y[0]
+    exact = found.amplitude[10, 0, 2] * np.cos(w * t - found.phase[10, 0, 2])
+    assert z == pytest.approx(exact, abs=2e-3 * found.amplitude[10, 0, 2])
+
+
+def test_hulls_apart_feel_the_same_wave_later():
+    database, own = make(((0.0, 0.0, 0.0), (50.0, 20.0, 0.0)))
+    hulls = linear_hulls(database, np.diag(np.tile(MASS, 2)), np.diag(np.tile(STIFFNESS, 2)))
+    beta = math.radians(40.0)
+    found = motion_operators(hulls, headings=[beta]).motion[:, 0, 6:]
+    lag = W[:, None] ** 2 / 9.81 * (50.0 * math.cos(beta) + 20.0 * math.sin(beta))
+    w = W[:, None]
+    exact = own[6:] * np.exp(1j * lag) / (STIFFNESS - w**2 * 1.5 * MASS - 0.1j * w * MASS)
+    assert found == pytest.approx(exact, rel=1e-8)
+
+
+def test_joint_in_heave_makes_one_oscillator_and_gives_its_force():
+    database, _ = make(((0.0, 0.0, 0.0), (50.0, 0.0, 0.0)))
+    masses = np.concatenate([MASS, 3.0 * MASS])
+    stiffness = np.concatenate([STIFFNESS, 0.5 * STIFFNESS])
+    G = np.zeros((1, 12))
+    G[0, 2], G[0, 8] = 2.0, -2.0  # any scale of the row
+    hulls = linear_hulls(database, np.diag(masses), np.diag(stiffness), constraint_jacobian=G)
+    found = motion_operators(hulls, headings=[0.0])
+    X = database.excitation[:, 0]  # the first reference point is the origin of the database
+    A, B = database.added_mass[0].diagonal(), database.damping[0].diagonal()
+    Z = stiffness - W[:, None] ** 2 * (masses + A) - 1j * W[:, None] * B
+    together = (X[:, 2] + X[:, 8]) / (Z[:, 2] + Z[:, 8])
+    assert found.motion[:, 0, 2] == pytest.approx(together, rel=1e-8)
+    assert found.motion[:, 0, 8] == pytest.approx(together, rel=1e-8)
+    force = (Z[:, 2] * together - X[:, 2]) / 2.0
+    assert found.constraint_force[:, 0, 0] == pytest.approx(force, rel=1e-7)
+
+
+def test_natural_periods_follow_the_added_mass_of_their_own_frequency():
+    slope = 0.3
+    database, _ = make(slope=slope)
+    stiffness = STIFFNESS.copy()
+    stiffness[[0, 1, 5]] = 0.0  # not moored
+    modes = natural_modes(linear_hulls(database, np.diag(MASS), np.diag(stiffness)))
+    assert sorted(mode.coordinate for mode in modes) == [2, 3, 4]
+    for mode in modes:
+        w = 2.0 * math.pi / mode.period
+        added = 0.5 * MASS[mode.coordinate] * (1.0 + (slope * w if mode.coordinate == 2 else 0.0))
+        assert w**2 * (MASS[mode.coordinate] + added) == pytest.approx(stiffness[mode.coordinate], rel=1e-8)
+        assert mode.shape[mode.coordinate] == 1.0
+    assert [mode.period for mode in modes] == sorted((mode.period for mode in modes), reverse=True)
+
+
+def test_mass_about_another_point_has_the_kinetic_energy_of_the_body():
+    rng = np.random.default_rng(0)
+    m, c = 7.0, rng.normal(size=3)
+    J = np.diag([3.0, 4.0, 5.0]) + 0.1
+    M = rigid_body_mass(m, c, J)
+    v, w = rng.normal(size=3), rng.normal(size=3)
+    centre = v + np.cross(w, c)
+    speeds = np.concatenate([v, w])
+    assert 0.5 * speeds @ M @ speeds == pytest.approx(0.5 * m * centre @ centre + 0.5 * w @ J @ w, rel=1e-13)
+    assert pytest.approx(M.T) == M
+
+
+def test_weight_restores_as_its_moment_changes():
+    m, g, c = 5.0, 9.81, np.array([0.3, -0.7, 1.9])
+    C = static_stiffness(np.zeros((6, 6)), m, c, g)
+    for k in range(3):
+        turn = np.zeros(3)
+        turn[k] = 1.0
+        change = np.cross(np.cross(turn, c), [0.0, 0.0, -m * g])  # moment of the weight, first order
+        assert C[3:, 3 + k] == pytest.approx(-change, abs=1e-12)
+    assert np.all(C[:3] == 0.0)
+
+
+def test_response_to_a_sea_integrates_the_spectrum():
+    database, _ = make()
+    hulls = linear_hulls(database, np.diag(MASS), np.diag(STIFFNESS))
+    # fine enough for the resonance: between frequencies the coefficients are smooth, the motion is not
+    found = motion_operators(hulls, headings=[0.0, 0.5], omega=np.linspace(0.2, 3.0, 400))
+    spectrum = jonswap(2.0, 8.0)
+    response = response_statistics(found, spectrum, 0.5)
+    from scipy.integrate import quad
+
+    def density(w, power):
+        X = 1e6 * (1.0 + 0.2)
+        H = X / abs(STIFFNESS[2] - w**2 * 1.5 * MASS[2] - 0.1j * w * MASS[2])
+        return w**power * float(spectrum.density(np.array(w))) * H**2
+
+    m0, m2 = (
+        quad(density, 0.2, 3.0, args=(n,), points=[0.7854, 1.15], limit=300, epsrel=1e-9)[0] for n in (0, 2)
+    )
+    assert response.standard_deviation[2] == pytest.approx(math.sqrt(m0), rel=2e-4)
+    assert response.significant[2] == pytest.approx(2.0 * math.sqrt(m0), rel=2e-4)
+    assert response.mean_period[2] == pytest.approx(2.0 * math.pi * math.sqrt(m0 / m2), rel=2e-4)
+
+
+def test_wrong_input_is_refused():
+    database, _ = make()
+    with pytest.raises(InputError, match="mass"):
+        linear_hulls(database, np.eye(5), np.diag(STIFFNESS))
+    with pytest.raises(InputError, match="positive"):
+        linear_hulls(database, -np.diag(MASS), np.diag(STIFFNESS))
+    with pytest.raises(InputError, match="constraint_jacobian"):
+        linear_hulls(database, np.diag(MASS), np.diag(STIFFNESS), constraint_jacobian=np.ones((2, 6)))
+    hulls = linear_hulls(database, np.diag(MASS), np.diag(STIFFNESS))
+    with pytest.raises(InputError, match=r"0\.2 to 3 rad/s"):
+        motion_operators(hulls, headings=[0.0], omega=[5.0])
+    found = motion_operators(hulls, headings=[0.0])
+    with pytest.raises(InputError, match="one of 0"):
+        response_statistics(found, jonswap(2.0, 8.0), 0.3)
+    with pytest.raises(InputError, match="lies outside"):
+        response_statistics(found, jonswap(0.1, 2.0), 0.0)
