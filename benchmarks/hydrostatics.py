@@ -19,8 +19,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "solver")
 from hull_shapes import box_grid, icosphere
 
 from heavylift.numerics.jit import kernel
-from heavylift.preprocess.hull_surface import check_hull
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.hydrodynamics.hull_surface import check_hull
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.water.hulls.clipping import Clip, clip_surface
 from heavylift.solver.water.hulls.floating import Pose
 from heavylift.solver.water.hulls.hydrostatics import equilibrium

@@ -10,8 +10,8 @@ from PIL import Image
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.stages.hydrostatics import hydrostatics_lines, hydrostatics_report
-from heavylift.preprocess.primitive_surfaces import box_surface
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.primitives import box_surface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.water.hulls.floating import Tank
 
 L, B, D, T = 97.5, 36.0, 6.0, 4.5

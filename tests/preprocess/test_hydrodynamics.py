@@ -10,14 +10,14 @@ import pytest
 from scipy.optimize import brentq
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics import (
+from heavylift.preprocess.hydrodynamics.database import (
     HydrodynamicDatabase,
     check_database,
     check_phase,
     over_full_circle,
     wave_numbers,
 )
-from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
+from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
 
 CASES = Path(__file__).parents[2] / "cases"
 DENSITY, GRAVITY = 1025.0, 9.81

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
-from heavylift.preprocess.hydrodynamics_netcdf import read_digest, read_netcdf, write_netcdf
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
+from heavylift.preprocess.hydrodynamics.netcdf_files import read_digest, read_netcdf, write_netcdf
 
 ARRAYS = (
     "omega", "headings", "added_mass", "damping", "added_mass_infinite", "excitation", "reference_points",

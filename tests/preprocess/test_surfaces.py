@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.surface_report import unique_edges
-from heavylift.preprocess.surfaces import CleanCounts, TriangleSurface, clean, placed
+from heavylift.preprocess.surfaces.report import unique_edges
+from heavylift.preprocess.surfaces.triangle_surface import CleanCounts, TriangleSurface, clean, placed
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])

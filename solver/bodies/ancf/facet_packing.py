@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.bodies.ancf.types import type_of
 from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
 

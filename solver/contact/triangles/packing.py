@@ -45,7 +45,7 @@ from heavylift.solver.scene.scene import RigidBody, Scene
 
 if TYPE_CHECKING:
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
-    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
     from heavylift.solver.bodies.ancf.facet_packing import FacetBook
     from heavylift.solver.scene.collisions import Collision, CollisionSurface
     from heavylift.solver.scene.scene import AnyBody
@@ -261,7 +261,7 @@ def _pack_surface(
     one: CollisionSurface, by_name: Mapping[str, AnyBody], dofs: Mapping[str, int]
 ) -> tuple[ContactContour, ContourPose, TriangleSurface, FacetBook | None]:
     """Row and pose of a surface, its triangles in the axes in which its body is measured, and how they deform."""
-    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
     if one.body != GROUND and one.body not in by_name:
         raise InputError(

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.hull_surface import HullSurface
+    from heavylift.preprocess.hydrodynamics.hull_surface import HullSurface
 
 __all__ = ["FloatingHull", "Pose", "Tank", "settle", "up_direction"]
 

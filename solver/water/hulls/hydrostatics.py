@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.hull_surface import HullSurface
+    from heavylift.preprocess.hydrodynamics.hull_surface import HullSurface
 
 __all__ = ["FloatingPosition", "Tank", "equilibrium", "figures_at"]
 
@@ -125,7 +125,7 @@ def equilibrium(
     Parameters
     ----------
     hull
-        Outside of the hull, of `heavylift.preprocess.hull_surface.check_hull`.
+        Outside of the hull, of `heavylift.preprocess.hydrodynamics.hull_surface.check_hull`.
     mass
         Without tanks [kg].
     centre_of_gravity

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase, over_full_circle
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase, over_full_circle
 from heavylift.solver.water.waves.spectra import dispersion
 from heavylift.solver.water.waves.wave_transfer import excitation_at
 

@@ -228,7 +228,7 @@ def _fill_hull(
         data.waterplane[:] = linear.waterplane
         data.displaced_volume = linear.volume
     elif hull.restoring is not None:
-        from heavylift.preprocess.hull_surface import check_hull
+        from heavylift.preprocess.hydrodynamics.hull_surface import check_hull
 
         welded = check_hull(hull.restoring, open_deck=hull.open_deck).surface
         data.restoring = CLIPPED

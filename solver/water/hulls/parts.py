@@ -42,7 +42,7 @@ from heavylift.solver.water.waves.excitation import (
 )
 
 if TYPE_CHECKING:
-    from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+    from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
     from heavylift.solver.scene.sea import FloatingBody, Radiation, Sea
 
 __all__ = [
@@ -240,7 +240,7 @@ def _consistent_added_mass(database: HydrodynamicDatabase) -> NDArray[np.float64
     which Ogilvie's relation does not share: motions in waves then differ by a tenth of that of the mass. A value of
     the database that is far from the relation is refused.
     """
-    from heavylift.preprocess.retardation import check_infinite_added_mass, infinite_added_mass
+    from heavylift.preprocess.hydrodynamics.retardation import check_infinite_added_mass, infinite_added_mass
 
     w, A, B = database.omega, database.added_mass, database.damping
     check_infinite_added_mass(w, A, B, database.added_mass_infinite, source=database.source)
@@ -249,7 +249,7 @@ def _consistent_added_mass(database: HydrodynamicDatabase) -> NDArray[np.float64
 
 
 def _memory(radiation: Radiation, first: int, step: float, notes: list[str]) -> ExponentialPart | DirectPart:
-    from heavylift.preprocess.retardation import memory_length, retardation_kernel
+    from heavylift.preprocess.hydrodynamics.retardation import memory_length, retardation_kernel
 
     database = radiation.database
     kernel_of_time = retardation_kernel(database.omega, database.damping, source=database.source)
@@ -266,7 +266,7 @@ def _memory(radiation: Radiation, first: int, step: float, notes: list[str]) -> 
                 expected="a fixed step, and nothing that takes steps back; or 'exponentials'",
             )
         return DirectPart(place, pack_direct_memory(kernel_of_time, step, length))
-    from heavylift.preprocess.exponentials import fit_exponentials
+    from heavylift.preprocess.hydrodynamics.exponentials import fit_exponentials
     from heavylift.solver.water.hulls.memory import pack_exponential_memory
 
     times = np.arange(0.0, max(length, SHORTEST_FIT), FIT_STEP)

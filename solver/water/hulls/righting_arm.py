@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.hull_surface import HullSurface
+    from heavylift.preprocess.hydrodynamics.hull_surface import HullSurface
 
 __all__ = ["RightingArmCurve", "righting_arm_curve"]
 

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, LinearRestoring, Sea, Tank, Water

@@ -12,8 +12,8 @@ from scipy.interpolate import CubicSpline
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.exponentials import fit_exponentials
-from heavylift.preprocess.retardation import RetardationKernel, retardation_kernel
+from heavylift.preprocess.hydrodynamics.exponentials import fit_exponentials
+from heavylift.preprocess.hydrodynamics.retardation import RetardationKernel, retardation_kernel
 from heavylift.solver.carried import share_state
 from heavylift.solver.water.hulls.memory import (
     DirectMemory,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 __all__ = [
     "HullPanels",

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.groups import AXES, InBox, OnFace, OnPlane
+from heavylift.preprocess.finite_elements.groups import AXES, InBox, OnFace, OnPlane
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.groups import NodeSelector
+    from heavylift.preprocess.finite_elements.groups import NodeSelector
 
 __all__ = ["RE_ENTRANT", "CurveSize", "Refinement", "curves_of_groups", "refine_near"]
 

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics import wave_numbers
+from heavylift.preprocess.hydrodynamics.database import wave_numbers
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.hull_panels import HullPanels
+    from heavylift.preprocess.hydrodynamics.hull_panels import HullPanels
 
 __all__ = ["BemInputs", "database_digest", "input_warnings"]
 

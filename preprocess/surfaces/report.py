@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.surfaces import CleanCounts, TriangleSurface
+    from heavylift.preprocess.surfaces.triangle_surface import CleanCounts, TriangleSurface
 
 __all__ = ["SurfaceReport", "check_magnitudes", "report_surface", "unique_edges"]
 
@@ -112,7 +112,7 @@ def report_surface(surface: TriangleSurface, dropped: CleanCounts | None = None)
     surface
         Points [m] and triangles.
     dropped
-        What cleaning has left out, from `heavylift.preprocess.surfaces.clean`.
+        What cleaning has left out, from `heavylift.preprocess.surfaces.triangle_surface.clean`.
     """
     edges = unique_edges(surface)
     a, b, c = np.moveaxis(surface.points[surface.triangles], 1, 0)

@@ -8,10 +8,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.geometry import MESH_SUFFIXES, STEP_SUFFIXES, existing_file, read_with_meshio
-from heavylift.preprocess.gmsh_session import gmsh_session
-from heavylift.preprocess.reference_elements import FACE_CORNER_COUNT, FACE_TRIANGLES, FACES
-from heavylift.preprocess.surfaces import TriangleSurface, checked_arrays, clean
+from heavylift.preprocess.finite_elements.geometry import (
+    MESH_SUFFIXES,
+    STEP_SUFFIXES,
+    existing_file,
+    read_with_meshio,
+)
+from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session
+from heavylift.preprocess.finite_elements.reference_elements import FACE_CORNER_COUNT, FACE_TRIANGLES, FACES
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface, checked_arrays, clean
 
 if TYPE_CHECKING:
     from pathlib import Path

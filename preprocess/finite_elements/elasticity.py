@@ -2,7 +2,7 @@
 
 scikit-fem supplies the shape functions and quadrature rules of the quadratic tetrahedron and of the fully
 integrated brick; the element matrices are formed for many elements at once and scattered in bounded memory.
-The other bricks are in `heavylift.preprocess.hex8`.
+The other bricks are in `heavylift.preprocess.finite_elements.hex8`.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.model import FEModel
-from heavylift.preprocess.reference_elements import REFERENCE_NODES, TET_EDGES, jacobians
-from heavylift.preprocess.scatter import BlockMatrix, NodePattern, ScalarMatrix
+from heavylift.preprocess.finite_elements.model import FEModel
+from heavylift.preprocess.finite_elements.reference_elements import REFERENCE_NODES, TET_EDGES, jacobians
+from heavylift.preprocess.finite_elements.scatter import BlockMatrix, NodePattern, ScalarMatrix
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
-    from heavylift.preprocess.mesh import Mesh
-    from heavylift.preprocess.model import Material
+    from heavylift.preprocess.finite_elements.mesh import Mesh
+    from heavylift.preprocess.finite_elements.model import Material
 
 __all__ = ["FORMULATIONS", "MASS_KINDS", "assemble", "mass_matrix", "stiffness_matrix"]
 
@@ -107,7 +107,7 @@ def stiffness_matrix(
         if kind == "full":
             matrix.add(start, _full_stiffness(mesh, start, corners, material))
         else:
-            from heavylift.preprocess.hex8 import brick_stiffness
+            from heavylift.preprocess.finite_elements.hex8 import brick_stiffness
 
             try:
                 matrix.add(start, brick_stiffness(corners, material, formulation=kind))

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase, check_database, check_phase
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase, check_database, check_phase
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.gmsh_session import gmsh_session, mesh_tetrahedra
-from heavylift.preprocess.groups import AXES, InBox, NodeSelector, OnFace, select_nodes
-from heavylift.preprocess.mesh import Mesh
-from heavylift.preprocess.refinement import CurveSize, Refinement, curves_of_groups
+from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session, mesh_tetrahedra
+from heavylift.preprocess.finite_elements.groups import AXES, InBox, NodeSelector, OnFace, select_nodes
+from heavylift.preprocess.finite_elements.mesh import Mesh
+from heavylift.preprocess.finite_elements.refinement import CurveSize, Refinement, curves_of_groups
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
-    from heavylift.preprocess.mesh import Mesh
+    from heavylift.preprocess.finite_elements.mesh import Mesh
 
 __all__ = ["FEModel", "Material"]
 

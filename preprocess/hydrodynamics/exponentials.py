@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.passivity import damping_functions, make_passive
-from heavylift.preprocess.retardation import channel_scales, significant_channels
+from heavylift.preprocess.hydrodynamics.passivity import damping_functions, make_passive
+from heavylift.preprocess.hydrodynamics.retardation import channel_scales, significant_channels
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

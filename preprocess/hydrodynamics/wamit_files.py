@@ -1,6 +1,6 @@
 """Hydrodynamic databases from the numeric files of WAMIT, .1, .3 and .hst (other panel codes write them too).
 
-Conventions and their conversion: `heavylift.preprocess.wamit_coefficients`.
+Conventions and their conversion: `heavylift.preprocess.hydrodynamics.wamit_coefficients`.
 
 Source: WAMIT User Manual, versions 7.2 and 7.4, sections 5.2 and 5.6.
 """
@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase, check_database, check_phase
-from heavylift.preprocess.wamit_coefficients import (
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase, check_database, check_phase
+from heavylift.preprocess.hydrodynamics.wamit_coefficients import (
     INFINITE_FREQUENCY,
     ZERO_FREQUENCY,
     WamitRows,

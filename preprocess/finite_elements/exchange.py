@@ -20,19 +20,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.clamped_nodes import (
+from heavylift.preprocess.finite_elements.clamped_nodes import (
     expand_omitted_rows,
     penalised_nodes,
     zero_row_nodes,
 )
-from heavylift.preprocess.four_file_text import (
+from heavylift.preprocess.finite_elements.four_file_text import (
     EntryTable,
     read_entries,
     read_table,
     write_entries,
     write_table,
 )
-from heavylift.preprocess.model import FEModel
+from heavylift.preprocess.finite_elements.model import FEModel
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.surfaces import TriangleSurface, with_triangles
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface, with_triangles
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

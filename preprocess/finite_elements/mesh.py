@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.reference_elements import (
+from heavylift.preprocess.finite_elements.reference_elements import (
     FACE_CORNER_COUNT,
     FACE_TRIANGLES,
     FACES,

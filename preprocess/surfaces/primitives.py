@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.surface_report import unique_edges
-from heavylift.preprocess.surfaces import WELD_TOLERANCE, TriangleSurface, clean
+from heavylift.preprocess.surfaces.report import unique_edges
+from heavylift.preprocess.surfaces.triangle_surface import WELD_TOLERANCE, TriangleSurface, clean
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.surface_report import Edges
+    from heavylift.preprocess.surfaces.report import Edges
 
 __all__ = ["HullSurface", "check_hull"]
 

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.refinement import refine_near
+from heavylift.preprocess.finite_elements.refinement import refine_near
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.refinement import CurveSize
+    from heavylift.preprocess.finite_elements.refinement import CurveSize
 
 __all__ = ["gmsh_session", "mesh_tetrahedra"]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.reference_elements import (
+from heavylift.preprocess.finite_elements.reference_elements import (
     REFERENCE_NODES,
     jacobians,
     shape_gradients,
@@ -17,7 +17,7 @@ from heavylift.preprocess.reference_elements import (
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.model import Material
+    from heavylift.preprocess.finite_elements.model import Material
 
 __all__ = ["HOURGLASS_COEFFICIENT", "HOURGLASS_VECTORS", "brick_stiffness"]
 

@@ -20,21 +20,21 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.bem_inputs import BemInputs, input_warnings
-from heavylift.preprocess.hull_panels import hydrostatics
-from heavylift.preprocess.hydrodynamics import (
+from heavylift.preprocess.hydrodynamics.bem_inputs import BemInputs, input_warnings
+from heavylift.preprocess.hydrodynamics.database import (
     COORDINATES,
     HydrodynamicDatabase,
     check_database,
     check_phase,
 )
+from heavylift.preprocess.hydrodynamics.hull_panels import hydrostatics
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.hull_panels import HullPanels
+    from heavylift.preprocess.hydrodynamics.hull_panels import HullPanels
 
 __all__ = ["BemInputs", "capytaine_version", "compute_database"]
 

@@ -14,18 +14,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics import (
+from heavylift.preprocess.hydrodynamics.database import (
     COORDINATES,
     HydrodynamicDatabase,
     check_database,
     check_phase,
 )
-from heavylift.preprocess.netcdf_variables import load_variables
+from heavylift.preprocess.hydrodynamics.netcdf_variables import load_variables
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.netcdf_variables import Variable
+    from heavylift.preprocess.hydrodynamics.netcdf_variables import Variable
 
 __all__ = ["TIME_CONVENTION", "read_digest", "read_netcdf", "write_netcdf"]
 

@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.gmsh_session import gmsh_session, mesh_tetrahedra
-from heavylift.preprocess.groups import NodeSelector, select_nodes
-from heavylift.preprocess.mesh import Mesh
-from heavylift.preprocess.refinement import CurveSize, curves_of_groups
+from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session, mesh_tetrahedra
+from heavylift.preprocess.finite_elements.groups import NodeSelector, select_nodes
+from heavylift.preprocess.finite_elements.mesh import Mesh
+from heavylift.preprocess.finite_elements.refinement import CurveSize, curves_of_groups
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.refinement import Refinement
+    from heavylift.preprocess.finite_elements.refinement import Refinement
 
 __all__ = [
     "MESH_SUFFIXES",
