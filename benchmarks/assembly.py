@@ -12,9 +12,8 @@ import sys
 import time
 
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
-from heavylift.preprocess.finite_elements.elasticity import mass_matrix, stiffness_matrix
+from heavylift.preprocess.finite_elements.elasticity import NodePattern, mass_matrix, stiffness_matrix
 from heavylift.preprocess.finite_elements.model import Material
-from heavylift.preprocess.finite_elements.scatter import NodePattern
 
 REPEATS = 3
 MM = 1e-3

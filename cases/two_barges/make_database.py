@@ -13,8 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from heavylift.preprocess.hydrodynamics.bem import compute_database
-from heavylift.preprocess.hydrodynamics.bem_inputs import BemInputs, database_digest
+from heavylift.preprocess.hydrodynamics.bem import BemInputs, compute_database, database_digest
 from heavylift.preprocess.hydrodynamics.hull_panels import box_panels
 from heavylift.preprocess.hydrodynamics.netcdf_files import write_netcdf
 

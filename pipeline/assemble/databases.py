@@ -109,7 +109,7 @@ def _read(case: Case, section: DatabaseSection) -> HydrodynamicDatabase:
         return read_bemio(path, reference_points=points, symmetric=bool(section.symmetric))
     water = water_of(case)
     if section.file_format == "wamit-out":
-        from heavylift.preprocess.hydrodynamics.wamit_listing import read_wamit_out
+        from heavylift.preprocess.hydrodynamics.wamit_files import read_wamit_out
 
         return read_wamit_out(
             path,

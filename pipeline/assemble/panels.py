@@ -11,7 +11,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.hulls import frame_origin, hull_surface, upright_position
 from heavylift.pipeline.assemble.scene import assemble_rigid
 from heavylift.pipeline.assemble.water import water_of
-from heavylift.preprocess.hydrodynamics.bem_inputs import BemInputs
+from heavylift.preprocess.hydrodynamics.bem import BemInputs
 from heavylift.preprocess.hydrodynamics.hull_panels import (
     HullPanels,
     box_panels,

@@ -108,7 +108,7 @@ def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDataba
         return database
     from heavylift.pipeline.assemble.panels import bem_inputs
     from heavylift.preprocess.hydrodynamics.bem import capytaine_version, compute_database
-    from heavylift.preprocess.hydrodynamics.bem_inputs import database_digest as inputs_digest
+    from heavylift.preprocess.hydrodynamics.bem import database_digest as inputs_digest
     from heavylift.preprocess.hydrodynamics.netcdf_files import read_digest, read_netcdf
 
     inputs = bem_inputs(work.case, section, work.folder)

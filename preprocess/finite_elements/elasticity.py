@@ -1,8 +1,10 @@
 """Stiffness and mass matrices of a solid of linear, isotropic material.
 
 scikit-fem supplies the shape functions and quadrature rules of the quadratic tetrahedron and of the fully
-integrated brick; the element matrices are formed for many elements at once and scattered in bounded memory.
-The other bricks are in `heavylift.preprocess.finite_elements.hex8`.
+integrated brick; bricks with incompatible modes, and with one point and hourglass stiffness, are written here. The
+element matrices are formed for many elements at once and scattered in bounded memory: the pattern of node pairs is
+found once, element matrices are then added chunk by chunk straight into the value array of the result. A list of 900
+triplets an element (10 nodes) would take several times the memory of the matrix.
 """
 
 from __future__ import annotations
@@ -14,8 +16,13 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.model import FEModel
-from heavylift.preprocess.finite_elements.reference_elements import REFERENCE_NODES, TET_EDGES, jacobians
-from heavylift.preprocess.finite_elements.scatter import BlockMatrix, NodePattern, ScalarMatrix
+from heavylift.preprocess.finite_elements.reference_elements import (
+    REFERENCE_NODES,
+    TET_EDGES,
+    jacobians,
+    shape_gradients,
+    volume_rule,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,7 +33,244 @@ if TYPE_CHECKING:
     from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.preprocess.finite_elements.model import Material
 
-__all__ = ["FORMULATIONS", "MASS_KINDS", "assemble", "mass_matrix", "stiffness_matrix"]
+__all__ = [
+    "FORMULATIONS",
+    "HOURGLASS_COEFFICIENT",
+    "HOURGLASS_VECTORS",
+    "MASS_KINDS",
+    "BlockMatrix",
+    "NodePattern",
+    "ScalarMatrix",
+    "assemble",
+    "brick_stiffness",
+    "mass_matrix",
+    "stiffness_matrix",
+]
+
+
+# ---- scattering ----
+
+
+class NodePattern:
+    """Which pairs of nodes share an element.
+
+    Parameters
+    ----------
+    elements
+        Node indices, shape (ne, nodes per element).
+    node_count
+        Number of nodes n.
+
+    Attributes
+    ----------
+    indptr, indices
+        Compressed rows of the symmetric pattern, n rows, sorted.
+    slots
+        Position in `indices` of every node pair of every element, shape (ne, nodes per element squared).
+    """
+
+    def __init__(self, elements: NDArray[np.int64], node_count: int) -> None:
+        keys = (elements[:, :, None] * node_count + elements[:, None, :]).reshape(len(elements), -1)
+        pairs, slots = np.unique(keys, return_inverse=True)
+        self.node_count = node_count
+        # 32-bit indices: half the memory, and what the sparse solvers take
+        self.slots = slots.reshape(keys.shape).astype(np.int32)
+        self.indices = (pairs % node_count).astype(np.int32)
+        counts = np.bincount(pairs // node_count, minlength=node_count)
+        self.indptr = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+
+
+class BlockMatrix:
+    """A (3n, 3n) matrix under assembly, made of 3 x 3 blocks on a `NodePattern`."""
+
+    def __init__(self, pattern: NodePattern) -> None:
+        self.pattern = pattern
+        # one contiguous array a component, because np.add.at is fast on those only
+        self._values = np.zeros((3, 3, len(pattern.indices)))
+
+    def add(self, start: int, matrices: NDArray[np.float64]) -> None:
+        """Add element matrices (m, 3 nodes, 3 nodes), node-major, of elements start, start + 1, ..."""
+        m, size, _ = matrices.shape
+        nn = size // 3
+        slots = self.pattern.slots[start : start + m].ravel()
+        blocks = matrices.reshape(m, nn, 3, nn, 3)
+        for a in range(3):
+            for b in range(3):
+                np.add.at(self._values[a, b], slots, blocks[:, :, a, :, b].ravel())
+
+    def tocsr(self) -> csr_array:
+        """Return the matrix, node-major x, y, z."""
+        from scipy.sparse import bsr_array
+
+        p = self.pattern
+        size = 3 * p.node_count
+        data = np.ascontiguousarray(self._values.transpose(2, 0, 1))
+        matrix = bsr_array((data, p.indices, p.indptr), shape=(size, size)).tocsr()
+        matrix.sort_indices()
+        return matrix
+
+
+class ScalarMatrix:
+    """An (n, n) matrix under assembly on a `NodePattern`."""
+
+    def __init__(self, pattern: NodePattern) -> None:
+        self.pattern = pattern
+        self._values = np.zeros(len(pattern.indices))
+
+    def add(self, start: int, matrices: NDArray[np.float64]) -> None:
+        """Add the element matrices (m, nodes, nodes) of elements start, start + 1, ..."""
+        slots = self.pattern.slots[start : start + len(matrices)].ravel()
+        np.add.at(self._values, slots, matrices.ravel())
+
+    def tocsr(self) -> csr_array:
+        """Return the matrix."""
+        from scipy.sparse import csr_array
+
+        p = self.pattern
+        return csr_array((self._values, p.indices, p.indptr), shape=(p.node_count, p.node_count))
+
+
+# ---- bricks ----
+
+
+HOURGLASS_COEFFICIENT = 5.8925e-4
+"""kappa of the hourglass stiffness, identified from the published matrix of the complex beam."""
+
+_SIGNS = REFERENCE_NODES["hex8"]
+HOURGLASS_VECTORS: NDArray[np.float64] = np.array(
+    [
+        _SIGNS[:, 1] * _SIGNS[:, 2],
+        _SIGNS[:, 2] * _SIGNS[:, 0],
+        _SIGNS[:, 0] * _SIGNS[:, 1],
+        _SIGNS[:, 0] * _SIGNS[:, 1] * _SIGNS[:, 2],
+    ]
+)
+"""The four +-1 vectors of a brick that are orthogonal to constant and linear fields, shape (4, 8)."""
+
+
+def brick_stiffness(
+    corners: NDArray[np.float64], material: Material, *, formulation: str
+) -> NDArray[np.float64]:
+    """Return the stiffness matrices of many 8-node bricks.
+
+    Parameters
+    ----------
+    corners
+        Node positions [m], shape (ne, 8, 3).
+    material
+        Linear, isotropic material.
+    formulation
+        ``"incompatible"`` or ``"reduced"``.
+
+    Returns
+    -------
+    NDArray
+        Shape (ne, 24, 24) [N/m], node-major.
+
+    Raises
+    ------
+    InputError
+        An inverted brick.
+
+    Notes
+    -----
+    *Incompatible modes* (Wilson et al. 1973; Taylor, Beresford, Wilson, *Int. J. Numer. Meth. Engng* 10
+    (1976) 1211): the displacement is enriched by (1 - xi_k^2) alpha_k, k = 1..3, nine parameters, condensed
+    statically. Their gradients are taken as (det J0 / det J) J0^-T d(1 - xi_k^2)/dxi with J0 at the centre,
+    so that they integrate to zero and the patch test holds on distorted bricks.
+
+    *Reduced*: with the mean gradients b_I = (1/V) int grad N_I dV (Flanagan, Belytschko, *Int. J. Numer.
+    Meth. Engng* 17 (1981) 679), which are the gradients at the centre for a parallelepiped,
+
+        K_e = V B^T D B + kappa G V sum_{a=1..4} gamma_a gamma_a^T (x) T,    T = 2 sum_I b_I b_I^T,
+        gamma_a = Gamma_a - sum_j (Gamma_a . x_j) b_j,
+
+    Gamma_a being the +-1 vectors. For a rectangular brick gamma_a = Gamma_a and T = diag(1/h_d^2), h_d the
+    edge in direction d: the published element. T is the form of 1/h_d^2 that turns with the brick (it is
+    J^-T J^-1 / 4 for any parallelepiped), and gamma_a is blind to linear fields, so distorted bricks pass
+    the patch test.
+    """
+    chosen = {"incompatible": _incompatible, "reduced": _reduced}
+    if formulation not in chosen:
+        raise InputError(
+            f"{formulation!r} is not a formulation of bricks",
+            key="formulation",
+            expected="one of " + ", ".join(repr(name) for name in chosen),
+        )
+    points, weights = volume_rule("hex8")
+    gradients = shape_gradients("hex8", points)
+    J = jacobians(corners, gradients)
+    detJ = np.linalg.det(J)
+    wrong = np.flatnonzero((detJ <= 0.0).any(axis=1))
+    if wrong.size:
+        centre = corners[wrong[0]].mean(axis=0)
+        raise InputError(
+            "the Jacobian determinant is not positive",
+            source="brick",
+            key=f"at ({centre[0]:.6g}, {centre[1]:.6g}, {centre[2]:.6g}) m",
+            expected="an element that is not inverted, nodes in the order of VTK",
+        )
+    G = np.matmul(gradients, np.linalg.inv(J))  # dN/dx at the points, (ne, 8, 8, 3)
+    return chosen[formulation](corners, material, G, weights * detJ)
+
+
+def _strain_operator(gradients: NDArray[np.float64]) -> NDArray[np.float64]:
+    """B (..., 6, 3 m) from gradients (..., m, 3); strains xx, yy, zz, xy, yz, zx (engineering shear)."""
+    *lead, m, _ = gradients.shape
+    B = np.zeros((*lead, 6, m, 3))
+    x, y, z = (gradients[..., k] for k in range(3))
+    B[..., 0, :, 0], B[..., 1, :, 1], B[..., 2, :, 2] = x, y, z
+    B[..., 3, :, 0], B[..., 3, :, 1] = y, x
+    B[..., 4, :, 1], B[..., 4, :, 2] = z, y
+    B[..., 5, :, 0], B[..., 5, :, 2] = z, x
+    return B.reshape(*lead, 6, 3 * m)
+
+
+def _incompatible(
+    corners: NDArray[np.float64],
+    material: Material,
+    G: NDArray[np.float64],
+    weight: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    points, weights = volume_rule("hex8")
+    J0 = jacobians(corners, shape_gradients("hex8", np.zeros((1, 3))))[:, 0]
+    # dxi_k/dx_j at the centre; row k times -2 xi_k is the gradient of mode k
+    inverse = np.linalg.inv(J0)
+    scale = np.linalg.det(J0)[:, None] * weights / weight  # det J0 / det J, (ne, nq)
+    modes = -2.0 * points[None, :, :, None] * inverse[:, None] * scale[:, :, None, None]  # (ne, nq, 3, 3)
+    # all 24 + 9 columns at once, points stacked under each other
+    B = _strain_operator(np.concatenate([G, modes], axis=2))
+    ne, nq, _, columns = B.shape
+    DB = np.matmul(material.elasticity_matrix(), B) * weight[:, :, None, None]
+    K = np.matmul(B.reshape(ne, nq * 6, columns).transpose(0, 2, 1), DB.reshape(ne, nq * 6, columns))
+    Kuu, Kua, Kaa = K[:, :24, :24], K[:, :24, 24:], K[:, 24:, 24:]
+    K = Kuu - np.matmul(Kua, np.linalg.solve(Kaa, Kua.transpose(0, 2, 1)))
+    return 0.5 * (K + K.transpose(0, 2, 1))
+
+
+def _reduced(
+    corners: NDArray[np.float64],
+    material: Material,
+    G: NDArray[np.float64],
+    weight: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    V = weight.sum(axis=1)
+    b = np.einsum("eq,eqIj->eIj", weight, G) / V[:, None, None]  # mean gradients, (ne, 8, 3)
+    B = _strain_operator(b)
+    DB = np.matmul(material.elasticity_matrix(), B) * V[:, None, None]
+    K = np.matmul(B.transpose(0, 2, 1), DB)
+
+    moments = np.matmul(HOURGLASS_VECTORS, corners)  # Gamma_a . x_j, (ne, 4, 3)
+    gamma = HOURGLASS_VECTORS - np.matmul(moments, b.transpose(0, 2, 1))  # (ne, 4, 8)
+    T = 2.0 * np.matmul(b.transpose(0, 2, 1), b)
+    factor = HOURGLASS_COEFFICIENT * material.shear_modulus * V
+    hourglass = np.matmul(gamma.transpose(0, 2, 1), gamma) * factor[:, None, None]
+    K += (hourglass[:, :, None, :, None] * T[:, None, :, None, :]).reshape(K.shape)
+    return 0.5 * (K + K.transpose(0, 2, 1))
+
+
+# ---- matrices of a mesh ----
+
 
 FORMULATIONS = {"hex8": ("full", "incompatible", "reduced"), "tet10": ("full",)}
 """Stiffness formulations of each element type."""
@@ -107,8 +351,6 @@ def stiffness_matrix(
         if kind == "full":
             matrix.add(start, _full_stiffness(mesh, start, corners, material))
         else:
-            from heavylift.preprocess.finite_elements.hex8 import brick_stiffness
-
             try:
                 matrix.add(start, brick_stiffness(corners, material, formulation=kind))
             except InputError:

@@ -15,8 +15,12 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics.bem import compute_database
-from heavylift.preprocess.hydrodynamics.bem_inputs import BemInputs, database_digest, input_warnings
+from heavylift.preprocess.hydrodynamics.bem import (
+    BemInputs,
+    compute_database,
+    database_digest,
+    input_warnings,
+)
 from heavylift.preprocess.hydrodynamics.database import check_database, length_scales
 from heavylift.preprocess.hydrodynamics.hull_panels import (
     box_panels,

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements import elasticity
-from heavylift.preprocess.finite_elements.hex8 import (
+from heavylift.preprocess.finite_elements.elasticity import (
     HOURGLASS_COEFFICIENT,
     HOURGLASS_VECTORS,
     brick_stiffness,

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics.wamit_files import read_wamit
-from heavylift.preprocess.hydrodynamics.wamit_listing import read_wamit_out
+from heavylift.preprocess.hydrodynamics.wamit_files import read_wamit, read_wamit_out
 
 DENSITY, GRAVITY, LENGTH, DEPTH = 1025.0, 9.80665, 2.5, 60.0
 OMEGA = np.array([0.15, 0.6, 1.4])
