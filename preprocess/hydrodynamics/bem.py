@@ -1,4 +1,4 @@
-"""The hydrodynamic database of hulls by the boundary element method of Capytaine: from what, whether that can do, and how.
+"""The hydrodynamic database of hulls by the boundary element method of Capytaine: what it is computed from, and how.
 
 Capytaine is an optional package (``heavylift[hydro]``) and is imported here alone, when a database has
 to be computed. Each frequency is one task: its matrices are assembled and factorised once for 6 N radiation

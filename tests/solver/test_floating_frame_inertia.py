@@ -17,7 +17,7 @@ from heavylift.solver.bodies.floating_frame.inertia import (
     stacked_products,
 )
 from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies
-from heavylift.solver.bodies.floating_frame.shape import product_columns, shape_of
+from heavylift.solver.bodies.floating_frame.kind import product_columns, shape_of
 from heavylift.solver.layout import pack_scene
 
 

@@ -29,14 +29,13 @@ from heavylift.solver.bodies.ancf.step import is_iterated
 from heavylift.solver.bodies.ancf.substitution import node_span
 from heavylift.solver.contact.interface import (
     bound_motion,
-    forget_accelerations,
     form_controls,
     pose_contours,
     put_contour_rows,
     settle_points,
 )
 from heavylift.solver.contact.kind import OF_MESH, ContactRows
-from heavylift.solver.interface import Systems, Workspace, joint_rows
+from heavylift.solver.interface import Systems, Workspace, forget_accelerations, joint_rows
 from heavylift.solver.kinds import implement
 
 __all__ = ["aim_point", "form_net"]

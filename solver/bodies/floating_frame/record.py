@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import cross, rotate, rotate_back, subtract, vector_at
+from heavylift.solver.bodies.floating_frame.fixed_frame import add_totals_of_fixed, place_fixed, record_fixed
 from heavylift.solver.bodies.floating_frame.inertia import (
     body_momenta,
     frame_velocity_forces,
@@ -15,15 +16,15 @@ from heavylift.solver.bodies.floating_frame.inertia import (
 )
 from heavylift.solver.bodies.floating_frame.kind import (
     FloatingFrameBodies,
+    shape_of,
 )
-from heavylift.solver.bodies.floating_frame.markers import (
+from heavylift.solver.bodies.floating_frame.stage import (
     add_joint_forces,
+    drive_frame,
     gather_marker_forces,
+    stage_at_state,
     write_sensor,
 )
-from heavylift.solver.bodies.floating_frame.shape import shape_of
-from heavylift.solver.bodies.floating_frame.stage import drive_frame, stage_at_state
-from heavylift.solver.bodies.frames.fixed_frame import add_totals_of_fixed, place_fixed, record_fixed
 from heavylift.solver.bodies.frames.motion import add_momenta, write_motion
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_velocity
 from heavylift.solver.interface import (

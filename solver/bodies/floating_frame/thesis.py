@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import cross, rotate_back
+from heavylift.solver.bodies.floating_frame.fixed_frame import thesis_advance_fixed, thesis_velocity_fixed
 from heavylift.solver.bodies.floating_frame.inertia import (
     body_momenta,
     frame_velocity_forces,
@@ -20,17 +21,16 @@ from heavylift.solver.bodies.floating_frame.inertia import (
 )
 from heavylift.solver.bodies.floating_frame.kind import (
     FloatingFrameBodies,
+    shape_of,
 )
-from heavylift.solver.bodies.floating_frame.markers import gather_marker_forces
-from heavylift.solver.bodies.floating_frame.shape import shape_of
 from heavylift.solver.bodies.floating_frame.stage import (
     clear_velocity,
     drive_frame,
     factor_frame,
+    gather_marker_forces,
     solve_stage,
     stage_at_state,
 )
-from heavylift.solver.bodies.frames.fixed_frame import thesis_advance_fixed, thesis_velocity_fixed
 from heavylift.solver.bodies.frames.motion import advance_pose
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_velocity
 from heavylift.solver.interface import (

@@ -1,4 +1,4 @@
-"""How frames move: their pose in a step, their velocities, and what a record says of them."""
+"""How frames move: their pose in a step, their velocities, what records say of them, what rows see and cost a drive."""
 
 from __future__ import annotations
 
@@ -12,14 +12,18 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
 from heavylift.numerics.vectors import add, cross, rotate
 from heavylift.solver.bodies.frames.base import Frame, FrameBodies, FrameMotion
-from heavylift.solver.drive import FREE
-from heavylift.solver.interface import Sums, Workspace, check, write_velocity
+from heavylift.solver.drive import DRIVEN, FREE
+from heavylift.solver.interface import Sums, Workspace, add_row_work, check, write_velocity
 from heavylift.solver.kinds import implement
+from heavylift.solver.rows.impulses import row_power
+from heavylift.solver.rows.structure import FACTORED, PRESCRIBED, RowArrays
 
 __all__ = [
     "add_momenta",
     "add_wrench",
     "advance_pose",
+    "attached_body",
+    "body_with",
     "check_frames",
     "orientation_of",
     "pose_stage",
@@ -28,6 +32,7 @@ __all__ = [
     "write_motion",
     "write_point",
 ]
+
 
 NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE)
 
@@ -155,3 +160,40 @@ def add_momenta(
         sums.angular_momentum[k] += angular[k] + x[k]
     sums.external_work += frame.external_work
     sums.drive_work += frame.drive_work
+
+
+# ---- rows ----
+
+
+@kernel(inline=True, internal=True)
+def body_with(kind: FrameBodies, dof: int) -> int:
+    """Row of the body whose first velocity is `dof`, -1 if it is not of this kind."""
+    low, high = 0, kind.table.shape[0] - 1
+    while low < high:
+        middle = (low + high + 1) // 2
+        if kind.table[middle].dof <= dof:
+            low = middle
+        else:
+            high = middle - 1
+    return low if kind.table[low].dof == dof else -1
+
+
+@kernel(internal=True)
+def attached_body(kind: FrameBodies, system: RowArrays, attachment: int) -> int:
+    """Row of the body that an attachment is on, -1 if that is not of this kind or has a diagonal mass."""
+    holder = system.attachments[attachment].holder
+    if holder != FACTORED and holder != PRESCRIBED:  # noqa: PLR1714  a set costs time here
+        return -1
+    return body_with(kind, system.attachments[attachment].dof)
+
+
+@implement(add_row_work, FrameBodies)
+@kernel(internal=True)
+def add_row_work_of_frames(kind: FrameBodies, weight: float, work: Workspace, system: RowArrays) -> None:
+    """A drive does the work that joints take out of its body."""
+    if not kind.driven:
+        return
+    for i in range(system.attachments.shape[0]):
+        body = attached_body(kind, system, i)
+        if body >= 0 and kind.table[body].motion == DRIVEN:
+            kind.frame[body].drive_work -= weight * row_power(system, i, work.velocity)

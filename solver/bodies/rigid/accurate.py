@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import cross
 from heavylift.solver.bodies.rigid.kind import RigidBodies
-from heavylift.solver.bodies.rigid.stage import gather_marker_forces, prescribe, start_rigid_bodies
+from heavylift.solver.bodies.rigid.step import gather_marker_forces, prescribe, start_rigid_bodies
 from heavylift.solver.drive import DRIVEN, FREE
 from heavylift.solver.interface import (
     RECORD,

@@ -11,7 +11,7 @@ from heavylift.numerics.vectors import cross, rotate
 from heavylift.solver.bodies.frames.base import FrameMotion
 from heavylift.solver.bodies.frames.motion import add_momenta, orientation_of, write_motion, write_point
 from heavylift.solver.bodies.rigid.kind import RigidFrame, RigidFrames
-from heavylift.solver.bodies.rigid.stage import gather_marker_forces, spatial_momentum, stage_at_state
+from heavylift.solver.bodies.rigid.step import gather_marker_forces, spatial_momentum, stage_at_state
 from heavylift.solver.drive import DRIVEN, FREE
 from heavylift.solver.interface import (
     Workspace,

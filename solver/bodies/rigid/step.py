@@ -1,37 +1,250 @@
-"""Steps of rigid bodies: the second-order step in momentum form, and the first-order scheme for comparison."""
+"""Steps of rigid bodies: their stage, the second-order step in momentum form, the first-order scheme for comparison."""
 
 from __future__ import annotations
 
 import math
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.rotation import rotate_by_quaternion
+from heavylift.numerics.rotation import quaternion_product, rotate_by_quaternion
 from heavylift.numerics.vectors import cross, rotate, rotate_back
-from heavylift.solver.bodies.frames.motion import advance_pose, orientation_of, predict_pose
-from heavylift.solver.bodies.rigid.kind import RigidBodies, RigidFrames
-from heavylift.solver.bodies.rigid.stage import (
-    gather_marker_forces,
-    mean_velocity,
-    move_driven,
-    spatial_momentum,
-    stage_at_state,
+from heavylift.solver.bodies.frames.base import FrameMotion
+from heavylift.solver.bodies.frames.motion import (
+    add_wrench,
+    advance_pose,
+    orientation_of,
+    pose_stage,
+    predict_pose,
 )
-from heavylift.solver.drive import DRIVEN, FIXED, FREE
+from heavylift.solver.bodies.rigid.kind import RigidBodies, RigidFrame, RigidFrames
+from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_pose, drive_velocity
 from heavylift.solver.interface import (
+    ACCELERATIONS,
+    RECORD,
+    ROWS,
     Workspace,
     advance,
     end_velocity,
     estimate_error,
     factor,
+    fill_markers,
     finish,
+    forget_accelerations,
     predict,
     set_velocity,
+    start,
     thesis_advance,
     thesis_velocity,
 )
 from heavylift.solver.kinds import implement
 
-__all__: list[str] = []
+__all__ = [
+    "gather_marker_forces",
+    "mean_velocity",
+    "move_driven",
+    "prescribe",
+    "spatial_momentum",
+    "stage_at_state",
+    "start_rigid_bodies",
+]
+
+
+# ---- the stage: markers, gathered forces, prescribed motion ----
+
+
+@kernel(inline=True, internal=True)
+def spatial_momentum(frame: RigidFrame, w1: float, w2: float, w3: float) -> tuple[float, float, float]:
+    """``R I w`` of a spin at the carried orientation."""
+    return rotate_by_quaternion(
+        orientation_of(frame),
+        frame.principal_inertia[0] * w1,
+        frame.principal_inertia[1] * w2,
+        frame.principal_inertia[2] * w3,
+    )
+
+
+@kernel(internal=True)
+def prescribe(kind: RigidFrames, body: int, time: float, out: FrameMotion) -> None:
+    """Write the motion of the principal frame of a driven body."""
+    drive = kind.constants[kind.table[body].drive :]
+    pose, motion = kind.frame[body].drive_pose, kind.frame[body].drive_rates
+    drive_pose(drive, time, pose)
+    drive_velocity(drive, time, motion)
+    frame = kind.frame[body]
+    q = (pose[3], pose[4], pose[5], pose[6])
+    axes = (frame.axes[0], frame.axes[1], frame.axes[2], frame.axes[3])
+    back = (axes[0], -axes[1], -axes[2], -axes[3])
+    c1, c2, c3 = frame.centre[0], frame.centre[1], frame.centre[2]
+    w1, w2, w3 = motion[3], motion[4], motion[5]
+    b1, b2, b3 = motion[9], motion[10], motion[11]
+    s1, s2, s3 = cross((w1, w2, w3), (c1, c2, c3))
+    i1, i2, i3 = cross((w1, w2, w3), (s1, s2, s3))
+    t1, t2, t3 = cross((b1, b2, b3), (c1, c2, c3))
+    arm = rotate_by_quaternion(q, c1, c2, c3)
+    side = rotate_by_quaternion(q, s1, s2, s3)
+    rate = rotate_by_quaternion(q, t1 + i1, t2 + i2, t3 + i3)
+    spin = rotate_by_quaternion(back, w1, w2, w3)
+    spin_rate = rotate_by_quaternion(back, b1, b2, b3)
+    turned = quaternion_product(q, axes)
+    for k in range(4):
+        out.orientation[k] = turned[k]
+    for k in range(3):
+        out.position[k] = pose[k] + arm[k]
+        out.velocity[k] = motion[k] + side[k]
+        out.spin[k] = spin[k]
+        out.acceleration[k] = motion[6 + k] + rate[k]
+        out.spin_rate[k] = spin_rate[k]
+
+
+@implement(start, RigidFrames)
+@kernel(internal=True)
+def start_rigid_bodies(kind: RigidFrames, time: float, work: Workspace) -> None:
+    """Place driven bodies; angular momenta of the start state; the constant part of the marker windows."""
+    for marker in range(kind.markers.shape[0]):
+        number, direction = kind.markers[marker].number, kind.markers[marker].direction
+        for k in range(3):
+            work.jacobian[number, k, k] = 0.0 if direction else 1.0
+    for body in range(kind.table.shape[0]):
+        if kind.table[body].motion == DRIVEN:
+            prescribe(kind, body, time, kind.frame[body])
+        frame = kind.frame[body]
+        L = spatial_momentum(frame, frame.spin[0], frame.spin[1], frame.spin[2])
+        for k in range(3):
+            frame.angular_momentum[k] = L[k]
+
+
+@kernel(internal=True)
+def stage_at_state(kind: RigidFrames) -> None:
+    """Set the stages to the carried state."""
+    for body in range(kind.table.shape[0]):
+        frame = kind.frame[body]
+        pose_stage(frame)
+        for k in range(3):
+            frame.mid_velocity[k] = frame.velocity[k]
+            frame.mid_spin[k] = frame.spin[k]
+
+
+@implement(fill_markers, RigidFrames)
+@kernel(internal=True)
+def fill_rigid_markers(kind: RigidFrames, at_midpoint: bool, level: int, work: Workspace) -> None:
+    """Vectors, and the windows ``[1, -R u~]``, whose first half is written once, by `start`."""
+    if not at_midpoint:
+        stage_at_state(kind)
+    for marker in range(kind.markers.shape[0]):
+        serves = kind.markers[marker].level
+        if serves > level:
+            break  # they are in this order
+        number, body, begin = (
+            kind.markers[marker].number,
+            kind.markers[marker].body,
+            kind.markers[marker].data,
+        )
+        direction = kind.markers[marker].direction
+        u1, u2, u3 = kind.constants[begin], kind.constants[begin + 1], kind.constants[begin + 2]
+        frame = kind.frame[body]
+        R = frame.mid_rotation
+        # everything is read before anything is written: the compiler must assume that the arrays overlap
+        r11, r12, r13, r21, r22, r23, r31, r32, r33 = R[0], R[1], R[2], R[3], R[4], R[5], R[6], R[7], R[8]
+        translation = 0.0 if direction else 1.0
+        x1 = translation * frame.mid_position[0]
+        x2 = translation * frame.mid_position[1]
+        x3 = translation * frame.mid_position[2]
+        out, jacobian = work.markers[number], work.jacobian[number]
+        out.point[0] = x1 + r11 * u1 + r12 * u2 + r13 * u3
+        out.point[1] = x2 + r21 * u1 + r22 * u2 + r23 * u3
+        out.point[2] = x3 + r31 * u1 + r32 * u2 + r33 * u3
+        jacobian[0, 3] = r13 * u2 - r12 * u3
+        jacobian[0, 4] = r11 * u3 - r13 * u1
+        jacobian[0, 5] = r12 * u1 - r11 * u2
+        jacobian[1, 3] = r23 * u2 - r22 * u3
+        jacobian[1, 4] = r21 * u3 - r23 * u1
+        jacobian[1, 5] = r22 * u1 - r21 * u2
+        jacobian[2, 3] = r33 * u2 - r32 * u3
+        jacobian[2, 4] = r31 * u3 - r33 * u1
+        jacobian[2, 5] = r32 * u1 - r31 * u2
+        if serves == ROWS and level < ACCELERATIONS:
+            continue
+        w1, w2, w3 = frame.mid_spin[0], frame.mid_spin[1], frame.mid_spin[2]
+        c = cross((w1, w2, w3), (u1, u2, u3))
+        rate = rotate(R, c)
+        for k in range(3):
+            work.markers[number].velocity[k] = rate[k] + translation * frame.mid_velocity[k]
+        if level == ACCELERATIONS:
+            b = cross((w1, w2, w3), c)
+            bias = rotate(R, b)
+            for k in range(3):
+                work.markers[number].bias[k] = bias[k]
+
+
+@kernel(internal=True)
+def gather_marker_forces(kind: RigidFrames, work: Workspace) -> None:
+    """Resultants (world axes) and moments about the centres of mass (body axes) of all marker forces."""
+    for body in range(kind.table.shape[0]):
+        for j in range(6):
+            kind.frame[body].wrench[j] = 0.0
+    for marker in range(kind.markers.shape[0] - 1, -1, -1):
+        if kind.markers[marker].level == RECORD:
+            continue
+        if kind.markers[marker].level == ROWS:
+            break  # they come first
+        number, body = kind.markers[marker].number, kind.markers[marker].body
+        add_wrench(kind.frame[body], work.jacobian[number], 0, work.markers[number].force)
+
+
+@kernel(internal=True)
+def mean_velocity(kind: RigidFrames, body: int, end: float, step: float) -> None:
+    """Constant velocity and spin that lead a driven body from its pose to that at the end of the step."""
+    frame = kind.frame[body]
+    prescribe(kind, body, end, kind.frame[body].end)
+    q = orientation_of(frame)
+    after = (
+        frame.end.orientation[0],
+        frame.end.orientation[1],
+        frame.end.orientation[2],
+        frame.end.orientation[3],
+    )
+    c, s1, s2, s3 = quaternion_product((q[0], -q[1], -q[2], -q[3]), after)
+    sine = math.sqrt(s1 * s1 + s2 * s2 + s3 * s3)
+    # a turn of less than half a circle, of either sign of the quaternion; 2 atan(s/c)/s tends to 2/c
+    scale = 2.0 * math.atan(sine / c) / sine if sine > 1e-8 else 2.0 / c
+    frame.mean_twist[3], frame.mean_twist[4], frame.mean_twist[5] = (
+        scale * s1 / step,
+        scale * s2 / step,
+        scale * s3 / step,
+    )
+    for k in range(3):
+        frame.mean_twist[k] = (frame.end.position[k] - frame.position[k]) / step
+
+
+@kernel(internal=True)
+def move_driven(kind: RigidFrames, body: int, time: float, step: float, work: Workspace) -> None:
+    """Move a driven body to its place at a time; the work of its drive is the change of momentum along the way."""
+    frame = kind.frame[body]
+    R = frame.mid_rotation
+    v1, v2, v3 = frame.velocity[0], frame.velocity[1], frame.velocity[2]
+    l1, l2, l3 = frame.angular_momentum[0], frame.angular_momentum[1], frame.angular_momentum[2]
+    x1, x2, x3 = frame.position[0], frame.position[1], frame.position[2]
+    spin_before = rotate_by_quaternion(orientation_of(frame), frame.spin[0], frame.spin[1], frame.spin[2])
+    prescribe(kind, body, time, kind.frame[body])
+    L = spatial_momentum(frame, frame.spin[0], frame.spin[1], frame.spin[2])
+    spin_after = rotate_by_quaternion(orientation_of(frame), frame.spin[0], frame.spin[1], frame.spin[2])
+    moment = rotate(R, frame.moment)
+    before, moved = (v1, v2, v3), (frame.position[0] - x1, frame.position[1] - x2, frame.position[2] - x3)
+    twist_before = (l1, l2, l3)
+    done = external = 0.0
+    for k in range(3):
+        m = frame.mass
+        turn = 0.5 * step * (spin_before[k] + spin_after[k])
+        force_work = frame.force[k] * moved[k] + moment[k] * turn
+        change = 0.5 * m * (frame.velocity[k] ** 2 - before[k] ** 2)
+        change += 0.5 * (L[k] - twist_before[k]) * (spin_before[k] + spin_after[k])
+        external += force_work
+        done += change - force_work - m * work.sums.gravity[k] * moved[k]
+        frame.angular_momentum[k] = L[k]
+    frame.external_work += external
+    frame.drive_work += done
+
+
+# ---- the second-order step ----
 
 
 @implement(predict, RigidFrames)
@@ -178,6 +391,9 @@ def finish_rigid_bodies(kind: RigidFrames, step: float, work: Workspace) -> None
             frame.spin[k] = w
 
 
+# ---- the first-order scheme ----
+
+
 @implement(thesis_velocity, RigidBodies)
 @kernel(internal=True)
 def thesis_velocity_rigid_bodies(kind: RigidBodies, time: float, step: float, work: Workspace) -> None:
@@ -230,3 +446,23 @@ def thesis_advance_rigid_bodies(kind: RigidBodies, time: float, step: float, wor
             frame.spin[k] = velocity[3 + k]
         frame.external_work += h * external
         advance_pose(frame, velocity, h)
+
+
+# ---- impacts ----
+
+
+@implement(forget_accelerations, RigidFrames)
+@kernel(internal=True)
+def forget_rigid_accelerations(kind: RigidFrames) -> None:
+    """Of the frame; that of its spin is Euler's of a body without moments, which the middle of the next step needs."""
+    for body in range(kind.table.shape[0]):
+        if kind.table[body].motion != FREE:
+            continue
+        frame = kind.frame[body]
+        w1, w2, w3 = frame.spin[0], frame.spin[1], frame.spin[2]
+        i1, i2, i3 = frame.principal_inertia[0], frame.principal_inertia[1], frame.principal_inertia[2]
+        for k in range(3):
+            frame.acceleration[k] = 0.0
+        frame.spin_rate[0] = (i2 - i3) / i1 * w2 * w3
+        frame.spin_rate[1] = (i3 - i1) / i2 * w3 * w1
+        frame.spin_rate[2] = (i1 - i2) / i3 * w1 * w2

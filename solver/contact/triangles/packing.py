@@ -12,7 +12,7 @@ from heavylift.contours.triangles.surface_layout import RelativeMotion, Relative
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid.kind import principal_frame
+from heavylift.solver.bodies.rigid.packing import principal_frame
 from heavylift.solver.contact.checks import check_law, check_motion
 from heavylift.solver.contact.kind import (
     COMPLIANT,

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid.kind import RigidFrame, pack_rigid_bodies
+from heavylift.solver.bodies.rigid.kind import RigidFrame
+from heavylift.solver.bodies.rigid.packing import pack_rigid_bodies
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.scene.channels import channel_width
 from heavylift.solver.scene.sea import FloatingBody, LinearRestoring, Radiation, Sea, Tank

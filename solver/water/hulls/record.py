@@ -11,7 +11,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.vectors import add, cross, rotate, scaled
 from heavylift.solver.bodies.rigid.record import add_rigid_totals, record_rigid_bodies
-from heavylift.solver.bodies.rigid.stage import stage_at_state
+from heavylift.solver.bodies.rigid.step import stage_at_state
 from heavylift.solver.interface import (
     Workspace,
     add_totals,

@@ -11,8 +11,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import write_rotation_matrix
 from heavylift.numerics.vectors import cross, rotate
 from heavylift.solver.bodies.frames.motion import add_wrench, orientation_of
-from heavylift.solver.bodies.rigid.stage import fill_rigid_markers, start_rigid_bodies
-from heavylift.solver.bodies.rigid.step import predict_rigid_bodies
+from heavylift.solver.bodies.rigid.step import fill_rigid_markers, predict_rigid_bodies, start_rigid_bodies
 from heavylift.solver.interface import RECORD, ROWS, Workspace, fill_markers, predict, start
 from heavylift.solver.kinds import implement
 from heavylift.solver.water.hulls.kind import (

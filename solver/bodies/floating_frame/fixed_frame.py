@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import cross, rotate, rotate_back
 from heavylift.solver.bodies.floating_frame.inertia import deformed_inertia, stacked_products
-from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies
-from heavylift.solver.bodies.floating_frame.markers import add_joint_forces
-from heavylift.solver.bodies.floating_frame.shape import product_columns, shape_of
+from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies, product_columns, shape_of
+from heavylift.solver.bodies.floating_frame.stage import add_joint_forces
 from heavylift.solver.bodies.frames.motion import add_momenta, pose_stage, write_motion
 from heavylift.solver.interface import Sums, Workspace
 
