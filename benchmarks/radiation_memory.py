@@ -28,10 +28,9 @@ from heavylift.solver.water.hulls.memory import (
     memory_force_exponential,
     memory_force_now_direct,
     memory_force_now_exponential,
-    pack_direct_memory,
-    pack_exponential_memory,
     prepare_memory_exponential,
 )
+from heavylift.solver.water.hulls.packing import pack_direct_memory, pack_exponential_memory
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.preprocess.hydrodynamics.hull_panels import PanelHydrostatics
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
-    from heavylift.solver.water.hulls.floating import Tank
-    from heavylift.solver.water.hulls.hydrostatics import FloatingPosition
+    from heavylift.solver.water.hulls.hydrostatics import FloatingPosition, Tank
 
 __all__ = [
     "assemble_hulls",
@@ -89,7 +88,7 @@ def hull_surface(case: Case, name: str, folder: OutputFolder) -> TriangleSurface
 
 def hull_tanks(case: Case, name: str) -> tuple[Tank, ...]:
     """Tanks of a hull as they are at the start, in the frame of its body."""
-    from heavylift.solver.water.hulls.floating import Tank
+    from heavylift.solver.water.hulls.hydrostatics import Tank
 
     origin, found = frame_origin(case, name), []
     for tank in case.tanks:

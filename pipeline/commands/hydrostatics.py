@@ -72,7 +72,7 @@ def hydrostatics_command(
     from heavylift.pipeline.stages.hydrostatics import hydrostatics_lines, hydrostatics_report
     from heavylift.pipeline.stages.lock import locked
     from heavylift.preprocess.surfaces.triangle_surface import placed
-    from heavylift.solver.water.hulls.floating import Tank as Liquid
+    from heavylift.solver.water.hulls.hydrostatics import Tank as Liquid
 
     found = load_sea_case(path, out=out, overrides=overrides, log=log)
     sea, water = found.sea, found.sea.water

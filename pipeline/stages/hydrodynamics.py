@@ -174,7 +174,7 @@ def _fit(database: HydrodynamicDatabase, section: DatabaseSection) -> dict[str, 
     """How well exponentials fit the memory, as the simulation will find it."""
     from heavylift.preprocess.hydrodynamics.exponentials import fit_exponentials
     from heavylift.preprocess.hydrodynamics.retardation import memory_length, retardation_kernel
-    from heavylift.solver.water.hulls.parts import FIT_STEP, SHORTEST_FIT, SHORTEST_MEMORY
+    from heavylift.solver.water.hulls.packing import FIT_STEP, SHORTEST_FIT, SHORTEST_MEMORY
 
     kernel = retardation_kernel(database.omega, database.damping, source=database.source)
     length = section.memory_length or max(memory_length(kernel), SHORTEST_MEMORY)

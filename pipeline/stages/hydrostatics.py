@@ -12,15 +12,19 @@ import numpy as np
 from heavylift.pipeline.pictures.plot_righting_arm import righting_arm_plot
 from heavylift.pipeline.results.storage import replacing, write_json
 from heavylift.preprocess.hydrodynamics.hull_surface import check_hull
-from heavylift.solver.water.hulls.hydrostatics import FloatingPosition, equilibrium
-from heavylift.solver.water.hulls.righting_arm import RightingArmCurve, righting_arm_curve
+from heavylift.solver.water.hulls.hydrostatics import (
+    FloatingPosition,
+    RightingArmCurve,
+    equilibrium,
+    righting_arm_curve,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
-    from heavylift.solver.water.hulls.floating import Tank
+    from heavylift.solver.water.hulls.hydrostatics import Tank
 
 __all__ = ["HydrostaticsReport", "hydrostatics_lines", "hydrostatics_report"]
 

@@ -319,6 +319,9 @@ def _least_distance(
     return -residual[:-1] / residual[-1] * size, u > 0.0
 
 
+# ---- the fit ----
+
+
 SLOWEST = 0.5
 """Slowest decay of a pole, in parts of the length of the samples: nothing outlives them undamped."""
 
@@ -327,9 +330,6 @@ SAFETY = 0.9
 
 EXTRA_POLES = 6
 """Added at most, after the unconstrained fit is good enough, when the passive one is not."""
-
-
-# ---- the fit ----
 
 
 @dataclass(frozen=True, eq=False)

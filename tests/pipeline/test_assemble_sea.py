@@ -203,7 +203,7 @@ def test_figures_of_a_floating_box_as_quantities(folder):
 
 def test_righting_arms_of_the_box_case_are_those_of_its_section():
     from heavylift.preprocess.hydrodynamics.hull_surface import check_hull
-    from heavylift.solver.water.hulls.righting_arm import righting_arm_curve
+    from heavylift.solver.water.hulls.hydrostatics import righting_arm_curve
 
     folder = CASES / "box_hydrostatics"
     lines = [s for s in (folder / "righting_arms.csv").read_text().splitlines() if not s.startswith("#")]

@@ -370,7 +370,7 @@ def test_equal_hulls_that_do_not_feel_each_other_have_modes_of_their_own() -> No
     from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
     from heavylift.solver.scene.sea import Radiation
     from heavylift.solver.water.hulls.frequency_domain import linear_hulls, natural_modes
-    from heavylift.solver.water.hulls.joined_database import joined_database
+    from heavylift.solver.water.hulls.linearise import joined_database
 
     database = read_netcdf(DATABASE)
     mass = np.diag([1.6e7] * 3 + [2.5e9, 9e9, 9e9])

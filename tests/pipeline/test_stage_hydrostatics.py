@@ -12,7 +12,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.stages.hydrostatics import hydrostatics_lines, hydrostatics_report
 from heavylift.preprocess.surfaces.primitives import box_surface
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
-from heavylift.solver.water.hulls.floating import Tank
+from heavylift.solver.water.hulls.hydrostatics import Tank
 
 L, B, D, T = 97.5, 36.0, 6.0, 4.5
 MASS = 1025.0 * L * B * T

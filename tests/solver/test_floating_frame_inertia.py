@@ -16,8 +16,7 @@ from heavylift.solver.bodies.floating_frame.inertia import (
     quadratic_modal_force,
     stacked_products,
 )
-from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies
-from heavylift.solver.bodies.floating_frame.kind import product_columns, shape_of
+from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies, product_columns, shape_of
 from heavylift.solver.layout import pack_scene
 
 

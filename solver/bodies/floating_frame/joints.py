@@ -47,11 +47,11 @@ __all__ = [
 ]
 
 
+# ---- panels ----
+
+
 LANES_1, LANES_2, LANES_4, LANES_8 = (block_shape(lanes) for lanes in (1, 2, 4, 8))
 """Block shapes by their lanes: what bodies do with panels is compiled for each of them."""
-
-
-# ---- panels ----
 
 
 @kernel(internal=True)

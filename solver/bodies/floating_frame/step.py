@@ -24,7 +24,7 @@ first order, with a small constant: U_n of the frame in (F3) is therefore shifte
 midpoint velocity from the mean of both ends, as the last steps found it, in proportion to the square of the
 step. Half of the news a step: all of it would feed a step-to-step alternation.
 
-What joints add stands in `heavylift.solver.bodies.floating_frame.joints`; their impulses are part of Ub, hence of p1 and L1.
+Impulses of joints (`heavylift.solver.bodies.floating_frame.joints`) are part of Ub, hence of p1 and L1.
 """
 
 from __future__ import annotations
@@ -257,10 +257,10 @@ def correct_floating_frames(kind: FloatingFrameBodies, step: float, work: Worksp
         solve_stage(kind, body, 0.5 * step, work)
 
 
-NOT_FINITE = int(Outcome.NOT_FINITE)
-
-
 # ---- the end of the step ----
+
+
+NOT_FINITE = int(Outcome.NOT_FINITE)
 
 
 @implement(check, FloatingFrameBodies)

@@ -23,9 +23,9 @@ from heavylift.solver.water.hulls.kind import (
     LINEAR,
     Hulls,
 )
+from heavylift.solver.water.hulls.matrix import restore, restoring_potential
 from heavylift.solver.water.hulls.parts import memory_now
-from heavylift.solver.water.hulls.restoring import restore, restoring_potential
-from heavylift.solver.water.hulls.stage import (
+from heavylift.solver.water.hulls.step import (
     fill_tanks,
     find_waves,
     put_tank_velocity,

@@ -20,8 +20,7 @@ from heavylift.solver.scene.connections import GROUND, JointFrame, Spring
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, Radiation, Sea, Tank, Water
 from heavylift.solver.water.hulls.frequency_domain import motion_operators, natural_modes
-from heavylift.solver.water.hulls.joined_database import joined_database
-from heavylift.solver.water.hulls.linearise import hull_transform, linear_group, linearise
+from heavylift.solver.water.hulls.linearise import hull_transform, joined_database, linear_group, linearise
 
 if TYPE_CHECKING:
     from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase

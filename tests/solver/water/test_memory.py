@@ -25,10 +25,9 @@ from heavylift.solver.water.hulls.memory import (
     memory_force_exponential,
     memory_force_now_direct,
     memory_force_now_exponential,
-    pack_direct_memory,
-    pack_exponential_memory,
     prepare_memory_exponential,
 )
+from heavylift.solver.water.hulls.packing import pack_direct_memory, pack_exponential_memory
 
 MARINE = Path(__file__).resolve().parents[2] / "reference_data" / "marine"
 
