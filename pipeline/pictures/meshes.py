@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from heavylift.solver.bodies.ancf.frame_stress import FrameStresses, frame_stresses
-from heavylift.solver.bodies.ancf.shell_stress import ShellStresses, shell_coordinates, shell_stresses
+from heavylift.solver.bodies.ancf.stress import FrameStresses, frame_stresses
+from heavylift.solver.bodies.ancf.stress import ShellStresses, shell_coordinates, shell_stresses
 from heavylift.solver.scene.meshes import FrameBody, ShellBody
 
 if TYPE_CHECKING:

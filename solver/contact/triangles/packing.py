@@ -46,7 +46,7 @@ from heavylift.solver.scene.scene import RigidBody, Scene
 if TYPE_CHECKING:
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
-    from heavylift.solver.bodies.ancf.facet_packing import FacetBook
+    from heavylift.solver.bodies.ancf.mesh_contour import FacetBook
     from heavylift.solver.scene.collisions import Collision, CollisionSurface
     from heavylift.solver.scene.scene import AnyBody
 
@@ -305,7 +305,7 @@ def _pack_own_surface(
     one: CollisionSurface, body: MeshBody, number: int, dofs: Mapping[str, int]
 ) -> tuple[ContactContour, ContourPose, TriangleSurface, FacetBook]:
     """The same of a frame or shell: axes are those in which it was placed, and stand still."""
-    from heavylift.solver.bodies.ancf.facet_packing import facet_surface
+    from heavylift.solver.bodies.ancf.mesh_contour import facet_surface
 
     if one.surface is not None:
         raise InputError(

@@ -1,4 +1,4 @@
-"""What hulls, tanks and water must fulfil before they are packed; why a hull left what its database covers, in words."""
+"""What hulls, tanks and water must fulfil to be packed; why a hull left what its database covers, in words."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ from heavylift.solver.bodies.ancf.frame_packing import (
     start_coordinates,
     strain_counts,
 )
-from heavylift.solver.bodies.ancf.frame_shape import reference_element
+from heavylift.solver.bodies.ancf.frame_packing import reference_element
 from heavylift.solver.scene.meshes import DistributedLoad, FollowerLoad, FrameBody, FrameSection, Support
 
 
