@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import cross
+from heavylift.numerics.vectors import Vector, add, add_scaled, cross, dot, scaled, vector_at
 from heavylift.solver.bodies.ancf.assembly import add_matrix_products
 from heavylift.solver.bodies.ancf.elements import (
     add_elastic_forces,
@@ -67,14 +67,6 @@ __all__ = [
 # ---- second rates of directions ----
 
 
-Vector = tuple[float, float, float]
-
-
-@kernel(inline=True, internal=True)
-def _dot(a: Vector, b: Vector) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
 @kernel(internal=True)
 def _put(kind: Meshes, body: int, out: Any, x: Vector) -> None:
     """Into world axes."""
@@ -88,47 +80,36 @@ def _tangent(kind: Meshes, marker: int) -> Vector:
     base = kind.markers[marker].base
     sense = kind.constants[kind.markers[marker].data]
     t, w = base_value(kind, base, kind.mid_position), base_value(kind, base, kind.mid_velocity)
-    size = 1.0 / math.sqrt(_dot(t, t))
-    u = (size * t[0], size * t[1], size * t[2])
-    along = _dot(u, w)
-    turn = (size * (w[0] - along * u[0]), size * (w[1] - along * u[1]), size * (w[2] - along * u[2]))
-    first, second = -2.0 * sense * along * size, -sense * _dot(turn, turn)
-    return (
-        first * turn[0] + second * u[0],
-        first * turn[1] + second * u[1],
-        first * turn[2] + second * u[2],
-    )
+    size = 1.0 / math.sqrt(dot(t, t))
+    u = scaled(size, t)
+    along = dot(u, w)
+    turn = scaled(size, add_scaled(w, -along, u))
+    first, second = -2.0 * sense * along * size, -sense * dot(turn, turn)
+    return add_scaled(scaled(first, turn), second, u)
 
 
 @kernel(internal=True)
 def _triad(kind: Meshes, marker: int) -> Vector:
     base, data = kind.markers[marker].base, kind.markers[marker].data
-    d1, d2, d3 = kind.constants[data], kind.constants[data + 1], kind.constants[data + 2]
+    d = vector_at(kind.constants, data)
     a, b = base_value(kind, base, kind.mid_position), base_value(kind, base + 1, kind.mid_position)
     ra, rb = base_value(kind, base, kind.mid_velocity), base_value(kind, base + 1, kind.mid_velocity)
-    size = 1.0 / math.sqrt(_dot(a, a))
-    e1 = (size * a[0], size * a[1], size * a[2])
+    size = 1.0 / math.sqrt(dot(a, a))
+    e1 = scaled(size, a)
     n = cross(a, b)
-    area = 1.0 / math.sqrt(_dot(n, n))
-    e3 = (area * n[0], area * n[1], area * n[2])
+    area = 1.0 / math.sqrt(dot(n, n))
+    e3 = scaled(area, n)
     e2 = cross(e3, e1)
-    b1, b2 = _dot(b, e1), _dot(b, e2)
-    along = size * _dot(e1, ra)
-    q, r = -size * _dot(e3, ra), size * _dot(e2, ra)
-    p = (_dot(e3, rb) + b1 * q) / b2
+    b1, b2 = dot(b, e1), dot(b, e2)
+    along = size * dot(e1, ra)
+    q, r = -size * dot(e3, ra), size * dot(e2, ra)
+    p = (dot(e3, rb) + b1 * q) / b2
     dr = -p * q - 2.0 * r * along
     dq = p * r - 2.0 * q * along
-    dp = 2.0 * q * _dot(e1, rb) - 2.0 * p * _dot(e2, rb) + q * r * b2 + p * r * b1 + b1 * dq
+    dp = 2.0 * q * dot(e1, rb) - 2.0 * p * dot(e2, rb) + q * r * b2 + p * r * b1 + b1 * dq
     dp /= b2
-    turn = cross((p, q, r), (d1, d2, d3))
-    centripetal = cross((p, q, r), turn)
-    change = cross((dp, dq, dr), (d1, d2, d3))
-    c1, c2, c3 = change[0] + centripetal[0], change[1] + centripetal[1], change[2] + centripetal[2]
-    return (
-        c1 * e1[0] + c2 * e2[0] + c3 * e3[0],
-        c1 * e1[1] + c2 * e2[1] + c3 * e3[1],
-        c1 * e1[2] + c2 * e2[2] + c3 * e3[2],
-    )
+    c = add(cross((dp, dq, dr), d), cross((p, q, r), cross((p, q, r), d)))
+    return add_scaled(add_scaled(scaled(c[0], e1), c[1], e2), c[2], e3)
 
 
 @kernel(internal=True)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from heavylift.contours.splines.packed_contour import PackedContour
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import rotate_back
+from heavylift.numerics.vectors import Vector, rotate_back
 from heavylift.solver.bodies.ancf.joints import apply_inverse_of_meshes, take_impulses
 from heavylift.solver.bodies.ancf.kind import MASS_SET, Meshes, MovingPoints
 from heavylift.solver.bodies.ancf.moving import (
@@ -50,9 +50,7 @@ __all__ = [
 
 
 @kernel(internal=True)
-def _sum_vectors(
-    facets: FacetSurfaces, nodal: NDArray[np.float64], point: int, begin: int
-) -> tuple[float, float, float]:
+def _sum_vectors(facets: FacetSurfaces, nodal: NDArray[np.float64], point: int, begin: int) -> Vector:
     """A point of a surface from nodal vectors, which begin at a place."""
     x = y = z = 0.0
     for e in range(facets.first[point], facets.first[point + 1]):
@@ -165,28 +163,26 @@ def put_rows_on_meshes(kind: Meshes, contacts: ContactRows, contact: int, side: 
 
 @kernel(internal=True)
 def form_net(
-    moving: MovingPoints,
     kind: Meshes,
     dof: int,
     nodal: Floats1,
     contour: PackedContour,
-    first_u: int,
-    last_u: int,
-    first_v: int,
-    last_v: int,
+    u: tuple[int, int],
+    v: tuple[int, int],
     net: NDArray[np.float64],
 ) -> None:
     """Control points of a window of the shape of the mesh whose first velocity is `dof`, from a nodal vector.
 
-    Both ends of the window belong to it, and one of a ring goes round.
+    Both ends of the window, in u and in v, belong to it, and one of a ring goes round.
     """
+    moving = kind.moving
     body = body_with_points(kind, dof)
     if body < 0:
         return
     count_u, count_v = contour.u.count, contour.v.count
     origin, q = moving.bodies[body].first_control, nodal
-    for i in range(first_u, last_u + 1):
-        for j in range(first_v, last_v + 1):
+    for i in range(u[0], u[1] + 1):
+        for j in range(v[0], v[1] + 1):
             local = (i % count_u) * count_v + j % count_v
             x = y = z = 0.0
             for k in range(4):
@@ -209,9 +205,8 @@ def form_contour_controls(
     """Of the stage."""
     row = contacts.contours[contour]
     if row.owner == OF_MESH:
-        form_net(
-            kind.moving, kind, row.dof, kind.mid_position, row, first_u, last_u, first_v, last_v, contacts.net
-        )
+        u, v = (first_u, last_u), (first_v, last_v)
+        form_net(kind, row.dof, kind.mid_position, row, u, v, contacts.net)
 
 
 @implement(pose_contours, Meshes)

@@ -115,18 +115,7 @@ def _write_residual(kind: Meshes, body: int, step: float, work: Workspace) -> No
     if stiff > 0.0:
         add_matrix_products(kind, body, kind.mid_velocity, 0.0, kind.mid_velocity, -half * stiff, right)
     _average_strains(kind, body, step)
-    add_mean_stress_forces(
-        kind,
-        body,
-        kind.position,
-        kind.trial_position,
-        kind.mid_position,
-        kind.start_strain,
-        kind.shape_strain,
-        kind.stage_strain,
-        right,
-        -half,
-    )
+    add_mean_stress_forces(kind, body, right, -half)
     _add_base_impulses(kind, body, kind.trial_position)
 
 

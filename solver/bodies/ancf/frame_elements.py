@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import cross
+from heavylift.numerics.vectors import Vector, add_scaled, cross, dot, scaled
 from heavylift.solver.bodies.ancf.elements import (
     add_elastic_forces,
     add_follower_load,
@@ -41,16 +41,14 @@ from heavylift.solver.bodies.ancf.frame_data import (
     AXIAL_POINTS,
     BENDING_POINTS,
     GREEN_LAGRANGE,
-    Vector,
-    add_vector,
     axial_point,
     bending_point,
     combine,
-    dot,
     frame_data,
     frame_follower,
     load_element,
     put_forces,
+    spread,
 )
 from heavylift.solver.bodies.ancf.frame_exact import (
     add_exact_forces,
@@ -110,24 +108,11 @@ def add_frame_forces(
 
 @implement(add_mean_stress_forces, FrameMeshes)
 @kernel(internal=True)
-def add_frame_mean_forces(
-    kind: FrameMeshes,
-    body: int,
-    q_start: Floats1,
-    q_end: Floats1,
-    q_mid: Floats1,
-    start_strain: Floats1,
-    end_strain: Floats1,
-    mean_strain: Floats1,
-    force: Floats1,
-    factor: float,
-) -> None:
+def add_frame_mean_forces(kind: FrameMeshes, body: int, force: Floats1, factor: float) -> None:
     if _is_exact(kind, body):
-        add_exact_mean_forces(
-            kind, body, q_start, q_end, start_strain, end_strain, mean_strain, force, factor
-        )
+        add_exact_mean_forces(kind, body, force, factor)
     else:
-        add_green_lagrange_forces(kind, body, q_mid, mean_strain, force, factor)
+        add_green_lagrange_forces(kind, body, kind.mid_position, kind.stage_strain, force, factor)
 
 
 @implement(add_stiffness, FrameMeshes)
@@ -212,12 +197,11 @@ def add_frame_follower(
         d = combine(point.first, shape)
         inverse = 1.0 / math.sqrt(dot(d, d))
         side = cross(axis, d)
-        f = add_vector((0.0, 0.0, 0.0), inverse * normal, side)
-        f = add_vector(f, inverse * tangential, d)
-        f1 = add_vector(f1, point.loads[0], f)
-        f2 = add_vector(f2, point.loads[1], f)
-        f3 = add_vector(f3, point.loads[2], f)
-        f4 = add_vector(f4, point.loads[3], f)
+        f = add_scaled(scaled(inverse * normal, side), inverse * tangential, d)
+        f1 = add_scaled(f1, point.loads[0], f)
+        f2 = add_scaled(f2, point.loads[1], f)
+        f3 = add_scaled(f3, point.loads[2], f)
+        f4 = add_scaled(f4, point.loads[3], f)
     for k in range(3):
         load[i + k] += f1[k]
         load[i + 3 + k] += f2[k]
@@ -283,31 +267,14 @@ def _add_green_lagrange(kind: FrameMeshes, body: int, q: Floats1, force: Floats1
         K = frame_data(constants, data).bending
         aa, ab, ac = factor * K[2, 2], factor * K[2, 1], factor * K[2, 3]
         bb, bc, cc = factor * K[1, 1], factor * K[1, 3], factor * K[3, 3]
-        u, p, s = x
-        fa = (
-            aa * u[0] + ab * p[0] + ac * s[0],
-            aa * u[1] + ab * p[1] + ac * s[1],
-            aa * u[2] + ab * p[2] + ac * s[2],
-        )
-        fb = (
-            ab * u[0] + bb * p[0] + bc * s[0],
-            ab * u[1] + bb * p[1] + bc * s[1],
-            ab * u[2] + bb * p[2] + bc * s[2],
-        )
-        fc = (
-            ac * u[0] + bc * p[0] + cc * s[0],
-            ac * u[1] + bc * p[1] + cc * s[1],
-            ac * u[2] + bc * p[2] + cc * s[2],
-        )
+        forces = combine((aa, ab, ac), x), combine((ab, bb, bc), x), combine((ac, bc, cc), x)
         rest = frame_data(constants, data).initial_strain - 0.5
         for g in range(AXIAL_POINTS):
             point = axial_point(constants, data, g)
             d = combine(point.first, x)
             stress = factor * point.stiffness * (0.5 * dot(d, d) + rest)
-            fa = add_vector(fa, stress * point.first[0], d)
-            fb = add_vector(fb, stress * point.first[1], d)
-            fc = add_vector(fc, stress * point.first[2], d)
-        put_forces(kind, e, force, fa, fb, fc)
+            forces = spread(forces, stress, point.first, d)
+        put_forces(kind, e, force, forces)
 
 
 @kernel(internal=True, reassociate=True)
@@ -318,15 +285,13 @@ def _add_exact(kind: FrameMeshes, body: int, q: Floats1, force: Floats1, factor:
     for e in range(first, first + kind.table[body].element_count):
         data = kind.elements[e].data
         x = load_element(kind, e, q)
-        fa = fb = fc = (0.0, 0.0, 0.0)
+        forces = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         rest = frame_data(constants, data).initial_strain - 1.0
         for g in range(AXIAL_POINTS):
             point = axial_point(constants, data, g)
             d = combine(point.first, x)
             tension = factor * point.stiffness * (1.0 + rest / math.sqrt(dot(d, d)))
-            fa = add_vector(fa, tension * point.first[0], d)
-            fb = add_vector(fb, tension * point.first[1], d)
-            fc = add_vector(fc, tension * point.first[2], d)
+            forces = spread(forces, tension, point.first, d)
         curved = frame_data(constants, data).curved
         for g in range(BENDING_POINTS):
             section = bending_point(constants, data, g)
@@ -339,9 +304,7 @@ def _add_exact(kind: FrameMeshes, body: int, q: Floats1, force: Floats1, factor:
                 square = cc - h * h
                 weight *= 1.0 - section.curvature / math.sqrt(square) if square > 0.0 else 0.0
             a, b = weight * (2.0 * h * h - cc), -weight * h
-            by_d = (a * d[0] + b * c[0], a * d[1] + b * c[1], a * d[2] + b * c[2])
-            by_c = (weight * c[0] + b * d[0], weight * c[1] + b * d[1], weight * c[2] + b * d[2])
-            fa = add_vector(add_vector(fa, section.first[0], by_d), section.second[0], by_c)
-            fb = add_vector(add_vector(fb, section.first[1], by_d), section.second[1], by_c)
-            fc = add_vector(add_vector(fc, section.first[2], by_d), section.second[2], by_c)
-        put_forces(kind, e, force, fa, fb, fc)
+            by_d = add_scaled(scaled(a, d), b, c)
+            by_c = add_scaled(scaled(weight, c), b, d)
+            forces = spread(spread(forces, 1.0, section.first, by_d), 1.0, section.second, by_c)
+        put_forces(kind, e, force, forces)

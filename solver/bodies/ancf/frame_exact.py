@@ -38,25 +38,23 @@ import math
 
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import cross
+from heavylift.numerics.vectors import Vector, add, add_scaled, cross, dot, scaled
 from heavylift.solver.bodies.ancf.frame_data import (
     AXIAL_POINTS,
     BENDING_POINTS,
     Full,
     Symmetric,
-    Vector,
     add_full,
     add_symmetric,
-    add_vector,
     axial_point,
     bending_point,
     combine,
-    dot,
     frame_data,
     full,
     load_element,
     put_forces,
     put_stiffness,
+    spread,
     transpose,
 )
 from heavylift.solver.bodies.ancf.kind import FrameMeshes
@@ -272,14 +270,12 @@ def add_exact_forces(
         data, place = kind.elements[e].data, kind.elements[e].strain
         curved = frame_data(constants, data).curved
         x = load_element(kind, e, q)
-        fa = fb = fc = (0.0, 0.0, 0.0)
+        forces = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         for g in range(AXIAL_POINTS):
             point = axial_point(constants, data, g)
             d = combine(point.first, x)
             tension = factor * point.stiffness * strain[place + g] / math.sqrt(dot(d, d))
-            fa = add_vector(fa, tension * point.first[0], d)
-            fb = add_vector(fb, tension * point.first[1], d)
-            fc = add_vector(fc, tension * point.first[2], d)
+            forces = spread(forces, tension, point.first, d)
         place += AXIAL_POINTS
         for g in range(BENDING_POINTS):
             section = bending_point(constants, data, g)
@@ -287,18 +283,8 @@ def add_exact_forces(
             by_d, by_c = _gradient(d, c, _moment(strain, place, curved, d, c))
             place += 1 if curved else 3
             weight = factor * section.stiffness
-            fa = add_vector(add_vector(fa, weight * section.first[0], by_d), weight * section.second[0], by_c)
-            fb = add_vector(
-                add_vector(fb, weight * section.first[1], by_d),
-                weight * section.second[1],
-                by_c,
-            )
-            fc = add_vector(
-                add_vector(fc, weight * section.first[2], by_d),
-                weight * section.second[2],
-                by_c,
-            )
-        put_forces(kind, e, force, fa, fb, fc)
+            forces = spread(spread(forces, weight, section.first, by_d), weight, section.second, by_c)
+        put_forces(kind, e, force, forces)
 
 
 @kernel(internal=True)
@@ -322,7 +308,7 @@ def add_exact_stiffness(
         data, place = kind.elements[e].data, kind.elements[e].strain
         curved = frame_data(constants, data).curved
         x = load_element(kind, e, q)
-        fa = fb = fc = (0.0, 0.0, 0.0)
+        forces = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         aa = sab = sac = bb = sbc = cc = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for g in range(AXIAL_POINTS):
             point = axial_point(constants, data, g)
@@ -331,9 +317,7 @@ def add_exact_stiffness(
             square = dot(d, d)
             inverse = 1.0 / math.sqrt(square)
             tension = factor * point.stiffness * stretch * inverse
-            fa = add_vector(fa, tension * point.first[0], d)
-            fb = add_vector(fb, tension * point.first[1], d)
-            fc = add_vector(fc, tension * point.first[2], d)
+            forces = spread(forces, tension, point.first, d)
             isotropic = scale * geometric * stretch * inverse
             h = _square((scale - isotropic) * inverse * inverse, d)
             h = (h[0] + isotropic, h[1] + isotropic, h[2] + isotropic, h[3], h[4], h[5])
@@ -351,17 +335,7 @@ def add_exact_stiffness(
             m = _moment(strain, place, curved, d, c)
             by_d, by_c = _gradient(d, c, m)
             weight = factor * section.stiffness
-            fa = add_vector(add_vector(fa, weight * section.first[0], by_d), weight * section.second[0], by_c)
-            fb = add_vector(
-                add_vector(fb, weight * section.first[1], by_d),
-                weight * section.second[1],
-                by_c,
-            )
-            fc = add_vector(
-                add_vector(fc, weight * section.first[2], by_d),
-                weight * section.second[2],
-                by_c,
-            )
+            forces = spread(spread(forces, weight, section.first, by_d), weight, section.second, by_c)
             material = scale
             if curved:
                 k, n = _direction(d, c)
@@ -399,7 +373,7 @@ def add_exact_stiffness(
             ac = add_full(add_full(ac, section.products[14], dc), section.products[19], cd)
             bc = add_full(add_full(bc, section.products[4], ddf), section.products[10], ccf)
             bc = add_full(add_full(bc, section.products[16], dc), section.products[20], cd)
-        put_forces(kind, e, force, fa, fb, fc)
+        put_forces(kind, e, force, forces)
         put_stiffness(kind, e, aa, ab, ac, bb, bc, cc)
 
 
@@ -409,7 +383,7 @@ def add_exact_stiffness(
 @kernel(inline=True, internal=True)
 def _middle(u: Vector, v: Vector) -> Vector:
     """``(u + v) / 2``."""
-    return 0.5 * (u[0] + v[0]), 0.5 * (u[1] + v[1]), 0.5 * (u[2] + v[2])
+    return scaled(0.5, add(u, v))
 
 
 @kernel(inline=True, internal=True)
@@ -422,8 +396,8 @@ def _square_gradient(f: float, d0: Vector, c0: Vector, d1: Vector, c1: Vector) -
     square = 0.5 * (dot(c0, c0) + dot(c1, c1)) - (b0 + b1) * v
     by_c, by_b, by_a = 2.0 * f * u, -2.0 * f * u * v, -2.0 * f * u0 * u1 * square
     return (
-        (by_b * c[0] + by_a * d[0], by_b * c[1] + by_a * d[1], by_b * c[2] + by_a * d[2]),
-        (by_c * c[0] + by_b * d[0], by_c * c[1] + by_b * d[1], by_c * c[2] + by_b * d[2]),
+        add_scaled(scaled(by_b, c), by_a, d),
+        add_scaled(scaled(by_c, c), by_b, d),
     )
 
 
@@ -437,42 +411,28 @@ def _vector_gradient(m: Vector, d0: Vector, c0: Vector, d1: Vector, c1: Vector) 
     by_d = cross(c, m)
     by_c = cross(m, d)
     along = -2.0 * u0 * u1 * dot(m, normal)
-    return (
-        (u * by_d[0] + along * d[0], u * by_d[1] + along * d[1], u * by_d[2] + along * d[2]),
-        (u * by_c[0], u * by_c[1], u * by_c[2]),
-    )
+    return add_scaled(scaled(u, by_d), along, d), scaled(u, by_c)
 
 
 @kernel(internal=True)
-def add_exact_mean_forces(
-    kind: FrameMeshes,
-    body: int,
-    q_start: Floats1,
-    q_end: Floats1,
-    start_strain: Floats1,
-    end_strain: Floats1,
-    mean_strain: Floats1,
-    force: Floats1,
-    factor: float,
-) -> None:
-    """``factor B^T C s`` with ``B (q_end - q_start) = e_end - e_start`` and the mean strains s of a step."""
+def add_exact_mean_forces(kind: FrameMeshes, body: int, force: Floats1, factor: float) -> None:
+    """``factor B^T C s`` with ``B (q_1 - q_0) = e_1 - e_0`` and the mean strains s of a step."""
     constants = kind.constants
+    start_strain, end_strain, mean_strain = kind.start_strain, kind.shape_strain, kind.stage_strain
     first = kind.table[body].first_element
     for e in range(first, first + kind.table[body].element_count):
         data, place = kind.elements[e].data, kind.elements[e].strain
         curved = frame_data(constants, data).curved
-        x0, x1 = load_element(kind, e, q_start), load_element(kind, e, q_end)
+        x0, x1 = load_element(kind, e, kind.position), load_element(kind, e, kind.trial_position)
         rest = 2.0 - 2.0 * frame_data(constants, data).initial_strain
-        fa = fb = fc = (0.0, 0.0, 0.0)
+        forces = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         for g in range(AXIAL_POINTS):
             point = axial_point(constants, data, g)
             d0, d1 = combine(point.first, x0), combine(point.first, x1)
-            both = (d0[0] + d1[0], d0[1] + d1[1], d0[2] + d1[2])
+            both = add(d0, d1)
             lengths = start_strain[place + g] + end_strain[place + g] + rest
             tension = factor * point.stiffness * mean_strain[place + g] / lengths
-            fa = add_vector(fa, tension * point.first[0], both)
-            fb = add_vector(fb, tension * point.first[1], both)
-            fc = add_vector(fc, tension * point.first[2], both)
+            forces = spread(forces, tension, point.first, both)
         place += AXIAL_POINTS
         for g in range(BENDING_POINTS):
             section = bending_point(constants, data, g)
@@ -492,18 +452,8 @@ def add_exact_mean_forces(
                     mean_strain[place + 2] - 0.5 * (start_strain[place + 2] + end_strain[place + 2]),
                 )
                 more_d, more_c = _vector_gradient(m, d0, c0, d1, c1)
-                by_d, by_c = add_vector(by_d, 1.0, more_d), add_vector(by_c, 1.0, more_c)
+                by_d, by_c = add(by_d, more_d), add(by_c, more_c)
                 place += 3
             weight = factor * section.stiffness
-            fa = add_vector(add_vector(fa, weight * section.first[0], by_d), weight * section.second[0], by_c)
-            fb = add_vector(
-                add_vector(fb, weight * section.first[1], by_d),
-                weight * section.second[1],
-                by_c,
-            )
-            fc = add_vector(
-                add_vector(fc, weight * section.first[2], by_d),
-                weight * section.second[2],
-                by_c,
-            )
-        put_forces(kind, e, force, fa, fb, fc)
+            forces = spread(spread(forces, weight, section.first, by_d), weight, section.second, by_c)
+        put_forces(kind, e, force, forces)

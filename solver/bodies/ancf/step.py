@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
+from heavylift.numerics.vectors import Vector, add, add_scaled, cross, dot, scaled, vector_at
 from heavylift.solver.bodies.ancf.assembly import (
     add_matrix_products,
     clear_fixed,
@@ -119,16 +120,13 @@ def _factor(kind: Meshes, load: int, time: float) -> float:
 @kernel(internal=True)
 def _add_node_follower(kind: Meshes, q: Floats1, place: int, data: int, factor: float) -> None:
     """Force on a node of a frame, along its tangent and square to that and an axis."""
-    t1, t2, t3 = q[place + 3], q[place + 4], q[place + 5]
-    size = 1.0 / math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
-    t1, t2, t3 = size * t1, size * t2, size * t3
+    slope = vector_at(q, place + 3)
+    t = scaled(1.0 / math.sqrt(dot(slope, slope)), slope)
     given = frame_follower(kind.constants, data)
     normal, along = factor * given.normal, factor * given.tangential
-    a1, a2, a3 = given.axis[0], given.axis[1], given.axis[2]
-    load = kind.external_force
-    load[place] += normal * (a2 * t3 - a3 * t2) + along * t1
-    load[place + 1] += normal * (a3 * t1 - a1 * t3) + along * t2
-    load[place + 2] += normal * (a1 * t2 - a2 * t1) + along * t3
+    f = add_scaled(scaled(normal, cross(given.axis, t)), along, t)
+    for k in range(3):
+        kind.external_force[place + k] += f[k]
 
 
 @kernel(internal=True)
@@ -145,30 +143,25 @@ def _add_marker_forces(kind: Meshes, work: Workspace) -> None:
         if kind.markers[marker].level != FORCES:
             continue
         number, body = kind.markers[marker].number, kind.markers[marker].body
-        force, J = work.markers[number], work.jacobian[number]
+        force, J = work.markers[number].force, work.jacobian[number]
         first = kind.table[body].first_base
         for i in range(kind.table[body].base_count):
             place = kind.bases[first + i].place
             for c in range(3):
                 column = 3 * i + c
-                load[place + c] += (
-                    J[0, column] * force.force[0]
-                    + J[1, column] * force.force[1]
-                    + J[2, column] * force.force[2]
-                )
+                load[place + c] += dot((J[0, column], J[1, column], J[2, column]), force)
     for base in range(kind.bases.shape[0]):
         element, shape = kind.bases[base].element, kind.bases[base].shape_values
         place = kind.bases[base].place
-        f1, f2, f3 = load[place], load[place + 1], load[place + 2]
-        if f1 == 0.0 and f2 == 0.0 and f3 == 0.0:
+        f = vector_at(load, place)
+        if f[0] == 0.0 and f[1] == 0.0 and f[2] == 0.0:
             continue
         for i in range(nodes):
             for a in range(vectors):
                 at = kind.elements[element].nodes[i] + 3 * a
                 value = kind.constants[shape + i * vectors + a]
-                load[at] += value * f1
-                load[at + 1] += value * f2
-                load[at + 2] += value * f3
+                for k in range(3):
+                    load[at + k] += value * f[k]
     for base in range(kind.bases.shape[0]):
         place = kind.bases[base].place
         for k in range(3):
@@ -238,9 +231,6 @@ def blame_largest(kind: Meshes, body: int, nodal: Floats1, outcome: int, work: W
 # ---- bases and markers ----
 
 
-Vector = tuple[float, float, float]
-
-
 @kernel(internal=True)
 def base_value(kind: Meshes, base: int, nodal: Floats1) -> Vector:
     """Value of a nodal vector at a base, body axes."""
@@ -301,16 +291,11 @@ def _write_tangent(kind: Meshes, marker: int, work: Workspace) -> None:
     sense = kind.constants[kind.markers[marker].data]
     numbers, number = kind.body[body], kind.markers[marker].number
     t, rate = base_value(kind, base, kind.mid_position), base_value(kind, base, kind.mid_velocity)
-    size = 1.0 / math.sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2])
-    u = (size * t[0], size * t[1], size * t[2])
-    along = u[0] * rate[0] + u[1] * rate[1] + u[2] * rate[2]
+    size = 1.0 / math.sqrt(dot(t, t))
+    u = scaled(size, t)
     scale = sense * size
-    _put(work.markers[number].point, _to_world(numbers, (sense * u[0], sense * u[1], sense * u[2])))
-    turned = (
-        scale * (rate[0] - along * u[0]),
-        scale * (rate[1] - along * u[1]),
-        scale * (rate[2] - along * u[2]),
-    )
+    _put(work.markers[number].point, _to_world(numbers, scaled(sense, u)))
+    turned = scaled(scale, add_scaled(rate, -dot(u, rate), u))
     _put(work.markers[number].velocity, _to_world(numbers, turned))
     M = numbers.scratch
     for k in range(3):
@@ -332,22 +317,16 @@ def _write_triad(kind: Meshes, marker: int, work: Workspace) -> None:
     body, base = kind.markers[marker].body, kind.markers[marker].base
     numbers, number = kind.body[body], kind.markers[marker].number
     data = kind.markers[marker].data
-    d1, d2, d3 = kind.constants[data], kind.constants[data + 1], kind.constants[data + 2]
+    d1, d2, d3 = vector_at(kind.constants, data)
     a, b = base_value(kind, base, kind.mid_position), base_value(kind, base + 1, kind.mid_position)
     ra, rb = base_value(kind, base, kind.mid_velocity), base_value(kind, base + 1, kind.mid_velocity)
-    size = 1.0 / math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
-    e1 = (size * a[0], size * a[1], size * a[2])
-    n1, n2, n3 = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-    area = 1.0 / math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
-    e3 = (area * n1, area * n2, area * n3)
-    e2 = (e3[1] * e1[2] - e3[2] * e1[1], e3[2] * e1[0] - e3[0] * e1[2], e3[0] * e1[1] - e3[1] * e1[0])
-    b1 = b[0] * e1[0] + b[1] * e1[1] + b[2] * e1[2]
-    b2 = 1.0 / (b[0] * e2[0] + b[1] * e2[1] + b[2] * e2[2])
-    direction = (
-        d1 * e1[0] + d2 * e2[0] + d3 * e3[0],
-        d1 * e1[1] + d2 * e2[1] + d3 * e3[1],
-        d1 * e1[2] + d2 * e2[2] + d3 * e3[2],
-    )
+    size = 1.0 / math.sqrt(dot(a, a))
+    e1 = scaled(size, a)
+    normal = cross(a, b)
+    e3 = scaled(1.0 / math.sqrt(dot(normal, normal)), normal)
+    e2 = cross(e3, e1)
+    b1, b2 = dot(b, e1), 1.0 / dot(b, e2)
+    direction = add_scaled(add_scaled(scaled(d1, e1), d2, e2), d3, e3)
     # w x d = (w.e1) (d2 e3 - d3 e2) + (w.e2) (d3 e1 - d1 e3) + (w.e3) (d1 e2 - d2 e1)
     M = numbers.scratch
     column = 3 * (base - kind.table[body].first_base)
@@ -379,7 +358,7 @@ def _write_markers(kind: Meshes, level: int, work: Workspace) -> None:
             number, numbers = kind.markers[marker].number, kind.body[body]
             p = _to_world(numbers, base_value(kind, base, kind.mid_position))
             if which == POINT_MARKER:
-                p = (p[0] + numbers.origin[0], p[1] + numbers.origin[1], p[2] + numbers.origin[2])
+                p = add(p, numbers.origin)
             _put(work.markers[number].point, p)
             _put(work.markers[number].velocity, _to_world(numbers, base_value(kind, base, kind.mid_velocity)))
             column = 3 * (base - kind.table[body].first_base)
@@ -401,9 +380,6 @@ def fill_mesh_markers(kind: Meshes, at_midpoint: bool, level: int, work: Workspa
             kind.mid_position[i] = kind.position[i]
             kind.mid_velocity[i] = kind.velocity[i]
     _write_markers(kind, level, work)
-
-
-__all__ += ["fill_mesh_markers"]
 
 
 SHARE = 0.7

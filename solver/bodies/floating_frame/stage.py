@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cholesky_factor, cholesky_solve
-from heavylift.numerics.vectors import cross, rotate, rotate_back
+from heavylift.numerics.vectors import add, cross, rotate, rotate_back, vector
 from heavylift.solver.bodies.floating_frame.inertia import deformed_inertia, stacked_products
 from heavylift.solver.bodies.floating_frame.kind import (
     FloatingFrame,
@@ -20,7 +20,7 @@ from heavylift.solver.bodies.floating_frame.kind import (
     product_columns,
     shape_of,
 )
-from heavylift.solver.bodies.frames.motion import add_wrench, pose_stage, write_point
+from heavylift.solver.bodies.frames.motion import add_wrench, columns_of, pose_stage, write_point, write_turn
 from heavylift.solver.drive import FREE, drive_pose
 from heavylift.solver.interface import ROWS, Workspace, fill_markers
 from heavylift.solver.kinds import implement
@@ -77,28 +77,18 @@ def write_markers(kind: FloatingFrameBodies, level: int, work: Workspace) -> Non
         else:
             for i in range(6, 6 + n):
                 jacobian[0, i] = jacobian[1, i] = jacobian[2, i] = 0.0
-        w1, w2, w3 = frame.mid_spin[0], frame.mid_spin[1], frame.mid_spin[2]
-        c1, c2, c3 = cross((w1, w2, w3), (u1, u2, u3))
-        point = rotate(R, (u1, u2, u3))
+        u = (u1, u2, u3)
+        turned, axes = cross(frame.mid_spin, u), columns_of(R)
+        point, rate = rotate(R, u), rotate(R, turned)
         if not direction:
-            rate = rotate(
-                R,
-                (
-                    frame.mid_velocity[0] + c1 + d1,
-                    frame.mid_velocity[1] + c2 + d2,
-                    frame.mid_velocity[2] + c3 + d3,
-                ),
-            )
-        else:
-            rate = rotate(R, (c1, c2, c3))
+            point = add(point, frame.mid_position)
+            rate = rotate(R, add(add(vector(frame.mid_velocity), turned), (d1, d2, d3)))
         for k in range(3):
-            work.markers[number].point[k] = point[k] + (frame.mid_position[k] if not direction else 0.0)
+            work.markers[number].point[k] = point[k]
             work.markers[number].velocity[k] = rate[k]
             for j in range(3):
                 jacobian[k, j] = 1.0 if (j == k and not direction) else 0.0
-            jacobian[k, 3] = R[3 * k + 2] * u2 - R[3 * k + 1] * u3
-            jacobian[k, 4] = R[3 * k] * u3 - R[3 * k + 2] * u1
-            jacobian[k, 5] = R[3 * k + 1] * u1 - R[3 * k] * u2
+        write_turn(axes, u, jacobian)
 
 
 @kernel(internal=True)
@@ -114,11 +104,7 @@ def gather_marker_forces(kind: FloatingFrameBodies, work: Workspace) -> None:
             continue
         number, body = kind.markers[marker].number, kind.markers[marker].body
         n, first = kind.table[body].mode_count, kind.table[body].first_mode
-        f1, f2, f3 = (
-            work.markers[number].force[0],
-            work.markers[number].force[1],
-            work.markers[number].force[2],
-        )
+        f1, f2, f3 = vector(work.markers[number].force)
         jacobian = work.jacobian[number]
         modes = slice(first, first + n)
         modal_load = kind.modal_load[modes]
@@ -289,7 +275,7 @@ def factor_frame(
         k54 += w5 * c4
         k55 += w5 * c5
     m = frame.mass
-    s1, s2, s3 = frame.first_moment[0], frame.first_moment[1], frame.first_moment[2]
+    s1, s2, s3 = vector(frame.first_moment)
     K[0], K[7], K[14] = m + k00, m + k11, m + k22
     K[6], K[12], K[13] = k10, k20, k21
     K[18], K[19], K[20] = k30, k31 - s3, k32 + s2

@@ -34,7 +34,7 @@ import math
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.rotation import write_rotation_matrix
-from heavylift.numerics.vectors import add_scaled, cross, rotate, rotate_back, subtract, vector_at
+from heavylift.numerics.vectors import add_scaled, cross, rotate, rotate_back, subtract, vector, vector_at
 from heavylift.solver.bodies.floating_frame.fixed_frame import advance_fixed, factor_fixed, predict_fixed
 from heavylift.solver.bodies.floating_frame.inertia import (
     antisymmetric_products,
@@ -103,10 +103,7 @@ def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float)
                 frame.mean_twist[3 + k] = 0.5 * (frame.spin[k] + frame.drive_rates[3 + k])
         else:
             predict_pose(frame, h, 0.125 * h * h)
-        v = rotate_back(
-            R,
-            add_scaled(frame.velocity, 0.5 * h, frame.acceleration),
-        )
+        v = rotate_back(R, add_scaled(frame.velocity, 0.5 * h, frame.acceleration))
         for k in range(3):
             frame.mid_velocity[k] = v[k]
             frame.mid_spin[k] = frame.spin[k] + 0.5 * h * frame.spin_rate[k]
@@ -160,28 +157,23 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
         modal_load = kind.modal_load[modes]
         shape = shape_of(kind, body)
         R = frame.mid_rotation
-        g1, g2, g3 = rotate_back(R, work.sums.gravity)
+        g = rotate_back(R, work.sums.gravity)
         for i in range(n):
             inverse_diagonal[i] = 1.0 / (1.0 + 0.25 * h * h * stiffness[i] + 0.5 * h * damping[i])
-            gravity = shape[i] * g1 + shape[n + i] * g2 + shape[2 * n + i] * g3
+            gravity = shape[i] * g[0] + shape[n + i] * g[1] + shape[2 * n + i] * g[2]
             modal_right_hand_side[i] = modal_velocity[i] + 0.5 * h * (
                 modal_load[i] + gravity - stiffness[i] * modal_position[i]
             )
-        v1, v2, v3 = rotate_back(
-            R,
-            add_scaled(frame.start_velocity, lag, frame.lag),
-        )
-        w1 = frame.start_velocity[3] + lag * frame.lag[3]
-        w2 = frame.start_velocity[4] + lag * frame.lag[4]
-        w3 = frame.start_velocity[5] + lag * frame.lag[5]
+        v = rotate_back(R, add_scaled(frame.start_velocity, lag, frame.lag))
+        w = add_scaled(vector_at(frame.start_velocity, 3), lag, vector_at(frame.lag, 3))
         for i in range(n):
             modal_right_hand_side[i] += (
-                shape[i] * v1
-                + shape[n + i] * v2
-                + shape[2 * n + i] * v3
-                + coupling[0, i] * w1
-                + coupling[1, i] * w2
-                + coupling[2, i] * w3
+                shape[i] * v[0]
+                + shape[n + i] * v[1]
+                + shape[2 * n + i] * v[2]
+                + coupling[0, i] * w[0]
+                + coupling[1, i] * w[1]
+                + coupling[2, i] * w[2]
             )
         rows = slice(8 * first, 8 * (first + n))
         mid_velocity_products = kind.mid_velocity_products[rows]
@@ -197,27 +189,22 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
             mid_modal_position,
             midpoint_products,
             rates,
-            frame.mid_spin[0],
-            frame.mid_spin[1],
-            frame.mid_spin[2],
+            vector(frame.mid_spin),
             quadratic_force,
         )
         if motion == FREE:
-            m = frame.mass
-            p = rotate_back(
-                R,
-                add_scaled(frame.linear_momentum, 0.5 * h, add_scaled(frame.force, m, work.sums.gravity)),
-            )
+            force = add_scaled(frame.force, frame.mass, work.sums.gravity)
+            p = rotate_back(R, add_scaled(frame.linear_momentum, 0.5 * h, force))
             l = rotate_back(R, frame.transported_momentum)
-            t = cross(frame.first_moment, (g1, g2, g3))
+            t = cross(frame.first_moment, g)
             for k in range(3):
                 frame.right_hand_side[k] = p[k]
                 frame.right_hand_side[3 + k] = l[k] + 0.5 * h * (frame.moment[k] + t[k])
             factor_frame(frame, inverse_diagonal, kind.translation[:, modes], coupling)
         elif motion == DRIVEN:
-            v1, v2, v3 = rotate_back(R, frame.mean_twist)
-            frame.right_hand_side[0], frame.right_hand_side[1], frame.right_hand_side[2] = v1, v2, v3
+            v = rotate_back(R, frame.mean_twist)
             for k in range(3):
+                frame.right_hand_side[k] = v[k]
                 frame.right_hand_side[3 + k] = frame.mean_twist[3 + k]
         clear_velocity(kind, body, work)
         solve_stage(kind, body, 0.5 * h, work)
@@ -249,9 +236,7 @@ def correct_floating_frames(kind: FloatingFrameBodies, step: float, work: Worksp
             kind.mid_modal_position[first : first + n],
             midpoint_products,
             mid_velocity_products,
-            velocity[3],
-            velocity[4],
-            velocity[5],
+            vector_at(velocity, 3),
             kind.quadratic_force[first : first + n],
         )
         solve_stage(kind, body, 0.5 * step, work)
@@ -313,23 +298,17 @@ def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float,
         if motion == FREE:
             R = frame.mid_rotation
             v = rotate_back(R, velocity)
-            w = (velocity[3], velocity[4], velocity[5])
+            w = vector_at(velocity, 3)
             p, l = body_momenta(
                 shape_of(kind, body), frame, kind.coupling[:, first : first + n], v, w, velocity[6:]
             )
-            p1, p2, p3 = rotate(R, p)
-            l1, l2, l3 = rotate(R, l)
+            p, l = rotate(R, p), rotate(R, l)
             advance_pose(frame, velocity, h)
-            frame.linear_momentum[0] = 2.0 * p1 - frame.linear_momentum[0]
-            frame.linear_momentum[1] = 2.0 * p2 - frame.linear_momentum[1]
-            frame.linear_momentum[2] = 2.0 * p3 - frame.linear_momentum[2]
-            moved = cross(
-                subtract(frame.mid_position, frame.position),
-                frame.linear_momentum,
-            )
-            frame.angular_momentum[0] = 2.0 * l1 - frame.transported_momentum[0] + moved[0]
-            frame.angular_momentum[1] = 2.0 * l2 - frame.transported_momentum[1] + moved[1]
-            frame.angular_momentum[2] = 2.0 * l3 - frame.transported_momentum[2] + moved[2]
+            for k in range(3):
+                frame.linear_momentum[k] = 2.0 * p[k] - frame.linear_momentum[k]
+            moved = cross(subtract(frame.mid_position, frame.position), frame.linear_momentum)
+            for k in range(3):
+                frame.angular_momentum[k] = 2.0 * l[k] - frame.transported_momentum[k] + moved[k]
         elif motion == DRIVEN:
             _begin_drive_work(kind, body, h, work)
             drive_frame(kind, body, time + h)
@@ -365,9 +344,9 @@ def evaluate_end(kind: FloatingFrameBodies, body: int) -> None:
         v, w = frame_velocity_from_momenta(
             shape, frame, kind.coupling[:, modes], p, l, kind.modal_velocity[modes]
         )
-        v1, v2, v3 = rotate(R, v)
-        frame.velocity[0], frame.velocity[1], frame.velocity[2] = v1, v2, v3
-        frame.spin[0], frame.spin[1], frame.spin[2] = w
+        v = rotate(R, v)
+        for k in range(3):
+            frame.velocity[k], frame.spin[k] = v[k], w[k]
 
 
 @implement(finish, FloatingFrameBodies)

@@ -6,14 +6,27 @@ import math
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import quaternion_product, rotate_by_quaternion
-from heavylift.numerics.vectors import cross, rotate, rotate_back
+from heavylift.numerics.vectors import (
+    Three,
+    Vector,
+    add,
+    add_scaled,
+    cross,
+    rotate,
+    rotate_back,
+    scaled,
+    vector,
+    vector_at,
+)
 from heavylift.solver.bodies.frames.base import FrameMotion
 from heavylift.solver.bodies.frames.motion import (
     add_wrench,
     advance_pose,
+    columns_of,
     orientation_of,
     pose_stage,
     predict_pose,
+    write_turn,
 )
 from heavylift.solver.bodies.rigid.kind import RigidBodies, RigidFrame, RigidFrames
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_pose, drive_velocity
@@ -42,6 +55,7 @@ __all__ = [
     "mean_velocity",
     "move_driven",
     "prescribe",
+    "principal_momentum",
     "spatial_momentum",
     "stage_at_state",
     "start_rigid_bodies",
@@ -52,14 +66,17 @@ __all__ = [
 
 
 @kernel(inline=True, internal=True)
-def spatial_momentum(frame: RigidFrame, w1: float, w2: float, w3: float) -> tuple[float, float, float]:
+def principal_momentum(frame: RigidFrame, w: Three) -> Vector:
+    """``I w`` of a spin, principal axes."""
+    I = frame.principal_inertia
+    return I[0] * w[0], I[1] * w[1], I[2] * w[2]
+
+
+@kernel(inline=True, internal=True)
+def spatial_momentum(frame: RigidFrame, w: Three) -> Vector:
     """``R I w`` of a spin at the carried orientation."""
-    return rotate_by_quaternion(
-        orientation_of(frame),
-        frame.principal_inertia[0] * w1,
-        frame.principal_inertia[1] * w2,
-        frame.principal_inertia[2] * w3,
-    )
+    L = principal_momentum(frame, w)
+    return rotate_by_quaternion(orientation_of(frame), L[0], L[1], L[2])
 
 
 @kernel(internal=True)
@@ -73,17 +90,14 @@ def prescribe(kind: RigidFrames, body: int, time: float, out: FrameMotion) -> No
     q = (pose[3], pose[4], pose[5], pose[6])
     axes = (frame.axes[0], frame.axes[1], frame.axes[2], frame.axes[3])
     back = (axes[0], -axes[1], -axes[2], -axes[3])
-    c1, c2, c3 = frame.centre[0], frame.centre[1], frame.centre[2]
-    w1, w2, w3 = motion[3], motion[4], motion[5]
-    b1, b2, b3 = motion[9], motion[10], motion[11]
-    s1, s2, s3 = cross((w1, w2, w3), (c1, c2, c3))
-    i1, i2, i3 = cross((w1, w2, w3), (s1, s2, s3))
-    t1, t2, t3 = cross((b1, b2, b3), (c1, c2, c3))
-    arm = rotate_by_quaternion(q, c1, c2, c3)
-    side = rotate_by_quaternion(q, s1, s2, s3)
-    rate = rotate_by_quaternion(q, t1 + i1, t2 + i2, t3 + i3)
-    spin = rotate_by_quaternion(back, w1, w2, w3)
-    spin_rate = rotate_by_quaternion(back, b1, b2, b3)
+    c, w, b = vector(frame.centre), vector_at(motion, 3), vector_at(motion, 9)
+    s = cross(w, c)
+    a = add(cross(b, c), cross(w, s))
+    arm = rotate_by_quaternion(q, c[0], c[1], c[2])
+    side = rotate_by_quaternion(q, s[0], s[1], s[2])
+    rate = rotate_by_quaternion(q, a[0], a[1], a[2])
+    spin = rotate_by_quaternion(back, w[0], w[1], w[2])
+    spin_rate = rotate_by_quaternion(back, b[0], b[1], b[2])
     turned = quaternion_product(q, axes)
     for k in range(4):
         out.orientation[k] = turned[k]
@@ -107,7 +121,7 @@ def start_rigid_bodies(kind: RigidFrames, time: float, work: Workspace) -> None:
         if kind.table[body].motion == DRIVEN:
             prescribe(kind, body, time, kind.frame[body])
         frame = kind.frame[body]
-        L = spatial_momentum(frame, frame.spin[0], frame.spin[1], frame.spin[2])
+        L = spatial_momentum(frame, frame.spin)
         for k in range(3):
             frame.angular_momentum[k] = L[k]
 
@@ -139,40 +153,26 @@ def fill_rigid_markers(kind: RigidFrames, at_midpoint: bool, level: int, work: W
             kind.markers[marker].data,
         )
         direction = kind.markers[marker].direction
-        u1, u2, u3 = kind.constants[begin], kind.constants[begin + 1], kind.constants[begin + 2]
-        frame = kind.frame[body]
-        R = frame.mid_rotation
-        # everything is read before anything is written: the compiler must assume that the arrays overlap
-        r11, r12, r13, r21, r22, r23, r31, r32, r33 = R[0], R[1], R[2], R[3], R[4], R[5], R[6], R[7], R[8]
-        translation = 0.0 if direction else 1.0
-        x1 = translation * frame.mid_position[0]
-        x2 = translation * frame.mid_position[1]
-        x3 = translation * frame.mid_position[2]
-        out, jacobian = work.markers[number], work.jacobian[number]
-        out.point[0] = x1 + r11 * u1 + r12 * u2 + r13 * u3
-        out.point[1] = x2 + r21 * u1 + r22 * u2 + r23 * u3
-        out.point[2] = x3 + r31 * u1 + r32 * u2 + r33 * u3
-        jacobian[0, 3] = r13 * u2 - r12 * u3
-        jacobian[0, 4] = r11 * u3 - r13 * u1
-        jacobian[0, 5] = r12 * u1 - r11 * u2
-        jacobian[1, 3] = r23 * u2 - r22 * u3
-        jacobian[1, 4] = r21 * u3 - r23 * u1
-        jacobian[1, 5] = r22 * u1 - r21 * u2
-        jacobian[2, 3] = r33 * u2 - r32 * u3
-        jacobian[2, 4] = r31 * u3 - r33 * u1
-        jacobian[2, 5] = r32 * u1 - r31 * u2
+        frame, u = kind.frame[body], vector_at(kind.constants, begin)
+        axes, translation = columns_of(frame.mid_rotation), 0.0 if direction else 1.0
+        a, b, c = axes
+        out = work.markers[number]
+        point = scaled(translation, frame.mid_position)
+        point = add_scaled(add_scaled(add_scaled(point, u[0], a), u[1], b), u[2], c)
+        for k in range(3):
+            out.point[k] = point[k]
+        write_turn(axes, u, work.jacobian[number])
         if serves == ROWS and level < ACCELERATIONS:
             continue
-        w1, w2, w3 = frame.mid_spin[0], frame.mid_spin[1], frame.mid_spin[2]
-        c = cross((w1, w2, w3), (u1, u2, u3))
-        rate = rotate(R, c)
+        R, w = frame.mid_rotation, vector(frame.mid_spin)
+        turned = cross(w, u)
+        rate = rotate(R, turned)
         for k in range(3):
-            work.markers[number].velocity[k] = rate[k] + translation * frame.mid_velocity[k]
+            out.velocity[k] = rate[k] + translation * frame.mid_velocity[k]
         if level == ACCELERATIONS:
-            b = cross((w1, w2, w3), c)
-            bias = rotate(R, b)
+            bias = rotate(R, cross(w, turned))
             for k in range(3):
-                work.markers[number].bias[k] = bias[k]
+                out.bias[k] = bias[k]
 
 
 @kernel(internal=True)
@@ -225,7 +225,7 @@ def move_driven(kind: RigidFrames, body: int, time: float, step: float, work: Wo
     x1, x2, x3 = frame.position[0], frame.position[1], frame.position[2]
     spin_before = rotate_by_quaternion(orientation_of(frame), frame.spin[0], frame.spin[1], frame.spin[2])
     prescribe(kind, body, time, kind.frame[body])
-    L = spatial_momentum(frame, frame.spin[0], frame.spin[1], frame.spin[2])
+    L = spatial_momentum(frame, frame.spin)
     spin_after = rotate_by_quaternion(orientation_of(frame), frame.spin[0], frame.spin[1], frame.spin[2])
     moment = rotate(R, frame.moment)
     before, moved = (v1, v2, v3), (frame.position[0] - x1, frame.position[1] - x2, frame.position[2] - x3)
@@ -297,15 +297,7 @@ def advance_rigid_bodies(kind: RigidFrames, time: float, step: float, work: Work
         if kind.table[body].motion == FIXED:
             continue
         velocity = work.velocity[dof : dof + 6]
-        w1, w2, w3 = velocity[3], velocity[4], velocity[5]
-        L = rotate(
-            frame.mid_rotation,
-            (
-                frame.principal_inertia[0] * w1,
-                frame.principal_inertia[1] * w2,
-                frame.principal_inertia[2] * w3,
-            ),
-        )
+        L = rotate(frame.mid_rotation, principal_momentum(frame, vector_at(velocity, 3)))
         external = 0.0
         for k in range(3):
             external += frame.force[k] * velocity[k] + frame.moment[k] * velocity[3 + k]
@@ -346,7 +338,7 @@ def set_velocity_rigid_bodies(kind: RigidFrames, step: float, work: Workspace) -
             continue
         frame = kind.frame[body]
         dof = kind.table[body].dof
-        L = spatial_momentum(frame, work.velocity[dof + 3], work.velocity[dof + 4], work.velocity[dof + 5])
+        L = spatial_momentum(frame, vector_at(work.velocity, dof + 3))
         for k in range(3):
             frame.acceleration[k] += (work.velocity[dof + k] - frame.velocity[k]) / step
             frame.velocity[k] = work.velocity[dof + k]
@@ -408,15 +400,7 @@ def thesis_velocity_rigid_bodies(kind: RigidBodies, time: float, step: float, wo
             for k in range(6):
                 work.velocity[dof + k] = 0.0
             continue
-        w1, w2, w3 = frame.spin[0], frame.spin[1], frame.spin[2]
-        gyroscopic = cross(
-            (w1, w2, w3),
-            (
-                frame.principal_inertia[0] * w1,
-                frame.principal_inertia[1] * w2,
-                frame.principal_inertia[2] * w3,
-            ),
-        )
+        gyroscopic = cross(frame.spin, principal_momentum(frame, frame.spin))
         for k in range(3):
             work.velocity[dof + k] = frame.velocity[k] + h * (
                 frame.force[k] * frame.inverse_mass + work.sums.gravity[k]

@@ -9,7 +9,7 @@ from the stiffness of tilt as a negative float plane does.
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import rotate, rotate_back
+from heavylift.numerics.vectors import Vector, add_scaled, cross, rotate, rotate_back, scaled, vector
 from heavylift.solver.interface import Workspace
 from heavylift.solver.water.hulls.clipping import clip_surface
 from heavylift.solver.water.hulls.kind import CLIPPED, LINEAR, Hulls
@@ -21,6 +21,10 @@ __all__ = [
     "restore",
     "restoring_potential",
 ]
+
+
+Six = tuple[float, float, float, float, float, float]
+"""Displacement [m] and small rotation [rad] of a hull."""
 
 
 # ---- buoyancy ----
@@ -187,9 +191,7 @@ def assemble_mass(kind: Hulls, group: int, base: int, at_end: bool, step: float)
 def _add_tank_mass(kind: Hulls, hull: int, tank: int, base: int, n: int, at_end: bool) -> None:
     """``m [1, -R r~]^T [1, -R r~]``, lower triangle."""
     m = kind.tanks[tank].mass
-    r1 = kind.tanks[tank].point[0]
-    r2 = kind.tanks[tank].point[1]
-    r3 = kind.tanks[tank].point[2]
+    r1, r2, r3 = vector(kind.tanks[tank].point)
     R = kind.stage[hull].rotation if at_end else kind.frame[hull].mid_rotation
     matrix = kind.matrices
     for k in range(3):
@@ -238,14 +240,9 @@ def line_force(
     work: Workspace,
     end: int,
     step: float,
-    d1: float,
-    d2: float,
-    d3: float,
-    d4: float,
-    d5: float,
-    d6: float,
-) -> tuple[float, float, float, int, int]:
-    """``(K + 2/h D) J d`` of one end of a line, its marker and the window of its hull.
+    d: Six,
+) -> Vector:
+    """``(K + 2/h D) J d`` of one end of a line and a displacement of its hull.
 
     Notes
     -----
@@ -255,16 +252,14 @@ def line_force(
     hull, marker, line = at.hull, at.marker, at.line
     offset = kind.hulls[hull].offset
     J, K, D = work.jacobian[marker], kind.tangents[line], kind.rate_tangents[line]
-    x = d1 + J[0, offset + 3] * d4 + J[0, offset + 4] * d5 + J[0, offset + 5] * d6
-    y = d2 + J[1, offset + 3] * d4 + J[1, offset + 4] * d5 + J[1, offset + 5] * d6
-    z = d3 + J[2, offset + 3] * d4 + J[2, offset + 4] * d5 + J[2, offset + 5] * d6
+    x = d[0] + J[0, offset + 3] * d[3] + J[0, offset + 4] * d[4] + J[0, offset + 5] * d[5]
+    y = d[1] + J[1, offset + 3] * d[3] + J[1, offset + 4] * d[4] + J[1, offset + 5] * d[5]
+    z = d[2] + J[2, offset + 3] * d[3] + J[2, offset + 4] * d[4] + J[2, offset + 5] * d[5]
     rate = 2.0 / step
     return (
         (K[0] + rate * D[0]) * x + (K[1] + rate * D[1]) * y + (K[2] + rate * D[2]) * z,
         (K[3] + rate * D[3]) * x + (K[4] + rate * D[4]) * y + (K[5] + rate * D[5]) * z,
         (K[6] + rate * D[6]) * x + (K[7] + rate * D[7]) * y + (K[8] + rate * D[8]) * z,
-        marker,
-        offset,
     )
 
 
@@ -274,18 +269,19 @@ def _add_line(kind: Hulls, work: Workspace, end: int, base: int, n: int, step: f
 
     With velocities that were found before, also what the other end of the line, on another hull, has moved since.
     """
-    hull = kind.line_ends[end].hull
+    hull, marker = kind.line_ends[end].hull, kind.line_ends[end].marker
+    J, offset = work.jacobian[marker], kind.hulls[hull].offset
     quarter = 0.25 * step * step
+    foreseen = kind.stage[hull].foreseen
     for column in range(7):
         if column < 6:
-            f = line_force(
-                kind, work, end, step, 1.0 * (column == 0), 1.0 * (column == 1), 1.0 * (column == 2),
+            d = (
+                1.0 * (column == 0), 1.0 * (column == 1), 1.0 * (column == 2),
                 1.0 * (column == 3), 1.0 * (column == 4), 1.0 * (column == 5),
             )  # fmt: skip
         else:
-            d = kind.stage[hull].foreseen
-            f = line_force(kind, work, end, step, d[0], d[1], d[2], d[3], d[4], d[5])
-        J, offset = work.jacobian[f[3]], f[4]
+            d = (foreseen[0], foreseen[1], foreseen[2], foreseen[3], foreseen[4], foreseen[5])
+        f = line_force(kind, work, end, step, d)
         for i in range(6):
             value = J[0, offset + i] * f[0] + J[1, offset + i] * f[1] + J[2, offset + i] * f[2]
             if column == 6:
@@ -295,8 +291,6 @@ def _add_line(kind: Hulls, work: Workspace, end: int, base: int, n: int, step: f
     other = kind.line_ends[end].other
     if again and other >= 0:
         x, y, z = moved_on(kind, work, other, step)
-        marker = kind.line_ends[end].marker
-        J, offset = work.jacobian[marker], kind.hulls[hull].offset
         for i in range(6):
             kind.vectors.load[6 * hull + i] += (
                 0.5 * step * (J[0, offset + i] * x + J[1, offset + i] * y + J[2, offset + i] * z)
@@ -304,17 +298,16 @@ def _add_line(kind: Hulls, work: Workspace, end: int, base: int, n: int, step: f
 
 
 @kernel(internal=True)
-def moved_on(kind: Hulls, work: Workspace, end: int, step: float) -> tuple[float, float, float]:
+def moved_on(kind: Hulls, work: Workspace, end: int, step: float) -> Vector:
     """``(K + 2/h D)`` times how far the middle of one end, as found, lies from where the line was evaluated [N]."""
     hull = kind.line_ends[end].hull
     dof, d, half = kind.table[hull].dof, kind.stage[hull].foreseen, 0.5 * step
     U = work.velocity[dof : dof + 6]
-    f = line_force(
-        kind, work, end, step,
+    moved = (
         half * U[0] - d[0], half * U[1] - d[1], half * U[2] - d[2],
         half * U[3] - d[3], half * U[4] - d[4], half * U[5] - d[5],
     )  # fmt: skip
-    return f[0], f[1], f[2]
+    return line_force(kind, work, end, step, moved)
 
 
 @kernel(internal=True)
@@ -336,21 +329,11 @@ def _load_hull(kind: Hulls, hull: int, step: float, work: Workspace) -> None:
             vectors.load[out + k] += kind.stage[hull].transform[i, k] * force
     for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
         m = kind.tanks[tank].mass
-        f1 = m * (kind.tanks[tank].start_velocity[0] + 0.5 * h * work.sums.gravity[0])
-        f2 = m * (kind.tanks[tank].start_velocity[1] + 0.5 * h * work.sums.gravity[1])
-        f3 = m * (kind.tanks[tank].start_velocity[2] + 0.5 * h * work.sums.gravity[2])
-        b1, b2, b3 = rotate_back(R, (f1, f2, f3))
-        r1, r2, r3 = (
-            kind.tanks[tank].point[0],
-            kind.tanks[tank].point[1],
-            kind.tanks[tank].point[2],
-        )
-        vectors.load[out] += f1
-        vectors.load[out + 1] += f2
-        vectors.load[out + 2] += f3
-        vectors.load[out + 3] += r2 * b3 - r3 * b2
-        vectors.load[out + 4] += r3 * b1 - r1 * b3
-        vectors.load[out + 5] += r1 * b2 - r2 * b1
+        f = scaled(m, add_scaled(kind.tanks[tank].start_velocity, 0.5 * h, work.sums.gravity))
+        moment = cross(kind.tanks[tank].point, rotate_back(R, f))
+        for k in range(3):
+            vectors.load[out + k] += f[k]
+            vectors.load[out + 3 + k] += moment[k]
 
 
 @kernel(internal=True)

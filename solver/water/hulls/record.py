@@ -138,14 +138,9 @@ def add_hull_totals(kind: Hulls, work: Workspace) -> None:
         for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
             m = kind.tanks[tank].mass
             arm = rotate(R, kind.tanks[tank].point)
-            l1, l2, l3 = cross(
-                add(kind.frame[hull].mid_position, arm),
-                scaled(m, kind.tanks[tank].velocity),
-            )
-            totals.angular_momentum[0] += l1
-            totals.angular_momentum[1] += l2
-            totals.angular_momentum[2] += l3
+            l = cross(add(kind.frame[hull].mid_position, arm), scaled(m, kind.tanks[tank].velocity))
             for k in range(3):
+                totals.angular_momentum[k] += l[k]
                 v = kind.tanks[tank].velocity[k]
                 totals.kinetic += 0.5 * m * v * v
                 totals.linear_momentum[k] += m * v

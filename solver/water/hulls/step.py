@@ -14,7 +14,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
 from heavylift.numerics.small import cholesky_factor, cholesky_solve
-from heavylift.numerics.vectors import cross, rotate, rotate_back
+from heavylift.numerics.vectors import cross, dot, rotate, rotate_back, vector
 from heavylift.solver.bodies.frames.motion import add_wrench, check_frames, orientation_of
 from heavylift.solver.bodies.rigid.step import (
     advance_rigid_bodies,
@@ -66,9 +66,7 @@ def put_transform(
     With ``P = Rz(-heading) R`` and the reference point r, ``T = ((Rz(-heading), -P r~), (0, P))``; shape (6, 6).
     """
     c, s = math.cos(heading), math.sin(heading)
-    r1 = kind.hulls[hull].reference[0]
-    r2 = kind.hulls[hull].reference[1]
-    r3 = kind.hulls[hull].reference[2]
+    r = vector(kind.hulls[hull].reference)
     for i in range(3):
         if i == 0:
             a, b, e = c, s, 0.0
@@ -76,15 +74,13 @@ def put_transform(
             a, b, e = -s, c, 0.0
         else:
             a, b, e = 0.0, 0.0, 1.0
-        p1 = a * R[0] + b * R[3] + e * R[6]
-        p2 = a * R[1] + b * R[4] + e * R[7]
-        p3 = a * R[2] + b * R[5] + e * R[8]
+        p = rotate_back(R, (a, b, e))
+        turned = cross(r, p)
         out[i, 0], out[i, 1], out[i, 2] = a, b, e
-        out[i, 3] = p3 * r2 - p2 * r3
-        out[i, 4] = p1 * r3 - p3 * r1
-        out[i, 5] = p2 * r1 - p1 * r2
-        out[3 + i, 0] = out[3 + i, 1] = out[3 + i, 2] = 0.0
-        out[3 + i, 3], out[3 + i, 4], out[3 + i, 5] = p1, p2, p3
+        for k in range(3):
+            out[i, 3 + k] = turned[k]
+            out[3 + i, k] = 0.0
+            out[3 + i, 3 + k] = p[k]
 
 
 @kernel(internal=True)
@@ -494,16 +490,10 @@ def _fill_work(kind: Hulls, time: float, step: float) -> None:
                 kind.state[hull].supplied += _free_surface_energy(kind, hull, tank) * (
                     1.0 if after > 0.0 else -1.0
                 )
-            v1, v2, v3 = (
-                kind.tanks[tank].velocity[0],
-                kind.tanks[tank].velocity[1],
-                kind.tanks[tank].velocity[2],
-            )
+            v = vector(kind.tanks[tank].velocity)
             _, _, arm = rotate(kind.frame[hull].mid_rotation, kind.tanks[tank].point)
             height = kind.frame[hull].mid_position[2] + arm
-            kind.state[hull].supplied += gained * (
-                0.5 * (v1 * v1 + v2 * v2 + v3 * v3) + kind.water.gravity * height
-            )
+            kind.state[hull].supplied += gained * (0.5 * dot(v, v) + kind.water.gravity * height)
 
 
 @kernel(internal=True)
