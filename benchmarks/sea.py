@@ -134,8 +134,8 @@ def moordyn(scene_lines, anchors, ends, interval):
 
 def plain_loop(simulation, records):
     """CPU time of the equations of motion in NumPy [s]."""
-    from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
-    from heavylift.preprocess.retardation import retardation_kernel
+    from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
+    from heavylift.preprocess.hydrodynamics.retardation import retardation_kernel
 
     database = read_netcdf(CASE / "barge.nc")
     taps = round(40.0 / STEP)

@@ -191,11 +191,11 @@ def _groups(scene: Scene) -> list[tuple[list[Any], Callable[..., Any]]]:
     hulls = [body for body in scene.bodies if _floats(body)]
     groups: list[tuple[list[Any], Callable[..., Any]]] = []
     if flexible:
-        from heavylift.solver.bodies.floating_frame.kind import pack_floating_frames
+        from heavylift.solver.bodies.floating_frame.packing import pack_floating_frames
 
         groups.append((flexible, pack_floating_frames))
     if rigid:
-        from heavylift.solver.bodies.rigid.kind import pack_rigid_bodies
+        from heavylift.solver.bodies.rigid.packing import pack_rigid_bodies
 
         groups.append((rigid, pack_rigid_bodies))
     if hulls:

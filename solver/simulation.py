@@ -251,7 +251,7 @@ class Simulation:
         with compile_clock() as compiling:
             self.start_text = ways[self._start_mode](rows).text
         if any("excitation" in kind._fields for kind in self._layout.bodies):
-            from heavylift.solver.water.hulls.parts import check_series
+            from heavylift.solver.water.hulls.packing import check_series
 
             check_series(self._layout.bodies)
         self.start_seconds += clock.thread_time() - begin - compiling.seconds

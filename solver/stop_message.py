@@ -42,7 +42,7 @@ def stop_message(layout: Layout, when: str) -> str:
     }[outcome]
     reason = ""
     if outcome is Outcome.OUTSIDE_DATABASE:
-        from heavylift.solver.water.hulls.stop import left_because
+        from heavylift.solver.water.hulls.checks import left_because
 
         happened, remedy = left_because(layout.bodies, int(status.body))
         reason = f": {happened}" if happened else ""

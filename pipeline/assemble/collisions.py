@@ -39,7 +39,7 @@ def assemble_surfaces(
         See `heavylift.pipeline.assemble.surfaces.make_surface`.
     """
     from heavylift.pipeline.assemble.surfaces import stored_surface
-    from heavylift.preprocess.surfaces import placed
+    from heavylift.preprocess.surfaces.triangle_surface import placed
     from heavylift.solver.scene.collisions import CollisionSurface
 
     found = []

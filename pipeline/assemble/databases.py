@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.hulls import DatabaseSection
     from heavylift.pipeline.results.storage import OutputFolder
-    from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+    from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
     from heavylift.solver.scene.sea import Radiation
 
 __all__ = [
@@ -68,7 +68,7 @@ def stored_database(case: Case, name: str, folder: OutputFolder) -> Hydrodynamic
     InputError
         If one that has to be computed is not there, or a file cannot be read.
     """
-    from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
+    from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
 
     section, file = case.databases[name], folder.database(name)
     item = database_manifest(folder).get(name, {})
@@ -100,16 +100,16 @@ def _read(case: Case, section: DatabaseSection) -> HydrodynamicDatabase:
     path = case.folder / section.file
     points = None if section.reference_points is None else np.array(section.reference_points)
     if section.file_format == "netcdf":
-        from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
+        from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
 
         return read_netcdf(path, time_convention=section.time_convention or "", reference_points=points)
     if section.file_format == "bemio":
-        from heavylift.preprocess.bemio_files import read_bemio
+        from heavylift.preprocess.hydrodynamics.bemio_files import read_bemio
 
         return read_bemio(path, reference_points=points, symmetric=bool(section.symmetric))
     water = water_of(case)
     if section.file_format == "wamit-out":
-        from heavylift.preprocess.wamit_listing import read_wamit_out
+        from heavylift.preprocess.hydrodynamics.wamit_files import read_wamit_out
 
         return read_wamit_out(
             path,
@@ -118,7 +118,7 @@ def _read(case: Case, section: DatabaseSection) -> HydrodynamicDatabase:
             symmetric=bool(section.symmetric),
             forces=section.forces or "diffraction",
         )
-    from heavylift.preprocess.wamit_files import read_wamit
+    from heavylift.preprocess.hydrodynamics.wamit_files import read_wamit
 
     return read_wamit(
         path,

@@ -22,10 +22,9 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.hulls import HullSection
     from heavylift.pipeline.results.storage import OutputFolder
-    from heavylift.preprocess.hull_panels import PanelHydrostatics
-    from heavylift.preprocess.surfaces import TriangleSurface
-    from heavylift.solver.water.hulls.floating import Tank
-    from heavylift.solver.water.hulls.hydrostatics import FloatingPosition
+    from heavylift.preprocess.hydrodynamics.hull_panels import PanelHydrostatics
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
+    from heavylift.solver.water.hulls.hydrostatics import FloatingPosition, Tank
 
 __all__ = [
     "assemble_hulls",
@@ -79,7 +78,7 @@ def frame_origin(case: Case, name: str) -> NDArray[np.float64]:
 
 def hull_surface(case: Case, name: str, folder: OutputFolder) -> TriangleSurface:
     """Surface of a hull in the frame of its body."""
-    from heavylift.preprocess.surfaces import placed
+    from heavylift.preprocess.surfaces.triangle_surface import placed
 
     wanted = case.hulls[name].surface
     index = next(i for i, surface in enumerate(case.surfaces) if surface.name == wanted)
@@ -89,7 +88,7 @@ def hull_surface(case: Case, name: str, folder: OutputFolder) -> TriangleSurface
 
 def hull_tanks(case: Case, name: str) -> tuple[Tank, ...]:
     """Tanks of a hull as they are at the start, in the frame of its body."""
-    from heavylift.solver.water.hulls.floating import Tank
+    from heavylift.solver.water.hulls.hydrostatics import Tank
 
     origin, found = frame_origin(case, name), []
     for tank in case.tanks:
@@ -112,7 +111,7 @@ def resting_position(case: Case, name: str, folder: OutputFolder) -> FloatingPos
     InputError
         If its surface is no hull, or it does not float.
     """
-    from heavylift.preprocess.hull_surface import check_hull
+    from heavylift.preprocess.hydrodynamics.hull_surface import check_hull
     from heavylift.solver.water.hulls.hydrostatics import equilibrium
 
     section, body, origin = case.hulls[name], case.bodies[name], frame_origin(case, name)
@@ -172,7 +171,7 @@ def _restoring(
 
 def linear_restoring(case: Case, name: str, folder: OutputFolder) -> seas.LinearRestoring:
     """Linear restoring of the surface of a hull about the place where it rests upright."""
-    from heavylift.preprocess.hull_panels import hydrostatics, surface_panels
+    from heavylift.preprocess.hydrodynamics.hull_panels import hydrostatics, surface_panels
 
     height = upright_position(case, name, folder).pose.height
     panels = surface_panels(hull_surface(case, name, folder), level=-height, name=name)

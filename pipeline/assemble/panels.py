@@ -11,10 +11,15 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.hulls import frame_origin, hull_surface, upright_position
 from heavylift.pipeline.assemble.scene import assemble_rigid
 from heavylift.pipeline.assemble.water import water_of
-from heavylift.preprocess.bem_inputs import BemInputs
-from heavylift.preprocess.hull_panels import HullPanels, box_panels, hydrostatics, surface_panels
-from heavylift.preprocess.surface_refinement import refined_triangles
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.hydrodynamics.bem import BemInputs
+from heavylift.preprocess.hydrodynamics.hull_panels import (
+    HullPanels,
+    box_panels,
+    hydrostatics,
+    surface_panels,
+)
+from heavylift.preprocess.surfaces.refinement import refined_triangles
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.commands.scene import SeaCase
     from heavylift.pipeline.log import Log
-    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
     from heavylift.solver.scene.scene import Scene
     from heavylift.solver.scene.sea import Hull, Sea
 
@@ -71,8 +71,8 @@ def hydrostatics_command(
     from heavylift.pipeline.assemble.hulls import frame_origin
     from heavylift.pipeline.stages.hydrostatics import hydrostatics_lines, hydrostatics_report
     from heavylift.pipeline.stages.lock import locked
-    from heavylift.preprocess.surfaces import placed
-    from heavylift.solver.water.hulls.floating import Tank as Liquid
+    from heavylift.preprocess.surfaces.triangle_surface import placed
+    from heavylift.solver.water.hulls.hydrostatics import Tank as Liquid
 
     found = load_sea_case(path, out=out, overrides=overrides, log=log)
     sea, water = found.sea, found.sea.water

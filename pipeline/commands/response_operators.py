@@ -14,7 +14,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.commands.scene import check_databases, load_sea_case
 from heavylift.pipeline.report.response_operators import rao_document, write_rao_report
 from heavylift.pipeline.results.storage import replacing, write_json
-from heavylift.preprocess.hydrodynamics import COORDINATES
+from heavylift.preprocess.hydrodynamics.database import COORDINATES
 from heavylift.solver.water.hulls.frequency_domain import (
     NaturalMode,
     ResponseStatistics,

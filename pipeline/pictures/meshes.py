@@ -7,8 +7,13 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from heavylift.solver.bodies.ancf.frame_stress import FrameStresses, frame_stresses
-from heavylift.solver.bodies.ancf.shell_stress import ShellStresses, shell_coordinates, shell_stresses
+from heavylift.solver.bodies.ancf.stress import (
+    FrameStresses,
+    ShellStresses,
+    frame_stresses,
+    shell_coordinates,
+    shell_stresses,
+)
 from heavylift.solver.scene.meshes import FrameBody, ShellBody
 
 if TYPE_CHECKING:

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.pipeline.pictures.png import few_colours, figure_png
-from heavylift.preprocess.hydrodynamics import COORDINATES
+from heavylift.preprocess.hydrodynamics.database import COORDINATES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+    from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 
 __all__ = ["added_mass_plot", "damping_plot", "database_plots", "excitation_plot"]
 

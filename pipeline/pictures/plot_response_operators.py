@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.pipeline.pictures.png import few_colours, figure_png
-from heavylift.preprocess.hydrodynamics import COORDINATES
+from heavylift.preprocess.hydrodynamics.database import COORDINATES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,8 +10,7 @@ import numpy as np
 from heavylift.pipeline.pictures.png import few_colours, figure_png
 
 if TYPE_CHECKING:
-    from heavylift.solver.water.hulls.hydrostatics import FloatingPosition
-    from heavylift.solver.water.hulls.righting_arm import RightingArmCurve
+    from heavylift.solver.water.hulls.hydrostatics import FloatingPosition, RightingArmCurve
 
 __all__ = ["righting_arm_plot"]
 

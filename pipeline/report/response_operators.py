@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.pipeline.results.storage import replacing, write_json
-from heavylift.preprocess.hydrodynamics import COORDINATES
+from heavylift.preprocess.hydrodynamics.database import COORDINATES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

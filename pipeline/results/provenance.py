@@ -36,7 +36,7 @@ PACKAGE = Path(__file__).resolve().parents[2]
 STAGE_SOURCES = {
     "mesh": (
         "numerics",
-        "preprocess",
+        "preprocess/finite_elements",
         "pipeline/assemble/finite_elements.py",
         "pipeline/results/model_io.py",
         "pipeline/stages/stages.py",
@@ -59,7 +59,12 @@ STAGE_SOURCES = {
         "pipeline/stages/simulate.py",
     ),
     "report": ("pipeline",),
-    "surfaces": ("numerics", "preprocess", "pipeline/assemble/surfaces.py"),
+    "surfaces": (
+        "numerics",
+        "preprocess/finite_elements",
+        "preprocess/surfaces",
+        "pipeline/assemble/surfaces.py",
+    ),
     "hydrodynamics": (
         "numerics",
         "preprocess",

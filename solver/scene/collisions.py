@@ -14,7 +14,7 @@ from heavylift.solver.scene.contacts import ContactLaw, RigidLaw
 from heavylift.solver.scene.descriptions import XYZ, ChannelKind
 
 if TYPE_CHECKING:
-    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 __all__ = ["Collision", "CollisionSurface"]
 

@@ -14,8 +14,8 @@ from heavylift.solver.scene.descriptions import XYZ, ChannelKind
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
-    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
     from heavylift.solver.scene.moorings import Fender, MooringLine
     from heavylift.solver.scene.wind_loads import CoefficientLoad, CurrentField, DragElement, WindField
     from heavylift.solver.water.waves.wave_trains import WaveTrains

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.primitive_surfaces import box_surface, plane_surface, sphere_surface
+from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface, sphere_surface
 from heavylift.solver.contact.triangles.start import check_overlaps
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
@@ -20,7 +20,7 @@ from heavylift.solver.scene.meshes import FrameBody, FrameSection
 from heavylift.solver.scene.scene import Fixed, Gravity, RigidBody, Scene
 
 if TYPE_CHECKING:
-    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 INF, NAN = float("inf"), float("nan")
 

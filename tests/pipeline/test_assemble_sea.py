@@ -24,7 +24,7 @@ from heavylift.pipeline.case.sea import SeaSection
 from heavylift.pipeline.checks.quantities import Quantities
 from heavylift.pipeline.report.sea import sea_sections
 from heavylift.pipeline.results.storage import OutputFolder
-from heavylift.preprocess.surface_refinement import refined_triangles
+from heavylift.preprocess.surfaces.refinement import refined_triangles
 from heavylift.solver.scene.sea import Hull, Radiation, Water
 
 HERE = Path(__file__).parent
@@ -202,8 +202,8 @@ def test_figures_of_a_floating_box_as_quantities(folder):
 
 
 def test_righting_arms_of_the_box_case_are_those_of_its_section():
-    from heavylift.preprocess.hull_surface import check_hull
-    from heavylift.solver.water.hulls.righting_arm import righting_arm_curve
+    from heavylift.preprocess.hydrodynamics.hull_surface import check_hull
+    from heavylift.solver.water.hulls.hydrostatics import righting_arm_curve
 
     folder = CASES / "box_hydrostatics"
     lines = [s for s in (folder / "righting_arms.csv").read_text().splitlines() if not s.startswith("#")]
@@ -249,7 +249,7 @@ def test_databases_are_stored_once_and_read_again(folder):
 
 def test_a_database_is_computed_only_if_its_panels_changed(folder, monkeypatch):
     """The method itself is another module's; here it is a function that counts its calls."""
-    from heavylift.preprocess import bem
+    from heavylift.preprocess.hydrodynamics import bem
 
     calls = []
 
@@ -276,7 +276,7 @@ def test_a_database_is_computed_only_if_its_panels_changed(folder, monkeypatch):
 
 def test_panels_of_a_box_are_what_it_wets(folder):
     from heavylift.pipeline.assemble.panels import bem_inputs
-    from heavylift.preprocess.hull_panels import hydrostatics
+    from heavylift.preprocess.hydrodynamics.hull_panels import hydrostatics
 
     compute = "{panel_size = 2.5, symmetric = true, frequencies = {first = 0.2, last = 2, count = 10}}"
     case = load_case(folder, ["tanks=", "databases.still.file=", f"databases.still.compute={compute}"])

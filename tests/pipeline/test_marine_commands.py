@@ -351,7 +351,7 @@ def test_ends_of_lines_follow_their_bodies() -> None:
 
 
 def test_response_to_one_train_is_half_the_square_of_its_operator() -> None:
-    from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
+    from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
     from heavylift.solver.water.hulls.frequency_domain import linear_hulls, motion_operators
     from heavylift.solver.water.waves.wave_trains import regular_wave
 
@@ -367,10 +367,10 @@ def test_response_to_one_train_is_half_the_square_of_its_operator() -> None:
 
 
 def test_equal_hulls_that_do_not_feel_each_other_have_modes_of_their_own() -> None:
-    from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
+    from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
     from heavylift.solver.scene.sea import Radiation
     from heavylift.solver.water.hulls.frequency_domain import linear_hulls, natural_modes
-    from heavylift.solver.water.hulls.joined_database import joined_database
+    from heavylift.solver.water.hulls.linearise import joined_database
 
     database = read_netcdf(DATABASE)
     mass = np.diag([1.6e7] * 3 + [2.5e9, 9e9, 9e9])

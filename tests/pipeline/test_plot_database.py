@@ -15,7 +15,7 @@ from heavylift.pipeline.pictures.plot_database import (
     database_plots,
     excitation_plot,
 )
-from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
+from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
 
 CASES = Path(__file__).parents[2] / "cases"
 

@@ -30,8 +30,8 @@ from heavylift.pipeline.report.report import write_report
 from heavylift.pipeline.results.histories import FORMAT
 from heavylift.pipeline.results.model_io import write_model, write_reduced
 from heavylift.pipeline.results.storage import OutputFolder, write_json
-from heavylift.preprocess.mesh import Mesh
-from heavylift.preprocess.model import FEModel, Material
+from heavylift.preprocess.finite_elements.mesh import Mesh
+from heavylift.preprocess.finite_elements.model import FEModel, Material
 
 FREQUENCIES = np.array([40.0, 95.0])
 CASE = """

@@ -16,9 +16,9 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
-from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
-from heavylift.preprocess.primitive_surfaces import box_surface
-from heavylift.preprocess.retardation import infinite_added_mass
+from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
+from heavylift.preprocess.hydrodynamics.retardation import infinite_added_mass
+from heavylift.preprocess.surfaces.primitives import box_surface
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
 from heavylift.solver.scene.connections import GROUND, SpringRope
 from heavylift.solver.scene.contacts import RigidLaw
@@ -35,7 +35,7 @@ from hull_shapes import box_grid
 from mesh_contact_scenes import Run
 
 if TYPE_CHECKING:
-    from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+    from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
 

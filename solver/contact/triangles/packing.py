@@ -12,7 +12,7 @@ from heavylift.contours.triangles.surface_layout import RelativeMotion, Relative
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid.kind import principal_frame
+from heavylift.solver.bodies.rigid.packing import principal_frame
 from heavylift.solver.contact.checks import check_law, check_motion
 from heavylift.solver.contact.kind import (
     COMPLIANT,
@@ -45,8 +45,8 @@ from heavylift.solver.scene.scene import RigidBody, Scene
 
 if TYPE_CHECKING:
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
-    from heavylift.preprocess.surfaces import TriangleSurface
-    from heavylift.solver.bodies.ancf.facet_packing import FacetBook
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
+    from heavylift.solver.bodies.ancf.mesh_contour import FacetBook
     from heavylift.solver.scene.collisions import Collision, CollisionSurface
     from heavylift.solver.scene.scene import AnyBody
 
@@ -261,7 +261,7 @@ def _pack_surface(
     one: CollisionSurface, by_name: Mapping[str, AnyBody], dofs: Mapping[str, int]
 ) -> tuple[ContactContour, ContourPose, TriangleSurface, FacetBook | None]:
     """Row and pose of a surface, its triangles in the axes in which its body is measured, and how they deform."""
-    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
     if one.body != GROUND and one.body not in by_name:
         raise InputError(
@@ -305,7 +305,7 @@ def _pack_own_surface(
     one: CollisionSurface, body: MeshBody, number: int, dofs: Mapping[str, int]
 ) -> tuple[ContactContour, ContourPose, TriangleSurface, FacetBook]:
     """The same of a frame or shell: axes are those in which it was placed, and stand still."""
-    from heavylift.solver.bodies.ancf.facet_packing import facet_surface
+    from heavylift.solver.bodies.ancf.mesh_contour import facet_surface
 
     if one.surface is not None:
         raise InputError(

@@ -27,9 +27,16 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.moorings import MooringLine, check_sections
-from heavylift.solver.water.lines.catenary import FAILED, LineData, LineEnds, LineState, read_ends, solve_line
+from heavylift.solver.water.lines.catenary import (
+    FAILED,
+    LineData,
+    LineEnds,
+    LineState,
+    SectionData,
+    read_ends,
+    solve_line,
+)
 from heavylift.solver.water.lines.catenary_line import pack_sections
-from heavylift.solver.water.lines.catenary_walk import SectionData
 
 __all__ = [
     "LINE_OVERSTRETCHED",

@@ -16,7 +16,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.bodies.ancf.elements import add_elastic_forces
 from heavylift.solver.bodies.ancf.kind import POINT_MARKER, TANGENT_MARKER, TRIAD_MARKER, VECTOR_MARKER
-from heavylift.solver.bodies.ancf.stability import SHARE
+from heavylift.solver.bodies.ancf.step import SHARE
 from heavylift.solver.integrate.accurate import make_integration
 from heavylift.solver.integrate.mesh_rates import highest_rate
 from heavylift.solver.interface import begin_stage

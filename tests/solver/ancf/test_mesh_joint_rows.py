@@ -15,8 +15,8 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "joints"))
 from joint_scenes import RESIDUALS, Pose, make_joint
 
 from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.ancf.accurate import write_second_rates
 from heavylift.solver.bodies.ancf.kind import FrameMeshes, ShellMeshes
-from heavylift.solver.bodies.ancf.second_rates import write_second_rates
 from heavylift.solver.integrate.loop import start_scene
 from heavylift.solver.interface import (
     RECORD,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
 from heavylift.solver.scene.contacts import RigidLaw
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene

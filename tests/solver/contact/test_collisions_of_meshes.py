@@ -9,8 +9,8 @@ import pytest
 from contact_scenes import DOWN, G, run
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.primitive_surfaces import box_surface, plane_surface, sphere_surface
-from heavylift.solver.bodies.ancf.facet_packing import facet_surface
+from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface, sphere_surface
+from heavylift.solver.bodies.ancf.mesh_contour import facet_surface
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
 from heavylift.solver.scene.contacts import LinearLaw, RigidLaw

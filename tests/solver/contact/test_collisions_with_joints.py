@@ -11,7 +11,7 @@ from mesh_contact_scenes import DOWN, MASS, G, ball, body, run, turn
 
 from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.preprocess.primitive_surfaces import box_surface, plane_surface
+from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
 from heavylift.solver.scene.connections import JointFrame, Rope, RopePoint, Winch
