@@ -22,19 +22,17 @@ from heavylift.pipeline.case.errors import group_errors, input_errors
 from heavylift.pipeline.case.fields import GROUND, CaseContext, Section, UniqueName, reject
 from heavylift.pipeline.case.hulls import DatabaseName, DatabaseSection, HullName, HullSection, TankSection
 from heavylift.pipeline.case.joints import Joint
-from heavylift.pipeline.case.lines import MooringLineSection
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, MeshBodySection, ShellBodySection
 from heavylift.pipeline.case.overrides import apply_overrides
 from heavylift.pipeline.case.quantity_names import QuantityName, parse_quantity_name
 from heavylift.pipeline.case.reference import ReferenceSection, read_reference
 from heavylift.pipeline.case.repeat import Expansion, Parameters, RepeatSection, expand
-from heavylift.pipeline.case.ropes import Rope
 from heavylift.pipeline.case.sea import SeaSection, check_sea
 from heavylift.pipeline.case.sections import GravitySection, ReportSection, SensorSection
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.surfaces import SurfaceSection
 from heavylift.pipeline.case.wind import FluidLoad
-from heavylift.solver.scene.connections import FORCES
+from heavylift.solver.scene.connections import FORCES, ROPES
 from heavylift.solver.scene.moorings import MOORINGS
 
 __all__ = ["CASE_FILE", "Case", "load_case"]
@@ -62,7 +60,7 @@ class Case(Section):
     """Uniform gravity; none if absent."""
     joints: tuple[Joint, ...] = ()
     """Joints between two bodies, or a body and the ground."""
-    ropes: tuple[Rope, ...] = ()
+    ropes: tuple[Annotated[Any, Chosen(ROPES)], ...] = ()
     """Ropes."""
     forces: tuple[Annotated[Any, Chosen(FORCES)], ...] = ()
     """Applied forces, springs, motors."""
@@ -84,7 +82,7 @@ class Case(Section):
     """Ballast water in hulls."""
     fluid_loads: tuple[FluidLoad, ...] = ()
     """What wind and current push on."""
-    lines: tuple[MooringLineSection, ...] = ()
+    lines: tuple[Annotated[Any, Chosen(MOORINGS, word="lines")], ...] = ()
     """Mooring lines that hang by their weight."""
     fenders: tuple[Annotated[Any, Chosen(MOORINGS, word="fenders")], ...] = ()
     """One-sided springs between bodies."""

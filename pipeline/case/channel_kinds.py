@@ -10,11 +10,11 @@ from heavylift.pipeline.case.collision_pairs import declared_collisions, yields
 from heavylift.solver.scene.bodies import Fixed, FlexibleBody, Free, RigidBody
 from heavylift.solver.scene.channels import ENERGY_CHANNELS, MOMENTUM_CHANNELS, MONITOR_CHANNELS
 from heavylift.solver.scene.collisions import Collision
-from heavylift.solver.scene.connections import FORCES, JOINTS, Place, Rope
+from heavylift.solver.scene.connections import FORCES, JOINTS, ROPES, Place
 from heavylift.solver.scene.contacts import Contact
 from heavylift.solver.scene.descriptions import known_channels, recorded_channels
 from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
-from heavylift.solver.scene.moorings import MOORINGS, MooringLine
+from heavylift.solver.scene.moorings import MOORINGS
 from heavylift.solver.scene.scene import Sensor
 from heavylift.solver.scene.sea import Hull
 from heavylift.solver.scene.wind_loads import CoefficientLoad, DragElement, WindField
@@ -77,15 +77,15 @@ COLLISION_CONTACT = _quantities(Collision.CONTACT_CHANNELS)
 MESHES: Mapping[str, type[MeshBody]] = {"frame": FrameBody, "shell": ShellBody}
 BODIES: Mapping[str, Any] = {"flexible": FlexibleBody, "rigid": RigidBody, **MESHES}
 LISTED: Mapping[str, Any] = {
-    "ropes": Rope,
     "sensors": Sensor,
     "contacts": Contact,
-    "lines": MooringLine,
 }
 """What the tables of some lists become, whatever they say: they record the same."""
 FAMILIES: Mapping[str, tuple[Family[Any], str]] = {
     "joints": (JOINTS, ""),
     "forces": (FORCES, ""),
+    "ropes": (ROPES, ""),
+    "lines": (MOORINGS, "lines"),
     "fenders": (MOORINGS, "fenders"),
 }
 """Descriptions of the tables of a list; and the word of the only one, where its tables say none."""
