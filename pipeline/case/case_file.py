@@ -31,9 +31,9 @@ from heavylift.pipeline.case.sea import SeaSection, check_sea
 from heavylift.pipeline.case.sections import GravitySection, ReportSection, SensorSection
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.surfaces import SurfaceSection
-from heavylift.pipeline.case.wind import FluidLoad
 from heavylift.solver.scene.connections import FORCES, ROPES
 from heavylift.solver.scene.moorings import MOORINGS
+from heavylift.solver.scene.wind_loads import FLUID_LOADS
 
 __all__ = ["CASE_FILE", "Case", "load_case"]
 
@@ -80,7 +80,7 @@ class Case(Section):
     """Added mass, damping and excitation of hulls, by names of their own."""
     tanks: tuple[TankSection, ...] = ()
     """Ballast water in hulls."""
-    fluid_loads: tuple[FluidLoad, ...] = ()
+    fluid_loads: tuple[Annotated[Any, Chosen(FLUID_LOADS)], ...] = ()
     """What wind and current push on."""
     lines: tuple[Annotated[Any, Chosen(MOORINGS, word="lines")], ...] = ()
     """Mooring lines that hang by their weight."""

@@ -17,7 +17,7 @@ from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
 from heavylift.solver.scene.moorings import MOORINGS
 from heavylift.solver.scene.scene import Sensor
 from heavylift.solver.scene.sea import Hull
-from heavylift.solver.scene.wind_loads import CoefficientLoad, DragElement, WindField
+from heavylift.solver.scene.wind_loads import FLUID_LOADS, WindField
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -85,6 +85,7 @@ FAMILIES: Mapping[str, tuple[Family[Any], str]] = {
     "joints": (JOINTS, ""),
     "forces": (FORCES, ""),
     "ropes": (ROPES, ""),
+    "fluid_loads": (FLUID_LOADS, ""),
     "lines": (MOORINGS, "lines"),
     "fenders": (MOORINGS, "fenders"),
 }
@@ -218,7 +219,6 @@ def declared(document: Mapping[str, Any]) -> Declared:
     channels |= {name: {**channels[name], **_quantities(Hull.CHANNELS)} for name in hulls}
     fluids = _fluids(document)
     channels |= dict.fromkeys(fluids, _quantities(WindField.CHANNELS))  # a current has the same
-    channels |= {name: _fluid_load_channels(row) for name, row in _named(document, "fluid_loads")}
     channels |= {name: {} for name, _ in _named(document, "tanks")}
     numbered = [pair for name, pair, _ in collided if pair != name]
     return Declared(
@@ -277,11 +277,6 @@ def _fluids(document: Mapping[str, Any]) -> list[str]:
             name = row.get("name", kind) if isinstance(row, dict) else None
             found += [name] if isinstance(name, str) else []
     return found
-
-
-def _fluid_load_channels(row: Mapping[str, Any]) -> Mapping[str, str]:
-    described = CoefficientLoad if row.get("type") == "coefficients" else DragElement
-    return _quantities(described.CHANNELS)
 
 
 def _described_channels(
