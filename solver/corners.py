@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.scene.connections import JointMotor, Rope
 from heavylift.solver.scene.meshes import MeshBody
-from heavylift.solver.scene.scene import Driven, PointForce, Profile, Scene
+from heavylift.solver.scene.scene import Driven, Profile, Scene
 
 __all__ = ["scene_corners"]
 
@@ -16,11 +15,10 @@ def scene_corners(scene: Scene) -> NDArray[np.float64]:
     """Positive times [s], increasing: rows of load, motor and winch tables, ends of the tables of drives."""
     times: list[float] = []
     for force in scene.forces:
-        if isinstance(force, (PointForce, JointMotor)):
-            times += list(np.ravel(force.times))
+        times += list(np.ravel(getattr(force, "times", ())))
     for rope in scene.ropes:
-        if isinstance(rope, Rope) and rope.winch is not None:
-            times += list(rope.winch.times)
+        winch = getattr(rope, "winch", None)
+        times += [] if winch is None else list(winch.times)
     for body in scene.bodies:
         if isinstance(body, MeshBody):
             times += [time for load in body.loads for time in np.ravel(load.times)]

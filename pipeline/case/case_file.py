@@ -17,23 +17,23 @@ from heavylift.pipeline.case.collision_pairs import collision_pairs
 from heavylift.pipeline.case.collisions import Collision
 from heavylift.pipeline.case.contacts import Contact
 from heavylift.pipeline.case.contours import Contour
+from heavylift.pipeline.case.described import Chosen
 from heavylift.pipeline.case.errors import group_errors, input_errors
 from heavylift.pipeline.case.fields import GROUND, CaseContext, Section, UniqueName, reject
-from heavylift.pipeline.case.forces import Force, PointForceSection
 from heavylift.pipeline.case.hulls import DatabaseName, DatabaseSection, HullName, HullSection, TankSection
 from heavylift.pipeline.case.joints import Joint
-from heavylift.pipeline.case.lines import FenderSection, MooringLineSection
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, MeshBodySection, ShellBodySection
 from heavylift.pipeline.case.overrides import apply_overrides
 from heavylift.pipeline.case.quantity_names import QuantityName, parse_quantity_name
 from heavylift.pipeline.case.reference import ReferenceSection, read_reference
 from heavylift.pipeline.case.repeat import Expansion, Parameters, RepeatSection, expand
-from heavylift.pipeline.case.ropes import Rope
 from heavylift.pipeline.case.sea import SeaSection, check_sea
 from heavylift.pipeline.case.sections import GravitySection, ReportSection, SensorSection
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.surfaces import SurfaceSection
-from heavylift.pipeline.case.wind import FluidLoad
+from heavylift.solver.scene.connections import FORCES, ROPES
+from heavylift.solver.scene.moorings import MOORINGS
+from heavylift.solver.scene.wind_loads import FLUID_LOADS
 
 __all__ = ["CASE_FILE", "Case", "load_case"]
 
@@ -60,9 +60,9 @@ class Case(Section):
     """Uniform gravity; none if absent."""
     joints: tuple[Joint, ...] = ()
     """Joints between two bodies, or a body and the ground."""
-    ropes: tuple[Rope, ...] = ()
+    ropes: tuple[Annotated[Any, Chosen(ROPES)], ...] = ()
     """Ropes."""
-    forces: tuple[Force, ...] = ()
+    forces: tuple[Annotated[Any, Chosen(FORCES)], ...] = ()
     """Applied forces, springs, motors."""
     contours: dict[UniqueName, Contour] = Field(default_factory=dict)
     """Curves and surfaces of bodies that something may touch, by name."""
@@ -80,11 +80,11 @@ class Case(Section):
     """Added mass, damping and excitation of hulls, by names of their own."""
     tanks: tuple[TankSection, ...] = ()
     """Ballast water in hulls."""
-    fluid_loads: tuple[FluidLoad, ...] = ()
+    fluid_loads: tuple[Annotated[Any, Chosen(FLUID_LOADS)], ...] = ()
     """What wind and current push on."""
-    lines: tuple[MooringLineSection, ...] = ()
+    lines: tuple[Annotated[Any, Chosen(MOORINGS, word="lines")], ...] = ()
     """Mooring lines that hang by their weight."""
-    fenders: tuple[FenderSection, ...] = ()
+    fenders: tuple[Annotated[Any, Chosen(MOORINGS, word="fenders")], ...] = ()
     """One-sided springs between bodies."""
     sensors: tuple[SensorSection, ...] = ()
     """Material points whose motion is recorded."""
@@ -132,7 +132,7 @@ class Case(Section):
             causes += [f"{key} of {name!r}" for key in ("supports", "loads") if getattr(mesh, key)]
             causes += [f"viscous damping of {name!r}"] if mesh.damping.viscous else []
         for force in self.forces:
-            outside = isinstance(force, PointForceSection) or GROUND in getattr(force, "between", ())
+            outside = hasattr(force, "body") or GROUND in getattr(force, "between", ())
             causes += [f"force {force.name!r}"] if outside else []
         causes += [f"joint {joint.name!r}" for joint in self.joints if GROUND in joint.between]
         for contact in self.contacts:

@@ -10,19 +10,19 @@ from heavylift.pipeline.case.collision_pairs import declared_collisions, yields
 from heavylift.solver.scene.bodies import Fixed, FlexibleBody, Free, RigidBody
 from heavylift.solver.scene.channels import ENERGY_CHANNELS, MOMENTUM_CHANNELS, MONITOR_CHANNELS
 from heavylift.solver.scene.collisions import Collision
-from heavylift.solver.scene.connections import JOINTS, LOAD_CHANNELS, PAIR_FORCES, Place, Rope, Spring
+from heavylift.solver.scene.connections import FORCES, JOINTS, ROPES, Place
 from heavylift.solver.scene.contacts import Contact
-from heavylift.solver.scene.descriptions import known_channels
+from heavylift.solver.scene.descriptions import known_channels, recorded_channels
 from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
-from heavylift.solver.scene.moorings import Fender, MooringLine
+from heavylift.solver.scene.moorings import MOORINGS
 from heavylift.solver.scene.scene import Sensor
 from heavylift.solver.scene.sea import Hull
-from heavylift.solver.scene.wind_loads import CoefficientLoad, DragElement, WindField
+from heavylift.solver.scene.wind_loads import FLUID_LOADS, WindField
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from heavylift.solver.scene.descriptions import ChannelKind
+    from heavylift.solver.scene.descriptions import ChannelKind, Family
 
 __all__ = [
     "COLLISION_CONTACT",
@@ -77,13 +77,19 @@ COLLISION_CONTACT = _quantities(Collision.CONTACT_CHANNELS)
 MESHES: Mapping[str, type[MeshBody]] = {"frame": FrameBody, "shell": ShellBody}
 BODIES: Mapping[str, Any] = {"flexible": FlexibleBody, "rigid": RigidBody, **MESHES}
 LISTED: Mapping[str, Any] = {
-    "ropes": Rope,
     "sensors": Sensor,
     "contacts": Contact,
-    "lines": MooringLine,
-    "fenders": Fender,
 }
 """What the tables of some lists become, whatever they say: they record the same."""
+FAMILIES: Mapping[str, tuple[Family[Any], str]] = {
+    "joints": (JOINTS, ""),
+    "forces": (FORCES, ""),
+    "ropes": (ROPES, ""),
+    "fluid_loads": (FLUID_LOADS, ""),
+    "lines": (MOORINGS, "lines"),
+    "fenders": (MOORINGS, "fenders"),
+}
+"""Descriptions of the tables of a list; and the word of the only one, where its tables say none."""
 
 MESH_TYPES = frozenset(MESHES)
 """Types of bodies made of elements, whose channels have a component for every node or element."""
@@ -191,12 +197,14 @@ def declared(document: Mapping[str, Any]) -> Declared:
     joints: dict[str, str] = {}
     for name, row in _named(document, "joints"):
         joints.setdefault(name, str(row.get("type")))  # of a name that occurs again the first one counts
-    channels |= {name: _joint_channels(kind) for name, kind in joints.items()}
     for key, described in LISTED.items():
         channels |= dict.fromkeys(
             (name for name, _ in _named(document, key)), _quantities(described.CHANNELS)
         )
-    channels |= {name: _force_channels(row, joints) for name, row in _named(document, "forces")}
+    for key, (family, word) in FAMILIES.items():
+        channels |= {
+            name: _described_channels(family, row, joints, word) for name, row in _named(document, key)
+        }
     contours = document.get("contours", {})
     contours = contours if isinstance(contours, dict) else {}
     channels |= {name: {} for name in contours}
@@ -211,7 +219,6 @@ def declared(document: Mapping[str, Any]) -> Declared:
     channels |= {name: {**channels[name], **_quantities(Hull.CHANNELS)} for name in hulls}
     fluids = _fluids(document)
     channels |= dict.fromkeys(fluids, _quantities(WindField.CHANNELS))  # a current has the same
-    channels |= {name: _fluid_load_channels(row) for name, row in _named(document, "fluid_loads")}
     channels |= {name: {} for name, _ in _named(document, "tanks")}
     numbered = [pair for name, pair, _ in collided if pair != name]
     return Declared(
@@ -272,25 +279,12 @@ def _fluids(document: Mapping[str, Any]) -> list[str]:
     return found
 
 
-def _fluid_load_channels(row: Mapping[str, Any]) -> Mapping[str, str]:
-    described = CoefficientLoad if row.get("type") == "coefficients" else DragElement
-    return _quantities(described.CHANNELS)
-
-
-def _joint_channels(kind: str) -> Mapping[str, str]:
+def _described_channels(
+    family: Family[Any], row: Mapping[str, Any], joints: Mapping[str, str], word: str = ""
+) -> Mapping[str, str]:
     """Of a sort that does not exist any channel, so that its type is all that is told."""
-    described = JOINTS.get(kind)
-    return all_channels() if described is None else _quantities(described.CHANNELS)
-
-
-def _force_channels(row: Mapping[str, Any], joints: Mapping[str, str]) -> Mapping[str, str]:
-    kind = row.get("type", "point")
-    if kind in {"joint_spring", "motor"}:
-        coordinate = joint_coordinate(joints.get(str(row.get("joint")), ""))
-        return _quantities([LOAD_CHANNELS["travel" if coordinate == "travel" else "angle"]])
-    if kind == "spring":
-        return _quantities(Spring.CHANNELS)
-    if kind == "point":
-        return {}
-    described = PAIR_FORCES.get(str(kind))
-    return all_channels() if described is None else _quantities(described.CHANNELS)
+    described = family.get(word or str(row.get("type", family.default)))
+    if described is None:
+        return all_channels()
+    along = joint_coordinate(joints.get(str(row.get("joint")), "")) or "angle"
+    return _quantities(recorded_channels(described, along))

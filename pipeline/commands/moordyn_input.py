@@ -16,7 +16,7 @@ from heavylift.solver.water.lines.catenary_line import line_profile, pack_sectio
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.solver.scene.moorings import MooringLine
+    from heavylift.solver.water.lines.mooring_lines import MooringLine
 
 __all__ = ["LineDynamics", "moordyn_input", "quasi_static_force"]
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.solver.scene.moorings import MooringLine
+    from heavylift.solver.water.lines.mooring_lines import MooringLine
 
 __all__ = ["DynamicLine", "LineDynamics", "MoorDynLine", "moordyn_package", "run_moordyn", "work_folder"]
 

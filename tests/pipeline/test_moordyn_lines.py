@@ -13,11 +13,13 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.commands.moordyn_coupling import couple_moordyn
 from heavylift.pipeline.commands.moordyn_input import LineDynamics, moordyn_input, quasi_static_force
 from heavylift.pipeline.commands.moordyn_lines import run_moordyn
+from heavylift.solver.forces.point import PointForce
 from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.moorings import LineSection, MooringLine
-from heavylift.solver.scene.scene import Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene.moorings import LineSection
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Sea
 from heavylift.solver.water.lines.catenary_line import solve_catenary
+from heavylift.solver.water.lines.mooring_lines import MooringLine
 
 if TYPE_CHECKING:
     from pathlib import Path
