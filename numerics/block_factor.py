@@ -22,9 +22,10 @@ from heavylift.numerics.lanes import (
     forward_pivot,
     scale_block,
     solve_off_diagonal,
+    subtract_backward_sum,
     subtract_forward,
+    subtract_products,
 )
-from heavylift.numerics.lanes_wide import subtract_backward_sum, subtract_products
 from heavylift.numerics.records import Records
 
 __all__ = ["backward_blocks", "factor_blocks", "forward_blocks"]
