@@ -1,0 +1,200 @@
+"""Springs and dampers between two points, or on the angle or travel of a joint: as rows of the step or as forces.
+
+As rows, stiff ones do not dictate the size of the step. With the scalar q, its row G, stiffness k and damping c the
+force in the middle of the step is ``k (q_n + h/2 G v - rest) + c G v``: the trapezoidal rule, of second order and
+stable at any step::
+
+    ( G A^-1 G^T + 2/(h z) ) P = -k (q_n - rest)/z - G U,     z = k h/2 + c
+
+This is what a row of compliance ``1/k`` and relaxation time ``c/k`` does, so springs need no targets of their own.
+Integrators that evaluate forces at an instant take them as forces, linear or from a table. Tables as rows have
+corners: `heavylift.solver.laws.scalar_laws`, with the same entry and the same functions of force and energy.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.arrays import Arrays, Floats2
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record, Records
+from heavylift.solver.interface import (
+    Workspace,
+    add_forces,
+    fill_bias,
+    fill_rows,
+    record_joints,
+    update_rows,
+)
+from heavylift.solver.joints.coordinate import (
+    ANGLE,
+    DISTANCE,
+    CoordinateEntry,
+    add_load,
+    coordinate_rate,
+    coordinate_row,
+    coordinate_value,
+)
+from heavylift.solver.joints.row_writing import near_angle
+from heavylift.solver.kinds import implement
+from heavylift.solver.laws.forces import mean_force, spring_force
+from heavylift.solver.laws.rows import put_residual, row_rate
+from heavylift.solver.rows.structure import RowArrays, RowSystem
+
+__all__ = ["SpringEntry", "SpringState", "Springs", "spring_load", "stored_energy"]
+
+
+class SpringEntry(CoordinateEntry):
+    """A spring.
+
+    Attributes
+    ----------
+    block
+        Number of its block of rows, -1 if it is a force.
+    rest
+        Value without load [m] or [rad].
+    stiffness, damping
+        [N/m, N s/m] or [N m/rad, N m s/rad].
+    first, count
+        First row and rows of its curve; none if it is linear.
+    """
+
+    block: int
+    rest: float
+    stiffness: float
+    damping: float
+    first: int
+    count: int
+
+
+class SpringState(Record):
+    """What a spring remembers.
+
+    Attributes
+    ----------
+    value
+        Last value of an angle [rad], to count its turns.
+    loss
+        Energy lost in the damper of a row [J].
+    start_energy, started
+        Of a force: energy stored at the start [J], and whether that is known.
+    """
+
+    value: float
+    loss: float
+    start_energy: float
+    started: bool
+
+
+class Springs(Arrays):
+    """All springs of a scene that are linear rows, or forces.
+
+    Attributes
+    ----------
+    table
+        The springs.
+    curves
+        Rows (elongation, force) of all tables, shape (m, 2).
+    state
+        What they remember.
+    """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+
+    table: Records[SpringEntry]
+    curves: Floats2
+    state: Records[SpringState]
+
+
+@kernel(inline=True, internal=True)
+def spring_load(curves: NDArray[np.float64], spring: SpringEntry, e: float, work: Workspace) -> float:
+    """Force that resists an elongation and, with a damper, its rate."""
+    force = spring_force(curves, spring.first, spring.count, spring.stiffness, e)
+    if spring.damping > 0.0:
+        force += spring.damping * coordinate_rate(work, spring.coordinate, spring.a, spring.b, spring.c)
+    return force
+
+
+@kernel(inline=True, internal=True)
+def stored_energy(curves: NDArray[np.float64], spring: SpringEntry, e: float) -> float:
+    """Energy stored at an elongation [J]."""
+    return e * mean_force(curves, spring.first, spring.count, spring.stiffness, 0.0, e)[0]
+
+
+@kernel(inline=True, internal=True)
+def _elongation(kind: Springs, i: int, q: float) -> float:
+    """The scalar, with the whole turns of an angle, less its rest value."""
+    if kind.table[i].coordinate == ANGLE:
+        q = near_angle(q, kind.state[i].value)
+        kind.state[i].value = q
+    return q - kind.table[i].rest
+
+
+@implement(add_forces, Springs)
+@kernel(internal=True)
+def add_springs(kind: Springs, time: float, work: Workspace) -> None:
+    """Forces on both sides."""
+    for i in range(kind.table.shape[0]):
+        spring = kind.table[i]
+        if spring.block < 0:
+            q = coordinate_value(work, spring.coordinate, spring.a, spring.b, spring.c)
+            load = spring_load(kind.curves, spring, _elongation(kind, i, q), work)
+            add_load(work, spring.coordinate, spring.a, spring.b, spring.c, -load)
+
+
+@implement(fill_rows, Springs)
+@kernel(internal=True)
+def fill_spring_rows(kind: Springs, with_residual: bool, work: Workspace, system: RowArrays) -> None:
+    """Rows; elongations as residuals."""
+    for i in range(kind.table.shape[0]):
+        spring = kind.table[i]
+        if spring.block >= 0:
+            q = coordinate_row(system, spring.block, work, spring.coordinate, spring.a, spring.b, spring.c)
+            if with_residual:
+                put_residual(system, spring.block, _elongation(kind, i, q))
+
+
+@implement(fill_bias, Springs)
+@kernel(internal=True)
+def fill_no_bias(kind: Springs, time: float, work: Workspace, system: RowSystem) -> None:
+    """The accurate integrator takes springs as forces, which have no rows."""
+
+
+@implement(update_rows, Springs)
+@kernel(internal=True)
+def update_springs(kind: Springs, time: float, step: float, work: Workspace, system: RowArrays) -> None:
+    """What the dampers of rows take."""
+    for i in range(kind.table.shape[0]):
+        block = kind.table[i].block
+        if block >= 0:
+            u = row_rate(system, 2 * block, 2 * block + 2, work.velocity)
+            kind.state[i].loss += step * kind.table[i].damping * u * u
+
+
+@implement(record_joints, Springs)
+@kernel(internal=True)
+def record_springs(
+    kind: Springs, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
+) -> None:
+    """Force that resists the elongation, and the length of springs between points.
+
+    The energy of forces moves from the work of outer forces, where the bodies count it, to that of springs.
+    """
+    for i in range(kind.table.shape[0]):
+        spring, state = kind.table[i], kind.state[i]
+        q = coordinate_value(work, spring.coordinate, spring.a, spring.b, spring.c)
+        e = _elongation(kind, i, q)
+        row[spring.column] = spring_load(kind.curves, spring, e, work)
+        if spring.coordinate == DISTANCE:
+            row[spring.column + 1] = q
+        energy = stored_energy(kind.curves, spring, e)
+        work.sums.elastic += energy
+        if spring.block >= 0:
+            work.sums.dissipated += state.loss
+            continue
+        if not state.started:
+            state.start_energy, state.started = energy, True
+        work.sums.external_work += energy - state.start_energy
