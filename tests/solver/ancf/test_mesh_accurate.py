@@ -18,7 +18,7 @@ from heavylift.solver.bodies.ancf.elements import add_elastic_forces
 from heavylift.solver.bodies.ancf.kind import POINT_MARKER, TANGENT_MARKER, TRIAD_MARKER, VECTOR_MARKER
 from heavylift.solver.bodies.ancf.stability import SHARE
 from heavylift.solver.integrate.accurate import make_integration
-from heavylift.solver.integrate.mesh_rates import highest_rate
+from heavylift.solver.integrate.choice import highest_rate
 from heavylift.solver.interface import begin_stage
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
