@@ -214,8 +214,6 @@ def dissect(graph: csr_array, coordinates: NDArray[np.float64] | None = None, le
         Symmetric adjacency of the nodes, sparse (n, n); values do not matter.
     coordinates
         Positions of the nodes, shape (n, d). Without them graph distances from a few far nodes serve.
-    leaf
-        Most nodes of a part that is not split further.
 
     Notes
     -----
@@ -232,7 +230,7 @@ def dissect(graph: csr_array, coordinates: NDArray[np.float64] | None = None, le
     domain = np.ones(n, dtype=np.int64)  # heap numbers: the halves of domain d are 2 d and 2 d + 1
     active = np.ones(n, dtype=bool)  # neither in a separator nor in a leaf yet
     for _ in range(DEEPEST):
-        active &= np.bincount(_dense(domain), minlength=1)[_dense(domain)] > leaf
+        active &= np.bincount(_dense(domain), minlength=1)[_dense(domain)] > LEAF
         if not active.any():
             break
         inside = active[edges[0]] & active[edges[1]] & (domain[edges[0]] == domain[edges[1]])

@@ -43,7 +43,6 @@ __all__ = [
     "subtract_backward",
     "subtract_backward_sum",
     "subtract_forward",
-    "subtract_product",
     "subtract_products",
     "subtract_rigid_rows",
 ]
@@ -115,19 +114,6 @@ def scale_block(typingctx, shape, out, out_at, block, at, pivot, pivot_at):  # t
             code.put_row(code.multiply(code.row(Y, c), inverse), W, c)
 
     return _block_code(shape, (out, out_at, block, at, pivot, pivot_at), write)
-
-
-@intrinsic
-def subtract_product(typingctx, shape, target, target_at, left, left_at, right, right_at):  # type: ignore[no-untyped-def]
-    """``T -= Y W^T``: of `left` W every number, of `right` Y every column as a vector."""
-
-    def write(code: VectorCode, T: Any, W: Any, Y: Any) -> None:
-        columns = [code.row(Y, d) for d in range(code.used)]
-        for c in range(code.used):
-            factors = [code.spread(code.number(W, d * code.lanes + c)) for d in range(code.used)]
-            code.put_row(code.subtract_sum(code.row(T, c), *zip(columns, factors, strict=True)), T, c)
-
-    return _block_code(shape, (target, target_at, left, left_at, right, right_at), write)
 
 
 @intrinsic

@@ -30,7 +30,7 @@ def factor_two(shape, A, B, C, scratch):
     lanes.factor_pivot(shape, A, 0)
     lanes.solve_off_diagonal(shape, B, 0, A, 0)
     lanes.scale_block(shape, scratch, 0, B, 0, A, 0)
-    lanes.subtract_product(shape, C, 0, scratch, 0, B, 0)
+    lanes.subtract_products(shape, C, 0, scratch, 0, B, 0, 1)
     lanes.factor_pivot(shape, C, 0)
 
 
