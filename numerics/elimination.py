@@ -205,7 +205,7 @@ class Dissection(NamedTuple):
     starts: NDArray[np.int64]
 
 
-def dissect(graph: csr_array, coordinates: NDArray[np.float64] | None = None, leaf: int = LEAF) -> Dissection:
+def dissect(graph: csr_array, coordinates: NDArray[np.float64] | None = None) -> Dissection:
     """Order a graph by recursive coordinate bisection with smallest vertex separators.
 
     Parameters
