@@ -22,9 +22,8 @@ from heavylift.solver.integrate.energy_watch import EnergyWatch
 from heavylift.solver.integrate.loop import start_scene, write_record
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
-from heavylift.solver.mesh_warning import mesh_warning
 from heavylift.solver.scene.scene import Scene
-from heavylift.solver.stop_message import stop_message
+from heavylift.solver.stop_message import mesh_warning, stop_message
 
 if TYPE_CHECKING:
     from heavylift.numerics.objects import Unit

@@ -19,7 +19,7 @@ from heavylift.solver.bodies.ancf.kind import POINT_MARKER, TANGENT_MARKER, TRIA
 from heavylift.solver.bodies.ancf.step import SHARE
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.integrate.accurate import make_integration
-from heavylift.solver.integrate.mesh_rates import highest_rate
+from heavylift.solver.integrate.choice import highest_rate
 from heavylift.solver.interface import begin_stage
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
