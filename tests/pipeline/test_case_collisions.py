@@ -10,14 +10,10 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case
-from heavylift.pipeline.case.channel_kinds import (
-    COLLISION_CONTACT,
-    all_channels,
-    channel_components,
-    declared,
-)
+from heavylift.pipeline.case.channel_kinds import COLLISION_CONTACT, all_channels, channel_components
 from heavylift.pipeline.case.collisions import thesis_numbers
 from heavylift.pipeline.case.places import places
+from heavylift.pipeline.case.tables import declared
 
 COLLISION = {
     "gap": "m",
