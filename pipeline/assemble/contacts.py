@@ -13,7 +13,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
-from heavylift.pipeline.assemble.mesh_shapes import read_points
+from heavylift.pipeline.assemble.meshes import read_points
 from heavylift.pipeline.case.contours import BandContourSection, SurfaceContourSection
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.results.model_io import read_model

@@ -179,7 +179,7 @@ def _edges(case: Case, joints: Sequence[Joint], bodies: Sequence[AnyBody]) -> li
     found: list[tuple[str, Joint]] = []
     for index, (joint, made) in enumerate(zip(case.joints, joints, strict=True)):
         if isinstance(made, EdgeJoint):
-            from heavylift.pipeline.assemble.edges import joints_of_edge
+            from heavylift.pipeline.assemble.meshes import joints_of_edge
 
             with located(case, f"joints.{index}"):
                 place = case.place(f"joints.{index}.between.1")

@@ -13,7 +13,7 @@ from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, model_
 from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline.case.channel_kinds import Declared
 from heavylift.pipeline.case.checks import CheckSection, ConvergeSection, QuantityReference
-from heavylift.pipeline.case.collision_pairs import collision_pairs
+from heavylift.pipeline.case.collisions import collision_pairs
 from heavylift.pipeline.case.errors import group_errors, input_errors
 from heavylift.pipeline.case.fields import CaseContext, Section, reject
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, MeshBodySection, ShellBodySection

@@ -18,8 +18,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.units import KINDS, parse_quantity
 from heavylift.pipeline.case.bodies import FlexibleBodySection, RigidBodySection
 from heavylift.pipeline.case.channel_kinds import MESH_TYPES, Declared, all_channels, joint_coordinate
-from heavylift.pipeline.case.collision_pairs import declared_collisions, yields
-from heavylift.pipeline.case.collisions import Collision, CollisionSection
+from heavylift.pipeline.case.collisions import Collision, CollisionSection, declared_collisions, yields
 from heavylift.pipeline.case.contacts import Contact
 from heavylift.pipeline.case.contours import Contour
 from heavylift.pipeline.case.errors import is_chosen, sections_in

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.pipeline.results.column_statistics import PROBABILITY, chosen_columns, column_statistics
+from heavylift.pipeline.results.statistics import PROBABILITY, chosen_columns, column_statistics
 from heavylift.pipeline.results.storage import replacing, write_json
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from heavylift.pipeline.log import Log
-    from heavylift.pipeline.results.column_statistics import ColumnStatistics
+    from heavylift.pipeline.results.statistics import ColumnStatistics
 
 __all__ = ["statistics_command"]
 
@@ -61,8 +61,7 @@ def statistics_command(
     from heavylift.pipeline.commands.statistics_seeds import simulate_seeds
     from heavylift.pipeline.results.histories import load_results
     from heavylift.pipeline.results.storage import OutputFolder
-    from heavylift.pipeline.stages.lock import locked
-    from heavylift.pipeline.stages.stages import load_changed_case
+    from heavylift.pipeline.stages.stages import load_changed_case, locked
 
     case = load_changed_case(path, overrides)
     root = Path(out) if out is not None else case.output_folder

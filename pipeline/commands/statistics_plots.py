@@ -13,8 +13,7 @@ from heavylift.pipeline.results.signals import scaled_unit
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from heavylift.pipeline.results.column_statistics import ColumnStatistics
-    from heavylift.pipeline.results.statistics import GumbelFit
+    from heavylift.pipeline.results.statistics import ColumnStatistics, GumbelFit
 
 __all__ = ["gumbel_plots", "spectrum_plots"]
 

@@ -7,7 +7,7 @@ import shutil
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.pipeline.results.column_statistics import LEAST_RUNS
+from heavylift.pipeline.results.statistics import LEAST_RUNS
 from heavylift.pipeline.results.storage import OutputFolder, StopError
 
 if TYPE_CHECKING:

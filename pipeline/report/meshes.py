@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.pipeline.case.mesh_geometry import counts_of
+from heavylift.pipeline.case.meshes import counts_of
 from heavylift.pipeline.report.document import Facts, Section, Table, Text, short_table
 from heavylift.pipeline.report.inputs import initial_rows
 from heavylift.pipeline.results.signals import scaled_unit

@@ -65,9 +65,7 @@ STAGE_SOURCES = {
     "hydrodynamics": (
         "numerics",
         "preprocess",
-        "pipeline/assemble/databases.py",
         "pipeline/assemble/hulls.py",
-        "pipeline/assemble/panels.py",
         "pipeline/assemble/water.py",
         "pipeline/stages/hydrodynamics.py",
     ),
