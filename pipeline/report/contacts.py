@@ -170,7 +170,7 @@ def _picture(
     case: Case, stages: OutputFolder, results: Results, renderer: Renderer, album: Album
 ) -> list[Figure]:
     """The scene at its largest force or impact; nothing if the case can no longer be put together."""
-    from heavylift.pipeline.pictures.touch import touch_picture
+    from heavylift.pipeline.pictures.contacts import touch_picture
     from heavylift.pipeline.report.scene import scene_others
 
     record, words = _moment(case, results)
