@@ -16,7 +16,20 @@ if TYPE_CHECKING:
     from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
     from pydantic_core import CoreSchema
 
-__all__ = ["Positive", "Quantity", "WorldDirection", "quantity_schema"]
+__all__ = [
+    "Absent",
+    "AsDrawn",
+    "BodyDirection",
+    "BodyPoint",
+    "ByCoordinate",
+    "Least",
+    "NameOf",
+    "Positive",
+    "Quantity",
+    "Shape",
+    "WorldDirection",
+    "quantity_schema",
+]
 
 
 @dataclass(frozen=True)
@@ -95,6 +108,73 @@ class Quantity:
 @dataclass(frozen=True)
 class WorldDirection:
     """Annotation of a direction, shape (3,): a user gives it in the world at the start, a body keeps it in its axes."""
+
+
+@dataclass(frozen=True)
+class BodyDirection:
+    """Annotation of a direction, shape (3,), in the axes of the body that a thing is on; of two bodies the first."""
+
+
+@dataclass(frozen=True)
+class BodyPoint:
+    """Annotation of a point [m], shape (3,), of the body that a thing is on.
+
+    A user gives it in the coordinates of the geometry of the body, an object keeps it in its frame.
+    """
+
+
+@dataclass(frozen=True)
+class ByCoordinate:
+    """Annotation of a number that is one quantity for a joint that turns and another one for a joint that slides."""
+
+    angle: Quantity
+    travel: Quantity
+
+
+@dataclass(frozen=True)
+class NameOf:
+    """Annotation of a name of something else in the scene.
+
+    Attributes
+    ----------
+    what
+        ``"body"``; ``"side"``, a body or the ground; ``"joint"``, one with an angle or a travel; ``"fluid"``, a wind or
+        a current.
+    """
+
+    what: str
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Annotation of an array of numbers: how many a user lists along each axis, None for any number."""
+
+    lengths: tuple[int | None, ...]
+
+
+@dataclass(frozen=True)
+class Least:
+    """Annotation of a list: how many entries it has at least."""
+
+    count: int
+
+
+@dataclass(frozen=True)
+class Absent:
+    """Annotation of a key that a user may leave out, and that then means something that no value says.
+
+    Attributes
+    ----------
+    value
+        What an object then has, an infinite stiffness for instance; the default of its field if None.
+    """
+
+    value: Any = None
+
+
+@dataclass(frozen=True)
+class AsDrawn(Absent):
+    """Annotation of a length that a user may leave out: it then is the distance of the two ends at the start."""
 
 
 def quantity_schema(description: str = "", **limits: float) -> dict[str, Any]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.scene.connections import JointMotor, Rope
+from heavylift.solver.forces.motor import JointMotor
+from heavylift.solver.forces.point import PointForce
+from heavylift.solver.scene.connections import Rope
 from heavylift.solver.scene.meshes import MeshBody
-from heavylift.solver.scene.scene import Driven, PointForce, Profile, Scene
+from heavylift.solver.scene.scene import Driven, Profile, Scene
 
 __all__ = ["scene_corners"]
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from heavylift.solver.coordinates import attachments, first_dofs, mode_count, velocity_count
 from heavylift.solver.corners import scene_corners
+from heavylift.solver.forces.point import PointForce
 from heavylift.solver.interface import (
     Bodies,
     Forces,
@@ -23,7 +24,7 @@ from heavylift.solver.layout_rows import pack_connections
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.scene.channels import ENERGY_CHANNELS, MOMENTUM_CHANNELS, Channel, add_channels
 from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
-from heavylift.solver.scene.scene import AnyBody, Fixed, FlexibleBody, Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene.scene import AnyBody, Fixed, FlexibleBody, Gravity, RigidBody, Scene
 from heavylift.solver.scene_checks import check_scene
 
 __all__ = ["Channel", "Layout", "pack_scene"]

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.solver.coordinates import attachments, first_dofs, inverse_masses, inverse_scales
+from heavylift.solver.forces.point import PointForce
 from heavylift.solver.interface import FORCES
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import RowSystem, classify_rows, pack_rows
 from heavylift.solver.scene.channels import MONITOR_CHANNELS, Channel, add_channels
-from heavylift.solver.scene.connections import PairForce
+from heavylift.solver.scene.connections import PackedForce
 from heavylift.solver.scene.meshes import MeshBody
-from heavylift.solver.scene.scene import AnyBody, Gravity, PointForce, Scene
+from heavylift.solver.scene.scene import AnyBody, Gravity, Scene
 
 if TYPE_CHECKING:
     from heavylift.solver.laws.packing import PackedLaws
@@ -130,7 +131,7 @@ def _pack(
         from heavylift.solver.layout_sea import pack_sea
 
         packed.sea, packed.column = pack_sea(scene, book, packed.channels, packed.column)
-    _pack_pair_forces(scene, packed)
+    _pack_forces(scene, packed)
     attachment = attachments(ordered, first_dofs(ordered, bases), bases)
     make_system: Any = None
     if scene.joints:
@@ -170,11 +171,11 @@ def _pack(
     return packed
 
 
-def _pack_pair_forces(scene: Scene, packed: PackedConnections) -> None:
-    """Forces between two points, one kind a sort, with their channels."""
-    groups: dict[str, list[tuple[PairForce, int]]] = {}
+def _pack_forces(scene: Scene, packed: PackedConnections) -> None:
+    """Forces that their modules pack, one kind a sort, with their channels."""
+    groups: dict[str, list[tuple[PackedForce, int]]] = {}
     for force in scene.forces:
-        if isinstance(force, PairForce):
+        if isinstance(force, PackedForce):
             groups.setdefault(type(force).__module__, []).append((force, packed.column))
             packed.column = add_channels(force.name, force.CHANNELS, packed.channels, packed.column)
     for module, members in groups.items():
@@ -252,7 +253,7 @@ def _pack_laws(
 
 def _has_laws(scene: Scene) -> bool:
     """Whether there is anything beside joints, gravity and point forces."""
-    plain = all(isinstance(force, (Gravity, PointForce, PairForce)) for force in scene.forces)
+    plain = all(isinstance(force, (Gravity, PointForce, PackedForce)) for force in scene.forces)
     cornered = any(
         getattr(joint, "limits", None) is not None or getattr(joint, "friction", 0.0) != 0.0
         for joint in scene.joints

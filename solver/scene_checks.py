@@ -9,16 +9,16 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.scene.connections import (
     GROUND,
+    AlongJoint,
+    Between,
     Joint,
-    JointMotor,
-    JointSpring,
-    PairForce,
+    OnBody,
+    PackedForce,
     Rope,
-    Spring,
     SpringRope,
 )
 from heavylift.solver.scene.meshes import MeshBody
-from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Gravity, RigidBody, Scene
 
 __all__ = ["check_scene"]
 
@@ -38,7 +38,7 @@ def check_scene(scene: Scene) -> None:
         raise InputError("no body", source="scene", expected="at least one")
     kinds = (
         (scene.bodies, (FlexibleBody, RigidBody, MeshBody), "bodies"),
-        (scene.forces, (Gravity, PointForce, PairForce, Spring, JointSpring, JointMotor), "forces"),
+        (scene.forces, (Gravity, OnBody, Between, AlongJoint, PackedForce), "forces"),
         (scene.joints, (Joint,), "joints"),
         (scene.ropes, (Rope, SpringRope), "ropes"),
     )
@@ -57,7 +57,9 @@ def _check_names(scene: Scene) -> None:
     """Every name of a channel once, and every reference to something that is there."""
     named = [force for force in scene.forces if not isinstance(force, Gravity)]
     seen: set[str] = set()
-    recorded = [force for force in named if not isinstance(force, PointForce)]
+    recorded = [
+        force for force in named if getattr(force, "CHANNELS", True)
+    ]  # the others need no name of their own
     touching: tuple[Any, ...] = (*scene.contacts, *scene.collisions)
     at_sea = _named_at_sea(scene)
     for thing in (*scene.bodies, *scene.sensors, *scene.joints, *scene.ropes, *recorded, *touching, *at_sea):
@@ -81,7 +83,7 @@ def _check_names(scene: Scene) -> None:
                     key=user.name,
                     expected=f"one of {', '.join(sorted(names))}{ground}",
                 )
-        if isinstance(user, (JointSpring, JointMotor)) and user.joint not in joints:
+        if isinstance(user, AlongJoint) and user.joint not in joints:
             raise InputError(
                 f"there is no joint {user.joint!r}",
                 source="scene",
@@ -102,11 +104,9 @@ def _bodies_of(thing: Any) -> list[tuple[str, bool]]:
     """Names of the bodies that something refers to, and whether each may be the ground."""
     if isinstance(thing, Rope):
         return [(point.body, True) for point in thing.path]
-    if isinstance(thing, (Joint, Spring, SpringRope)) or hasattr(thing, "body_a"):  # lines and fenders too
+    if hasattr(thing, "body_a"):
         return [(thing.body_a, True), (thing.body_b, True)]
-    if isinstance(thing, (JointSpring, JointMotor)):
-        return []
-    return [(thing.body, False)]
+    return [(thing.body, False)] if hasattr(thing, "body") else []
 
 
 def _check_joint(joint: Joint) -> None:

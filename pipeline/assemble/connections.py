@@ -18,7 +18,6 @@ from heavylift.pipeline.case.bodies import ProfileSection
 from heavylift.pipeline.case.joints import AngleLimitsSection, TravelLimitsSection
 from heavylift.pipeline.case.places import located
 from heavylift.solver.scene import connections as c
-from heavylift.solver.scene import scene as s
 from heavylift.solver.scene.connections import Place
 from heavylift.solver.scene.descriptions import described_fields
 
@@ -29,12 +28,10 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.forces import JointSpringSection, MotorSection, SpringForceSection
     from heavylift.pipeline.case.ropes import PathPointSection, SpringRopeSection, WireRopeSection
 
 __all__ = [
     "assemble_joints",
-    "assemble_loads",
     "assemble_ropes",
 ]
 
@@ -200,72 +197,3 @@ def _spring_rope(rope: SpringRopeSection, sides: Mapping[str, Side]) -> c.Spring
         stiffness=rope.stiffness,
         damping=rope.damping,
     )
-
-
-def assemble_loads(
-    case: Case, sides: Mapping[str, Side]
-) -> list[s.PointForce | c.PairForce | c.Spring | c.JointSpring | c.JointMotor]:
-    """Forces, springs and motors of a case."""
-    return [_LOADS.get(force.type, _pair_force)(force, sides) for force in case.forces]
-
-
-def _pair_force(force: Any, sides: Mapping[str, Side]) -> c.PairForce:
-    ends, _ = _ends(force.between, force.points, sides)
-    own = {field.name: getattr(force, field.name) for field in described_fields(force.DESCRIBED)}
-    made: c.PairForce = force.DESCRIBED(name=force.name, **ends, **own)
-    return made
-
-
-def _point_force(force: Any, sides: Mapping[str, Side]) -> s.PointForce:
-    constant = force.force is not None
-    return s.PointForce(
-        name=force.name,
-        body=force.body,
-        point=sides[force.body].local(force.point),
-        times=np.array([0.0]) if constant else np.array(force.times),
-        forces=np.array([force.force]) if constant else np.array(force.forces),
-        frame=force.frame,
-    )
-
-
-def _spring(force: SpringForceSection, sides: Mapping[str, Side]) -> c.Spring:
-    ends, drawn = _ends(force.between, force.points, sides)
-    return c.Spring(
-        name=force.name,
-        **ends,
-        length=drawn if force.length is None else force.length,
-        stiffness=force.stiffness or 0.0,
-        damping=force.damping,
-        elongations=np.array(force.elongations, dtype=float),
-        forces=np.array(force.forces, dtype=float),
-    )
-
-
-def _joint_spring(force: JointSpringSection, _sides: Mapping[str, Side]) -> c.JointSpring:
-    return c.JointSpring(
-        name=force.name,
-        joint=force.joint,
-        rest=force.rest,
-        stiffness=force.stiffness or 0.0,
-        damping=force.damping,
-        deflections=np.array(force.deflections, dtype=float),
-        loads=np.array(force.loads, dtype=float),
-    )
-
-
-def _motor(force: MotorSection, _sides: Mapping[str, Side]) -> c.JointMotor:
-    constant = force.load is not None
-    return c.JointMotor(
-        name=force.name,
-        joint=force.joint,
-        times=np.array([0.0]) if constant else np.array(force.times),
-        loads=np.array([force.load]) if constant else np.array(force.loads),
-    )
-
-
-_LOADS: dict[str, Any] = {
-    "point": _point_force,
-    "spring": _spring,
-    "joint_spring": _joint_spring,
-    "motor": _motor,
-}

@@ -10,7 +10,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.places import located
-from heavylift.solver.scene.moorings import Fender, LineSection, MooringLine
+from heavylift.solver.scene.moorings import LineSection, MooringLine
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.lines import MooringLineSection
 
-__all__ = ["assemble_fenders", "assemble_lines"]
+__all__ = ["assemble_lines"]
 
 SLACKEST = 3.0
 """Of the distance of the ends: longest length that is tried for a tension."""
@@ -130,25 +130,3 @@ def bottom_of(case: Case) -> float:
     """Height of the bottom of the sea in the world [m]."""
     assert case.sea is not None
     return case.sea.level - case.sea.water_depth
-
-
-def assemble_fenders(case: Case, sides: Mapping[str, Side]) -> tuple[Fender, ...]:
-    """Fenders of a case."""
-    found = []
-    for section in case.fenders:
-        a, b = section.between
-        found.append(
-            Fender(
-                name=section.name,
-                body_a=a,
-                point_a=sides[a].local(section.points[0]),
-                body_b=b,
-                point_b=sides[b].local(section.points[1]),
-                direction=np.array(section.direction),
-                stiffness=section.stiffness or 0.0,
-                damping=section.damping,
-                compressions=np.array(section.compressions, dtype=float),
-                forces=np.array(section.forces, dtype=float),
-            )
-        )
-    return tuple(found)

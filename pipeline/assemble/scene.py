@@ -8,11 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.assemble.connections import (
-    assemble_joints,
-    assemble_loads,
-    assemble_ropes,
-)
+from heavylift.pipeline.assemble.connections import assemble_joints, assemble_ropes
+from heavylift.pipeline.assemble.described import assemble_list
 from heavylift.pipeline.assemble.finite_elements import check_on_body
 from heavylift.pipeline.assemble.sides import make_profile, start_sides
 from heavylift.pipeline.assemble.water import has_sea
@@ -93,7 +90,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         )
     sides = start_sides(bodies, origins)
     forces: list[Any] = [] if case.gravity is None else [s.Gravity(np.array(case.gravity.acceleration))]
-    forces += assemble_loads(case, sides)
+    forces += assemble_list(case, "forces", sides)
     sensors = tuple(
         s.Sensor(sensor.name, sensor.body, sides[sensor.body].local(sensor.point)) for sensor in case.sensors
     )
@@ -200,7 +197,7 @@ def _points_on(
         found.append((f"sensors.{i}.point", sensor.body, sensor.point))
     force: Any
     for i, force in enumerate(case.forces):
-        if force.type == "point":
+        if hasattr(force, "point"):
             found.append((f"forces.{i}.point", force.body, force.point))
         elif hasattr(force, "points"):
             sides = zip(force.between, force.points, strict=True)

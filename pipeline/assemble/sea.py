@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.pipeline.assemble.lines import assemble_fenders, assemble_lines
+from heavylift.pipeline.assemble.described import assemble_list
+from heavylift.pipeline.assemble.lines import assemble_lines
 from heavylift.pipeline.assemble.water import has_sea, water_of
 from heavylift.pipeline.case.columns import read_columns
 from heavylift.pipeline.case.places import located
@@ -77,7 +78,7 @@ def assemble_sea(case: Case, sides: Mapping[str, Side], folder: OutputFolder) ->
         fields=_fields(case, duration),
         loads=_loads(case, sides),
         lines=assemble_lines(case, sides),
-        fenders=assemble_fenders(case, sides),
+        fenders=tuple(assemble_list(case, "fenders", sides)),
     )
 
 

@@ -17,7 +17,15 @@ if TYPE_CHECKING:
 
     from pydantic import ValidationError
 
-__all__ = ["group_errors", "input_errors", "is_chosen", "known_keys", "sections_below", "sections_in"]
+__all__ = [
+    "chosen_in",
+    "group_errors",
+    "input_errors",
+    "is_chosen",
+    "known_keys",
+    "sections_below",
+    "sections_in",
+]
 
 _MISSING = object()
 
@@ -193,6 +201,13 @@ def sections_in(annotation: Any) -> Iterable[type[BaseModel]]:
         yield annotation
     for argument in get_args(annotation):
         yield from sections_in(argument)
+
+
+def chosen_in(annotation: Any) -> Chosen | None:
+    """What chooses the descriptions of the tables that a type annotation is of; None if sections stand in it."""
+    if isinstance(annotation, Chosen):
+        return annotation
+    return next(filter(None, map(chosen_in, get_args(annotation))), None)
 
 
 def is_chosen(section: type[BaseModel], node: Any) -> bool:

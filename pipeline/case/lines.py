@@ -2,14 +2,12 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-from itertools import pairwise
 from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
 from heavylift.pipeline.case.fields import (
     GROUND,
-    Direction,
     LengthVector,
     Positive,
     Quantity,
@@ -18,11 +16,10 @@ from heavylift.pipeline.case.fields import (
     UniqueName,
     reject,
 )
-from heavylift.solver.scene.moorings import Fender, MooringLine
+from heavylift.solver.scene.moorings import MooringLine
 
-__all__ = ["FenderSection", "LineSectionSection", "MooringLineSection"]
+__all__ = ["LineSectionSection", "MooringLineSection"]
 
-_Closed = Annotated[float, Quantity("length", minimum=0.0, closed=True)]
 _Force = Annotated[float, Quantity("force")]
 
 
@@ -88,46 +85,4 @@ class MooringLineSection(Section):
             reject("both 'on_seabed' and 'seabed'", "one of them", key="seabed")
         if self.friction and not self.on_seabed and self.seabed is None:
             reject("'friction' without a bottom", "'on_seabed' or 'seabed'", key="friction")
-        return self
-
-
-class FenderSection(Section):
-    """A one-sided spring on a plane face, which pushes two bodies apart."""
-
-    CHANNELS: ClassVar = Fender.CHANNELS
-
-    name: UniqueName
-    """Name; the first part of its channels."""
-    between: tuple[SideName, SideName]
-    """Body, or ``"ground"``, that it stands on, and the one that presses it."""
-    points: tuple[LengthVector, LengthVector]
-    """Its tip when it is not compressed, and the point that presses it, in the coordinates of the geometries; of the
-    ground in the world [m]."""
-    direction: Direction
-    """Outward normal of its face in the axes of the first body."""
-    stiffness: Annotated[float, Positive("stiffness")] | None = None
-    """[N/m]."""
-    damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
-    """[N s/m]; never so much that it pulls."""
-    compressions: tuple[_Closed, ...] = ()
-    """In place of `stiffness`, a table from 0 on [m]."""
-    forces: tuple[Annotated[float, Quantity("force", minimum=0.0, closed=True)], ...] = ()
-    """[N], one a compression."""
-
-    @model_validator(mode="after")
-    def _has_a_law(self) -> Self:
-        if self.between[0] == self.between[1]:
-            reject(
-                f"both sides are {self.between[0]!r}", "two bodies, or a body and the ground", key="between"
-            )
-        if (self.stiffness is None) == (not self.compressions):
-            problem = "neither 'stiffness' nor 'compressions'" if self.stiffness is None else "both"
-            reject(problem, "'stiffness', or a table of 'compressions' and 'forces'")
-        rows = self.compressions
-        if rows and (len(rows) != len(self.forces) or any(b <= a for a, b in pairwise(rows))):
-            reject(
-                f"{len(rows)} compressions and {len(self.forces)} forces",
-                "increasing compressions from 0, one force each",
-                key="compressions",
-            )
         return self

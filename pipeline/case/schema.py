@@ -81,6 +81,7 @@ class _Described(GenerateJsonSchema):
             own = {field.name for field in described_fields(described)}
             for base in reversed(described.__mro__):
                 docs |= {name: text for name, text in _attribute_docs(base).items() if name in own}
+            docs |= getattr(described, "SENTENCES", {})
         for name, field in section.model_fields.items():
             key = field.alias or name
             if docs.get(name) and key in found.get("properties", {}):

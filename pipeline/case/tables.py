@@ -8,7 +8,7 @@ that a document declares, places in messages, digests and the outer forces of a 
 
 import contextlib
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal, get_origin
 
@@ -21,12 +21,12 @@ from heavylift.pipeline.case.channel_kinds import MESH_TYPES, Declared, all_chan
 from heavylift.pipeline.case.collisions import Collision, CollisionSection, declared_collisions, yields
 from heavylift.pipeline.case.contacts import Contact
 from heavylift.pipeline.case.contours import Contour
-from heavylift.pipeline.case.errors import is_chosen, sections_in
+from heavylift.pipeline.case.described import Chosen
+from heavylift.pipeline.case.errors import chosen_in, is_chosen, sections_in
 from heavylift.pipeline.case.fields import GROUND, Section, UniqueName
-from heavylift.pipeline.case.forces import Force
 from heavylift.pipeline.case.hulls import DatabaseName, DatabaseSection, HullName, HullSection, TankSection
 from heavylift.pipeline.case.joints import Joint
-from heavylift.pipeline.case.lines import FenderSection, MooringLineSection
+from heavylift.pipeline.case.lines import MooringLineSection
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySection
 from heavylift.pipeline.case.ropes import Rope
 from heavylift.pipeline.case.sea import SeaSection
@@ -34,8 +34,9 @@ from heavylift.pipeline.case.sections import GravitySection, SensorSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
 from heavylift.pipeline.case.wind import FluidLoad, WindSection
 from heavylift.solver.scene.bodies import Fixed, Free
-from heavylift.solver.scene.connections import JOINTS, LOAD_CHANNELS, PAIR_FORCES, Spring
-from heavylift.solver.scene.descriptions import ChannelKind
+from heavylift.solver.scene.connections import FORCES
+from heavylift.solver.scene.descriptions import ChannelKind, recorded_channels
+from heavylift.solver.scene.moorings import MOORINGS
 
 __all__ = ["TABLES", "SceneTables", "Table", "declared", "lengths"]
 
@@ -129,10 +130,10 @@ def lengths(values: Any) -> Vector | None:
     return None
 
 
-# what is recorded of an entry, as read from TOML; None of a type that does not exist
+# what is recorded of an entry, as read from TOML
 
 
-def _of_body(row: Row, _joints: Mapping[str, str]) -> Sequence[ChannelKind]:
+def _of_body(row: Row) -> tuple[ChannelKind, ...]:
     sections: Mapping[str, type[Section]] = {
         "flexible": FlexibleBodySection,
         "frame": FrameBodySection,
@@ -141,24 +142,6 @@ def _of_body(row: Row, _joints: Mapping[str, str]) -> Sequence[ChannelKind]:
     kind, frame = str(row.get("type")), row.get("frame")
     free = kind in MESH_TYPES or (isinstance(frame, dict) and frame.get("motion") == "free")
     return (*sections.get(kind, RigidBodySection).CHANNELS, *(Free if free else Fixed).CHANNELS)
-
-
-def _of_joint(row: Row, joints: Mapping[str, str]) -> Sequence[ChannelKind] | None:
-    described = JOINTS.get(joints[row["name"]])
-    return None if described is None else described.CHANNELS
-
-
-def _of_force(row: Row, joints: Mapping[str, str]) -> Sequence[ChannelKind] | None:
-    kind = str(row.get("type", "point"))
-    if kind in {"joint_spring", "motor"}:
-        coordinate = joint_coordinate(joints.get(str(row.get("joint")), ""))
-        return [LOAD_CHANNELS["travel" if coordinate == "travel" else "angle"]]
-    if kind == "spring":
-        return Spring.CHANNELS
-    if kind == "point":
-        return ()
-    described = PAIR_FORCES.get(kind)
-    return None if described is None else described.CHANNELS
 
 
 # what acts on a scene from outside
@@ -200,26 +183,26 @@ class Table:
         Whether its entries have names of their own, first parts of channels that no other thing has; names of
         ``"bodies"``, beside whose channels stand theirs; or names that stand ``"apart"``.
     records
-        Channels of an entry, or what says them of an entry as read from TOML and the types of the joints by name, None
-        of a type that does not exist; if absent, those of the section that an entry chooses.
+        Channels of an entry, or what says them of an entry as read from TOML; if absent, those of the description or
+        section that an entry chooses.
     move
         Moves the places in the world that an entry as read from TOML says, by a vector [m] in the world.
     is_outer
         Whether an entry of a case acts from outside: changes the momentum of the scene; or names of its parts that do.
-    key, by_name, sections
-        Its key; whether it holds its entries by name, or is a list; sections that they may be.
+    key, by_name, chosen, sections
+        Its key; whether it holds its entries by name, or is a list; what chooses their description, or sections that
+        they may be.
     """
 
     words: str
     one: str
     names: Literal["own", "bodies", "apart"] = "own"
-    records: (
-        Sequence[ChannelKind] | Callable[[Row, Mapping[str, str]], Sequence[ChannelKind] | None] | None
-    ) = None
+    records: tuple[ChannelKind, ...] | Callable[[Row], tuple[ChannelKind, ...]] | None = None
     move: Callable[[dict[str, Any], Vector], None] | None = None
     is_outer: Callable[[Any, Any], bool | list[str]] = lambda entry, case: False  # noqa: ARG005
     key: str = ""
     by_name: bool = False
+    chosen: Chosen | None = None
     sections: tuple[Any, ...] = ()
 
     @property
@@ -255,11 +238,20 @@ class Table:
                 yield part, entry
 
     def channels(self, row: Row, joints: Mapping[str, str]) -> dict[str, str]:
-        """Last parts of the channels of an entry as read from TOML, and their kinds."""
-        own = self.records(row, joints) if callable(self.records) else self.records
-        if self.records is None:
-            chosen = [section for section in self.sections if is_chosen(section, row)]
-            alike = {section.CHANNELS for section in chosen or self.sections}
+        """Last parts of the channels of an entry as read from TOML, and their kinds; of a type that is unknown all.
+
+        `joints` are the types of the joints by name.
+        """
+        own, records = None, self.records
+        if records is not None:
+            own = records if isinstance(records, tuple) else records(row)
+        elif self.chosen is not None:
+            described = self.chosen.described(row)
+            along = joint_coordinate(joints.get(str(row.get("joint")), "")) or "angle"
+            own = None if described is None else recorded_channels(described, along)
+        else:
+            of_type = [section for section in self.sections if is_chosen(section, row)]
+            alike = {section.CHANNELS for section in of_type or self.sections}
             own = alike.pop() if len(alike) == 1 else None
         return all_channels() if own is None else _quantities(own)
 
@@ -277,7 +269,7 @@ class SceneTables(Section):
     """Uniform gravity; none if absent."""
     joints: Annotated[
         tuple[Joint, ...],
-        Table("Joints", "joint", records=_of_joint, move=_move_sides, is_outer=_on_ground),
+        Table("Joints", "joint", move=_move_sides, is_outer=_on_ground),
     ] = ()
     """Joints between two bodies, or a body and the ground."""
     ropes: Annotated[
@@ -286,13 +278,12 @@ class SceneTables(Section):
     ] = ()
     """Ropes."""
     forces: Annotated[
-        tuple[Force, ...],
+        tuple[Annotated[Any, Chosen(FORCES)], ...],
         Table(
             "Forces",
             "force",
-            records=_of_force,
             move=_move_sides,
-            is_outer=lambda force, case: force.type == "point" or _on_ground(force, case),
+            is_outer=lambda force, case: hasattr(force, "body") or _on_ground(force, case),
         ),
     ] = ()
     """Applied forces, springs, motors."""
@@ -349,7 +340,7 @@ class SceneTables(Section):
     ] = ()
     """Mooring lines that hang by their weight."""
     fenders: Annotated[
-        tuple[FenderSection, ...],
+        tuple[Annotated[Any, Chosen(MOORINGS, word="fenders")], ...],
         Table("Fenders", "fender", move=_move_sides, is_outer=_on_ground),
     ] = ()
     """One-sided springs between bodies."""
@@ -362,7 +353,8 @@ TABLES: Mapping[str, Table] = {
         mark,
         key=key,
         by_name=get_origin(field.annotation) is dict,
-        sections=tuple(sections_in(field.annotation)) if mark.records is None else (),
+        chosen=chosen_in(field.annotation),
+        sections=() if chosen_in(field.annotation) else tuple(sections_in(field.annotation)),
     )
     for key, field in SceneTables.model_fields.items()
     for mark in field.metadata

@@ -14,12 +14,11 @@ from heavylift.pipeline.pictures.triangles import drawn_triangles
 from heavylift.solver.joints.edges import expand_edge
 from heavylift.solver.scene.connections import (
     GROUND,
+    Between,
     EdgeJoint,
     Joint,
-    PairForce,
     Rope,
     RopePoint,
-    Spring,
     SpringRope,
 )
 from heavylift.solver.scene.meshes import FrameBody, ShellBody
@@ -106,7 +105,7 @@ class Others:
         self._springs = [
             (self._place(force.body_a, force.point_a), self._place(force.body_b, force.point_b))
             for force in scene.forces
-            if isinstance(force, (Spring, PairForce))
+            if isinstance(force, Between)
         ]
         self._joints = [
             (self._place(joint.body_a, joint.frame_a.point), self._place(joint.body_b, joint.frame_b.point))

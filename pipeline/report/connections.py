@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import MISSING
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.numerics.quantity import Quantity
+from heavylift.numerics.quantity import (
+    AsDrawn,
+    BodyPoint,
+    ByCoordinate,
+    NameOf,
+    Quantity,
+    Shape,
+    WorldDirection,
+)
 from heavylift.pipeline.case.bodies import ProfileSection
 from heavylift.pipeline.case.channel_kinds import joint_coordinate, lies_along_edge
 from heavylift.pipeline.case.joints import AngleLimitsSection, TravelLimitsSection
@@ -20,7 +29,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.report.document import Table
 
-__all__ = ["connection_tables"]
+__all__ = ["connection_tables", "own_words"]
 
 
 def connection_tables(case: Case) -> list[Table]:
@@ -71,7 +80,7 @@ def _edges(joint: Any) -> str:
 
 def _besides(joint: Any) -> str:
     """Drive, limits, friction, length and whatever else a joint has, compliance."""
-    words = [_own_words(field, getattr(joint, field.name)) for field in described_fields(joint.DESCRIBED)]
+    words = [own_words(field, getattr(joint, field.name)) for field in described_fields(joint.DESCRIBED)]
     if joint.compliance:
         words.append(f"compliance {joint.compliance:g} m/N")
     if joint.relaxation:
@@ -79,15 +88,52 @@ def _besides(joint: Any) -> str:
     return "; ".join(filter(None, words))
 
 
-def _own_words(field: DescribedField, value: Any) -> str:
-    """Value of a key of its own; nothing where it is as if absent."""
-    if not isinstance(field.quantity, Quantity) or value == field.default:
+def own_words(field: DescribedField, value: Any, coordinate: str = "") -> str:
+    """Value of a key of its own; nothing where it is as if absent.
+
+    Parameters
+    ----------
+    field, value
+        The key and its value.
+    coordinate
+        That of the joint, ``"angle"`` or ``"travel"``, on which the quantity may depend.
+    """
+    quantity, name = field.quantity, field.name.replace("_", " ")
+    if field.mark(AsDrawn) is not None and value is None:
+        return f"{name} as drawn"
+    if isinstance(quantity, (WorldDirection, BodyPoint, NameOf)):
         return ""
+    if (
+        value is None
+        or value == ()
+        or (field.default is not MISSING and np.array_equal(value, field.default))
+    ):
+        return ""
+    if isinstance(quantity, ByCoordinate):
+        quantity = quantity.travel if coordinate == "travel" else quantity.angle
+    unit = quantity.unit if isinstance(quantity, Quantity) else ""
     if isinstance(value, ProfileSection):
-        return f"{_PARTICIPLES.get(field.name, field.name)}: {profile_words(value, field.quantity.unit)}"
+        return f"{_PARTICIPLES.get(field.name, field.name)}: {profile_words(value, unit)}"
     if isinstance(value, (AngleLimitsSection, TravelLimitsSection)):
         return _limits(value, turns=isinstance(value, AngleLimitsSection))
-    return f"{field.name.replace('_', ' ')} {number_words(value, field.quantity.unit)}"
+    if isinstance(value, bool):
+        return name
+    if isinstance(value, float):
+        return f"{name} {number_words(value, unit)}"
+    if not isinstance(value, tuple):
+        return f"{name} {value}"
+    if field.mark(Shape) is None or None not in field.mark(Shape).lengths:
+        return f"{name} {numbers_words(value, unit)}"
+    return f"{len(value)} {name}: {_ranges(value, unit)}"
+
+
+def _ranges(values: Sequence[Any], unit: str) -> str:
+    """Smallest and largest numbers of a list of numbers or vectors."""
+    columns = np.array(values).reshape(len(values), -1)
+    if columns.shape[1] == 1:
+        return range_words(columns[:, 0].tolist(), unit)
+    low, high = columns.min(axis=0).tolist(), columns.max(axis=0).tolist()
+    return f"smallest {numbers_words(low, unit)}, largest {numbers_words(high, unit)}"
 
 
 _PARTICIPLES = {"drive": "driven"}
@@ -119,46 +165,13 @@ def _rope(rope: Any) -> tuple[str, ...]:
 
 
 def _force(force: Any, kinds: dict[str, str]) -> tuple[str, ...]:
-    if force.type == "point":
-        value = _load(force.force, force.times, force.forces, "N")
-        return (force.name, f"force, {force.frame} axes", force.body, numbers_words(force.point, "m"), value)
-    if force.type == "spring":
-        place = " and ".join(numbers_words(point, "m") for point in force.points)
-        length = "as drawn" if force.length is None else number_words(force.length, "m")
-        law = _law(force.stiffness, force.damping, force.elongations, ("m", "N"))
-        return (force.name, "spring", " – ".join(force.between), place, f"{law}; length {length}")
-    if hasattr(force, "DESCRIBED"):
-        place = " and ".join(numbers_words(point, "m") for point in force.points)
-        words = [_own_words(field, getattr(force, field.name)) for field in described_fields(force.DESCRIBED)]
-        kind = force.type.replace("_", " ")
-        return (force.name, kind, " – ".join(force.between), place, "; ".join(filter(None, words)))
-    turns = joint_coordinate(kinds[force.joint]) == "angle"
-    units = ("rad", "N m") if turns else ("m", "N")
-    if force.type == "motor":
-        return (force.name, "motor", force.joint, "", _load(force.load, force.times, force.loads, units[1]))
-    law = _law(force.stiffness, force.damping, force.deflections, units)
-    rest = f"; rest {number_words(force.rest, units[0])}" if force.rest else ""
-    return (force.name, "spring along a joint", force.joint, "", law + rest)
-
-
-def _law(stiffness: float | None, damping: float, table: Sequence[float], units: tuple[str, str]) -> str:
-    """Stiffness or table, and damping, of a spring."""
-    place, load = units
-    over = {"rad": "N m/rad", "m": "N/m"}[place], {"rad": "N m s/rad", "m": "N s/m"}[place]
-    words = [f"table of {len(table)} points, {range_words(table, place)}"] if table else []
-    words += [number_words(stiffness, over[0])] if stiffness else []
-    words += [f"damping {number_words(damping, over[1])}"] if damping else []
-    return ", ".join(words) or f"no {load}"
-
-
-def _load(constant: Any, times: Sequence[float], table: Sequence[Any], unit: str) -> str:
-    """A constant load, or the ranges of its table."""
-    if constant is not None:
-        given = [constant] if isinstance(constant, float) else constant
-        return f"constant {numbers_words(given, unit) if len(given) > 1 else number_words(given[0], unit)}"
-    values = np.array(table).reshape(len(times), -1)
-    return (
-        f"table of {len(times)} points, {range_words(times, 's')}; "
-        f"smallest {numbers_words(values.min(axis=0).tolist(), unit)}, "
-        f"largest {numbers_words(values.max(axis=0).tolist(), unit)}"
-    )
+    """Name, sort, bodies or joint, places, and all else that it says."""
+    coordinate = joint_coordinate(kinds[force.joint]) if hasattr(force, "joint") else ""
+    points = getattr(force, "points", None) or [force.point] * hasattr(force, "point")
+    place = " and ".join(numbers_words(point, "m") for point in points)
+    on = " – ".join(getattr(force, "between", ())) or getattr(force, "joint", None) or force.body
+    words = [
+        own_words(field, getattr(force, field.name), coordinate)
+        for field in described_fields(force.DESCRIBED)
+    ]
+    return (force.name, force.type.replace("_", " "), on, place, "; ".join(filter(None, words)))

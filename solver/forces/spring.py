@@ -7,13 +7,16 @@ step are in `heavylift.solver.joints`.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar
+from dataclasses import dataclass, field
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import Absent, AsDrawn, ByCoordinate, Quantity, Shape
 from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.interface import (
     Workspace,
@@ -34,8 +37,110 @@ from heavylift.solver.joints.row_writing import near_angle
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import mean_force, spring_force
 from heavylift.solver.rows.structure import RowSystem
+from heavylift.solver.scene.connections import FORCES, AlongJoint, Between
+from heavylift.solver.scene.descriptions import ChannelKind, check_table, no_rows
 
-__all__ = ["Springs", "pack_springs"]
+__all__ = ["JointSpring", "Spring", "Springs", "pack_springs"]
+
+
+def _check_law(
+    stiffness: float | None,
+    damping: float,
+    key: str,
+    places: Sequence[float],
+    values_key: str,
+    values: Sequence[float],
+) -> None:
+    """A spring has a stiffness or a table, or is a mere damper."""
+    if stiffness is not None and (places or values):
+        raise InputError(
+            "both 'stiffness' and a table", expected=f"'stiffness', or {key!r} and {values_key!r}"
+        )
+    if not stiffness and not damping and not (places or values):
+        raise InputError(
+            "neither a stiffness nor a damping",
+            expected=f"'stiffness', 'damping', or {key!r} and {values_key!r}",
+        )
+    check_table(key, places, values_key, values, shortest=2)
+
+
+@FORCES.describe("spring")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Spring(Between):
+    """A spring and damper between two points, along their line: it pulls and pushes."""
+
+    CHANNELS: ClassVar = (
+        ChannelKind("force", "force", "tension of the spring with its damper; negative if it pushes"),
+        ChannelKind("length", "length", "distance of the ends of the spring"),
+    )
+    """What it records, in the order of its columns."""
+
+    length: Annotated[float, Quantity("length", minimum=0.0, closed=True), AsDrawn()]
+    """Unloaded length [m]; as drawn if absent."""
+    stiffness: Annotated[float, Quantity("stiffness", minimum=0.0, closed=True), Absent()] = 0.0
+    """[N/m]."""
+    damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
+    """[N s/m]."""
+    elongations: Annotated[NDArray[np.float64], Quantity("length"), Shape((None,))] = field(
+        default_factory=no_rows
+    )
+    """In place of the stiffness, a table: elongations [m], increasing."""
+    forces: Annotated[NDArray[np.float64], Quantity("force"), Shape((None,))] = field(default_factory=no_rows)
+    """Tensions of the table [N], linear in between and beyond its ends."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A stiffness, a damping or a table."""
+        _check_law(said.stiffness, said.damping, "elongations", said.elongations, "forces", said.forces)
+
+    @property
+    def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Its table."""
+        return self.elongations, self.forces
+
+
+@FORCES.describe("joint_spring")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JointSpring(AlongJoint):
+    """A spring and damper on the angle of a hinge or the travel of a slider."""
+
+    rest: Annotated[float, ByCoordinate(Quantity("angle"), Quantity("length"))] = 0.0
+    """Angle [rad] or travel [m] without load."""
+    stiffness: Annotated[
+        float,
+        ByCoordinate(
+            Quantity("angular stiffness", minimum=0.0, closed=True),
+            Quantity("stiffness", minimum=0.0, closed=True),
+        ),
+        Absent(),
+    ] = 0.0
+    """[N m/rad] or [N/m]."""
+    damping: Annotated[
+        float,
+        ByCoordinate(
+            Quantity("angular damping", minimum=0.0, closed=True),
+            Quantity("damping", minimum=0.0, closed=True),
+        ),
+    ] = 0.0
+    """[N m s/rad] or [N s/m]."""
+    deflections: Annotated[
+        NDArray[np.float64], ByCoordinate(Quantity("angle"), Quantity("length")), Shape((None,))
+    ] = field(default_factory=no_rows)
+    """In place of the stiffness, a table: angles [rad] or travels [m] less `rest`, increasing."""
+    loads: Annotated[
+        NDArray[np.float64], ByCoordinate(Quantity("moment or energy"), Quantity("force")), Shape((None,))
+    ] = field(default_factory=no_rows)
+    """Restoring torques [N m] or forces [N] of the table, linear in between and beyond its ends."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A stiffness, a damping or a table."""
+        _check_law(said.stiffness, said.damping, "deflections", said.deflections, "loads", said.loads)
+
+    @property
+    def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Its table."""
+        return self.deflections, self.loads
 
 
 class SpringEntry(CoordinateEntry):
@@ -141,7 +246,7 @@ def add_springs(kind: Springs, time: float, work: Workspace) -> None:
 
 @implement(fill_rows, Springs)
 @kernel(internal=True)
-def fill_no_rows(kind: Springs, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+def fillno_rows(kind: Springs, with_residual: bool, work: Workspace, system: RowSystem) -> None:
     """A force has no rows."""
 
 

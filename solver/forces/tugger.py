@@ -22,15 +22,16 @@ from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.interface import FORCES, Workspace, add_forces, record_forces
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.scene.connections import PAIR_FORCES, PairForce
+from heavylift.solver.scene import connections
+from heavylift.solver.scene.connections import Between, PackedForce
 from heavylift.solver.scene.descriptions import ChannelKind
 
 __all__ = ["Tugger", "Tuggers", "pack"]
 
 
-@PAIR_FORCES.describe("tugger")
+@connections.FORCES.describe("tugger")
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Tugger(PairForce):
+class Tugger(Between, PackedForce):
     """A winch pulls the two points together with a constant tension."""
 
     CHANNELS: ClassVar = (

@@ -6,11 +6,12 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.coordinates import inverse_scales
 from heavylift.solver.integrate.mesh_rates import highest_rate
-from heavylift.solver.scene.connections import GROUND, JointSpring, Spring
+from heavylift.solver.scene.connections import GROUND, Between
 from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import FlexibleBody, Scene
 
@@ -109,16 +110,17 @@ def stiff_part(scene: Scene, interval: float) -> str:
         return 0.0 if name == GROUND else scales(name)[1 if turns else 0]
 
     joints = {joint.name: joint for joint in scene.joints}
+    force: Any
     for force in scene.forces:
-        if isinstance(force, Spring):
+        if not hasattr(force, "curve"):  # no spring
+            continue
+        if isinstance(force, Between):
             inverse = of(force.body_a, False) + of(force.body_b, False)
-        elif isinstance(force, JointSpring):
+        else:
             joint = joints[force.joint]
             turns = joint.COORDINATE == "angle"
             inverse = of(joint.body_a, turns) + of(joint.body_b, turns)
-        else:
-            continue
-        stiffness = max([force.stiffness, *_slopes(force)])
+        stiffness = max([force.stiffness, *_slopes(*force.curve)])
         rate = max(math.sqrt(stiffness * inverse), force.damping * inverse)
         if rate * interval > LARGEST_RATE:
             return (
@@ -138,10 +140,6 @@ def stiff_mesh(scene: Scene, interval: float) -> str:
     return ""
 
 
-def _slopes(force: Spring | JointSpring) -> list[float]:
+def _slopes(x: NDArray[np.float64], y: NDArray[np.float64]) -> list[float]:
     """Slopes of the table of a spring."""
-    if isinstance(force, Spring):
-        x, y = force.elongations, force.forces
-    else:
-        x, y = force.deflections, force.loads
     return [float(value) for value in np.diff(y) / np.diff(x)] if len(x) > 1 else []

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
+from heavylift.solver.forces.motor import JointMotor
+from heavylift.solver.forces.spring import JointSpring, Spring
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.coordinate import (
     ANGLE,
@@ -28,7 +30,7 @@ from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.channels import Channel, add_channels
-from heavylift.solver.scene.connections import GROUND, Joint, JointMotor, JointSpring, Limits, Rope, Spring
+from heavylift.solver.scene.connections import GROUND, Joint, Limits, Rope
 
 if TYPE_CHECKING:
     from heavylift.solver.rows.structure import Attachment

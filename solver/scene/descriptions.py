@@ -19,27 +19,58 @@ import inspect
 import sys
 import types
 from dataclasses import MISSING, Field, dataclass, fields
+from itertools import pairwise
 from pathlib import Path
 from typing import (
     TYPE_CHECKING,
     Annotated,
     Any,
     Generic,
+    Literal,
     NamedTuple,
     TypeVar,
+    Union,
     get_args,
     get_origin,
 )
 
-from heavylift.numerics.quantity import Quantity, WorldDirection
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import (
+    Absent,
+    AsDrawn,
+    BodyDirection,
+    BodyPoint,
+    ByCoordinate,
+    NameOf,
+    Quantity,
+    WorldDirection,
+)
 from heavylift.numerics.units import KINDS, parse_unit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
 
-__all__ = ["XYZ", "ChannelKind", "DescribedField", "Family", "described_fields", "known_channels"]
+    from numpy.typing import NDArray
+
+__all__ = [
+    "XYZ",
+    "ChannelKind",
+    "DescribedField",
+    "Family",
+    "Meaning",
+    "check_object",
+    "check_table",
+    "described_fields",
+    "is_described",
+    "known_channels",
+    "no_rows",
+    "recorded_channels",
+]
 
 T = TypeVar("T")
+U = TypeVar("U")
 XYZ = ("x", "y", "z")
 
 
@@ -97,16 +128,34 @@ _CHANNELS: dict[str, list[ChannelKind]] = {}
 """By name; all of one quantity, but for those that have theirs from their owner."""
 
 
+Meaning = Quantity | ByCoordinate | WorldDirection | BodyDirection | BodyPoint | NameOf
+"""Annotations that say what a value is."""
+
+
 class DescribedField(NamedTuple):
-    """A key that a description brings: its name, type without annotation, annotation, and default.
+    """A key that a description brings: its name, type without annotations, annotations, and default.
 
     Without default the key is needed; `default` then is `dataclasses.MISSING`.
     """
 
     name: str
     hint: Any
-    quantity: Quantity | WorldDirection
+    marks: tuple[Any, ...]
     default: Any
+
+    def mark(self, kind: Any) -> Any:
+        """Its annotation of a class, or None."""
+        return next((mark for mark in self.marks if isinstance(mark, kind)), None)
+
+    @property
+    def quantity(self) -> Any:
+        """What it is; None of a flag, a word of choice, a number that counts, or a table."""
+        return self.mark(Meaning)
+
+    @property
+    def absent(self) -> bool:
+        """Whether a case file may leave it out, which none of its values means."""
+        return self.mark(Absent) is not None
 
 
 class Family(Generic[T]):
@@ -118,13 +167,27 @@ class Family(Generic[T]):
         What a member is called in messages, e.g. "joint".
     package
         Modules of this package may describe members; the one with the name of a word is looked at first.
+    default
+        Word of a table that says none.
+    typed
+        Whether a table says its word, as its ``type``; if not, it is the name of the list in which it stands.
     reserved
         Words that stand for something else.
     """
 
-    def __init__(self, name: str, package: str, reserved: Collection[str] = ()) -> None:
+    def __init__(
+        self,
+        name: str,
+        package: str,
+        *,
+        default: str = "",
+        typed: bool = True,
+        reserved: Collection[str] = (),
+    ) -> None:
         self.name, self.package, self.reserved = name, package, reserved
+        self.default, self.typed = default, typed
         self._members: dict[str, type[T]] = {}
+        self._parts: dict[str, type[Any]] = {}
         self._complete = False
 
     def describe(self, word: str) -> Callable[[type[T]], type[T]]:
@@ -156,12 +219,22 @@ class Family(Generic[T]):
                     raise TypeError(
                         f"{_place(described)}: {', '.join(sorted(hidden))} hides that of {base.__name__}"
                     )
-            described.WORD = word  # type: ignore[attr-defined]
-            described.FIELDS = _find_fields(described)  # type: ignore[attr-defined]
+            self._complete_description(word, described)
             self._members[word] = described
             return described
 
         return register
+
+    def part(self, described: type[U]) -> type[U]:
+        """Decorate the dataclass that describes a table within those of this family, beside one of them."""
+        other = self._parts.setdefault(_place(described), described)
+        if other is described:
+            self._complete_description("", described)
+        return other
+
+    def _complete_description(self, word: str, described: Any) -> None:
+        described.WORD, described.FAMILY = word, self
+        described.FIELDS = _find_fields(described)
 
     def get(self, word: str) -> type[T] | None:
         """Description that a word stands for; None if there is none."""
@@ -227,11 +300,8 @@ def _read(file: Path, name: str) -> None:
 
 
 def _describes(decorator: ast.expr) -> bool:
-    return (
-        isinstance(decorator, ast.Call)
-        and isinstance(decorator.func, ast.Attribute)
-        and decorator.func.attr == "describe"
-    )
+    named = decorator.func if isinstance(decorator, ast.Call) else decorator
+    return isinstance(named, ast.Attribute) and named.attr in {"describe", "part"}
 
 
 def _bound(node: ast.stmt) -> list[str]:
@@ -253,23 +323,64 @@ def described_fields(described: Any) -> tuple[DescribedField, ...]:
     return found
 
 
+def recorded_channels(described: Any, coordinate: str = "") -> tuple[ChannelKind, ...]:
+    """What things of a description record.
+
+    Parameters
+    ----------
+    described
+        The description.
+    coordinate
+        Coordinate of the joint along which one acts, ``"angle"`` or ``"travel"``; all that may be if empty.
+    """
+    by_coordinate = getattr(described, "CHANNEL_BY_COORDINATE", None)
+    if by_coordinate is None:
+        found: tuple[ChannelKind, ...] = described.CHANNELS
+        return found
+    return (by_coordinate[coordinate],) if coordinate else tuple(by_coordinate.values())
+
+
+def is_described(hint: Any) -> bool:
+    """Whether a type is a description."""
+    return isinstance(hint, type) and "FIELDS" in vars(hint)
+
+
 def _find_fields(described: type) -> tuple[DescribedField, ...]:
-    """Keys of a description; a field without quantity is a `TypeError`."""
+    """Keys of a description; a field without quantity is a `TypeError`.
+
+    Fields of its bases without annotation are no keys: they say where a thing is, which a case file tells otherwise.
+    """
     hints: dict[str, Any] = {}
     for base in reversed(described.__mro__):
-        if "WORD" in base.__dict__:
-            own = _named_in(base, described)
-            hints |= {k: v for k, v in inspect.get_annotations(base, eval_str=True).items() if k in own}
+        own, says = _named_in(base, described), "WORD" in vars(base)
+        if own and (says or any("Annotated" in str(text) for text in inspect.get_annotations(base).values())):
+            given = inspect.get_annotations(base, eval_str=True)
+            hints |= {k: v for k, v in given.items() if k in own and (says or get_origin(v) is Annotated)}
     by_name: dict[str, Field[Any]] = {field.name: field for field in fields(described)}
     found = []
     for name, hint in hints.items():
-        marks = [mark for mark in get_args(hint)[1:] if isinstance(mark, (Quantity, WorldDirection))]
-        if get_origin(hint) is not Annotated or len(marks) != 1:
+        annotated = get_origin(hint) is Annotated
+        inner, marks = (get_args(hint)[0], get_args(hint)[1:]) if annotated else (hint, ())
+        kinds = [mark for mark in marks if isinstance(mark, Meaning)]
+        if len(kinds) != 1 and (kinds or not all(map(_speaks_for_itself, _leaves(inner)))):
             raise TypeError(f"{_place(described)}.{name}: {hint}, expected an annotation with its quantity")
         field = by_name[name]
         default = field.default_factory() if field.default_factory is not MISSING else field.default
-        found.append(DescribedField(name, get_args(hint)[0], marks[0], default))
+        found.append(DescribedField(name, inner, marks, default))
     return tuple(found)
+
+
+def _leaves(hint: Any) -> list[Any]:
+    """Types that a list or a choice of types is made of."""
+    if get_origin(hint) in {tuple, Union, types.UnionType}:
+        inner = [part for part in get_args(hint) if part not in {..., type(None)}]
+        return [leaf for part in inner for leaf in _leaves(part)]
+    return [hint]
+
+
+def _speaks_for_itself(hint: Any) -> bool:
+    """Whether a value is a flag, a word of choice, a number that counts, or a table described elsewhere."""
+    return hint in {bool, int} or get_origin(hint) is Literal or is_described(hint)
 
 
 def _named_in(base: type, described: type) -> set[str]:
@@ -280,6 +391,66 @@ def _named_in(base: type, described: type) -> set[str]:
 def known_channels() -> Mapping[str, Sequence[ChannelKind]]:
     """Channels by name that descriptions which have been imported declare, of all their owners."""
     return _CHANNELS
+
+
+def no_rows() -> NDArray[np.float64]:
+    """An empty table."""
+    return np.zeros(0)
+
+
+def check_table(
+    key: str, places: Sequence[float], values_key: str, values: Sequence[Any], *, shortest: int = 1
+) -> None:
+    """Refuse a table that has not one value a place, or places that do not increase.
+
+    Raises
+    ------
+    InputError
+        With the keys of both lists in words; that of the table they stand in is not known here.
+    """
+    if len(places) != len(values):
+        raise InputError(
+            f"{len(places)} {key} and {len(values)} {values_key}",
+            expected=f"one of {values_key} for each of {key}",
+        )
+    if any(b <= a for a, b in pairwise(places)):
+        raise InputError(f"{key} {list(places)}", expected=f"increasing {key}")
+    if 0 < len(places) < shortest:
+        raise InputError(f"a table of {len(places)} rows", expected=f"{shortest} or more")
+
+
+def check_object(thing: Any) -> None:
+    """What a case file is checked for, of an object made otherwise.
+
+    The ``check`` of a description sees its keys as a case file says them: lists, and None for what it leaves out.
+
+    Raises
+    ------
+    InputError
+        With the name of the thing and the key.
+    """
+    check = getattr(thing, "check", None)
+    if check is None:
+        return
+    said = {
+        field.name: _as_said(field, getattr(thing, field.name)) for field in described_fields(type(thing))
+    }
+    try:
+        check(types.SimpleNamespace(**said))
+    except InputError as error:
+        raise InputError(error.problem, source=thing.name, key=error.key, expected=error.expected) from None
+
+
+def _as_said(field: DescribedField, value: Any) -> Any:
+    """Value of a key as a case file says it."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if field.absent and not field.mark(AsDrawn):
+        left = field.mark(Absent).value
+        left = field.default if left is None and field.default is not MISSING else left
+        left = left.tolist() if hasattr(left, "tolist") else left
+        return None if value == left else value
+    return value
 
 
 def _place(described: type) -> str:

@@ -1,19 +1,22 @@
-"""What a user says of mooring: lines of one or more sections, and fenders, in SI units."""
+"""What a user says of mooring: lines of one or more sections, in SI units, and where they are described."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.scene.descriptions import ChannelKind
+from heavylift.solver.scene.descriptions import ChannelKind, Family
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["Fender", "LineSection", "MooringLine", "check_sections"]
+__all__ = ["MOORINGS", "LineSection", "MooringLine", "check_sections"]
+
+MOORINGS: Family[Any] = Family("table", "heavylift.solver.water.lines", typed=False)
+"""Lines and fenders, by the lists of a case file in which they stand."""
 
 
 @dataclass(frozen=True)
@@ -78,49 +81,6 @@ class MooringLine:
     seabed: float | None = None
     friction: float = 0.0
     strain_limit: float = 0.1
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Fender:
-    """A one-sided spring on a plane face: it pushes two bodies apart along its normal while it is compressed.
-
-    Attributes
-    ----------
-    name
-        Prefix of its channels.
-    body_a, point_a
-        Body that the fender stands on (or `heavylift.solver.scene.connections.GROUND`), and its tip when it is not
-        compressed, in the frame of the body [m], shape (3,).
-    body_b, point_b
-        Body that it is pressed by, and the point of it.
-    direction
-        Outward normal of the face, in the frame of `body_a`, any length, shape (3,): compression is how far the
-        point of b is behind the tip.
-    stiffness
-        [N/m].
-    damping
-        [N s/m]; never so much that the fender pulls.
-    compressions, forces
-        A table in place of the stiffness: force [N] over compression [m], both from zero and not falling; held at
-        the slope of its last piece beyond its end.
-    """
-
-    CHANNELS: ClassVar = (
-        ChannelKind("force", "force", "force of the fender along its normal"),
-        ChannelKind("compression", "length", "compression of the fender, 0 while nothing presses it"),
-    )
-    """What it records, in the order of its columns."""
-
-    name: str
-    body_a: str
-    point_a: NDArray[np.float64]
-    body_b: str
-    point_b: NDArray[np.float64]
-    direction: NDArray[np.float64]
-    stiffness: float = 0.0
-    damping: float = 0.0
-    compressions: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
-    forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
 
 
 def check_sections(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
 
     from heavylift.solver.scene.collisions import Collision, CollisionSurface
     from heavylift.solver.scene.connections import (
+        AlongJoint,
+        Between,
         Joint,
-        JointMotor,
-        JointSpring,
-        PairForce,
+        OnBody,
+        PackedForce,
         Rope,
-        Spring,
         SpringRope,
     )
     from heavylift.solver.scene.contacts import Contact, Contour
@@ -45,7 +45,6 @@ __all__ = [
     "Gravity",
     "Harmonic",
     "Motion",
-    "PointForce",
     "Profile",
     "RigidBody",
     "Scene",
@@ -58,30 +57,6 @@ class Gravity:
     """Uniform gravity: acceleration [m/s2], world axes, shape (3,)."""
 
     acceleration: NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class PointForce:
-    """A force on a material point, from a table over time with linear interpolation.
-
-    Attributes
-    ----------
-    name, body
-        Its own name and the name of the body.
-    point
-        In the body frame [m], shape (3,); of a flexible body the nearest node is loaded.
-    times, forces
-        [s], shape (nt,), increasing; [N], shape (nt, 3). Constant before the first and after the last time.
-    frame
-        Axes of the force: ``"world"`` or ``"body"`` (follows the frame of the body).
-    """
-
-    name: str
-    body: str
-    point: NDArray[np.float64]
-    times: NDArray[np.float64]
-    forces: NDArray[np.float64]
-    frame: Literal["world", "body"] = "world"
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +79,7 @@ class Scene:
     """Everything that is simulated together."""
 
     bodies: tuple[AnyBody, ...]
-    forces: tuple[Gravity | PointForce | PairForce | Spring | JointSpring | JointMotor, ...] = ()
+    forces: tuple[Gravity | OnBody | Between | AlongJoint | PackedForce, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     joints: tuple[Joint, ...] = ()
     ropes: tuple[Rope | SpringRope, ...] = ()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
     from heavylift.preprocess.surfaces import TriangleSurface
-    from heavylift.solver.scene.moorings import Fender, MooringLine
+    from heavylift.solver.scene.moorings import MooringLine
     from heavylift.solver.scene.wind_loads import CoefficientLoad, CurrentField, DragElement, WindField
     from heavylift.solver.water.waves.wave_trains import WaveTrains
 
@@ -228,7 +228,7 @@ class Sea:
     fields: tuple[WindField | CurrentField, ...] = ()
     loads: tuple[CoefficientLoad | DragElement, ...] = ()
     lines: tuple[MooringLine, ...] = ()
-    fenders: tuple[Fender, ...] = ()
+    fenders: tuple[Any, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

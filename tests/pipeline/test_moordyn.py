@@ -17,9 +17,10 @@ from heavylift.pipeline.commands.moordyn import (
     quasi_static_force,
     run_moordyn,
 )
+from heavylift.solver.forces.point import PointForce
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.moorings import LineSection, MooringLine
-from heavylift.solver.scene.scene import Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Sea
 from heavylift.solver.water.lines.catenary_line import solve_catenary
 

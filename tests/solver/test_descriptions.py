@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar
 import pytest
 
 from heavylift.numerics.quantity import Positive, Quantity
-from heavylift.solver.scene.connections import JOINTS, PAIR_FORCES, Joint, Place
+from heavylift.solver.scene.connections import FORCES, JOINTS, Joint, Place
 from heavylift.solver.scene.descriptions import (
     XYZ,
     ChannelKind,
@@ -62,17 +62,17 @@ def test_every_joint_says_its_rows_and_channels(word):
     assert all(channel.sentence and channel.unit for channel in described.CHANNELS)
 
 
-@pytest.mark.parametrize(("name", "family"), [("JOINTS", JOINTS), ("PAIR_FORCES", PAIR_FORCES)])
+@pytest.mark.parametrize(("name", "family"), [("JOINTS", JOINTS), ("FORCES", FORCES)])
 def test_a_description_that_was_read_is_the_one_of_its_module(name, family):
     code = (
         "import importlib\n"
-        "from heavylift.solver.scene.connections import EdgeJoint, Joint, PairForce\n"
+        "from heavylift.solver.scene.connections import AlongJoint, Between, EdgeJoint, Joint, OnBody\n"
         f"from heavylift.solver.scene.connections import {name} as family\n"
         "for word in family.words:\n"
         "    read = family.get(word)\n"
         "    module = importlib.import_module(read.__module__)\n"
         "    assert getattr(module, read.__name__) is read, word\n"
-        "    assert issubclass(read, (Joint, PairForce))\n"
+        "    assert issubclass(read, (Joint, AlongJoint, Between, OnBody))\n"
         "    assert word.startswith('edge') == issubclass(read, EdgeJoint)\n"
         "print(len(family.words))\n"
     )
@@ -85,7 +85,7 @@ def test_a_word_that_stands_for_something_else_is_refused():
     class Other(Thing):
         pass
 
-    things = Family[Thing]("thing", "heavylift.solver.joints", ("rod",))
+    things = Family[Thing]("thing", "heavylift.solver.joints", reserved=("rod",))
     with pytest.raises(TypeError, match="'rod' stands for another thing"):
         things.describe("rod")(Other)
 
@@ -102,7 +102,7 @@ HEAD = """
     from dataclasses import dataclass
     from typing import Annotated
     from heavylift.numerics.quantity import Quantity
-    from heavylift.solver.scene.connections import PAIR_FORCES, PairForce
+    from heavylift.solver.scene.connections import FORCES, Between
 """
 
 
@@ -119,9 +119,9 @@ def test_what_a_description_refers_to_is_executed_and_nothing_else(tmp_path):
         DEFAULT = HIGH
     DEFAULT += 0.5
 
-    @PAIR_FORCES.describe("made_of_parts")
+    @FORCES.describe("made_of_parts")
     @dataclass(frozen=True, eq=False, kw_only=True)
-    class Made(PairForce):
+    class Made(Between):
         \"\"\"Made.\"\"\"
 
         CHANNELS = ()
@@ -131,10 +131,10 @@ def test_what_a_description_refers_to_is_executed_and_nothing_else(tmp_path):
     )
     try:
         read(tmp_path, text)
-        (field,) = described_fields(PAIR_FORCES.get("made_of_parts"))
+        (field,) = described_fields(FORCES.get("made_of_parts"))
         assert field.default == 1.5
     finally:
-        PAIR_FORCES._members.pop("made_of_parts", None)
+        FORCES._members.pop("made_of_parts", None)
 
 
 def test_a_base_beside_its_description_is_refused(tmp_path):
@@ -143,10 +143,10 @@ def test_a_base_beside_its_description_is_refused(tmp_path):
         HEAD
         + """
     @dataclass(frozen=True, eq=False, kw_only=True)
-    class Base(PairForce):
+    class Base(Between):
         pass
 
-    @PAIR_FORCES.describe("made_on_a_base")
+    @FORCES.describe("made_on_a_base")
     @dataclass(frozen=True, eq=False, kw_only=True)
     class Made(Base):
         CHANNELS = ()

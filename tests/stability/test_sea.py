@@ -22,11 +22,12 @@ from heavylift.preprocess.retardation import infinite_added_mass
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
 from heavylift.solver.scene.connections import GROUND, SpringRope
 from heavylift.solver.scene.contacts import RigidLaw
-from heavylift.solver.scene.moorings import Fender, LineSection, MooringLine
+from heavylift.solver.scene.moorings import LineSection, MooringLine
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, LinearRestoring, Radiation, Sea, Water
 from heavylift.solver.scene.wind_loads import CurrentField, DragElement, WindField
 from heavylift.solver.simulation import Simulation
+from heavylift.solver.water.lines.fenders import Fender
 from heavylift.solver.water.waves.wave_trains import regular_wave
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "solver"))

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.forces.point import PointForce
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.layout import Layout, pack_scene
 from heavylift.solver.scene.connections import GROUND, JointFrame, SpringRope
@@ -23,7 +24,7 @@ from heavylift.solver.scene.meshes import (
     ShellSection,
     Support,
 )
-from heavylift.solver.scene.scene import Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.start.rows import StartRows
 from heavylift.solver.statics.equilibrium import find_equilibrium
 from heavylift.solver.statics.mesh_statics import relax_to_equilibrium

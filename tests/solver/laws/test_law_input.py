@@ -9,17 +9,11 @@ import pytest
 from law_scenes import body, eye, pulley, scene, slider, wire
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.forces.motor import JointMotor
+from heavylift.solver.forces.spring import JointSpring, Spring
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.scene.connections import (
-    GROUND,
-    JointMotor,
-    JointSpring,
-    Limits,
-    Spring,
-    SpringRope,
-    Winch,
-)
+from heavylift.solver.scene.connections import GROUND, Limits, SpringRope, Winch
 
 LOAD = body("block", 1.0, (0, 0, -10.0))
 

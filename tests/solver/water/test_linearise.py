@@ -15,8 +15,9 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import quaternion_from_rotation_vector
 from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
 from heavylift.preprocess.primitive_surfaces import box_surface
+from heavylift.solver.forces.spring import Spring
 from heavylift.solver.joints.fixed import FixedJoint
-from heavylift.solver.scene.connections import GROUND, JointFrame, Spring
+from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, Radiation, Sea, Tank, Water
 from heavylift.solver.water.hulls.frequency_domain import motion_operators, natural_modes

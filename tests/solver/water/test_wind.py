@@ -8,6 +8,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.forces.point import PointForce
 from heavylift.solver.interface import (
     Forces,
     Workspace,
@@ -15,7 +16,7 @@ from heavylift.solver.interface import (
     record_forces,
 )
 from heavylift.solver.joints.packing import MarkerBook
-from heavylift.solver.scene.scene import PointForce, RigidBody, Scene
+from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.scene.wind_loads import (
     CoefficientLoad,
     CurrentField,
