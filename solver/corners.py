@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from heavylift.solver.forces.motor import JointMotor
 from heavylift.solver.forces.point import PointForce
-from heavylift.solver.scene.connections import Rope
 from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import Driven, Profile, Scene
 
@@ -21,8 +20,8 @@ def scene_corners(scene: Scene) -> NDArray[np.float64]:
         if isinstance(force, (PointForce, JointMotor)):
             times += list(np.ravel(force.times))
     for rope in scene.ropes:
-        if isinstance(rope, Rope) and rope.winch is not None:
-            times += list(rope.winch.times)
+        winch = getattr(rope, "winch", None)
+        times += [] if winch is None else list(winch.times)
     for body in scene.bodies:
         if isinstance(body, MeshBody):
             times += [time for load in body.loads for time in np.ravel(load.times)]

@@ -14,8 +14,6 @@ from heavylift.solver.scene.connections import (
     Joint,
     OnBody,
     PackedForce,
-    Rope,
-    SpringRope,
 )
 from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Gravity, RigidBody, Scene
@@ -40,7 +38,6 @@ def check_scene(scene: Scene) -> None:
         (scene.bodies, (FlexibleBody, RigidBody, MeshBody), "bodies"),
         (scene.forces, (Gravity, OnBody, Between, AlongJoint, PackedForce), "forces"),
         (scene.joints, (Joint,), "joints"),
-        (scene.ropes, (Rope, SpringRope), "ropes"),
     )
     for parts, types, what in kinds:
         for part in parts:
@@ -102,7 +99,7 @@ def _named_at_sea(scene: Scene) -> list[Any]:
 
 def _bodies_of(thing: Any) -> list[tuple[str, bool]]:
     """Names of the bodies that something refers to, and whether each may be the ground."""
-    if isinstance(thing, Rope):
+    if hasattr(thing, "path"):
         return [(point.body, True) for point in thing.path]
     if hasattr(thing, "body_a"):
         return [(thing.body_a, True), (thing.body_b, True)]

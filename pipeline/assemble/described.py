@@ -37,23 +37,29 @@ def assemble(section: Any, sides: Mapping[str, Side], body: str = "") -> Any:
     described, given = section.DESCRIBED, {}
     if hasattr(section, "name"):
         given["name"] = section.name
-    distance, body = 0.0, getattr(section, "body", body)
+    body = getattr(section, "body", body)
+    places = []
     if issubclass(described, Between):
-        a, b = (sides[name] for name in section.between)
-        ends = a.local(section.points[0]), b.local(section.points[1])
-        distance = float(np.linalg.norm(b.to_world(ends[1]) - a.to_world(ends[0])))
-        body = section.between[0]
-        given |= {"body_a": body, "point_a": ends[0], "body_b": section.between[1], "point_b": ends[1]}
+        body, other = section.between
+        places = list(zip(section.between, section.points, strict=True))
+        ends = [sides[name].local(point) for name, point in places]
+        given |= {"body_a": body, "point_a": ends[0], "body_b": other, "point_b": ends[1]}
+    elif hasattr(section, "path"):
+        places = [(stop.body, stop.point) for stop in section.path]
+    world = [sides[name].to_world(sides[name].local(point)) for name, point in places]
     for field in described_fields(described):
         value = getattr(section, field.name)
         if value is None and field.absent:
             if field.mark(AsDrawn) is not None:
-                given[field.name] = distance
+                given[field.name] = float(np.linalg.norm(world[1] - world[0]))
             elif field.default is MISSING:
                 given[field.name] = field.mark(Absent).value
         else:
             given[field.name] = _value(value, field, sides, body)
-    return described(**given)
+    made = described(**given)
+    if hasattr(made, "check_start"):
+        made.check_start(world)
+    return made
 
 
 def _value(value: Any, field: DescribedField, sides: Mapping[str, Side], body: str) -> Any:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.assemble.connections import assemble_joints, assemble_ropes
+from heavylift.pipeline.assemble.connections import assemble_joints
 from heavylift.pipeline.assemble.described import assemble_list
 from heavylift.pipeline.assemble.finite_elements import check_on_body
 from heavylift.pipeline.assemble.sides import make_profile, start_sides
@@ -117,7 +117,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         tuple(forces),
         sensors,
         joints=joints,
-        ropes=assemble_ropes(case, sides),
+        ropes=tuple(assemble_list(case, "ropes", sides)),
         contours=_contours(case, bodies, sides, folder),
         contacts=contacts,
         surfaces=_surfaces(case, sides, folder),

@@ -4,13 +4,12 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import field_validator, model_validator
 
 from heavylift.pipeline.case.fields import Positive, Quantity, Section, refuse_unknown, reject
 from heavylift.pipeline.case.hulls import DatabaseSection, HullSection, TankSection
-from heavylift.pipeline.case.lines import MooringLineSection
 from heavylift.pipeline.case.sections import GravitySection
 from heavylift.pipeline.case.simulate import SimulateSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
@@ -80,7 +79,7 @@ def check_sea(
     databases: Mapping[str, DatabaseSection],
     tanks: Sequence[TankSection],
     fluid_loads: Sequence[FluidLoad],
-    lines: Sequence[MooringLineSection],
+    lines: Sequence[Any],
 ) -> None:
     """Reject tables of a case that do not fit together."""
     tables = {"hulls": hulls, "databases": databases, "tanks": tanks, "fluid_loads": fluid_loads}

@@ -26,15 +26,13 @@ from heavylift.pipeline.case.errors import chosen_in, is_chosen, sections_in
 from heavylift.pipeline.case.fields import GROUND, Section, UniqueName
 from heavylift.pipeline.case.hulls import DatabaseName, DatabaseSection, HullName, HullSection, TankSection
 from heavylift.pipeline.case.joints import Joint
-from heavylift.pipeline.case.lines import MooringLineSection
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySection
-from heavylift.pipeline.case.ropes import Rope
 from heavylift.pipeline.case.sea import SeaSection
 from heavylift.pipeline.case.sections import GravitySection, SensorSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
 from heavylift.pipeline.case.wind import FluidLoad, WindSection
 from heavylift.solver.scene.bodies import Fixed, Free
-from heavylift.solver.scene.connections import FORCES
+from heavylift.solver.scene.connections import FORCES, ROPES
 from heavylift.solver.scene.descriptions import ChannelKind, recorded_channels
 from heavylift.solver.scene.moorings import MOORINGS
 
@@ -273,7 +271,7 @@ class SceneTables(Section):
     ] = ()
     """Joints between two bodies, or a body and the ground."""
     ropes: Annotated[
-        tuple[Rope, ...],
+        tuple[Annotated[Any, Chosen(ROPES)], ...],
         Table("Ropes", "rope", move=_move_path, is_outer=_rope_on_ground),
     ] = ()
     """Ropes."""
@@ -330,7 +328,7 @@ class SceneTables(Section):
     ] = ()
     """What wind and current push on."""
     lines: Annotated[
-        tuple[MooringLineSection, ...],
+        tuple[Annotated[Any, Chosen(MOORINGS, word="lines")], ...],
         Table(
             "Mooring lines",
             "line",

@@ -282,7 +282,7 @@ def _ropes(scene: Scene, group: set[str]) -> list[str]:
             else {getattr(one, "body_a", None), getattr(one, "body_b", None)} - {None}
         )
         if sides & group and sides - group:
-            found.append(f"{'rope' if path is not None else 'spring'} {one.name}")  # type: ignore[union-attr]
+            found.append(f"{'rope' if path is not None else 'spring'} {one.name}")
     return found
 
 

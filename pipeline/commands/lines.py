@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from heavylift.pipeline.log import Log
     from heavylift.pipeline.pictures.mooring_lines import DrawnLine
     from heavylift.pipeline.results.histories import Results
-    from heavylift.solver.scene.moorings import MooringLine
     from heavylift.solver.scene.scene import Scene
+    from heavylift.solver.water.lines.mooring_lines import MooringLine
 
 __all__ = ["LineEnds", "line_ends", "line_entry", "lines_command", "section_masses"]
 

@@ -39,8 +39,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.solver.scene.channels import Channel
-    from heavylift.solver.scene.moorings import MooringLine
     from heavylift.solver.scene.scene import Scene
+    from heavylift.solver.water.lines.mooring_lines import MooringLine
 
 __all__ = [
     "CoupledRun",

@@ -17,9 +17,7 @@ from heavylift.solver.scene.connections import (
     Between,
     EdgeJoint,
     Joint,
-    Rope,
     RopePoint,
-    SpringRope,
 )
 from heavylift.solver.scene.meshes import FrameBody, ShellBody
 from heavylift.solver.scene.scene import FlexibleBody, RigidBody
@@ -101,7 +99,7 @@ class Others:
         self._skins, self._coordinates, self._channel = skins, coordinates, channel
         self._bodies: dict[str, Any] = {body.name: body for body in scene.bodies}
         self._surfaces = dict(surfaces or {})
-        self._ropes = [[(self._place(p.body, p.point), p) for p in _path(rope)] for rope in scene.ropes]
+        self._ropes = [[(self._place(p.body, p.point), p) for p in rope.path] for rope in scene.ropes]
         self._springs = [
             (self._place(force.body_a, force.point_a), self._place(force.body_b, force.point_b))
             for force in scene.forces
@@ -315,10 +313,3 @@ def _single_joints(scene: Scene) -> list[Joint]:
         for joint in scene.joints
         for part in (expand_edge(joint, scene.bodies) if isinstance(joint, EdgeJoint) else (joint,))
     ]
-
-
-def _path(rope: Rope | SpringRope) -> list[RopePoint]:
-    """Places a rope passes."""
-    if isinstance(rope, Rope):
-        return list(rope.path)
-    return [RopePoint(rope.body_a, rope.point_a), RopePoint(rope.body_b, rope.point_b)]

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.solver.scene.moorings import MooringLine
     from heavylift.solver.water.lines.catenary_line import Catenary, LineProfile
+    from heavylift.solver.water.lines.mooring_lines import MooringLine
 
 __all__ = ["DrawnLine", "draw_line", "profile_picture"]
 

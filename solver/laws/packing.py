@@ -30,7 +30,7 @@ from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.channels import Channel, add_channels
-from heavylift.solver.scene.connections import GROUND, Joint, Limits, Rope
+from heavylift.solver.scene.connections import GROUND, Joint, Limits
 
 if TYPE_CHECKING:
     from heavylift.solver.rows.structure import Attachment
@@ -71,7 +71,7 @@ def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Cha
         turns = joint_coordinate(joints[owner.joint], owner) == ANGLE
         load = owner.CHANNEL_BY_COORDINATE["angle" if turns else "travel"]
         return add_channels(owner.name, [load], channels, column)
-    parts = len(owner.path) - 1 if isinstance(owner, Rope) else 1
+    parts = len(owner.path) - 1 if hasattr(owner, "path") else 1
     segments = {"segment_tension": tuple(str(i + 1) for i in range(parts))}
     return add_channels(owner.name, owner.CHANNELS, channels, column, segments)
 

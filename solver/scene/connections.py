@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.quantity import BodyPoint, NameOf
+from heavylift.numerics.quantity import Absent, BodyDirection, BodyPoint, Least, NameOf, Quantity, Shape
 from heavylift.solver.scene.bodies import GROUND
-from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family
+from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, check_table
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
 __all__ = [
     "ANGLE_CHANNELS",
@@ -29,6 +29,8 @@ __all__ = [
     "LOAD_CHANNELS",
     "REACTION_FORCE",
     "REACTION_MOMENT",
+    "ROPES",
+    "ROPE_CHANNELS",
     "TRAVEL_CHANNELS",
     "AlongJoint",
     "Between",
@@ -39,11 +41,10 @@ __all__ = [
     "OnBody",
     "PackedForce",
     "Place",
-    "Rope",
     "RopePoint",
-    "SpringRope",
     "Winch",
     "axes_about",
+    "check_path",
     "frame_in_body",
 ]
 
@@ -339,94 +340,70 @@ FORCES: Family[Any] = Family("force", "heavylift.solver.forces", default="point"
 """All sorts of forces on bodies, between two points and along joints, by their types in a case file."""
 
 
+ROPES: Family[Any] = Family("rope", "heavylift.solver.laws", default="wire")
+"""All sorts of ropes, by their types in a case file; each has a `path`, and a stiffness of its own or of its length."""
+
+
+def _upwards() -> NDArray[np.float64]:
+    return np.array([0.0, 0.0, 1.0])
+
+
+@ROPES.part
 @dataclass(frozen=True, eq=False)
 class RopePoint:
-    """A place the rope passes: an end, an eye, or a pulley.
+    """A place the rope passes: an end, an eye, or a pulley."""
 
-    Attributes
-    ----------
-    body, point
-        Body (or `GROUND`) and point in its frame [m], shape (3,): of a pulley its centre.
-    radius
-        Of the pulley [m]; 0 for an end or an eye.
-    axis
-        Of the pulley in the frame of the body, any length, shape (3,). The rope runs about the pulley in the
-        sense of a turn about this axis.
-    """
+    body: Annotated[str, NameOf("side")]
+    """Body that carries it, or ``"ground"``."""
+    point: Annotated[NDArray[np.float64], BodyPoint()]
+    """The place, of a pulley its centre [m], in the coordinates of the geometry of the body; of the ground in the
+    world."""
+    radius: Annotated[float, Quantity("length", minimum=0.0, closed=True)] = 0.0
+    """Of the pulley [m]; 0 for an end or an eye."""
+    axis: Annotated[NDArray[np.float64], BodyDirection(), Absent()] = field(default_factory=_upwards)
+    """Of the pulley, in the coordinates of the geometry of the body; of the ground in the world. The rope runs about
+    the pulley in the sense of a turn about this axis."""
 
-    body: str
-    point: NDArray[np.float64]
-    radius: float = 0.0
-    axis: NDArray[np.float64] = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    @staticmethod
+    def check(said: Any) -> None:
+        """A pulley has an axis, an eye has none."""
+        if said.radius > 0.0 and said.axis is None:
+            raise InputError(
+                "a pulley without 'axis'", key="axis", expected="the direction about which the rope turns"
+            )
+        if said.radius == 0.0 and said.axis is not None:
+            raise InputError(
+                "'axis' without 'radius'", key="axis", expected="'radius' and 'axis' of a pulley, or neither"
+            )
 
 
+@ROPES.part
 @dataclass(frozen=True, eq=False)
 class Winch:
-    """Speed of a winch over time, linear in between and held at the ends: hauls in if positive.
+    """Speed of a winch, linear between the times, held before the first and after the last."""
 
-    Attributes
-    ----------
-    times, speeds
-        [s], increasing; [m/s].
+    times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,)), Least(1)]
+    """[s], increasing."""
+    speeds: Annotated[NDArray[np.float64], Quantity("velocity"), Shape((None,)), Least(1)]
+    """[m/s]; hauls in if positive."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A speed a time."""
+        if len(said.times) != len(said.speeds):
+            raise InputError(
+                f"{len(said.times)} times and {len(said.speeds)} speeds", expected="one speed a time"
+            )
+        check_table("times", said.times, "speeds", said.speeds)
+
+
+def check_path(path: Sequence[Any]) -> None:
+    """Refuse a path of a rope that no body is on.
+
+    Raises
+    ------
+    InputError
+        If it is.
     """
-
-    times: NDArray[np.float64]
-    speeds: NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Rope:
-    """A wire rope through any number of points, with one tension all along: it pulls and never pushes.
-
-    Attributes
-    ----------
-    name
-        Prefix of its channels.
-    path
-        Two and more points, from end to end.
-    axial_stiffness
-        ``EA`` [N].
-    length
-        Unstretched length between the ends at the start [m]; the length of the path if None.
-    damping
-        Tension per rate of elongation [N s/m], while it is taut.
-    winch
-        How its length changes.
-    """
-
-    CHANNELS: ClassVar = ROPE_CHANNELS
-    """What it records, in the order of its columns; the last one a segment."""
-
-    name: str
-    path: tuple[RopePoint, ...]
-    axial_stiffness: float
-    length: float | None = None
-    damping: float = 0.0
-    winch: Winch | None = None
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SpringRope:
-    """The spring rope of the thesis, eq. 230: pulls with ``stiffness (distance - length)``, two ends.
-
-    Attributes
-    ----------
-    name, body_a, point_a, body_b, point_b
-        Ends, as in `Spring`.
-    length
-        Unloaded length [m].
-    stiffness, damping
-        [N/m], [N s/m].
-    """
-
-    CHANNELS: ClassVar = ROPE_CHANNELS
-    """What it records, in the order of its columns; it has one segment."""
-
-    name: str
-    body_a: str
-    point_a: NDArray[np.float64]
-    body_b: str
-    point_b: NDArray[np.float64]
-    length: float
-    stiffness: float
-    damping: float = 0.0
+    if all(stop.body == GROUND for stop in path):
+        raise InputError("all its points are on the ground", key="path", expected="a point on a body")

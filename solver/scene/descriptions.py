@@ -267,7 +267,10 @@ def _read(file: Path, name: str) -> None:
     """Execute the descriptions of a module, and the imports and definitions that they refer to; nothing else of it."""
     if name in sys.modules:
         return
-    tree = ast.parse(file.read_text(encoding="utf-8"), str(file))
+    text = file.read_text(encoding="utf-8")
+    if ".describe(" not in text:
+        return
+    tree = ast.parse(text, str(file))
     given: dict[str, list[ast.stmt]] = {}
     for node in tree.body:
         for bound in _bound(node):
@@ -335,7 +338,7 @@ def recorded_channels(described: Any, coordinate: str = "") -> tuple[ChannelKind
     """
     by_coordinate = getattr(described, "CHANNEL_BY_COORDINATE", None)
     if by_coordinate is None:
-        found: tuple[ChannelKind, ...] = described.CHANNELS
+        found: tuple[ChannelKind, ...] = getattr(described, "CHANNELS", ())
         return found
     return (by_coordinate[coordinate],) if coordinate else tuple(by_coordinate.values())
 
@@ -358,6 +361,7 @@ def _find_fields(described: type) -> tuple[DescribedField, ...]:
             hints |= {k: v for k, v in given.items() if k in own and (says or get_origin(v) is Annotated)}
     by_name: dict[str, Field[Any]] = {field.name: field for field in fields(described)}
     found = []
+    hints.pop("name", None)  # everything has one
     for name, hint in hints.items():
         annotated = get_origin(hint) is Annotated
         inner, marks = (get_args(hint)[0], get_args(hint)[1:]) if annotated else (hint, ())
@@ -449,7 +453,7 @@ def _as_said(field: DescribedField, value: Any) -> Any:
         left = field.mark(Absent).value
         left = field.default if left is None and field.default is not MISSING else left
         left = left.tolist() if hasattr(left, "tolist") else left
-        return None if value == left else value
+        return None if value == left or (value != value and left != left) else value  # noqa: PLR0124
     return value
 
 

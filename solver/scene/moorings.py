@@ -1,86 +1,34 @@
-"""What a user says of mooring: lines of one or more sections, in SI units, and where they are described."""
+"""Where lines and fenders are described, and the sections that lines are made of, in SI units."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Annotated, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.scene.descriptions import ChannelKind, Family
+from heavylift.numerics.quantity import Absent, Positive, Quantity
+from heavylift.solver.scene.descriptions import Family
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-__all__ = ["MOORINGS", "LineSection", "MooringLine", "check_sections"]
+__all__ = ["MOORINGS", "LineSection", "check_sections"]
 
 MOORINGS: Family[Any] = Family("table", "heavylift.solver.water.lines", typed=False)
 """Lines and fenders, by the lists of a case file in which they stand."""
 
 
+@MOORINGS.part
 @dataclass(frozen=True)
 class LineSection:
-    """A piece of line with the same properties all along.
+    """A piece of a line with the same properties all along."""
 
-    Attributes
-    ----------
-    length
-        Unstretched [m].
-    weight
-        In the fluid that it hangs in, a length [N/m]: in water less its buoyancy; negative if it floats.
-    axial_stiffness
-        ``EA`` [N]; infinite for a line that does not stretch.
-    """
-
-    length: float
-    weight: float
-    axial_stiffness: float
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class MooringLine:
-    """A line that hangs by its own weight between an anchor and a fairlead, in equilibrium at every instant.
-
-    Attributes
-    ----------
-    name
-        Prefix of its channels.
-    body_a, point_a
-        Anchor: body (or `heavylift.solver.scene.connections.GROUND`) and point in its frame [m], shape (3,).
-    body_b, point_b
-        Fairlead.
-    sections
-        From the anchor to the fairlead.
-    clumps
-        Weight [N] of what hangs at each joint of two sections, from the anchor; negative for a buoy. None if empty.
-    seabed
-        Height of a flat seabed [m] in the world, on which the anchor lies; None for a line without one. It holds the
-        line from the anchor up to the first buoy or floating section; a bight beyond that would hang through it.
-    friction
-        Coefficient of the seabed along the line.
-    strain_limit
-        Mean strain at which a simulation stops, and beyond which a line is refused at the start.
-    """
-
-    CHANNELS: ClassVar = (
-        ChannelKind("tension", "force", "tension of the line at its fairlead"),
-        ChannelKind("anchor_tension", "force", "tension of the line at its anchor"),
-        ChannelKind("horizontal_tension", "force", "horizontal part of the tension at the fairlead"),
-        ChannelKind("seabed_length", "length", "unstretched length of the line that lies on the bottom"),
-    )
-    """What it records, in the order of its columns."""
-
-    name: str
-    body_a: str
-    point_a: NDArray[np.float64]
-    body_b: str
-    point_b: NDArray[np.float64]
-    sections: tuple[LineSection, ...]
-    clumps: tuple[float, ...] = ()
-    seabed: float | None = None
-    friction: float = 0.0
-    strain_limit: float = 0.1
+    length: Annotated[float, Positive("length"), Absent(math.nan)]
+    """Unstretched [m]; absent of one section if `fairlead_tension` is given."""
+    weight: Annotated[float, Quantity("force per length")]
+    """A length, in the fluid that it hangs in [N/m]: in water less its buoyancy; negative if it floats."""
+    axial_stiffness: Annotated[float, Positive("force"), Absent(math.inf)]
+    """EA [N]; without it the line does not stretch."""
 
 
 def check_sections(

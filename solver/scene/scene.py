@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
         Joint,
         OnBody,
         PackedForce,
-        Rope,
-        SpringRope,
     )
     from heavylift.solver.scene.contacts import Contact, Contour
     from heavylift.solver.scene.meshes import MeshBody
@@ -82,7 +80,7 @@ class Scene:
     forces: tuple[Gravity | OnBody | Between | AlongJoint | PackedForce, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     joints: tuple[Joint, ...] = ()
-    ropes: tuple[Rope | SpringRope, ...] = ()
+    ropes: tuple[Any, ...] = ()
     contours: tuple[Contour, ...] = ()
     contacts: tuple[Contact, ...] = ()
     surfaces: tuple[CollisionSurface, ...] = ()

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
     from heavylift.preprocess.surfaces import TriangleSurface
-    from heavylift.solver.scene.moorings import MooringLine
     from heavylift.solver.scene.wind_loads import CoefficientLoad, CurrentField, DragElement, WindField
     from heavylift.solver.water.waves.wave_trains import WaveTrains
 
@@ -227,7 +226,7 @@ class Sea:
     duration: float = 0.0
     fields: tuple[WindField | CurrentField, ...] = ()
     loads: tuple[CoefficientLoad | DragElement, ...] = ()
-    lines: tuple[MooringLine, ...] = ()
+    lines: tuple[Any, ...] = ()
     fenders: tuple[Any, ...] = ()
 
 

@@ -13,10 +13,11 @@ from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase, check_datab
 from heavylift.preprocess.primitive_surfaces import box_surface
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.moorings import LineSection, MooringLine
+from heavylift.solver.scene.moorings import LineSection
 from heavylift.solver.scene.scene import Fixed, Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, LinearRestoring, Radiation, Sea, Tank, Water
 from heavylift.solver.water.lines.fenders import Fender
+from heavylift.solver.water.lines.mooring_lines import MooringLine
 from heavylift.solver.water.waves.wave_trains import regular_wave
 
 if TYPE_CHECKING:

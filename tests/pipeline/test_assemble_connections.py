@@ -16,7 +16,7 @@ from heavylift.solver.forces.motor import JointMotor
 from heavylift.solver.forces.spring import JointSpring, Spring
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.slider import Slider
-from heavylift.solver.scene.connections import Rope, SpringRope
+from heavylift.solver.laws.wire_rope import Rope, SpringRope
 
 
 @pytest.fixture

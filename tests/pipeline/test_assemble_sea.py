@@ -355,7 +355,7 @@ def test_the_report_says_what_the_sea_is(folder):
         "1.5",
         "NPD spectrum",
         "still.nc",
-        "150 kN at the start",
+        "fairlead tension 150 kN",
         "1 MN/m",
         "40: 0.1 to 4",
     ):

@@ -21,9 +21,10 @@ from heavylift.pipeline.commands.statistics import seed_keys
 from heavylift.pipeline.results.histories import ChannelInfo, Results
 from heavylift.pipeline.results.statistics import chosen_columns, column_statistics
 from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.moorings import LineSection, MooringLine
+from heavylift.solver.scene.moorings import LineSection
 from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.scene.sea import LinearRestoring
+from heavylift.solver.water.lines.mooring_lines import MooringLine
 
 DATABASE = Path(__file__).parents[2] / "cases" / "transport_barge" / "barge.nc"
 LENGTH, BREADTH, DRAFT = 97.5, 36.0, 4.5

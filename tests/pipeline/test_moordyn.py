@@ -19,10 +19,11 @@ from heavylift.pipeline.commands.moordyn import (
 )
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.moorings import LineSection, MooringLine
+from heavylift.solver.scene.moorings import LineSection
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Sea
 from heavylift.solver.water.lines.catenary_line import solve_catenary
+from heavylift.solver.water.lines.mooring_lines import MooringLine
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -15,7 +15,8 @@ from heavylift.numerics.outcome import InputError
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.joints.ball import Ball
-from heavylift.solver.scene.connections import GROUND, JointFrame, Rope, RopePoint
+from heavylift.solver.laws.wire_rope import Rope
+from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint
 from heavylift.solver.scene.scene import Fixed, FlexibleBody, RigidBody, Scene
 from heavylift.solver.statics.equilibrium import find_equilibrium
 

@@ -11,7 +11,8 @@ from scipy.spatial.transform import Rotation
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.joints.fixed import FixedJoint
-from heavylift.solver.scene.connections import GROUND, JointFrame, Rope, RopePoint
+from heavylift.solver.laws.wire_rope import Rope
+from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint
 from heavylift.solver.scene.mesh_shapes import rectangle
 from heavylift.solver.scene.meshes import Support
 from heavylift.solver.scene.scene import Scene

@@ -13,8 +13,9 @@ from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.preprocess.primitive_surfaces import box_surface, plane_surface
 from heavylift.solver.joints.ball import Ball
+from heavylift.solver.laws.wire_rope import Rope
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
-from heavylift.solver.scene.connections import JointFrame, Rope, RopePoint, Winch
+from heavylift.solver.scene.connections import JointFrame, RopePoint, Winch
 from heavylift.solver.scene.contacts import Contact, Contour, LinearLaw, RigidLaw, SphereShape
 from heavylift.solver.scene.scene import Gravity, Scene
 from heavylift.solver.simulation import Simulation

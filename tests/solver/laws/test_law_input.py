@@ -12,8 +12,9 @@ from heavylift.numerics.outcome import InputError
 from heavylift.solver.forces.motor import JointMotor
 from heavylift.solver.forces.spring import JointSpring, Spring
 from heavylift.solver.joints.ball import Ball
+from heavylift.solver.laws.wire_rope import SpringRope
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.scene.connections import GROUND, Limits, SpringRope, Winch
+from heavylift.solver.scene.connections import GROUND, Limits, RopePoint, Winch
 
 LOAD = body("block", 1.0, (0, 0, -10.0))
 
@@ -65,7 +66,7 @@ def test_ropes(rope: Any, message: str | None) -> None:
 
 
 def test_spring_rope_needs_a_stiffness() -> None:
-    ends = {"body_a": GROUND, "point_a": np.zeros(3), "body_b": "block", "point_b": np.zeros(3)}
+    ends = {"path": (RopePoint(GROUND, np.zeros(3)), RopePoint("block", np.zeros(3)))}
     refused("stiffness", ropes=[SpringRope(name="sling", length=5.0, stiffness=0.0, **ends)])
     pack_scene(scene([LOAD], ropes=[SpringRope(name="sling", length=5.0, stiffness=1.0, **ends)]))
 

@@ -18,7 +18,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.scene.channels import channel_width
 from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.moorings import LineSection, MooringLine
+from heavylift.solver.scene.moorings import LineSection
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Sea, Water
 from heavylift.solver.simulation import Simulation
@@ -26,6 +26,7 @@ from heavylift.solver.water.lines.catenary_line import solve_catenary
 from heavylift.solver.water.lines.fenders import Fender
 from heavylift.solver.water.lines.mooring_lines import (
     LINE_OVERSTRETCHED,
+    MooringLine,
     MooringLines,
     line_markers,
     pack_mooring_lines,
