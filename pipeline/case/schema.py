@@ -16,7 +16,6 @@ from heavylift.numerics.quantity import quantity_schema
 from heavylift.numerics.units import KINDS
 from heavylift.pipeline.case.case_file import Case
 from heavylift.pipeline.case.channel_kinds import OF_THE_SCENE
-from heavylift.pipeline.case.collisions import CollisionSection
 from heavylift.solver.scene.collisions import Collision
 from heavylift.solver.scene.descriptions import described_fields
 
@@ -72,12 +71,11 @@ class _Described(GenerateJsonSchema):
         for base in reversed(section.__mro__):
             docs |= _attribute_docs(base)
         channels = channel_schema("NAME", section.CHANNELS)
-        if issubclass(section, CollisionSection):
+        if section.CHANNELS == Collision.CHANNELS:
             channels += channel_schema("NAME.contact_1", Collision.CONTACT_CHANNELS)
         if channels:
             found["channels"] = channels
-        described = getattr(section, "DESCRIBED", None)
-        if described is not None:
+        for described in filter(None, (vars(base).get("DESCRIBED") for base in reversed(section.__mro__))):
             own = {field.name for field in described_fields(described)}
             for base in reversed(described.__mro__):
                 docs |= {name: text for name, text in _attribute_docs(base).items() if name in own}

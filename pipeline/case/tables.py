@@ -18,8 +18,8 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.units import KINDS, parse_quantity
 from heavylift.pipeline.case.bodies import FlexibleBodySection, RigidBodySection
 from heavylift.pipeline.case.channel_kinds import MESH_TYPES, Declared, all_channels, joint_coordinate
-from heavylift.pipeline.case.collisions import Collision, CollisionSection, declared_collisions, yields
-from heavylift.pipeline.case.contacts import Contact
+from heavylift.pipeline.case.collisions import collision_section, declared_collisions, yields
+from heavylift.pipeline.case.contacts import contact_section
 from heavylift.pipeline.case.contours import Contour
 from heavylift.pipeline.case.described import Chosen
 from heavylift.pipeline.case.errors import chosen_in, is_chosen, sections_in
@@ -32,7 +32,9 @@ from heavylift.pipeline.case.sections import GravitySection, SensorSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
 from heavylift.pipeline.case.wind import FluidLoad, WindSection
 from heavylift.solver.scene.bodies import Fixed, Free
+from heavylift.solver.scene.collisions import Collision
 from heavylift.solver.scene.connections import FORCES, ROPES
+from heavylift.solver.scene.contacts import COLLISION_LAWS, CONTACT_LAWS, Contact
 from heavylift.solver.scene.descriptions import ChannelKind, recorded_channels
 from heavylift.solver.scene.moorings import MOORINGS
 
@@ -290,10 +292,11 @@ class SceneTables(Section):
     )
     """Curves and surfaces of bodies that something may touch, by name."""
     contacts: Annotated[
-        tuple[Contact, ...],
+        tuple[Annotated[Any, Chosen(CONTACT_LAWS, contact_section)], ...],
         Table(
             "Contacts",
             "contact",
+            records=Contact.CHANNELS,
             move=_move_sides,
             is_outer=_on_contour_of_ground,
         ),
@@ -302,7 +305,8 @@ class SceneTables(Section):
     surfaces: Annotated[tuple[SurfaceSection, ...], Table("Surfaces", "surface", move=_move_surface)] = ()
     """Triangles of bodies that may touch those of others: CAD files and simple shapes."""
     collisions: Annotated[
-        tuple[Collision, ...], Table("Collisions", "collision", records=(), is_outer=_pairs_with_ground)
+        tuple[Annotated[Any, Chosen(COLLISION_LAWS, collision_section)], ...],
+        Table("Collisions", "collision", records=(), is_outer=_pairs_with_ground),
     ] = ()
     """Which surfaces may touch, and by what law."""
     sea: SeaSection | None = None
@@ -378,7 +382,7 @@ def declared(document: Mapping[str, Any]) -> Declared:
     surfaces = {name: str(row.get("body")) for name, row in rows["surfaces"]}
     yielding = frozenset(name for name, body in bodies.items() if yields(body))
     collided = declared_collisions(rows["collisions"], surfaces, yielding)
-    channels |= {pair: _quantities(CollisionSection.CHANNELS) for _, pair, _ in collided}
+    channels |= {pair: _quantities(Collision.CHANNELS) for _, pair, _ in collided}
     fluids = _fluids(document)
     channels |= dict.fromkeys(fluids, _quantities(WindSection.CHANNELS))  # a current has the same
     types = {name: str(body.get("type")) for name, body in bodies.items() if body}

@@ -21,6 +21,7 @@ from heavylift.pipeline.checks.collision_regime import (
 from heavylift.pipeline.pictures.collisions import Touching, TouchingSurface, collision_picture
 from heavylift.pipeline.pictures.plots import Series, history_plot
 from heavylift.pipeline.pictures.triangles import drawn_triangles
+from heavylift.pipeline.report.contacts import law_words
 from heavylift.pipeline.report.document import Figure, Section, Table, Text, short_table
 from heavylift.pipeline.results.words import number_words, numbers_words
 
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.assemble.surfaces import StoredSurface
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.collisions import Collision
     from heavylift.pipeline.checks.collision_regime import Regime
     from heavylift.pipeline.pictures.render import Renderer
     from heavylift.pipeline.report.document import Album
@@ -97,25 +97,7 @@ def _collision_row(section: Any) -> tuple[str, ...]:
     if section.method != "swept":
         words.append(f"found by {section.method.replace('-', ' ')}, which misses some")
     where = " and ".join(section.between) if section.between else f"all of {', '.join(section.among)}"
-    return (section.name, where, _law(section), "; ".join(words))
-
-
-def _law(section: Any) -> str:
-    """Law of a collision with its numbers."""
-    words = []
-    if section.law in {"rigid", "hunt-crossley"}:
-        words.append(f"restitution {section.restitution:g}")
-    if getattr(section, "rest_speed", 0.0):
-        words.append(f"none below {number_words(section.rest_speed, 'm/s')}")
-    if hasattr(section, "stiffness"):
-        power = {"linear": 1.0, "hertz": 1.5}.get(section.law) or section.exponent
-        unit = "N/m" if power == 1.0 else f"N/m^{power:g}"
-        words.append(f"stiffness of a patch {section.stiffness:.6g} {unit}")
-    if getattr(section, "damping", 0.0):
-        words.append(f"damping {number_words(section.damping, 'N s/m')}")
-    if section.law == "thesis":
-        words.append(f"epsilon {section.epsilon:g} m/N, gamma {section.gamma:g}")
-    return ", ".join([section.law, *words])
+    return (section.name, where, law_words(section, " of a patch"), "; ".join(words))
 
 
 def surface_sections(case: Case, stages: OutputFolder) -> list[Section]:
@@ -210,7 +192,7 @@ class _Happened:
     def __init__(self, case: Case, results: Results, name: str) -> None:
         self.case, self.results, self.name = case, results, name
         index, self.pair = case.collided[name]
-        self.section: Collision = case.collisions[index]
+        self.section: Any = case.collisions[index]
 
     def history(self, kind: str) -> NDArray[np.float64]:
         """A channel that is one number, shape (nt,); zeros if it is not recorded."""

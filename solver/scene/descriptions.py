@@ -43,6 +43,7 @@ from heavylift.numerics.quantity import (
     BodyDirection,
     BodyPoint,
     ByCoordinate,
+    ByExponent,
     NameOf,
     Quantity,
     WorldDirection,
@@ -128,7 +129,7 @@ _CHANNELS: dict[str, list[ChannelKind]] = {}
 """By name; all of one quantity, but for those that have theirs from their owner."""
 
 
-Meaning = Quantity | ByCoordinate | WorldDirection | BodyDirection | BodyPoint | NameOf
+Meaning = Quantity | ByCoordinate | ByExponent | WorldDirection | BodyDirection | BodyPoint | NameOf
 """Annotations that say what a value is."""
 
 
@@ -173,6 +174,10 @@ class Family(Generic[T]):
         Whether a table says its word, as its ``type``; if not, it is the name of the list in which it stands.
     reserved
         Words that stand for something else.
+    key
+        In which a table says its word, if not as its ``type``.
+    alphabetical
+        Whether its words are told in that order; if not, as they are described.
     """
 
     def __init__(
@@ -183,8 +188,11 @@ class Family(Generic[T]):
         default: str = "",
         typed: bool = True,
         reserved: Collection[str] = (),
+        key: str = "type",
+        alphabetical: bool = True,
     ) -> None:
-        self.name, self.package, self.reserved = name, package, reserved
+        self._alphabetical = alphabetical
+        self.name, self.package, self.reserved, self.key = name, package, reserved, key
         self.default, self.typed = default, typed
         self._members: dict[str, type[T]] = {}
         self._parts: dict[str, type[Any]] = {}
@@ -248,9 +256,9 @@ class Family(Generic[T]):
 
     @property
     def words(self) -> tuple[str, ...]:
-        """All words, in alphabetical order."""
+        """All words in their order."""
         self._read_all()
-        return tuple(sorted(self._members))
+        return tuple(sorted(self._members) if self._alphabetical else self._members)
 
     @property
     def _folder(self) -> Path:
