@@ -28,6 +28,7 @@ __all__ = [
     "Positive",
     "Quantity",
     "Shape",
+    "TableFile",
     "WorldDirection",
     "quantity_schema",
 ]
@@ -172,6 +173,22 @@ class NameOf:
     """
 
     what: str
+
+
+@dataclass(frozen=True)
+class TableFile:
+    """Annotation of the name of a file with columns of numbers in the case folder, in place of arrays.
+
+    Attributes
+    ----------
+    headers
+        Names of the columns that it may have; angles in degrees end with ``_deg``.
+    fields
+        Of the object: what the columns become, one each.
+    """
+
+    headers: tuple[tuple[str, ...], ...]
+    fields: tuple[str, ...]
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.forces.motor import JointMotor
-from heavylift.solver.forces.point import PointForce
 from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import Driven, Profile, Scene
 
@@ -17,8 +15,7 @@ def scene_corners(scene: Scene) -> NDArray[np.float64]:
     """Positive times [s], increasing: rows of load, motor and winch tables, ends of the tables of drives."""
     times: list[float] = []
     for force in scene.forces:
-        if isinstance(force, (PointForce, JointMotor)):
-            times += list(np.ravel(force.times))
+        times += list(np.ravel(getattr(force, "times", ())))
     for rope in scene.ropes:
         winch = getattr(rope, "winch", None)
         times += [] if winch is None else list(winch.times)

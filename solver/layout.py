@@ -11,7 +11,6 @@ import numpy as np
 
 from heavylift.solver.coordinates import attachments, first_dofs, mode_count, velocity_count
 from heavylift.solver.corners import scene_corners
-from heavylift.solver.forces.point import PointForce
 from heavylift.solver.interface import (
     Bodies,
     Forces,
@@ -20,7 +19,7 @@ from heavylift.solver.interface import (
     Workspace,
 )
 from heavylift.solver.kinds import STEP
-from heavylift.solver.layout_rows import pack_connections
+from heavylift.solver.layout_rows import pack_connections, point_forces
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.scene.channels import ENERGY_CHANNELS, MOMENTUM_CHANNELS, Channel, add_channels
 from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
@@ -87,7 +86,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         scene = float_bodies(scene)
     ordered = [body for group, _ in _groups(scene) for body in group]
     gravity = [force for force in scene.forces if isinstance(force, Gravity)]
-    points = [force for force in scene.forces if isinstance(force, PointForce)]
+    points = point_forces(scene)
 
     channels: list[Channel] = []
     column = 0

@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.solver.coordinates import attachments, first_dofs, inverse_masses, inverse_scales
-from heavylift.solver.forces.point import PointForce
 from heavylift.solver.interface import FORCES
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import RowSystem, classify_rows, pack_rows
 from heavylift.solver.scene.channels import MONITOR_CHANNELS, Channel, add_channels
-from heavylift.solver.scene.connections import PackedForce
+from heavylift.solver.scene.connections import OnBody, PackedForce
 from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import AnyBody, Gravity, Scene
 
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
     from heavylift.solver.laws.packing import PackedLaws
     from heavylift.solver.layout_sea import PackedSea
 
-__all__ = ["PackedConnections", "pack_connections"]
+__all__ = ["PackedConnections", "pack_connections", "point_forces"]
 
 NOTHING_MOVES: Mapping[str, int] = {}
 
@@ -121,12 +120,11 @@ def _pack(
     """One pass with a given number of bases; one that only counts ends with the last marker."""
     packed = PackedConnections(MarkerBook(), bases, [], column)
     book = packed.book
-    for force in scene.forces:
-        if isinstance(force, PointForce):
-            packed.first_markers.append(book.point(force.body, force.point, FORCES))
-            if force.frame == "body":
-                for axis in np.eye(3):
-                    book.direction(force.body, axis, FORCES, at=force.point)
+    for force in point_forces(scene):
+        packed.first_markers.append(book.point(force.body, force.point, FORCES))
+        if force.frame == "body":
+            for axis in np.eye(3):
+                book.direction(force.body, axis, FORCES, at=force.point)
     if scene.sea is not None:
         from heavylift.solver.layout_sea import pack_sea
 
@@ -169,6 +167,13 @@ def _pack(
         if scene.touches:
             _add_contacts(scene, ordered, packed, markers, attachment, inverse_mass)
     return packed
+
+
+def point_forces(scene: Scene) -> list[Any]:
+    """Tabulated forces on points, in their order; their module is imported only if there are any."""
+    return [
+        force for force in scene.forces if isinstance(force, OnBody) and not isinstance(force, PackedForce)
+    ]
 
 
 def _pack_forces(scene: Scene, packed: PackedConnections) -> None:
@@ -253,7 +258,7 @@ def _pack_laws(
 
 def _has_laws(scene: Scene) -> bool:
     """Whether there is anything beside joints, gravity and point forces."""
-    plain = all(isinstance(force, (Gravity, PointForce, PackedForce)) for force in scene.forces)
+    plain = all(isinstance(force, (Gravity, OnBody, PackedForce)) for force in scene.forces)
     cornered = any(
         getattr(joint, "limits", None) is not None or getattr(joint, "friction", 0.0) != 0.0
         for joint in scene.joints

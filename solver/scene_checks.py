@@ -15,6 +15,7 @@ from heavylift.solver.scene.connections import (
     OnBody,
     PackedForce,
 )
+from heavylift.solver.scene.descriptions import check_object
 from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Gravity, RigidBody, Scene
 
@@ -48,6 +49,12 @@ def check_scene(scene: Scene) -> None:
         _check_body(body)
     for joint in scene.joints:
         _check_joint(joint)
+    described: list[Any] = [*scene.forces, *scene.ropes]
+    if scene.sea is not None:
+        described += [*scene.sea.loads, *scene.sea.lines, *scene.sea.fenders]
+    coordinates = {joint.name: joint.COORDINATE for joint in scene.joints}
+    for thing in described:
+        check_object(thing, coordinates.get(getattr(thing, "joint", ""), ""))
 
 
 def _check_names(scene: Scene) -> None:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.numerics.quantity import Absent, AsDrawn, BodyDirection, BodyPoint, Shape
+from heavylift.numerics.quantity import Absent, AsDrawn, BodyDirection, BodyPoint, Shape, TableFile
+from heavylift.pipeline.case.columns import read_columns
 from heavylift.pipeline.case.fields import Section
 from heavylift.pipeline.case.places import located
 from heavylift.solver.scene.connections import Between
@@ -15,6 +16,9 @@ from heavylift.solver.scene.descriptions import described_fields
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
+
+    from numpy.typing import NDArray
 
     from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
@@ -28,7 +32,7 @@ def assemble_list(case: Case, key: str, sides: Mapping[str, Side]) -> list[Any]:
     found = []
     for index, section in enumerate(getattr(case, key)):
         with located(case, f"{key}.{index}"):
-            found.append(assemble(section, sides))
+            found.append(assemble(section, sides, case.folder))
     return found
 
 
@@ -38,8 +42,20 @@ def said_of(section: Any, described: Any) -> dict[str, Any]:
     return {name: value for name, value in given.items() if value is not None}
 
 
-def assemble(section: Any, sides: Mapping[str, Side], body: str = "") -> Any:
-    """What a table describes; one within the table of a thing is on the `body` of that thing."""
+def assemble(section: Any, sides: Mapping[str, Side], folder: Path, body: str = "") -> Any:
+    """What a table describes.
+
+    Parameters
+    ----------
+    section
+        The table.
+    sides
+        Where bodies are at the start, by name.
+    folder
+        Of the case, for the files that it names.
+    body
+        Of the thing within whose table it stands.
+    """
     described, given = section.DESCRIBED, {}
     if hasattr(section, "name"):
         given["name"] = section.name
@@ -60,15 +76,26 @@ def assemble(section: Any, sides: Mapping[str, Side], body: str = "") -> Any:
                 given[field.name] = float(np.linalg.norm(world[1] - world[0]))
             elif field.default is MISSING:
                 given[field.name] = field.mark(Absent).value
+        elif isinstance(field.quantity, TableFile):
+            given |= {} if value is None else _columns(folder / value, field.quantity)
         else:
-            given[field.name] = _value(value, field, sides, body)
+            given.setdefault(field.name, _value(value, field, sides, folder, body))
     made = described(**given)
     if hasattr(made, "check_start"):
         made.check_start(world)
     return made
 
 
-def _value(value: Any, field: DescribedField, sides: Mapping[str, Side], body: str) -> Any:
+def _columns(file: Path, wanted: TableFile) -> dict[str, NDArray[np.float64]]:
+    """Arrays of an object from the columns of a file."""
+    header, columns = read_columns(file, wanted.headers)
+    return {
+        key: np.array(np.radians(column) if name.endswith("_deg") else column, dtype=float)
+        for key, name, column in zip(wanted.fields, header, columns, strict=True)
+    }
+
+
+def _value(value: Any, field: DescribedField, sides: Mapping[str, Side], folder: Path, body: str) -> Any:
     """What an object keeps of the value of a key."""
     if value is None:
         return None
@@ -77,7 +104,7 @@ def _value(value: Any, field: DescribedField, sides: Mapping[str, Side], body: s
     if isinstance(field.quantity, BodyDirection) or field.mark(Shape) is not None:
         return np.array(value, dtype=float)
     if isinstance(value, Section):
-        return assemble(value, sides, body)
+        return assemble(value, sides, folder, body)
     if isinstance(value, tuple):
-        return tuple(_value(entry, field, sides, body) for entry in value)
+        return tuple(_value(entry, field, sides, folder, body) for entry in value)
     return value

@@ -37,14 +37,17 @@ from heavylift.numerics.quantity import (
     NameOf,
     Quantity,
     Shape,
+    TableFile,
     WorldDirection,
     quantity_schema,
 )
 from heavylift.pipeline.case.channel_kinds import joint_coordinate
+from heavylift.pipeline.case.columns import read_columns
 from heavylift.pipeline.case.fields import (
     BodyName,
     CaseContext,
     Direction,
+    InFolder,
     LengthVector,
     Section,
     SideName,
@@ -205,6 +208,8 @@ def _type(hint: Any, field: DescribedField, parts: Parts) -> Any:
         return LengthVector
     if isinstance(quantity, NameOf):
         return _NAMES[quantity.what]
+    if isinstance(quantity, TableFile):
+        return Annotated[str, InFolder(), AfterValidator(_ReadsTable(quantity).check)]
     if origin is tuple:
         kinds = tuple(part if part is ... else _type(part, field, parts) for part in inner)
         return GenericAlias(tuple, kinds)
@@ -269,6 +274,24 @@ class _InUnitsOfTheJoint:
         return (
             [quantity.parse(entry) for entry in value] if isinstance(value, list) else quantity.parse(value)
         )
+
+
+class _ReadsTable:
+    """Refuses a file that is not the table that is wanted."""
+
+    def __init__(self, wanted: TableFile) -> None:
+        self.wanted = wanted
+
+    def check(self, name: str, info: ValidationInfo) -> str:
+        """The name of the file."""
+        context = CaseContext.of(info)
+        if context is not None:
+            try:
+                read_columns(context.folder / name, self.wanted.headers)
+            except InputError as error:
+                where = f"{name}: {error.key}: " if error.key else f"{name}: "
+                reject(where + error.problem, error.expected)
+        return name
 
 
 def _turns_or_slides(name: str, info: ValidationInfo) -> str:

@@ -14,7 +14,7 @@ from heavylift.pipeline.case.sections import GravitySection
 from heavylift.pipeline.case.simulate import SimulateSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
 from heavylift.pipeline.case.waves import Waves, check_wave, one_or_many
-from heavylift.pipeline.case.wind import CurrentSection, FluidLoad, WindSection
+from heavylift.pipeline.case.wind import CurrentSection, WindSection
 
 __all__ = ["STANDARD_GRAVITY", "SeaSection", "check_sea"]
 
@@ -78,7 +78,7 @@ def check_sea(
     hulls: Mapping[str, HullSection],
     databases: Mapping[str, DatabaseSection],
     tanks: Sequence[TankSection],
-    fluid_loads: Sequence[FluidLoad],
+    fluid_loads: Sequence[Any],
     lines: Sequence[Any],
 ) -> None:
     """Reject tables of a case that do not fit together."""

@@ -30,13 +30,14 @@ from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySect
 from heavylift.pipeline.case.sea import SeaSection
 from heavylift.pipeline.case.sections import GravitySection, SensorSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
-from heavylift.pipeline.case.wind import FluidLoad, WindSection
+from heavylift.pipeline.case.wind import WindSection
 from heavylift.solver.scene.bodies import Fixed, Free
 from heavylift.solver.scene.collisions import Collision
 from heavylift.solver.scene.connections import FORCES, ROPES
 from heavylift.solver.scene.contacts import COLLISION_LAWS, CONTACT_LAWS, Contact
 from heavylift.solver.scene.descriptions import ChannelKind, recorded_channels
 from heavylift.solver.scene.moorings import MOORINGS
+from heavylift.solver.scene.wind_loads import FLUID_LOADS
 
 __all__ = ["TABLES", "SceneTables", "Table", "declared", "lengths"]
 
@@ -323,7 +324,7 @@ class SceneTables(Section):
     tanks: Annotated[tuple[TankSection, ...], Table("Tanks", "tank")] = ()
     """Ballast water in hulls."""
     fluid_loads: Annotated[
-        tuple[FluidLoad, ...],
+        tuple[Annotated[Any, Chosen(FLUID_LOADS)], ...],
         Table(
             "Loads of wind and current",
             "load",

@@ -31,7 +31,12 @@ def sea_sections(case: Case, stages: OutputFolder, results: Results | None) -> l
     items: list[Facts | Table | Text] = []
     if case.sea is not None:
         items += [Facts(tuple(_water(case))), *_waves(case, known), *_flows(case)]
-    items += [*_hulls(case, stages), *_databases(case, stages), *_tanks(case), *_loads(case)]
+    items += [
+        *_hulls(case, stages),
+        *_databases(case, stages),
+        *_tanks(case),
+        *described_table("load", case.fluid_loads),
+    ]
     items += [*_lines(case, known), *described_table("fender", case.fenders)]
     return [Section("Sea" if case.sea is not None else "Lines", tuple(items))]
 
@@ -200,18 +205,6 @@ def _tanks(case: Case) -> list[Table]:
         )
         rows.append((tank.name, tank.hull, numbers_words(tank.point, "m"), water))
     return [short_table(("tank", "hull", "at", "water [kg]"), rows)] if rows else []
-
-
-def _loads(case: Case) -> list[Table]:
-    """What wind and current push on."""
-    rows = []
-    for load in case.fluid_loads:
-        if load.type == "coefficients":
-            words = f"coefficients, areas {load.area_x:g} and {load.area_y:g} m^2, length {load.length:g} m"
-        else:
-            words = f"{len(load.elements)} drag element{'s' if len(load.elements) > 1 else ''}"
-        rows.append((load.name, load.body, load.fluid, words))
-    return [short_table(("load", "body", "of", "by"), rows)] if rows else []
 
 
 def _lines(case: Case, known: dict[str, Any]) -> list[Table]:

@@ -106,26 +106,12 @@ def pack_point_forces(entries: Sequence[PointForce], first_markers: Sequence[int
         Forces.
     first_markers
         Number of the point marker of each entry; the axes follow it.
-
-    Raises
-    ------
-    InputError
-        If a table is empty, does not fit, or its times do not increase.
     """
     rows: list[tuple[int, int, int, int]] = []
     tables: list[tuple[float, NDArray[np.float64]]] = []
     for entry, marker in zip(entries, first_markers, strict=True):
-        times = np.atleast_1d(np.asarray(entry.times, dtype=np.float64))
-        forces = np.asarray(entry.forces, dtype=np.float64).reshape(-1, 3)
-        if len(times) != len(forces) or len(times) == 0 or not np.all(np.diff(times) > 0.0):
-            raise InputError(
-                f"{len(times)} times and {len(forces)} forces",
-                source=entry.name,
-                key="times",
-                expected="one force a time, times increasing",
-            )
-        rows.append((marker, marker + 1 if entry.frame == "body" else -1, len(tables), len(times)))
-        tables += zip(times, forces, strict=True)
+        rows.append((marker, marker + 1 if entry.frame == "body" else -1, len(tables), len(entry.times)))
+        tables += zip(entry.times, entry.forces, strict=True)
     return PointForces(records(PointForceEntry, rows), records(ForceAtTime, tables))
 
 

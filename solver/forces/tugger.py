@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Quantity
 from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.interface import FORCES, Workspace, add_forces, record_forces
@@ -59,19 +58,9 @@ class Tuggers(Arrays):
 
 
 def pack(forces: Sequence[Tugger], columns: Sequence[int], book: MarkerBook) -> Tuggers:
-    """Make the kind.
-
-    Raises
-    ------
-    InputError
-        If a tension is negative or not finite.
-    """
+    """Make the kind."""
     rows = []
     for force, column in zip(forces, columns, strict=True):
-        if not 0.0 <= force.tension < math.inf:
-            raise InputError(
-                f"a tension of {force.tension} N", source=force.name, key="tension", expected="a force >= 0 N"
-            )
         a = book.point(force.body_a, force.point_a, FORCES)
         rows.append((a, book.point(force.body_b, force.point_b, FORCES), column, force.tension))
     return Tuggers(records(TuggerEntry, rows))

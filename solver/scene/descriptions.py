@@ -46,6 +46,7 @@ from heavylift.numerics.quantity import (
     ByExponent,
     NameOf,
     Quantity,
+    TableFile,
     WorldDirection,
 )
 from heavylift.numerics.units import KINDS, parse_unit
@@ -129,7 +130,9 @@ _CHANNELS: dict[str, list[ChannelKind]] = {}
 """By name; all of one quantity, but for those that have theirs from their owner."""
 
 
-Meaning = Quantity | ByCoordinate | ByExponent | WorldDirection | BodyDirection | BodyPoint | NameOf
+Meaning = (
+    Quantity | ByCoordinate | ByExponent | WorldDirection | BodyDirection | BodyPoint | NameOf | TableFile
+)
 """Annotations that say what a value is."""
 
 
@@ -431,38 +434,83 @@ def check_table(
         raise InputError(f"a table of {len(places)} rows", expected=f"{shortest} or more")
 
 
-def check_object(thing: Any) -> None:
-    """What a case file is checked for, of an object made otherwise.
+def check_object(thing: Any, coordinate: str = "") -> None:
+    """What a case file is checked for, of an object made otherwise: ranges of numbers, and what its keys say together.
 
     The ``check`` of a description sees its keys as a case file says them: lists, and None for what it leaves out.
+
+    Parameters
+    ----------
+    thing
+        The object; one without description is passed over.
+    coordinate
+        Coordinate of the joint along which it acts, ``"angle"`` or ``"travel"``.
 
     Raises
     ------
     InputError
         With the name of the thing and the key.
     """
-    check = getattr(thing, "check", None)
-    if check is None:
+    if not is_described(type(thing)):
         return
-    said = {
-        field.name: _as_said(field, getattr(thing, field.name)) for field in described_fields(type(thing))
-    }
     try:
-        check(types.SimpleNamespace(**said))
+        _said(thing, "", coordinate)
     except InputError as error:
         raise InputError(error.problem, source=thing.name, key=error.key, expected=error.expected) from None
 
 
-def _as_said(field: DescribedField, value: Any) -> Any:
+def _said(thing: Any, key: str, coordinate: str) -> types.SimpleNamespace:
+    """Keys of a thing as a case file says them; checked."""
+    said = types.SimpleNamespace()
+    for field in described_fields(type(thing)):
+        place = f"{key}{field.name}"
+        value = _as_said(field, getattr(thing, field.name), place, coordinate)
+        _check_range(field, value, place, coordinate)
+        setattr(said, field.name, value)
+    check = getattr(thing, "check", None)
+    if check is not None:
+        try:
+            check(said)
+        except InputError as error:
+            place = f"{key}{error.key}".removesuffix(".")
+            raise InputError(error.problem, key=place, expected=error.expected) from None
+    return said
+
+
+def _as_said(field: DescribedField, value: Any, key: str, coordinate: str) -> Any:
     """Value of a key as a case file says it."""
-    if hasattr(value, "tolist"):
-        value = value.tolist()
+    if is_described(type(value)):
+        return _said(value, f"{key}.", coordinate)
+    if isinstance(value, (tuple, list)):
+        return [
+            _said(entry, f"{key}.{number}.", coordinate) if is_described(type(entry)) else entry
+            for number, entry in enumerate(value)
+        ]
+    value = _listed(value)
     if field.absent and not field.mark(AsDrawn):
         left = field.mark(Absent).value
-        left = field.default if left is None and field.default is not MISSING else left
-        left = left.tolist() if hasattr(left, "tolist") else left
+        left = _listed(field.default if left is None and field.default is not MISSING else left)
         return None if value == left or (value != value and left != left) else value  # noqa: PLR0124
     return value
+
+
+def _listed(value: Any) -> Any:
+    """An array as lists."""
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+def _check_range(field: DescribedField, value: Any, key: str, coordinate: str) -> None:
+    """Numbers are finite and within their bounds."""
+    quantity = field.quantity
+    if isinstance(quantity, ByCoordinate):
+        quantity = quantity.travel if coordinate == "travel" else quantity.angle
+    if value is None or not isinstance(quantity, Quantity):
+        return
+    for number in np.ravel(np.array(value, dtype=np.float64)):
+        try:
+            quantity.parse(float(number))
+        except InputError as error:
+            raise InputError(error.problem, key=key, expected=error.expected) from None
 
 
 def _place(described: type) -> str:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
     from heavylift.preprocess.surfaces import TriangleSurface
-    from heavylift.solver.scene.wind_loads import CoefficientLoad, CurrentField, DragElement, WindField
+    from heavylift.solver.scene.wind_loads import CurrentField, FluidLoad, WindField
     from heavylift.solver.water.waves.wave_trains import WaveTrains
 
 __all__ = ["FloatingBody", "Hull", "LinearRestoring", "Radiation", "Sea", "Tank", "Water"]
@@ -225,7 +225,7 @@ class Sea:
     excitation: Literal["summed", "series"] = "summed"
     duration: float = 0.0
     fields: tuple[WindField | CurrentField, ...] = ()
-    loads: tuple[CoefficientLoad | DragElement, ...] = ()
+    loads: tuple[FluidLoad, ...] = ()
     lines: tuple[Any, ...] = ()
     fenders: tuple[Any, ...] = ()
 

@@ -554,7 +554,7 @@ def test_a_scene_of_rigid_bodies_only(tmp_path, monkeypatch):
         "| redundant joints | joint 'pin_3' |",
         "| pin_2 | hinge | ground – link_2 | (2, 0, 0) m | (0, 1, 0) | limits from -523.599 mrad, 1 kN m/rad |",
         "| fall | wire | ground – link_0 | axial stiffness 1 MN |",
-        "| drum | motor | pin_1 |  | constant 20 N m |",
+        "| drum | motor | pin_1 | load 20 N m |",
         "## 6 rigid bodies",
         "| link_4 | 2 | (0, 0, 0) m | diagonal (1, 1, 1) kg m^2 | free | position (4, 0, 0) m |",
         "Distance of tip.position from the reference tip.csv; the largest is 0 m.",
