@@ -250,9 +250,9 @@ class Family(Generic[T]):
     def get(self, word: str) -> type[T] | None:
         """Description that a word stands for; None if there is none."""
         if word not in self._members and word.isidentifier():
-            file = self._folder / f"{word}.py"
-            if file.is_file():
-                _read(file, f"{self.package}.{word}")
+            for folder in self._folders:
+                if (file := folder / f"{word}.py").is_file():
+                    _read(file, f"{self.package}.{word}")
             if word not in self._members:
                 self._read_all()
         return self._members.get(word)
@@ -264,13 +264,15 @@ class Family(Generic[T]):
         return tuple(sorted(self._members) if self._alphabetical else self._members)
 
     @property
-    def _folder(self) -> Path:
-        return Path(str(importlib.import_module(self.package).__file__)).parent
+    def _folders(self) -> list[Path]:
+        """Folders of the package: another one may be added to its path."""
+        return [Path(folder) for folder in importlib.import_module(self.package).__path__]
 
     def _read_all(self) -> None:
         if not self._complete:
-            for file in sorted(self._folder.glob("[!_]*.py")):
-                _read(file, f"{self.package}.{file.stem}")
+            for folder in self._folders:
+                for file in sorted(folder.glob("[!_]*.py")):
+                    _read(file, f"{self.package}.{file.stem}")
             self._complete = True
 
 
