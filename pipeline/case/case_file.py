@@ -21,8 +21,8 @@ from heavylift.pipeline.case.overrides import apply_overrides
 from heavylift.pipeline.case.quantity_names import QuantityName, parse_quantity_name
 from heavylift.pipeline.case.reference import ReferenceSection, read_reference
 from heavylift.pipeline.case.repeat import Expansion, Parameters, RepeatSection, expand
+from heavylift.pipeline.case.report import ReportSection
 from heavylift.pipeline.case.sea import check_sea
-from heavylift.pipeline.case.sections import ReportSection
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
 

@@ -377,7 +377,11 @@ class Chosen:
         self, _schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         made: Any = reduce(or_, self.sections)
-        if not self.word:
-            made = Annotated[made, Field(discriminator=self.family.key)]
-        adapter: TypeAdapter[Any] = TypeAdapter(cast("Any", made))
-        return handler(adapter.core_schema)
+        if self.word:  # a section that is used once has no definition of its own
+            twice: TypeAdapter[Any] = TypeAdapter(cast("Any", tuple[made, made]))
+            found: JsonSchemaValue = handler(twice.core_schema)["prefixItems"][0]
+            return found
+        chosen: TypeAdapter[Any] = TypeAdapter(
+            cast("Any", Annotated[made, Field(discriminator=self.family.key)])
+        )
+        return handler(chosen.core_schema)

@@ -23,12 +23,11 @@ from heavylift.pipeline.case.contacts import contact_section
 from heavylift.pipeline.case.contours import Contour
 from heavylift.pipeline.case.described import Chosen
 from heavylift.pipeline.case.errors import chosen_in, is_chosen, sections_in
-from heavylift.pipeline.case.fields import GROUND, Section, UniqueName
+from heavylift.pipeline.case.fields import GROUND, AccelerationVector, Section, UniqueName
 from heavylift.pipeline.case.hulls import DatabaseName, DatabaseSection, HullName, HullSection, TankSection
 from heavylift.pipeline.case.joints import Joint
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySection
 from heavylift.pipeline.case.sea import SeaSection
-from heavylift.pipeline.case.sections import GravitySection, SensorSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
 from heavylift.pipeline.case.wind import WindSection
 from heavylift.solver.scene.bodies import Fixed, Free
@@ -37,6 +36,7 @@ from heavylift.solver.scene.connections import FORCES, ROPES
 from heavylift.solver.scene.contacts import COLLISION_LAWS, CONTACT_LAWS, Contact
 from heavylift.solver.scene.descriptions import ChannelKind, recorded_channels
 from heavylift.solver.scene.moorings import MOORINGS
+from heavylift.solver.scene.scene import SENSORS
 from heavylift.solver.scene.wind_loads import FLUID_LOADS
 
 __all__ = ["TABLES", "SceneTables", "Table", "declared", "lengths"]
@@ -257,6 +257,13 @@ class Table:
         return all_channels() if own is None else _quantities(own)
 
 
+class GravitySection(Section):
+    """Uniform gravity."""
+
+    acceleration: AccelerationVector
+    """World axes [m/s^2]."""
+
+
 class SceneTables(Section):
     """What a case says of its scene."""
 
@@ -347,7 +354,9 @@ class SceneTables(Section):
         Table("Fenders", "fender", move=_move_sides, is_outer=_on_ground),
     ] = ()
     """One-sided springs between bodies."""
-    sensors: Annotated[tuple[SensorSection, ...], Table("Sensors", "sensor")] = ()
+    sensors: Annotated[
+        tuple[Annotated[Any, Chosen(SENSORS, word="sensors")], ...], Table("Sensors", "sensor")
+    ] = ()
     """Material points whose motion is recorded."""
 
 

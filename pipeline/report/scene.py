@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.sections import AnimationSection
+    from heavylift.pipeline.case.report import AnimationSection
     from heavylift.pipeline.pictures.attached import Others
     from heavylift.pipeline.pictures.meshes import MeshRun
     from heavylift.pipeline.pictures.render import Renderer
