@@ -64,7 +64,7 @@ from heavylift.solver.scene.descriptions import (
     recorded_channels,
 )
 
-__all__ = ["BetweenSection", "Chosen", "make_section", "section_of"]
+__all__ = ["BetweenSection", "Chosen", "checked", "make_section", "section_of"]
 
 Parts = Mapping[Any, Callable[[Quantity], Any]]
 
@@ -89,7 +89,7 @@ class BetweenSection(_NamedSection):
     @field_validator("between")
     @classmethod
     def _joins_two(cls, value: tuple[str, str]) -> tuple[str, str]:
-        _checked(cls.DESCRIBED.check_sides, value)
+        checked(cls.DESCRIBED.check_sides, value)
         return value
 
 
@@ -157,11 +157,11 @@ def make_section(
 def _run_check(section: Any) -> Any:
     check = getattr(section.DESCRIBED, "check", None)
     if check is not None:
-        _checked(check, section)
+        checked(check, section)
     return section
 
 
-def _checked(check: Callable[[Any], None], value: Any) -> None:
+def checked(check: Callable[[Any], None], value: Any) -> None:
     """Run a check of a description on what a case file says."""
     try:
         check(value)

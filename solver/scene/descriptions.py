@@ -1,9 +1,11 @@
 """Descriptions: all there is to say of a kind of things, said once.
 
 A *description* is a frozen dataclass, in the file of its kind, of what a user says of one thing: each field is
-annotated with its quantity, and a sentence stands below it. Its class says under which word a case file knows it and
-what it records. The section of the case file, the JSON schema, the checks, the tables of keys, the sentences of
-channels and the rows of the report are made from it; nothing of it stands anywhere else.
+annotated with its quantity, and a sentence stands below it. Its class says under which word a case file knows it, what
+it records, and in ``check`` what its keys must say together. The section of the case file, the JSON schema, the tables
+of keys, the sentences of channels, the object itself and its row of the report are made from it; nothing of it stands
+anywhere else. A *part* is the description of a table within that of another one. An object that was not made from a
+case file is checked by the same words, see `check_object`.
 
 A `Family` finds the descriptions of one sort: each module of a package may bring some. A file that nobody names is not
 looked at: a case with hinges knows nothing of screws. And of a file that is named only the description is executed,
@@ -52,7 +54,7 @@ from heavylift.numerics.quantity import (
 from heavylift.numerics.units import KINDS, parse_unit
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -175,8 +177,6 @@ class Family(Generic[T]):
         Word of a table that says none.
     typed
         Whether a table says its word, as its ``type``; if not, it is the name of the list in which it stands.
-    reserved
-        Words that stand for something else.
     key
         In which a table says its word, if not as its ``type``.
     alphabetical
@@ -190,12 +190,10 @@ class Family(Generic[T]):
         *,
         default: str = "",
         typed: bool = True,
-        reserved: Collection[str] = (),
         key: str = "type",
         alphabetical: bool = True,
     ) -> None:
-        self._alphabetical = alphabetical
-        self.name, self.package, self.reserved, self.key = name, package, reserved, key
+        self.name, self.package, self.key, self._alphabetical = name, package, key, alphabetical
         self.default, self.typed = default, typed
         self._members: dict[str, type[T]] = {}
         self._parts: dict[str, type[Any]] = {}
@@ -214,8 +212,6 @@ class Family(Generic[T]):
             other = self._members.get(word)
             if other is not None and _place(other) == _place(described):
                 return other  # its kernels are imported now
-            if word in self.reserved:
-                raise TypeError(f"{_place(described)}: {word!r} stands for another {self.name}")
             if other is not None:
                 raise TypeError(
                     f"{self.name} {word!r} is described twice: {_place(other)} and {_place(described)}"

@@ -99,16 +99,6 @@ def test_a_description_that_was_read_is_the_one_of_its_module(name):
     assert int(result.stdout) == len(FAMILIES[name].words)
 
 
-def test_a_word_that_stands_for_something_else_is_refused():
-    @dataclass(frozen=True, kw_only=True)
-    class Other(Thing):
-        pass
-
-    things = Family[Thing]("thing", "heavylift.solver.joints", reserved=("rod",))
-    with pytest.raises(TypeError, match="'rod' stands for another thing"):
-        things.describe("rod")(Other)
-
-
 def read(folder: Path, text: str) -> Family[Any]:
     """A family with one file."""
     (folder / "made.py").write_text("from __future__ import annotations\n" + textwrap.dedent(text))
