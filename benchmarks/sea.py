@@ -109,8 +109,7 @@ def moorpy(case, anchors, ends, lengths):
 def moordyn(scene_lines, anchors, ends, interval):
     """CPU time of one dynamic line [s] along the motion of its fairlead."""
     from heavylift.numerics.outcome import InputError
-    from heavylift.pipeline.commands.moordyn_input import LineDynamics
-    from heavylift.pipeline.commands.moordyn_lines import MoorDynLine
+    from heavylift.pipeline.commands.moordyn import LineDynamics, MoorDynLine
 
     weight = scene_lines[0].sections[0].weight
     dynamics = LineDynamics(masses=(weight / 9.81 / 0.87,), segment=40.0)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.units import KINDS, parse_quantity, with_article
+from heavylift.numerics.units import KINDS, Dimension, Kind, parse_quantity, with_article
 
 if TYPE_CHECKING:
     from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
@@ -22,6 +22,7 @@ __all__ = [
     "BodyDirection",
     "BodyPoint",
     "ByCoordinate",
+    "ByExponent",
     "Least",
     "NameOf",
     "Positive",
@@ -130,6 +131,34 @@ class ByCoordinate:
 
     angle: Quantity
     travel: Quantity
+
+
+@dataclass(frozen=True)
+class ByExponent:
+    """Annotation of the stiffness k > 0 of a force ``k d^n`` [N/m^n].
+
+    Attributes
+    ----------
+    exponent
+        n; the key ``exponent`` of the same table if None.
+    """
+
+    exponent: float | None = None
+
+    def parse(self, value: object, exponent: float) -> float:
+        """SI number of an input value.
+
+        Raises
+        ------
+        InputError
+            If it is no number, has a wrong unit or is not positive.
+        """
+        unit = f"N/m^{exponent:g}"
+        kind = Kind("stiffness of a contact", unit, Dimension(1.0 - exponent, 1.0, -2.0))
+        number = parse_quantity(value, kind)
+        if number <= 0.0:
+            raise InputError(f"{value!r} is too small", expected=f"a {kind.name} > 0 {unit}")
+        return number
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ def assemble_joints(case: Case, sides: Mapping[str, Side]) -> tuple[c.Joint, ...
     for index, joint in enumerate(case.joints):
         with located(case, f"joints.{index}"):
             if joint.DESCRIBED.PLACE is Place.EDGE:
-                from heavylift.pipeline.assemble.edges import assemble_edge
+                from heavylift.pipeline.assemble.meshes import assemble_edge
 
                 found.append(assemble_edge(case, joint, sides))
             else:

@@ -91,9 +91,6 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
     sides = start_sides(bodies, origins)
     forces: list[Any] = [] if case.gravity is None else [s.Gravity(np.array(case.gravity.acceleration))]
     forces += assemble_list(case, "forces", sides)
-    sensors = tuple(
-        s.Sensor(sensor.name, sensor.body, sides[sensor.body].local(sensor.point)) for sensor in case.sensors
-    )
     joints, contacts = assemble_joints(case, sides), _contacts(case, sides)
     edges = _edges(case, joints, bodies)
     for made in bodies:
@@ -115,7 +112,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
     return s.Scene(
         tuple(bodies),
         tuple(forces),
-        sensors,
+        tuple(assemble_list(case, "sensors", sides)),
         joints=joints,
         ropes=tuple(assemble_list(case, "ropes", sides)),
         contours=_contours(case, bodies, sides, folder),
@@ -176,7 +173,7 @@ def _edges(case: Case, joints: Sequence[Joint], bodies: Sequence[AnyBody]) -> li
     found: list[tuple[str, Joint]] = []
     for index, (joint, made) in enumerate(zip(case.joints, joints, strict=True)):
         if isinstance(made, EdgeJoint):
-            from heavylift.pipeline.assemble.edges import joints_of_edge
+            from heavylift.pipeline.assemble.meshes import joints_of_edge
 
             with located(case, f"joints.{index}"):
                 place = case.place(f"joints.{index}.between.1")

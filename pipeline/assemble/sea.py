@@ -60,8 +60,7 @@ def assemble_sea(case: Case, sides: Mapping[str, Side], folder: OutputFolder) ->
     hulls: tuple[seas.Hull, ...] = ()
     radiation: tuple[seas.Radiation, ...] = ()
     if case.hulls:
-        from heavylift.pipeline.assemble.databases import assemble_radiation
-        from heavylift.pipeline.assemble.hulls import assemble_hulls
+        from heavylift.pipeline.assemble.hulls import assemble_hulls, assemble_radiation
 
         hulls, radiation = assemble_hulls(case, sides, folder), assemble_radiation(case, folder)
     return seas.Sea(

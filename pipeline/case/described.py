@@ -2,7 +2,7 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import MISSING
 from functools import cache, reduce
 from operator import or_
@@ -10,6 +10,7 @@ from types import GenericAlias, UnionType
 from typing import Annotated, Any, ClassVar, Literal, Optional, Union, cast, get_args, get_origin
 
 import numpy as np
+from annotated_types import Interval
 from pydantic import (
     AfterValidator,
     BeforeValidator,
@@ -31,6 +32,7 @@ from heavylift.numerics.quantity import (
     BodyDirection,
     BodyPoint,
     ByCoordinate,
+    ByExponent,
     Least,
     NameOf,
     Quantity,
@@ -105,6 +107,7 @@ def make_section(
     base: type[Section],
     parts: Parts,
     changed: Mapping[str, Any] | None = None,
+    optional: Collection[str] = (),
 ) -> type[Section]:
     """Section of a description.
 
@@ -118,6 +121,8 @@ def make_section(
         By class of a value that a table of its own describes: the section of that table for a quantity.
     changed
         Keys of the base with another type: type and default by name.
+    optional
+        Keys of the description that may be left out, because the base has others in their place.
 
     Raises
     ------
@@ -127,22 +132,25 @@ def make_section(
     own: dict[str, Any] = {}
     if described.WORD and described.FAMILY.typed:
         default = described.WORD if described.FAMILY.default == described.WORD else ...
-        own["type"] = (Literal[described.WORD], default)
-    for field in described_fields(described):
+        own[described.FAMILY.key] = (Literal[described.WORD], default)
+    for field in sorted(described_fields(described), key=lambda field: field.mark(ByExponent) is not None):
         if field.name in base.model_fields or field.name in own:
             raise TypeError(f"{described.__qualname__}.{field.name} hides a key that {base.__name__} has")
-        own[field.name] = (_annotation(field, parts), _default(field))
+        made, default = _annotation(field, parts), _default(field)
+        own[field.name] = (made | None, None) if field.name in optional else (made, default)
     own |= changed or {}
+    within = base.DESCRIBED.__name__ if hasattr(base, "DESCRIBED") else ""
     made = create_model(
-        f"{described.__name__}Section",
+        f"{described.__name__}{within}Section",
         __base__=base,
         __module__=described.__module__,
         __doc__=described.__doc__,
         __validators__={"check": model_validator(mode="after")(_run_check)},  # type: ignore[dict-item]
         **own,
     )
-    made.DESCRIBED = described  # type: ignore[attr-defined]
-    made.CHANNELS = recorded_channels(described)
+    made.DESCRIBED = described
+    if hasattr(described, "CHANNELS") or not base.CHANNELS:
+        made.CHANNELS = recorded_channels(described)
     return made
 
 
@@ -178,6 +186,9 @@ def _annotation(field: DescribedField, parts: Parts) -> Any:
         made = Annotated[made, Field(min_length=least.count)]
     if field.absent:
         made = Optional[made]  # noqa: UP045
+    power = field.mark(ByExponent)
+    if power is not None:
+        made = Annotated[made, BeforeValidator(_InItsUnit(power).parse)]
     along = field.mark(ByCoordinate)
     return made if along is None else Annotated[made, BeforeValidator(_InUnitsOfTheJoint(along).parse)]
 
@@ -208,7 +219,8 @@ def _type(hint: Any, field: DescribedField, parts: Parts) -> Any:
             made = GenericAlias(tuple, (made, ...) if length is None else (made,) * length)
         return made
     if hint in {bool, int}:
-        return Annotated[hint, Field(strict=True)]
+        limits = [mark for mark in field.marks if isinstance(mark, Interval)]
+        return Annotated[(hint, Field(strict=True), *limits)]
     if origin is Literal:
         return hint
     if is_described(hint):
@@ -222,7 +234,27 @@ def _type(hint: Any, field: DescribedField, parts: Parts) -> Any:
 def _number(quantity: Quantity | ByCoordinate) -> Any:
     if isinstance(quantity, ByCoordinate):
         return Annotated[float, WithJsonSchema(quantity_schema(), mode="validation")]
+    if isinstance(quantity, ByExponent):
+        schema = quantity_schema("number in N/m^exponent", exclusiveMinimum=0.0)
+        return Annotated[float, WithJsonSchema(schema, mode="validation")]
     return Annotated[float, quantity]
+
+
+class _InItsUnit:
+    """Parses a stiffness whose unit depends on an exponent."""
+
+    def __init__(self, quantity: ByExponent) -> None:
+        self.quantity = quantity
+
+    def parse(self, value: Any, info: ValidationInfo) -> Any:
+        """A value in SI; one if the exponent is wrong, which is told already."""
+        exponent = self.quantity.exponent or info.data.get("exponent")
+        if value is None or exponent is None:
+            return None if value is None else 1.0
+        try:
+            return self.quantity.parse(value, exponent)
+        except InputError as error:
+            reject(error.problem, error.expected)
 
 
 class _InUnitsOfTheJoint:
@@ -316,14 +348,21 @@ class Chosen:
             return value
         if not isinstance(value, dict):
             reject(f"{value!r} is not a table", "a table")
-        word = self.word or value.get("type", self.family.default)
+        word, described = self._word(value), self.described(value)
         if word == "":
-            reject("key 'type' is missing", "the kind of this table")
-        described = self.family.get(word) if isinstance(word, str) else None
+            reject(f"key {self.family.key!r} is missing", "the kind of this table")
         if described is None:
             known = ", ".join(f"'{word}'" for word in self.family.words)
-            reject(f"type = {word!r}", f"one of {known}")
+            reject(f"{self.family.key} = {word!r}", f"one of {known}")
         return self.section(described).model_validate(value, context=info.context)
+
+    def _word(self, row: Mapping[str, Any]) -> Any:
+        return self.word or row.get(self.family.key, self.family.default)
+
+    def described(self, row: Mapping[str, Any]) -> Any:
+        """The description of a table as read from TOML; None if there is none with its word."""
+        word = self._word(row)
+        return self.family.get(word) if isinstance(word, str) else None
 
     @property
     def sections(self) -> Iterable[type[Section]]:
@@ -338,7 +377,11 @@ class Chosen:
         self, _schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         made: Any = reduce(or_, self.sections)
-        if not self.word:
-            made = Annotated[made, Field(discriminator="type")]
-        adapter: TypeAdapter[Any] = TypeAdapter(cast("Any", made))
-        return handler(adapter.core_schema)
+        if self.word:  # a section that is used once has no definition of its own
+            twice: TypeAdapter[Any] = TypeAdapter(cast("Any", tuple[made, made]))
+            found: JsonSchemaValue = handler(twice.core_schema)["prefixItems"][0]
+            return found
+        chosen: TypeAdapter[Any] = TypeAdapter(
+            cast("Any", Annotated[made, Field(discriminator=self.family.key)])
+        )
+        return handler(chosen.core_schema)

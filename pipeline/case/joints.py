@@ -22,7 +22,7 @@ from heavylift.pipeline.case.fields import (
     is_parallel,
     reject,
 )
-from heavylift.pipeline.case.mesh_supports import EdgeName, NodeNumber
+from heavylift.pipeline.case.meshes import EdgeName, NodeNumber
 from heavylift.solver.scene import connections as c
 from heavylift.solver.scene.bodies import Profile
 from heavylift.solver.scene.connections import Between, Place

@@ -31,8 +31,8 @@ def database_command(
     InputError
         If the case has no hulls or no databases, or one of them is wrong.
     """
-    from heavylift.pipeline.pictures.plot_database import database_plots
-    from heavylift.pipeline.stages.lock import locked
+    from heavylift.pipeline.pictures.hull_plots import database_plots
+    from heavylift.pipeline.stages.stages import locked
 
     found = load_sea_case(path, out=out, overrides=overrides, log=log)
     check_databases(found)

@@ -70,7 +70,7 @@ def hydrostatics_command(
     """
     from heavylift.pipeline.assemble.hulls import frame_origin
     from heavylift.pipeline.stages.hydrostatics import hydrostatics_lines, hydrostatics_report
-    from heavylift.pipeline.stages.lock import locked
+    from heavylift.pipeline.stages.stages import locked
     from heavylift.preprocess.surfaces.triangle_surface import placed
     from heavylift.solver.water.hulls.hydrostatics import Tank as Liquid
 

@@ -147,7 +147,7 @@ def write_rao_report(
         temporary.write_text(text.getvalue(), encoding="utf-8")
     write_json(files[1], rao_document(operators, modes, responses))
     if pictures:
-        from heavylift.pipeline.pictures.plot_response_operators import operator_plot
+        from heavylift.pipeline.pictures.hull_plots import operator_plot
 
         for body, name in enumerate(operators.bodies):
             files.append(folder / f"rao_{name}.png")

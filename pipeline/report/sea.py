@@ -168,7 +168,7 @@ def _hulls(case: Case, stages: OutputFolder) -> list[Table | Text]:
 
 def _databases(case: Case, stages: OutputFolder) -> list[Table]:
     """What the mesh stage found of the databases."""
-    from heavylift.pipeline.assemble.databases import database_manifest
+    from heavylift.pipeline.assemble.hulls import database_manifest
 
     items, rows = database_manifest(stages), []
     for name, section in case.databases.items():

@@ -9,11 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.pipeline.assemble.databases import (
-    database_manifest,
-    read_database_source,
-    stored_database,
-)
+from heavylift.pipeline.assemble.hulls import database_manifest, read_database_source, stored_database
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.results.provenance import database_digest, source_digest, versions
 from heavylift.pipeline.results.storage import replacing, write_json
@@ -23,7 +19,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.hulls import DatabaseSection
-    from heavylift.pipeline.stages.work import Work
+    from heavylift.pipeline.stages.stages import Work
     from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 
 __all__ = ["make_databases"]
@@ -106,7 +102,7 @@ def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDataba
         database = read_database_source(work.case, section)
         _write(file, database, "")
         return database
-    from heavylift.pipeline.assemble.panels import bem_inputs
+    from heavylift.pipeline.assemble.hulls import bem_inputs
     from heavylift.preprocess.hydrodynamics.bem import capytaine_version, compute_database
     from heavylift.preprocess.hydrodynamics.bem import database_digest as inputs_digest
     from heavylift.preprocess.hydrodynamics.netcdf_files import read_digest, read_netcdf

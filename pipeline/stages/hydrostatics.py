@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.pipeline.pictures.plot_righting_arm import righting_arm_plot
+from heavylift.pipeline.pictures.hull_plots import righting_arm_plot
 from heavylift.pipeline.results.storage import replacing, write_json
 from heavylift.preprocess.hydrodynamics.hull_surface import check_hull
 from heavylift.solver.water.hulls.hydrostatics import (

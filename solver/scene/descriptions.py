@@ -45,6 +45,7 @@ from heavylift.numerics.quantity import (
     BodyDirection,
     BodyPoint,
     ByCoordinate,
+    ByExponent,
     NameOf,
     Quantity,
     TableFile,
@@ -131,7 +132,9 @@ _CHANNELS: dict[str, list[ChannelKind]] = {}
 """By name; all of one quantity, but for those that have theirs from their owner."""
 
 
-Meaning = Quantity | ByCoordinate | WorldDirection | BodyDirection | BodyPoint | NameOf | TableFile
+Meaning = (
+    Quantity | ByCoordinate | ByExponent | WorldDirection | BodyDirection | BodyPoint | NameOf | TableFile
+)
 """Annotations that say what a value is."""
 
 
@@ -174,10 +177,23 @@ class Family(Generic[T]):
         Word of a table that says none.
     typed
         Whether a table says its word, as its ``type``; if not, it is the name of the list in which it stands.
+    key
+        In which a table says its word, if not as its ``type``.
+    alphabetical
+        Whether its words are told in that order; if not, as they are described.
     """
 
-    def __init__(self, name: str, package: str, *, default: str = "", typed: bool = True) -> None:
-        self.name, self.package = name, package
+    def __init__(
+        self,
+        name: str,
+        package: str,
+        *,
+        default: str = "",
+        typed: bool = True,
+        key: str = "type",
+        alphabetical: bool = True,
+    ) -> None:
+        self.name, self.package, self.key, self._alphabetical = name, package, key, alphabetical
         self.default, self.typed = default, typed
         self._members: dict[str, type[T]] = {}
         self._parts: dict[str, type[Any]] = {}
@@ -239,9 +255,9 @@ class Family(Generic[T]):
 
     @property
     def words(self) -> tuple[str, ...]:
-        """All words, in alphabetical order."""
+        """All words in their order."""
         self._read_all()
-        return tuple(sorted(self._members))
+        return tuple(sorted(self._members) if self._alphabetical else self._members)
 
     @property
     def _folders(self) -> list[Path]:

@@ -18,6 +18,8 @@ from heavylift.solver.scene.bodies import (
     Profile,
     RigidBody,
 )
+from heavylift.solver.scene.connections import OnBody
+from heavylift.solver.scene.descriptions import Family
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,7 +29,6 @@ if TYPE_CHECKING:
         AlongJoint,
         Between,
         Joint,
-        OnBody,
         PackedForce,
     )
     from heavylift.solver.scene.contacts import Contact, Contour
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from heavylift.solver.scene.sea import Sea
 
 __all__ = [
+    "SENSORS",
     "AnyBody",
     "Driven",
     "Fixed",
@@ -57,16 +59,23 @@ class Gravity:
     acceleration: NDArray[np.float64]
 
 
+SENSORS: Family[Any] = Family("table", "heavylift.solver.scene", typed=False)
+"""What only watches, by the list of a case file in which it stands."""
+
+
+@SENSORS.describe("sensors")
 @dataclass(frozen=True, eq=False)
-class Sensor:
-    """A material point whose position and velocity are recorded: body name and point [m] in its frame."""
+class Sensor(OnBody):
+    """A material point whose position and velocity are recorded."""
 
     CHANNELS: ClassVar = POINT_CHANNELS
     """What it records, in the order of its columns."""
-
-    name: str
-    body: str
-    point: NDArray[np.float64]
+    SENTENCES: ClassVar = {
+        "name": "Name; its channels are ``NAME.position`` and ``NAME.velocity``.",
+        "body": "Body that carries it.",
+        "point": "Point in the coordinates of the geometry [m]; of a flexible body the nearest node, of a frame or "
+        "shell any point of its mesh.",
+    }
 
 
 AnyBody: TypeAlias = "FlexibleBody | RigidBody | MeshBody"

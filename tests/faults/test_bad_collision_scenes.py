@@ -77,7 +77,6 @@ def collision_scene(
         ({"law": HertzLaw(-1e6)}, "stiffness", "-1000000.0", "a positive number"),
         ({"law": HuntCrossleyLaw(1e6, 0.5)}, "exponent", "0.5", "1 to 3"),
         ({"law": HuntCrossleyLaw(1e6, 1.5, 0.0)}, "restitution", "0.0", "above 0, up to 1"),
-        ({"law": LinearLaw(1e6), "events": False}, "events", "a law that is compliant", "law 'rigid'"),
         ({"method": "quick"}, "method", "'quick'", "'swept' or 'position-difference'"),
         ({"patch_angle": 0.0}, "patch_angle", "0.0 rad", "above 0, up to pi"),
         ({"patch_angle": NAN}, "patch_angle", "nan rad", "above 0, up to pi"),

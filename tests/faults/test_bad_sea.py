@@ -13,8 +13,7 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, run_case
-from heavylift.pipeline.assemble.databases import assemble_radiation
-from heavylift.pipeline.assemble.hulls import hull_surface, resting_position
+from heavylift.pipeline.assemble.hulls import assemble_radiation, hull_surface, resting_position
 from heavylift.pipeline.assemble.lines import assemble_lines
 from heavylift.pipeline.assemble.sea import make_waves
 from heavylift.pipeline.results.storage import OutputFolder

@@ -13,8 +13,13 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, run_case
-from heavylift.pipeline.assemble.databases import database_manifest, stored_database
-from heavylift.pipeline.assemble.hulls import hull_surface, linear_restoring, resting_position
+from heavylift.pipeline.assemble.hulls import (
+    database_manifest,
+    hull_surface,
+    linear_restoring,
+    resting_position,
+    stored_database,
+)
 from heavylift.pipeline.assemble.scene import assemble_rigid
 from heavylift.pipeline.assemble.sea import assemble_sea, make_waves, sea_provenance
 from heavylift.pipeline.assemble.sides import start_sides
@@ -281,7 +286,7 @@ def test_a_database_is_computed_only_if_its_panels_changed(folder, monkeypatch):
 
 
 def test_panels_of_a_box_are_what_it_wets(folder):
-    from heavylift.pipeline.assemble.panels import bem_inputs
+    from heavylift.pipeline.assemble.hulls import bem_inputs
     from heavylift.preprocess.hydrodynamics.hull_panels import hydrostatics
 
     compute = "{panel_size = 2.5, symmetric = true, frequencies = {first = 0.2, last = 2, count = 10}}"

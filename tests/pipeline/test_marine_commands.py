@@ -17,9 +17,9 @@ from heavylift.pipeline.commands.cli import app
 from heavylift.pipeline.commands.hydrostatics import linear_figures
 from heavylift.pipeline.commands.lines import line_ends, section_masses
 from heavylift.pipeline.commands.response_operators import response_in_trains, separate_modes
-from heavylift.pipeline.commands.statistics_seeds import seed_keys
-from heavylift.pipeline.results.column_statistics import chosen_columns, column_statistics
+from heavylift.pipeline.commands.statistics import seed_keys
 from heavylift.pipeline.results.histories import ChannelInfo, Results
+from heavylift.pipeline.results.statistics import chosen_columns, column_statistics
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.moorings import LineSection
 from heavylift.solver.scene.scene import RigidBody, Scene

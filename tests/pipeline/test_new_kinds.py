@@ -248,7 +248,7 @@ for wrong, message in (
     else:
         raise AssertionError(wrong)
 
-from heavylift.pipeline.case.key_tables import key_tables
+from heavylift.pipeline.case.schema import key_tables
 
 tables = key_tables()
 for line in (

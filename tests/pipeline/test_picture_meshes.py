@@ -7,9 +7,8 @@ import pytest
 
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
 from heavylift.pipeline.pictures.attached import Others, rope_line
-from heavylift.pipeline.pictures.meshes import MeshSkin, join, rest_coordinates
+from heavylift.pipeline.pictures.meshes import MeshRun, MeshSkin, join, rest_coordinates
 from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError, rendering_backend
-from heavylift.pipeline.pictures.run import MeshRun
 from heavylift.pipeline.pictures.scene import ScenePainter
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.laws.wire_rope import SpringRope

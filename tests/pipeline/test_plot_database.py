@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.pictures.plot_database import (
+from heavylift.pipeline.pictures.hull_plots import (
     added_mass_plot,
     damping_plot,
     database_plots,

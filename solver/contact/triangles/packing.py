@@ -123,7 +123,7 @@ def pack_collisions(
         pair.poses[:] = first_pose + first, first_pose + second
         pair.law = RIGID if isinstance(law, RigidLaw) else COMPLIANT
         pair.force_law = 0 if isinstance(law, RigidLaw) else force_law(law)
-        pair.events = collision.events
+        pair.events = isinstance(law, RigidLaw) and law.events
         pair.method = METHODS[collision.method]
         pair.column, pair.recorded = column, collision.recorded
         pair.most = most_of(collision, scene)
@@ -341,8 +341,6 @@ def _check(collision: Collision, scene: Scene, scales: Callable[[str], tuple[flo
     if isinstance(collision.law, BilateralLaw):
         _refuse(collision, "law", "bilateral, between surfaces that come and go", "a law that lets go")
     check_law(collision.name, collision.law, collision.friction)
-    if not isinstance(collision.law, RigidLaw) and not collision.events:
-        _refuse(collision, "events", "false with a law that is compliant", "law 'rigid', or no 'events'")
     if collision.method not in METHODS:
         _refuse(collision, "method", f"{collision.method!r}", " or ".join(map(repr, METHODS)))
     if not 0.0 < collision.patch_angle <= math.pi:

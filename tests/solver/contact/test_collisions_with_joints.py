@@ -94,9 +94,8 @@ def site(law: Any = None, events: bool = True, left_over: float = 0.5) -> Scene:
             Collision(
                 name=f"{name}_lands",
                 surfaces=("floor_skin", f"{name}_skin"),
-                law=law,
+                law=replace(law, events=events) if isinstance(law, RigidLaw) else law,
                 friction=0.5,
-                events=events,
             )
             for name in ("box", "left", "right")
         ),

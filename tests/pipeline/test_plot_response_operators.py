@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from heavylift.pipeline.pictures.plot_response_operators import operator_plot, response_plot
+from heavylift.pipeline.pictures.hull_plots import operator_plot, response_plot
 from heavylift.pipeline.report.response_operators import operator_rows, write_rao_report
 from heavylift.solver.water.hulls.frequency_domain import MotionOperators, NaturalMode, response_statistics
 from heavylift.solver.water.waves.spectra import jonswap

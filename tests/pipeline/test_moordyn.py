@@ -10,9 +10,13 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.pipeline.commands.moordyn_coupling import couple_moordyn
-from heavylift.pipeline.commands.moordyn_input import LineDynamics, moordyn_input, quasi_static_force
-from heavylift.pipeline.commands.moordyn_lines import run_moordyn
+from heavylift.pipeline.commands.moordyn import (
+    LineDynamics,
+    couple_moordyn,
+    moordyn_input,
+    quasi_static_force,
+    run_moordyn,
+)
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.moorings import LineSection

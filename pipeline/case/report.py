@@ -1,47 +1,21 @@
-"""Small tables of a case file: gravity, sensors, report."""
+"""Tables of a case file that say what its report shows."""
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from heavylift.pipeline.case.fields import (
-    AccelerationVector,
-    BodyName,
-    LengthVector,
     Positive,
     Quantity,
     Section,
-    UniqueName,
 )
-from heavylift.solver.scene.scene import Sensor
 
-__all__ = ["AnimationSection", "GravitySection", "ReportSection", "SensorSection"]
+__all__ = ["AnimationSection", "ReportSection"]
 
 Index = Annotated[int, Field(ge=1, strict=True)]
 Time = Annotated[float, Quantity("time", minimum=0.0, closed=True)]
-
-
-class GravitySection(Section):
-    """Uniform gravity."""
-
-    acceleration: AccelerationVector
-    """World axes [m/s^2]."""
-
-
-class SensorSection(Section):
-    """A material point whose position and velocity are recorded."""
-
-    CHANNELS: ClassVar = Sensor.CHANNELS
-
-    name: UniqueName
-    """Name; its channels are ``NAME.position`` and ``NAME.velocity``."""
-    body: BodyName
-    """Body that carries it."""
-    point: LengthVector
-    """Point in the coordinates of the geometry [m]; of a flexible body the nearest node, of a frame or shell any point
-    of its mesh."""
 
 
 class AnimationSection(Section):
